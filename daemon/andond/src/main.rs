@@ -1,0 +1,2 @@
+//! The Andon daemon.
+fn main() {}

@@ -1,0 +1,39 @@
+//! The feature couple `X = (x_m, x_c)` of one hand in one frame (paper III-A.3).
+
+use crate::input::Side;
+
+/// Motion features `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]` (paper III-A.3).
+///
+/// `a_h` ∈ {-1, 0, 1}; `θ` elevation and `φ` azimuth are direction bins, 1..=N around the circle and 0 = at rest;
+/// `jm` ∈ {0, 1}. In plane mode both `θ` are 0. What has no meaning in a context (no `o_l`) is 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Motion(pub [i8; 7]);
+
+/// Context features `x_c = [ID_h, ID_oj, ID_oj, ID_ol]` (paper III-A.3).
+///
+/// `[h, j, 0, 0]`: the hand touches `o_j` alone. `[h, j, j, l]`: and `o_j` touches `o_l`.
+/// `[0, 0, j, l]`: the hand has let go and `o_j` still touches `o_l`. All zero: idle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Context(pub [u16; 4]);
+
+impl Context {
+    /// Nothing is touched: idle, not an IU.
+    pub const IDLE: Self = Self([0; 4]);
+}
+
+/// The feature couple of one hand on one frame of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Couple {
+    /// Whose couple it is.
+    pub side: Side,
+    /// The time that the couple describes (the frame's own, not when it became known), in nanoseconds.
+    pub captured_ns: u64,
+    /// Motion features.
+    pub motion: Motion,
+    /// Context features.
+    pub context: Context,
+    /// Least distances hand to `o_j` and `o_j` to `o_l` in metres; infinite where there is no such contact.
+    pub distances: [f32; 2],
+    /// False where the hand, or an object that its context rests on, has been out of sight for longer than `blind_ms`.
+    pub sighted: bool,
+}

@@ -1,0 +1,1 @@
+//! The only crate that calls iceoryx2: channels, ports, the loop.

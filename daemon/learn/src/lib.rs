@@ -1,0 +1,1 @@
+//! Teaching and analysis: from demonstrations to a job file.

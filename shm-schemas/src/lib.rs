@@ -1,0 +1,1 @@
+//! What lies in shared memory: repr(C) data only.
