@@ -1,0 +1,38 @@
+//! Channel `couple`: the feature couples `X = (x_m, x_c)` of both hands at one instant of the grid (paper III-A.3).
+
+use crate::HANDS;
+use crate::layout::{message, wire};
+use crate::stamp::Stamp;
+
+wire! { "andon.HandCouple", 24;
+    /// The feature couple of one hand.
+    struct HandCouple {
+        /// `x_c = [ID_h, ID_oj, ID_oj, ID_ol]`.
+        x_c: [u16; 4],
+        /// Least distances hand to `o_j` and `o_j` to `o_l` in metres; infinite where there is no such contact.
+        distances_m: [f32; 2],
+        /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`.
+        x_m: [i8; 7],
+        /// Bits of [`crate::flag`]: `SIGHTED`.
+        flags: u8,
+    }
+}
+
+wire! { "andon.Couples", 112;
+    /// The feature couples of both hands. The stamp's frame is the newest one that they rest on.
+    struct Couples {
+        /// The stamp.
+        stamp: Stamp,
+        /// The instant that the couples describe, source time in nanoseconds.
+        described_ns: u64,
+        /// Source time of the newest frame they rest on: `persist` frames later than `described_ns`.
+        known_ns: u64,
+        /// Bits of [`crate::flag`]: `END_OF_STREAM` (then the couples are meaningless), `METRIC`.
+        flags: u32,
+        /// Frames that were lost just before the newest one.
+        dropped: u32,
+        /// Right hand, then left hand.
+        hands: [HandCouple; HANDS],
+    }
+}
+message!(Couples);

@@ -1,0 +1,170 @@
+//! The layout of a wire type as a number, computed at compile time.
+
+use crate::stamp::Stamp;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
+
+/// A type whose bytes mean the same in every process.
+///
+/// # Safety
+/// Only plain integers, `f32`, arrays of them and `repr(C)` structs of them without padding: no pointer, no handle,
+/// every bit pattern valid. [`wire!`] proves this for structs; the rest is in this file.
+pub unsafe trait Layout: Copy + 'static {
+    /// Changes when the name, the type, the order or the place of a field changes, in this type or inside a field of it.
+    const HASH: u64;
+}
+
+/// A wire type that begins with a [`Stamp`] and travels on a channel.
+pub trait Message: Layout + ZeroCopySend + Default {
+    /// Who sent it when, and what it rests on.
+    fn stamp(&self) -> &Stamp;
+    /// For the writer's port, which numbers its messages.
+    fn stamp_mut(&mut self) -> &mut Stamp;
+}
+
+macro_rules! plain {
+    ($($ty:ident)*) => { $(
+        // SAFETY: a number without invalid bit patterns.
+        unsafe impl Layout for $ty {
+            const HASH: u64 = fold_str(SEED, stringify!($ty));
+        }
+    )* };
+}
+plain!(u8 i8 u16 i16 u32 i32 u64 i64 f32);
+
+// SAFETY: an array has no padding that its elements do not have.
+unsafe impl<T: Layout, const N: usize> Layout for [T; N] {
+    const HASH: u64 = fold(fold_str(T::HASH, "[]"), N as u64);
+}
+
+/// FNV-1a: well known, three lines, and it only has to tell builds apart, not to withstand an attacker.
+pub(crate) const SEED: u64 = 0xcbf2_9ce4_8422_2325;
+
+const fn fold_byte(hash: u64, byte: u8) -> u64 {
+    (hash ^ byte as u64).wrapping_mul(0x0000_0100_0000_01b3)
+}
+
+pub(crate) const fn fold(mut hash: u64, value: u64) -> u64 {
+    let bytes = value.to_le_bytes();
+    let mut i = 0;
+    while i < bytes.len() {
+        hash = fold_byte(hash, bytes[i]);
+        i += 1;
+    }
+    hash
+}
+
+pub(crate) const fn fold_str(mut hash: u64, text: &str) -> u64 {
+    let bytes = text.as_bytes();
+    let mut i = 0;
+    while i < bytes.len() {
+        hash = fold_byte(hash, bytes[i]);
+        i += 1;
+    }
+    // The length parts neighbours: "ab", "c" is not "a", "bc".
+    fold(hash, bytes.len() as u64)
+}
+
+/// Declares a wire struct: `wire! { "type name on the wire", size in bytes; /// docs struct Name { field: Type, } }`.
+///
+/// Compile-time checks: every field is [`Layout`], the size is the one stated, and the fields fill it without padding.
+macro_rules! wire {
+    ($type_name:literal, $bytes:literal; $(#[$doc:meta])* struct $name:ident {
+        $( $(#[$field_doc:meta])* $field:ident: $ty:ty, )*
+    }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[repr(C)]
+        pub struct $name { $( $(#[$field_doc])* pub $field: $ty, )* }
+
+        // SAFETY: repr(C), every field is Layout, and the assert below shows that there is no padding.
+        unsafe impl $crate::layout::Layout for $name {
+            const HASH: u64 = {
+                let hash = $crate::layout::fold_str($crate::layout::SEED, $type_name);
+                $(
+                    let hash = $crate::layout::fold_str(hash, stringify!($field));
+                    let hash = $crate::layout::fold(hash, core::mem::offset_of!($name, $field) as u64);
+                    let hash = $crate::layout::fold(hash, <$ty as $crate::layout::Layout>::HASH);
+                )*
+                hash
+            };
+        }
+
+        // SAFETY: Layout is stricter than ZeroCopySend; the name is fixed, so the layout hash must be compared as well.
+        unsafe impl iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend for $name {
+            unsafe fn type_name() -> &'static str {
+                $type_name
+            }
+        }
+
+        const _: () = assert!(size_of::<$name>() == $bytes, "the size differs from the stated one");
+        const _: () = assert!(0 $( + size_of::<$ty>() )* == $bytes, "there is padding: make it a field");
+    };
+}
+
+/// Makes wire structs that begin with `stamp: Stamp` messages.
+macro_rules! message {
+    ($name:ident) => {
+        impl $crate::layout::Message for $name {
+            fn stamp(&self) -> &$crate::stamp::Stamp {
+                &self.stamp
+            }
+            fn stamp_mut(&mut self) -> &mut $crate::stamp::Stamp {
+                &mut self.stamp
+            }
+        }
+        const _: () = assert!(core::mem::offset_of!($name, stamp) == 0, "the stamp comes first");
+    };
+}
+
+pub(crate) use {message, wire};
+
+#[cfg(test)]
+#[allow(unreachable_pub)] // the macro makes public types
+mod tests {
+    use super::Layout;
+
+    mod as_it_is {
+        wire! { "test.Point", 8; /// p
+        struct Point { /// x
+            x: f32, /// y
+            y: f32, } }
+        wire! { "test.Line", 16; /// l
+        struct Line { /// from
+            from: Point, /// to
+            to: Point, } }
+    }
+    mod fields_swapped {
+        wire! { "test.Point", 8; /// p
+        struct Point { /// y
+            y: f32, /// x
+            x: f32, } }
+        wire! { "test.Line", 16; /// l
+        struct Line { /// from
+            from: Point, /// to
+            to: Point, } }
+    }
+    mod other_type_of_same_size {
+        wire! { "test.Point", 8; /// p
+        struct Point { /// x
+            x: f32, /// y
+            y: u32, } }
+    }
+
+    #[test]
+    fn the_hash_tells_field_order_and_field_type_apart() {
+        assert_eq!(as_it_is::Point::HASH, as_it_is::Point::HASH);
+        assert_ne!(as_it_is::Point::HASH, fields_swapped::Point::HASH);
+        assert_ne!(as_it_is::Point::HASH, other_type_of_same_size::Point::HASH);
+    }
+
+    #[test]
+    fn a_change_inside_a_field_changes_the_hash_of_the_whole() {
+        assert_ne!(as_it_is::Line::HASH, fields_swapped::Line::HASH);
+    }
+
+    #[test]
+    fn arrays_of_other_lengths_have_other_hashes() {
+        assert_ne!(<[f32; 2]>::HASH, <[f32; 3]>::HASH);
+        assert_ne!(<[[f32; 2]; 3]>::HASH, <[[f32; 3]; 2]>::HASH);
+    }
+}
