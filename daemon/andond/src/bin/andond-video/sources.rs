@@ -1,0 +1,196 @@
+//! Films, folders of pictures and V4L2 devices, by OpenCV.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use andond::video::pipe::PictureFormat;
+use andond::video::source::Source;
+use opencv::core::{Mat, MatTraitConst, Vec3b};
+use opencv::imgcodecs;
+use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst};
+
+/// The rate that a folder of pictures is played at, and a film or a device that does not say its own.
+const DEFAULT_RATE_HZ: f64 = 30.0;
+
+/// Opens a film, or a folder of pictures.
+pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>, String> {
+    if path.is_dir() {
+        return Ok(Box::new(Folder::open(path)?));
+    }
+    if !path.exists() {
+        return Err("no such file; give a film or a folder of pictures".into());
+    }
+    Ok(Box::new(Film::open(path)?))
+}
+
+/// Lets OpenCV write the next picture of `capture` into the caller's bytes; false at the end.
+fn read_in_place(capture: &mut VideoCapture, format: PictureFormat, picture: &mut [u8]) -> Result<bool, String> {
+    let at = picture.as_ptr();
+    let mut mat = Mat::new_rows_cols_with_bytes_mut::<Vec3b>(format.height as i32, format.width as i32, picture)
+        .map_err(|error| error.to_string())?;
+    let read = capture.read(&mut mat).map_err(|error| error.to_string())?;
+    // OpenCV keeps the buffer it is given while size and type fit, and takes a new one where they do not.
+    if read && mat.data() != at {
+        return Err("the pictures change their size or colour format in mid-stream".into());
+    }
+    Ok(read)
+}
+
+fn property(capture: &VideoCapture, property: i32) -> f64 {
+    capture.get(property).unwrap_or(0.0)
+}
+
+fn format_of(capture: &VideoCapture) -> Result<PictureFormat, String> {
+    let width = property(capture, videoio::CAP_PROP_FRAME_WIDTH);
+    let height = property(capture, videoio::CAP_PROP_FRAME_HEIGHT);
+    let rate_hz = property(capture, videoio::CAP_PROP_FPS);
+    if !(width >= 1.0 && height >= 1.0) {
+        return Err("it holds no pictures".into());
+    }
+    Ok(PictureFormat {
+        width: width as u32,
+        height: height as u32,
+        rate_hz: if rate_hz.is_finite() && rate_hz > 0.0 { rate_hz } else { DEFAULT_RATE_HZ },
+        count: property(capture, videoio::CAP_PROP_FRAME_COUNT).max(0.0) as u64,
+    })
+}
+
+/// A video file.
+struct Film {
+    capture: VideoCapture,
+    format: PictureFormat,
+    shown: u64,
+}
+
+impl Film {
+    fn open(path: &Path) -> Result<Self, String> {
+        let capture = VideoCapture::from_file(path, videoio::CAP_ANY).map_err(|error| error.to_string())?;
+        if !capture.is_opened().unwrap_or(false) {
+            return Err("it is not a film that this machine can decode; H.264 in MP4 always is".into());
+        }
+        let format = format_of(&capture)?;
+        Ok(Self { capture, format, shown: 0 })
+    }
+}
+
+impl Source for Film {
+    fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
+        if !read_in_place(&mut self.capture, self.format, picture)? {
+            return Ok(None);
+        }
+        // Containers round their time stamps; the rate is exact, and the same on every machine.
+        let pts_ns = (self.shown as f64 * 1e9 / self.format.rate_hz).round() as u64;
+        self.shown += 1;
+        Ok(Some(pts_ns))
+    }
+}
+
+/// A folder of pictures, in the order of their names.
+struct Folder {
+    pictures: Vec<PathBuf>,
+    format: PictureFormat,
+    shown: usize,
+}
+
+impl Folder {
+    fn open(path: &Path) -> Result<Self, String> {
+        let listed = std::fs::read_dir(path).map_err(|error| error.to_string())?;
+        let mut pictures: Vec<PathBuf> = listed
+            .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+            .filter(|path| {
+                let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+                matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg" | "bmp" | "tif" | "tiff"))
+            })
+            .collect();
+        pictures.sort();
+        let first = pictures.first().ok_or("the folder holds no picture (png, jpg, bmp, tif)")?;
+        let (width, height) = {
+            let mat = decode(first)?;
+            (mat.cols() as u32, mat.rows() as u32)
+        };
+        let format = PictureFormat { width, height, rate_hz: DEFAULT_RATE_HZ, count: pictures.len() as u64 };
+        Ok(Self { pictures, format, shown: 0 })
+    }
+}
+
+fn decode(path: &Path) -> Result<Mat, String> {
+    let mat = imgcodecs::imread(path, imgcodecs::IMREAD_COLOR)
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    if mat.empty() { Err(format!("{}: not a picture that can be read", path.display())) } else { Ok(mat) }
+}
+
+impl Source for Folder {
+    fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
+        let Some(path) = self.pictures.get(self.shown) else { return Ok(None) };
+        let mat = decode(path)?;
+        let bytes = opencv::core::MatTraitConstManual::data_bytes(&mat).map_err(|error| error.to_string())?;
+        if bytes.len() != picture.len() || mat.cols() as u32 != self.format.width {
+            return Err(format!(
+                "{}: {} x {} pixels, but the first picture of the folder has {} x {}",
+                path.display(),
+                mat.cols(),
+                mat.rows(),
+                self.format.width,
+                self.format.height
+            ));
+        }
+        picture.copy_from_slice(bytes);
+        let pts_ns = (self.shown as f64 * 1e9 / self.format.rate_hz).round() as u64;
+        self.shown += 1;
+        Ok(Some(pts_ns))
+    }
+}
+
+/// A V4L2 device.
+pub(crate) struct Device {
+    capture: VideoCapture,
+    format: PictureFormat,
+    opened: Instant,
+}
+
+impl Device {
+    /// Opens `/dev/videoN` and asks for a size and a rate; the device answers with the nearest that it has.
+    pub(crate) fn open(path: &Path, width: u32, height: u32, rate_hz: f64) -> Result<Self, String> {
+        if !path.exists() {
+            return Err(format!("{}: no such device; is the camera plugged in? `ls /dev/video*` lists them", path.display()));
+        }
+        let mut capture = VideoCapture::from_file(path, videoio::CAP_V4L2).map_err(|error| error.to_string())?;
+        if !capture.is_opened().unwrap_or(false) {
+            return Err(format!(
+                "{}: cannot be opened; is another program using it, and is this user in the group `video`?",
+                path.display()
+            ));
+        }
+        for (property, value) in [
+            (videoio::CAP_PROP_FRAME_WIDTH, f64::from(width)),
+            (videoio::CAP_PROP_FRAME_HEIGHT, f64::from(height)),
+            (videoio::CAP_PROP_FPS, rate_hz),
+        ] {
+            // A device that refuses keeps its own value, which `format_of` reads back.
+            let _ = capture.set(property, value);
+        }
+        let format = PictureFormat { count: 0, ..format_of(&capture)? };
+        Ok(Self { capture, format, opened: Instant::now() })
+    }
+}
+
+impl Source for Device {
+    fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
+        if !read_in_place(&mut self.capture, self.format, picture)? {
+            return Err("the camera sends no more pictures; is it still plugged in?".into());
+        }
+        Ok(Some(self.opened.elapsed().as_nanos() as u64))
+    }
+}

@@ -1,0 +1,155 @@
+//! Pictures in and out of processes that link no video library.
+//!
+//! Only the binary `andond-video` links OpenCV's `videoio` (248 shared libraries, 65 MB): the role `capture` runs in
+//! it, and the tools hand it a film to decode, or pictures to make a film of, over a [`pipe`].
+
+pub mod pipe;
+pub mod source;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use pipe::{PictureFormat, PipeReader, PipeWriter};
+
+/// Why a film could not be read or written. Each says what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum VideoError {
+    /// The helper binary is not beside this one.
+    #[error("cannot start {path}: {source}; it is installed beside andond, build it with `cargo build --release -p andond`")]
+    Helper {
+        /// Where it was looked for.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The helper gave up; it has said why on standard error.
+    #[error("{file}: {message}")]
+    Film {
+        /// The film.
+        file: PathBuf,
+        /// The helper's own words.
+        message: String,
+    },
+    /// The pipe broke.
+    #[error("{file}: the pipe to andond-video broke: {source}")]
+    Pipe {
+        /// The film.
+        file: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// Where `andond-video` is: beside the running binary.
+pub fn helper_path() -> PathBuf {
+    let name = "andond-video";
+    let own = std::env::current_exe().unwrap_or_default();
+    let beside = own.with_file_name(name);
+    // A test binary lies in `deps/`, one folder below the binaries.
+    let above = own.parent().and_then(Path::parent).map(|folder| folder.join(name));
+    if beside.exists() { beside } else { above.filter(|path| path.exists()).unwrap_or(beside) }
+}
+
+fn spawn(arguments: &[OsString], stdin: Stdio, stdout: Stdio) -> Result<Child, VideoError> {
+    let path = helper_path();
+    Command::new(&path)
+        .args(arguments)
+        .stdin(stdin)
+        .stdout(stdout)
+        .stderr(Stdio::piped())
+        .spawn()
+        .map_err(|source| VideoError::Helper { path, source })
+}
+
+/// What the helper said before it ended, without the newline; reaps it.
+fn last_words(child: &mut Child) -> String {
+    let mut words = String::new();
+    if let Some(stderr) = child.stderr.as_mut() {
+        // What cannot be read cannot be reported: the words stay short.
+        let _ = std::io::Read::read_to_string(stderr, &mut words);
+    }
+    let _ = child.wait();
+    let words = words.trim();
+    if words.is_empty() { "andond-video ended without a word".into() } else { words.into() }
+}
+
+/// A film that is decoded by `andond-video`, one picture at a time.
+pub struct Film {
+    child: Child,
+    pictures: PipeReader<std::process::ChildStdout>,
+    file: PathBuf,
+}
+
+impl Film {
+    /// Starts decoding `file` (a film, or a folder of pictures).
+    pub fn open(file: &Path) -> Result<Self, VideoError> {
+        let mut child = spawn(&["decode".into(), file.into()], Stdio::null(), Stdio::piped())?;
+        // `piped` above: the handle is there.
+        let Some(stdout) = child.stdout.take() else { unreachable!("standard output is piped") };
+        match PipeReader::new(stdout) {
+            Ok(pictures) => Ok(Self { child, pictures, file: file.into() }),
+            Err(_) => Err(VideoError::Film { file: file.into(), message: last_words(&mut child) }),
+        }
+    }
+
+    /// Size, format and rate of the pictures.
+    pub fn format(&self) -> PictureFormat {
+        self.pictures.format()
+    }
+
+    /// The next picture and its time since the first, in nanoseconds; `None` after the last.
+    pub fn next_picture(&mut self) -> Result<Option<(u64, &[u8])>, VideoError> {
+        match self.pictures.next_picture() {
+            Ok(picture) => Ok(picture),
+            Err(_) => Err(VideoError::Film { file: self.file.clone(), message: last_words(&mut self.child) }),
+        }
+    }
+}
+
+impl Drop for Film {
+    fn drop(&mut self) {
+        // A film that is not read to its end leaves a decoder that waits for us.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// A film that is being written by `andond-video`.
+pub struct FilmWriter {
+    child: Child,
+    pictures: Option<PipeWriter<std::process::ChildStdin>>,
+    file: PathBuf,
+}
+
+impl FilmWriter {
+    /// Starts an MP4 of pictures of this format.
+    pub fn create(file: &Path, format: PictureFormat) -> Result<Self, VideoError> {
+        let mut child = spawn(&["encode".into(), file.into()], Stdio::piped(), Stdio::null())?;
+        let Some(stdin) = child.stdin.take() else { unreachable!("standard input is piped") };
+        match PipeWriter::new(stdin, format) {
+            Ok(pictures) => Ok(Self { child, pictures: Some(pictures), file: file.into() }),
+            Err(_) => Err(VideoError::Film { file: file.into(), message: last_words(&mut child) }),
+        }
+    }
+
+    /// Adds one picture.
+    pub fn write(&mut self, pts_ns: u64, picture: &[u8]) -> Result<(), VideoError> {
+        // `pictures` is taken by `finish` alone, which consumes the writer.
+        let Some(pictures) = self.pictures.as_mut() else { unreachable!("the film is not finished") };
+        pictures
+            .write_picture(pts_ns, picture)
+            .map_err(|_| VideoError::Film { file: self.file.clone(), message: last_words(&mut self.child) })
+    }
+
+    /// Ends the film and waits until it is on the disk.
+    pub fn finish(mut self) -> Result<(), VideoError> {
+        drop(self.pictures.take());
+        let status = self.child.wait().map_err(|source| VideoError::Pipe { file: self.file.clone(), source })?;
+        if status.success() {
+            Ok(())
+        } else {
+            Err(VideoError::Film { file: self.file, message: last_words(&mut self.child) })
+        }
+    }
+}
