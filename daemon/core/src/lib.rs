@@ -3,7 +3,7 @@
 //! The data path, in the order of the modules:
 //!
 //! [`input`] what was seen in one frame → [`couple`] its feature couple `X = (x_m, x_c)` →
-//! `segment` ERU, IU, activity, job → `dtw` distance to the taught references →
+//! `segment` ERU, IU, activity, job → [`dtw`] distance to the taught references →
 //! `anomaly` verdicts against the nominal activities of a [`job`].
 //!
 //! No clock, no allocation, no IO: time, configuration and memory are arguments.
@@ -13,6 +13,7 @@
 pub mod capacity;
 pub mod config;
 pub mod couple;
+pub mod dtw;
 pub mod input;
 pub mod job;
 pub mod verdict;

@@ -1,0 +1,101 @@
+//! Dynamic time warping of motions (paper III-C.1; DESIGN 4, "DTW").
+//!
+//! Multi-dimensional and dependent, squared Euclidean local cost, square root of the sum, no window. [`OnlineDtw`] takes one frame at
+//! a time against one reference; [`distance`] compares two whole sequences; both give the same bits.
+//! [`path`] gives the warping path as well. All memory is fixed or the caller's.
+//!
+//! ```
+//! use andon_core::couple::Motion;
+//! use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, distance_within, path};
+//! use andon_core::job::LocalCost;
+//!
+//! let taught = [Motion([0; 7]), Motion([1, 0, 3, 0, 0, 0, 0]), Motion([0, 0, 3, 0, 0, 0, 0])];
+//! let seen = [Motion([0; 7]), Motion([1, 0, 3, 0, 0, 0, 0]), Motion([0, 0, 4, 0, 0, 0, 0])];
+//! let costs = LocalCosts::new(LocalCost::Circular { bins: 8 });
+//!
+//! // One frame at a time: over the threshold, it stays over it.
+//! let mut online = OnlineDtw::new(&costs, &taught)?;
+//! let mut least = 0.0;
+//! for frame in &seen {
+//!     online.append(frame)?;
+//!     assert!(online.lower_bound() >= least);
+//!     least = online.lower_bound();
+//! }
+//!
+//! // Both at once: the same.
+//! let mut scratch = Scratch::new();
+//! let whole = distance(&costs, &seen, &taught, &mut scratch)?;
+//! assert_eq!(online.distance(), Some(whole));
+//! assert_eq!(distance_within(&costs, &seen, &taught, 0.1, &mut scratch)?, None);
+//!
+//! // The warping path, from the last pair back to the first.
+//! let mut moves = [0; 9];
+//! let path = path(&costs, &seen, &taught, &mut moves, &mut scratch)?;
+//! assert_eq!(path.distance(), whole);
+//! assert!(path.eq([(2, 2), (1, 1), (0, 0)]));
+//! # Ok::<(), andon_core::dtw::Refused>(())
+//! ```
+
+mod batch;
+mod cost;
+mod ndim;
+mod online;
+mod path;
+
+pub use batch::{Scratch, distance, distance_within};
+pub use cost::LocalCosts;
+pub use ndim::distance_ndim;
+pub use online::OnlineDtw;
+pub use path::{Path, path};
+
+use crate::capacity::IU_FRAMES;
+use crate::couple::Motion;
+
+/// Why there is no distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    /// A sequence without a frame has no distance to anything.
+    Empty,
+    /// A sequence longer than [`IU_FRAMES`].
+    TooLong {
+        /// Its frames.
+        frames: usize,
+    },
+    /// The caller's memory is too small.
+    Memory {
+        /// Items needed.
+        needed: usize,
+        /// Items given.
+        given: usize,
+    },
+}
+
+impl core::fmt::Display for Refused {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Empty => {
+                write!(f, "a sequence without a frame has no DTW distance: give at least one frame")
+            }
+            Self::TooLong { frames } => {
+                write!(
+                    f,
+                    "a sequence of {frames} frames is longer than the {IU_FRAMES} that an IU may have: cut it"
+                )
+            }
+            Self::Memory { needed, given } => {
+                write!(f, "DTW needs memory for {needed} items and was given {given}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for Refused {}
+
+/// Whether a sequence can be compared.
+fn accept(sequence: &[Motion]) -> Result<(), Refused> {
+    match sequence.len() {
+        0 => Err(Refused::Empty),
+        frames if frames > IU_FRAMES => Err(Refused::TooLong { frames }),
+        _ => Ok(()),
+    }
+}

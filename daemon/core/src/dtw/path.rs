@@ -1,0 +1,86 @@
+//! The warping path, for barycentres.
+
+use super::batch::Scratch;
+use super::cost::{LocalCosts, UNREACHED};
+use super::{Refused, accept};
+use crate::couple::Motion;
+
+/// Where the best path to a cell comes from.
+const DIAGONAL: u8 = 0;
+/// From the same place of `b`, one frame of `a` earlier.
+const UP: u8 = 1;
+/// From the same frame of `a`, one place of `b` earlier.
+const LEFT: u8 = 2;
+
+/// A warping path of least sum: pairs of places `(i, j)` of `a` and `b`, from the last pair back to `(0, 0)`.
+///
+/// Where two ways are equally good the diagonal is taken, then the one along `a`: the order of `dtaidistance`.
+#[derive(Clone, Debug)]
+pub struct Path<'m> {
+    moves: &'m [u8],
+    columns: usize,
+    /// The next pair to give out.
+    at: Option<(usize, usize)>,
+    distance: f64,
+}
+
+impl Path<'_> {
+    /// The DTW distance, equal to [`distance`](super::distance) in every bit.
+    pub fn distance(&self) -> f64 {
+        self.distance
+    }
+}
+
+impl Iterator for Path<'_> {
+    type Item = (usize, usize);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (i, j) = self.at?;
+        self.at = match self.moves[i * self.columns + j] {
+            DIAGONAL => i.checked_sub(1).zip(j.checked_sub(1)),
+            UP => i.checked_sub(1).map(|i| (i, j)),
+            _ => j.checked_sub(1).map(|j| (i, j)),
+        };
+        Some((i, j))
+    }
+}
+
+/// The warping path of two sequences. `moves` needs `a.len() * b.len()` bytes, one a cell; what is in them does not matter.
+///
+/// # Errors
+/// If a sequence is empty or longer than [`IU_FRAMES`](crate::capacity::IU_FRAMES), or `moves` is too short.
+pub fn path<'m>(
+    costs: &LocalCosts,
+    a: &[Motion],
+    b: &[Motion],
+    moves: &'m mut [u8],
+    scratch: &mut Scratch,
+) -> Result<Path<'m>, Refused> {
+    accept(a)?;
+    accept(b)?;
+    let columns = b.len();
+    let (needed, given) = (a.len() * columns, moves.len());
+    let Some(moves) = moves.get_mut(..needed) else { return Err(Refused::Memory { needed, given }) };
+    let row = &mut scratch.row[..columns];
+    row.fill(UNREACHED);
+    for (i, (frame, moves)) in a.iter().zip(moves.chunks_exact_mut(columns)).enumerate() {
+        let mut diagonal = if i == 0 { 0 } else { UNREACHED };
+        let mut left = UNREACHED;
+        for ((cell, place), came) in row.iter_mut().zip(b).zip(moves) {
+            let up = *cell;
+            let best = diagonal.min(up).min(left);
+            *came = if best == diagonal {
+                DIAGONAL
+            } else if best == up {
+                UP
+            } else {
+                LEFT
+            };
+            left = best + costs.between(frame, place);
+            *cell = left;
+            diagonal = up;
+        }
+    }
+    let distance = costs.distance_of(row[columns - 1]);
+    Ok(Path { moves, columns, at: Some((a.len() - 1, columns - 1)), distance })
+}
