@@ -17,3 +17,9 @@ pub const ACTIVITY_IUS: usize = 32;
 
 /// Nominal activities of one job that are candidates at the same time.
 pub const ACTIVITIES: usize = 32;
+
+/// Longest `persist_frames`: half a second at 30 Hz; a verdict that waits longer is not prompt.
+pub const PERSIST_FRAMES: usize = 15;
+
+/// Longest window of the opening-closing filter: a second at 30 Hz, longer than any stroke that should survive it.
+pub const FILTER_FRAMES: usize = 31;

@@ -1,5 +1,6 @@
 //! The constants of the method. The caller reads them from its configuration; the defaults say why.
 
+use crate::capacity::{FILTER_FRAMES, PERSIST_FRAMES};
 use crate::input::Space;
 
 /// Contact by distance, with hysteresis: an edge begins under `on_m` and ends over `off_m` (DESIGN 4).
@@ -54,6 +55,58 @@ impl Default for Method {
             filter_frames: 5,
             blind_ms: 700,
             idle_end_ms: 4000,
+        }
+    }
+}
+
+/// A constant of the method that is out of its range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MethodFault {
+    /// The name of the constant, as in [`Method`].
+    pub key: &'static str,
+    /// What it may be.
+    pub allowed: &'static str,
+}
+
+impl core::fmt::Display for MethodFault {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{} is out of its range: it must be {}", self.key, self.allowed)
+    }
+}
+
+impl core::error::Error for MethodFault {}
+
+impl Method {
+    /// Whether every constant is in its range.
+    ///
+    /// # Errors
+    /// The first constant that is not.
+    pub fn check(&self) -> Result<(), MethodFault> {
+        let contact = |c: &Contact| c.on_m > 0.0 && c.off_m >= c.on_m && c.off_m < f32::INFINITY;
+        let from_zero = |value: f32| (0.0..f32::INFINITY).contains(&value);
+        let checks = [
+            // 240 Hz is the fastest rate of the cameras and motion capture systems that fit a bench.
+            ((1.0..=240.0).contains(&self.rate_hz), "rate_hz", "1 to 240"),
+            // A quarter turn must be a whole bin at least; a motion is stored as `i8`.
+            ((4..=120).contains(&self.bins), "bins", "4 to 120"),
+            (contact(&self.hand_contact), "hand_contact", "0 < on_m <= off_m, in metres"),
+            (contact(&self.object_contact), "object_contact", "0 < on_m <= off_m, in metres"),
+            (
+                (1..=PERSIST_FRAMES).contains(&usize::from(self.persist_frames)),
+                "persist_frames",
+                "1 to 15 frames",
+            ),
+            (from_zero(self.rest_speed_m_s), "rest_speed_m_s", "0 or more, in m/s"),
+            (from_zero(self.dead_band_m_s2), "dead_band_m_s2", "0 or more, in m/s²"),
+            (
+                self.filter_frames % 2 == 1 && usize::from(self.filter_frames) <= FILTER_FRAMES,
+                "filter_frames",
+                "odd, 1 to 31 frames",
+            ),
+        ];
+        match checks.into_iter().find(|(right, ..)| !right) {
+            Some((_, key, allowed)) => Err(MethodFault { key, allowed }),
+            None => Ok(()),
         }
     }
 }

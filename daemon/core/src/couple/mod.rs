@@ -1,5 +1,10 @@
-//! The feature couple `X = (x_m, x_c)` of one hand in one frame (paper III-A.3).
+//! The feature couple `X = (x_m, x_c)` of one hand in one frame (paper III-A.3), and the [`Encoder`] that makes it.
 
+mod encoder;
+
+pub use encoder::{Counts, Encoder, Refused, Unusable};
+
+use crate::capacity::HANDS;
 use crate::input::Side;
 
 /// Motion features `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]` (paper III-A.3).
@@ -36,4 +41,32 @@ pub struct Couple {
     pub distances: [f32; 2],
     /// False where the hand, or an object that its context rests on, has been out of sight for longer than `blind_ms`.
     pub sighted: bool,
+    /// True where the hand itself was seen in this frame, not held over from an earlier one.
+    pub seen: bool,
+}
+
+impl Couple {
+    /// A hand that touches nothing and was not seen.
+    pub fn idle(side: Side, captured_ns: u64) -> Self {
+        Self {
+            side,
+            captured_ns,
+            motion: Motion::default(),
+            context: Context::IDLE,
+            distances: [f32::INFINITY; 2],
+            sighted: true,
+            seen: false,
+        }
+    }
+}
+
+/// The couples of both hands on one frame of the grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Couples {
+    /// The time that the couples describe, in nanoseconds: the frame's own, or the grid's where no frame came.
+    pub captured_ns: u64,
+    /// The time of the newest frame that they rest on, in nanoseconds: `persist_frames` later, less at the end of a recording.
+    pub known_ns: u64,
+    /// Right hand, then left hand.
+    pub hands: [Couple; HANDS],
 }
