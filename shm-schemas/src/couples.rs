@@ -27,7 +27,7 @@ wire! { "andon.Couples", 112;
         described_ns: u64,
         /// Source time of the newest frame they rest on: `persist` frames later than `described_ns`.
         known_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM` (then the couples are meaningless), `METRIC`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM` (then the couples are meaningless), `METRIC`, `PACED`.
         flags: u32,
         /// Frames that were lost just before the newest one.
         dropped: u32,

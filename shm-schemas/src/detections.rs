@@ -48,7 +48,7 @@ wire! { "andon.Detections", 3104;
         stamp: Stamp,
         /// Source time in nanoseconds, as in [`crate::FrameHeader`].
         source_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM`, `METRIC`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM`, `METRIC`, `PACED`.
         flags: u32,
         /// Frames that were lost just before this one, at the source or on the channel `frame`.
         dropped: u32,

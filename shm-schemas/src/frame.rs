@@ -86,7 +86,7 @@ wire! { "andon.FrameHeader", 224;
         stamp: Stamp,
         /// Source time in nanoseconds: since the first frame for a recording, CLOCK_MONOTONIC for a camera.
         source_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM`, `PACED`.
         flags: u32,
         /// Frames that the source itself lost just before this one.
         dropped: u32,

@@ -14,7 +14,7 @@ pub unsafe trait Layout: Copy + 'static {
 }
 
 /// A wire type that begins with a [`Stamp`] and travels on a channel.
-pub trait Message: Layout + ZeroCopySend + Default {
+pub trait Message: Layout + ZeroCopySend + Default + core::fmt::Debug {
     /// Who sent it when, and what it rests on.
     fn stamp(&self) -> &Stamp;
     /// For the writer's port, which numbers its messages.

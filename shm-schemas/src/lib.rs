@@ -51,6 +51,8 @@ pub mod flag {
     pub const END_OF_STREAM: u32 = 1;
     /// Coordinates are metric (depth was used); otherwise they lie in the plane of the bench.
     pub const METRIC: u32 = 1 << 1;
+    /// The source waits for its readers so that nothing is lost; so does whoever sends what follows from it.
+    pub const PACED: u32 = 1 << 2;
     /// The hand was seen, or is held over a gap that is shorter than `blind_ms`.
     pub const SIGHTED: u8 = 1;
     /// The object was seen in this frame.
