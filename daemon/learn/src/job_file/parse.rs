@@ -1,0 +1,237 @@
+//! From text to a job: first the version, then the checksum, then every key.
+
+use super::{
+    FORMAT, JobFault, JobFile, JobFileError, Provenance, Source, TaughtActivity, TaughtIu, VERSION, checksum,
+    runs, validate,
+};
+use crate::recording::NamedObject;
+use crate::teach::{BoundsRule, ThresholdRule};
+use andon_core::capacity::INTERACTION_POINTS;
+use andon_core::config::{Contact, Method};
+use andon_core::couple::Context;
+use andon_core::input::{ObjectShape, Point, Space};
+use andon_core::job::{Bounds, LocalCost};
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+struct Magic {
+    #[serde(default)]
+    format: String,
+    #[serde(default)]
+    version: i64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JobText {
+    #[serde(rename = "format")]
+    _format: String,
+    #[serde(rename = "version")]
+    _version: i64,
+    #[serde(rename = "checksum")]
+    _checksum: String,
+    name: String,
+    order_matters: bool,
+    provenance: ProvenanceText,
+    method: MethodText,
+    #[serde(default)]
+    object: Vec<ObjectText>,
+    activity: Vec<ActivityText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ProvenanceText {
+    program: String,
+    date: String,
+    rule: ThresholdRule,
+    bounds: BoundsRule,
+    #[serde(default)]
+    source: Vec<SourceText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SourceText {
+    name: String,
+    sha256: String,
+    left_out: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum SpaceText {
+    Plane,
+    Metric,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum CostText {
+    Ordinal,
+    Circular,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ContactText {
+    on_m: f32,
+    off_m: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MethodText {
+    space: SpaceText,
+    cost: CostText,
+    rate_hz: f32,
+    bins: u8,
+    hand_contact: ContactText,
+    object_contact: ContactText,
+    persist_frames: u8,
+    rest_speed_m_s: f32,
+    dead_band_m_s2: f32,
+    filter_frames: u8,
+    blind_ms: u32,
+    idle_end_ms: u32,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ObjectText {
+    id: u16,
+    name: String,
+    interaction_points: Vec<Point>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ActivityText {
+    activity: u16,
+    iu: Vec<IuText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct IuText {
+    context: [u16; 4],
+    demonstrations: u32,
+    threshold: f32,
+    frames: [u32; 2],
+    reversals: [u32; 2],
+    reference: Vec<String>,
+}
+
+impl JobFile {
+    /// Reads a job file. `file` is the name that faults carry.
+    ///
+    /// # Errors
+    /// Another format or version, a checksum that does not fit, an unknown key, a value that breaks a rule.
+    pub fn parse(file: &str, bytes: &[u8]) -> Result<Self, JobFileError> {
+        parse(bytes).map_err(|fault| JobFileError { file: file.to_owned(), fault })
+    }
+}
+
+fn parse(bytes: &[u8]) -> Result<JobFile, JobFault> {
+    let text = str::from_utf8(bytes).map_err(|error| JobFault::NotText(error.valid_up_to()))?;
+    let magic: Magic = toml::from_str(text)?;
+    if magic.format != FORMAT {
+        return Err(JobFault::Format(magic.format));
+    }
+    if magic.version != VERSION {
+        return Err(JobFault::Version(magic.version));
+    }
+    let (computed, stated) = checksum::check(text).unwrap_or_default();
+    if computed != stated || stated.is_empty() {
+        return Err(JobFault::Checksum {
+            stated: format!("sha256:{stated}"),
+            computed: format!("sha256:{computed}"),
+        });
+    }
+    let job = job_of(toml::from_str(text)?)?;
+    validate::validate(&job)?;
+    Ok(job)
+}
+
+fn job_of(text: JobText) -> Result<JobFile, JobFault> {
+    let bins = text.method.bins;
+    let cost = match text.method.cost {
+        CostText::Ordinal => LocalCost::Ordinal,
+        CostText::Circular => LocalCost::Circular { bins },
+    };
+    let objects = text.object.into_iter().enumerate().map(|(place, object)| object_of(place, object));
+    let activities =
+        text.activity.into_iter().enumerate().map(|(place, activity)| activity_of(place, activity));
+    Ok(JobFile {
+        name: text.name,
+        order_matters: text.order_matters,
+        cost,
+        objects: objects.collect::<Result<_, _>>()?,
+        activities: activities.collect::<Result<_, _>>()?,
+        method: method_of(text.method),
+        provenance: provenance_of(text.provenance),
+    })
+}
+
+fn provenance_of(text: ProvenanceText) -> Provenance {
+    let source =
+        |source: SourceText| Source { name: source.name, sha256: source.sha256, left_out: source.left_out };
+    Provenance {
+        program: text.program,
+        date: text.date,
+        rule: text.rule,
+        bounds: text.bounds,
+        sources: text.source.into_iter().map(source).collect(),
+    }
+}
+
+fn method_of(text: MethodText) -> Method {
+    let contact = |contact: ContactText| Contact { on_m: contact.on_m, off_m: contact.off_m };
+    Method {
+        space: match text.space {
+            SpaceText::Plane => Space::Plane,
+            SpaceText::Metric => Space::Metric,
+        },
+        rate_hz: text.rate_hz,
+        bins: text.bins,
+        hand_contact: contact(text.hand_contact),
+        object_contact: contact(text.object_contact),
+        persist_frames: text.persist_frames,
+        rest_speed_m_s: text.rest_speed_m_s,
+        dead_band_m_s2: text.dead_band_m_s2,
+        filter_frames: text.filter_frames,
+        blind_ms: text.blind_ms,
+        idle_end_ms: text.idle_end_ms,
+    }
+}
+
+fn object_of(place: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
+    let interaction_points =
+        heapless::Vec::from_slice(&text.interaction_points).map_err(|_| JobFault::Invalid {
+            place: format!("object[{place}].interaction_points"),
+            problem: format!(
+                "there are {}; at most {INTERACTION_POINTS} can be followed",
+                text.interaction_points.len()
+            ),
+        })?;
+    Ok(NamedObject { name: text.name, shape: ObjectShape { id: text.id, interaction_points } })
+}
+
+fn activity_of(place: usize, text: ActivityText) -> Result<TaughtActivity, JobFault> {
+    let iu = |(number, iu): (usize, IuText)| {
+        let reference = runs::motions(&iu.reference).map_err(|problem| JobFault::Invalid {
+            place: format!("activity[{place}].iu[{number}].reference"),
+            problem,
+        })?;
+        Ok(TaughtIu {
+            context: Context(iu.context),
+            threshold: iu.threshold,
+            frames: Bounds { least: iu.frames[0], most: iu.frames[1] },
+            reversals: Bounds { least: iu.reversals[0], most: iu.reversals[1] },
+            reference,
+            demonstrations: iu.demonstrations,
+        })
+    };
+    let ius = text.iu.into_iter().enumerate().map(iu).collect::<Result<_, JobFault>>()?;
+    Ok(TaughtActivity { activity: text.activity, ius })
+}

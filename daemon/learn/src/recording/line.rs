@@ -1,0 +1,128 @@
+//! The lines of a track file as they stand on disk.
+
+use super::Landmarks;
+use andon_core::input::Side;
+use serde::{Deserialize, Serialize};
+
+/// The value of `format`.
+pub(super) const FORMAT: &str = "andon.tracks";
+
+/// The value of `version`.
+pub(super) const VERSION: i64 = 1;
+
+/// What the first line has in any version.
+#[derive(Deserialize)]
+pub(super) struct Magic {
+    pub(super) format: String,
+    pub(super) version: i64,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SpaceName {
+    Plane,
+    Metric,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum HandName {
+    Right,
+    Left,
+}
+
+impl From<HandName> for Side {
+    fn from(name: HandName) -> Self {
+        match name {
+            HandName::Right => Self::Right,
+            HandName::Left => Self::Left,
+        }
+    }
+}
+
+impl From<Side> for HandName {
+    fn from(side: Side) -> Self {
+        match side {
+            Side::Right => Self::Right,
+            Side::Left => Self::Left,
+        }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct HeaderLine {
+    pub(super) format: String,
+    pub(super) version: i64,
+    pub(super) rate_hz: f64,
+    pub(super) space: SpaceName,
+    #[serde(default = "all_landmarks")]
+    pub(super) landmarks: u64,
+    pub(super) hands: Vec<HandName>,
+    pub(super) objects: Vec<HeaderObject>,
+}
+
+fn all_landmarks() -> u64 {
+    21
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct HeaderObject {
+    pub(super) id: u16,
+    #[serde(default)]
+    pub(super) name: String,
+    pub(super) interaction_points: Vec<[f64; 3]>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct FrameLine {
+    pub(super) t: f64,
+    #[serde(default)]
+    pub(super) hands: Vec<HandEntry>,
+    #[serde(default)]
+    pub(super) objects: Vec<ObjectEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct HandEntry {
+    pub(super) id: HandName,
+    #[serde(default = "sure")]
+    pub(super) score: f64,
+    pub(super) landmarks: Vec<[f64; 3]>,
+}
+
+fn sure() -> f64 {
+    1.0
+}
+
+#[derive(Serialize, Deserialize)]
+pub(super) struct ObjectEntry {
+    pub(super) id: u16,
+    pub(super) p: [f64; 3],
+    pub(super) q: [f64; 4],
+}
+
+impl Landmarks {
+    /// How many points a hand has.
+    pub(super) const fn count(self) -> usize {
+        match self {
+            Self::All => 21,
+            Self::Five => 5,
+        }
+    }
+
+    /// Where wrist, middle knuckle, index tip, middle tip and ring tip stand in a hand's list.
+    pub(super) const fn places(self) -> [usize; 5] {
+        match self {
+            Self::All => [0, 9, 8, 12, 16],
+            Self::Five => [0, 2, 1, 3, 4],
+        }
+    }
+}
+
+/// How a hand is called in a track file.
+pub(super) const fn hand_word(side: Side) -> &'static str {
+    match side {
+        Side::Right => "right",
+        Side::Left => "left",
+    }
+}

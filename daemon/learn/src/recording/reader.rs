@@ -1,0 +1,286 @@
+//! From the bytes of a track file to frames.
+
+use super::error::{TrackError, TrackFault};
+use super::line::{
+    FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION, hand_word,
+};
+use super::{Header, Landmarks, NamedObject, Recording};
+use andon_core::capacity::{HANDS, OBJECTS};
+use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side, Space};
+use std::fmt;
+use std::io::{BufRead, Read};
+
+/// Longest line that is read: 32 objects and two whole hands with 17 digits a number are 12 kB, and unknown keys
+/// may be there too.
+const LINE_BYTES: usize = 1 << 20;
+
+/// Greatest coordinate in metres: no bench is wider than a kilometre, and its square is far from overflow.
+const COORDINATE_M: f64 = 1000.0;
+
+/// Latest `t` in seconds: 30 years.
+const LATEST_S: f64 = 1e9;
+
+/// The file ends in mid-line; it was read up to its last whole line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Truncation {
+    /// The file as the caller named it.
+    pub file: String,
+    /// The line that is not whole, from 1.
+    pub line: usize,
+}
+
+impl fmt::Display for Truncation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}, line {}: the file ends in mid-line; it was read up to the line before",
+            self.file, self.line
+        )
+    }
+}
+
+/// Reads a whole track file. `file` is the name that faults carry.
+///
+/// # Errors
+/// The first line that cannot be trusted.
+pub fn read(file: &str, bytes: &[u8]) -> Result<Recording, TrackError> {
+    let mut reader = TrackReader::new(file, bytes)?;
+    let frames = reader.by_ref().collect::<Result<Vec<_>, _>>()?;
+    Ok(Recording { header: reader.header, frames, truncation: reader.truncation })
+}
+
+/// Reads a track file frame by frame, in the memory of one line.
+#[derive(Debug)]
+pub struct TrackReader<R> {
+    lines: Lines<R>,
+    header: Header,
+    before_s: Option<f64>,
+    truncation: Option<Truncation>,
+    ended: bool,
+}
+
+impl<R: BufRead> TrackReader<R> {
+    /// Reads the header. `file` is the name that faults carry.
+    ///
+    /// # Errors
+    /// A missing header, an unknown format or version, a number out of range.
+    pub fn new(file: &str, source: R) -> Result<Self, TrackError> {
+        let mut lines = Lines { source, file: file.to_owned(), line: 0, buffer: Vec::new() };
+        let header = match lines.next_line() {
+            Ok(Some(_)) => header_of(&lines.buffer).map_err(|fault| lines.error(fault))?,
+            Ok(None) => {
+                return Err(TrackError { file: file.to_owned(), line: 1, fault: TrackFault::NoHeader });
+            }
+            Err(fault) => return Err(lines.error(fault)),
+        };
+        Ok(Self { lines, header, before_s: None, truncation: None, ended: false })
+    }
+
+    /// The first line.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Set once the file has ended in mid-line.
+    pub fn truncation(&self) -> Option<&Truncation> {
+        self.truncation.as_ref()
+    }
+
+    fn frame(&mut self) -> Result<Option<Frame>, TrackFault> {
+        let Some(whole) = self.lines.next_line()? else { return Ok(None) };
+        let line = match serde_json::from_slice::<FrameLine>(&self.lines.buffer) {
+            Ok(line) => line,
+            // A number that is cut off is bad syntax, everything else that is cut off is an early end.
+            Err(error) if !whole && (error.is_eof() || error.is_syntax()) => {
+                self.truncation = Some(Truncation { file: self.lines.file.clone(), line: self.lines.line });
+                return Ok(None);
+            }
+            Err(error) => return Err(error.into()),
+        };
+        if !(0.0..=LATEST_S).contains(&line.t) {
+            return Err(TrackFault::Range { name: "t", value: line.t, range: "0..1e9 seconds" });
+        }
+        if let Some(before) = self.before_s.filter(|before| line.t <= *before) {
+            return Err(TrackFault::Time { t: line.t, before });
+        }
+        self.before_s = Some(line.t);
+        frame_of(&line, &self.header).map(Some)
+    }
+}
+
+impl<R: BufRead> Iterator for TrackReader<R> {
+    type Item = Result<Frame, TrackError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.ended {
+            return None;
+        }
+        let frame = self.frame().map_err(|fault| self.lines.error(fault)).transpose();
+        self.ended = !matches!(frame, Some(Ok(_)));
+        frame
+    }
+}
+
+/// Lines of bounded length, with their numbers.
+#[derive(Debug)]
+struct Lines<R> {
+    source: R,
+    file: String,
+    line: usize,
+    buffer: Vec<u8>,
+}
+
+impl<R: BufRead> Lines<R> {
+    /// Fills the buffer with the next line that is not blank and says whether it is whole, that is ended by `\n`.
+    fn next_line(&mut self) -> Result<Option<bool>, TrackFault> {
+        loop {
+            self.buffer.clear();
+            self.line += 1;
+            let room = LINE_BYTES as u64 + 1;
+            let taken = self.source.by_ref().take(room).read_until(b'\n', &mut self.buffer)?;
+            if taken == 0 {
+                return Ok(None);
+            }
+            if taken > LINE_BYTES {
+                return Err(TrackFault::LongLine(LINE_BYTES));
+            }
+            if !self.buffer.trim_ascii().is_empty() {
+                return Ok(Some(self.buffer.last() == Some(&b'\n')));
+            }
+        }
+    }
+
+    fn error(&self, fault: TrackFault) -> TrackError {
+        TrackError { file: self.file.clone(), line: self.line, fault }
+    }
+}
+
+fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
+    let magic: Magic = serde_json::from_slice(line).map_err(|error| match error.classify() {
+        serde_json::error::Category::Io => TrackFault::Json(error),
+        _ => TrackFault::NoHeader,
+    })?;
+    if magic.format != FORMAT {
+        return Err(TrackFault::Format(magic.format));
+    }
+    if magic.version != VERSION {
+        return Err(TrackFault::Version(magic.version));
+    }
+    let line: HeaderLine = serde_json::from_slice(line)?;
+    // Above any camera, and high enough that a period is never zero.
+    if !(line.rate_hz > 0.0 && line.rate_hz <= 10_000.0) {
+        return Err(TrackFault::Range { name: "rate_hz", value: line.rate_hz, range: "0..10000, without 0" });
+    }
+    let landmarks = match line.landmarks {
+        21 => Landmarks::All,
+        5 => Landmarks::Five,
+        other => return Err(TrackFault::LandmarkCount(other)),
+    };
+    let mut hands: Vec<Side> = Vec::new();
+    for side in line.hands.iter().map(|name| Side::from(*name)) {
+        if hands.contains(&side) {
+            return Err(TrackFault::Twice(format!("the {} hand", hand_word(side))));
+        }
+        hands.push(side);
+    }
+    Ok(Header {
+        rate_hz: line.rate_hz as f32,
+        space: match line.space {
+            SpaceName::Plane => Space::Plane,
+            SpaceName::Metric => Space::Metric,
+        },
+        hands,
+        landmarks,
+        objects: objects_of(line)?,
+    })
+}
+
+fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
+    if line.objects.len() > OBJECTS {
+        return Err(TrackFault::Full { what: "objects", found: line.objects.len() });
+    }
+    let mut objects: Vec<NamedObject> = Vec::new();
+    for object in line.objects {
+        let id = object.id;
+        if id == 0 {
+            return Err(TrackFault::ZeroId);
+        }
+        if objects.iter().any(|known| known.shape.id == id) {
+            return Err(TrackFault::Twice(format!("object {id}")));
+        }
+        let found = object.interaction_points.len();
+        let mut interaction_points = heapless::Vec::new();
+        for point in &object.interaction_points {
+            interaction_points
+                .push(point_of(point, "an interaction point")?)
+                .map_err(|_| TrackFault::InteractionPoints { id, found })?;
+        }
+        if interaction_points.is_empty() {
+            return Err(TrackFault::InteractionPoints { id, found });
+        }
+        let name = if object.name.is_empty() { format!("object {id}") } else { object.name };
+        objects.push(NamedObject { name, shape: ObjectShape { id, interaction_points } });
+    }
+    Ok(objects)
+}
+
+fn frame_of(line: &FrameLine, header: &Header) -> Result<Frame, TrackFault> {
+    let mut frame = Frame { captured_ns: (line.t * 1e9).round() as u64, ..Frame::default() };
+    for entry in &line.hands {
+        let hand = hand_of(entry, header)?;
+        if frame.hands.iter().any(|known| known.side == hand.side) {
+            return Err(TrackFault::Twice(format!("the {} hand", hand_word(hand.side))));
+        }
+        frame.hands.push(hand).map_err(|_| TrackFault::Full { what: "hands", found: HANDS + 1 })?;
+    }
+    for entry in &line.objects {
+        let object = object_of(entry, header)?;
+        if frame.objects.iter().any(|known| known.id == object.id) {
+            return Err(TrackFault::Twice(format!("object {}", object.id)));
+        }
+        frame.objects.push(object).map_err(|_| TrackFault::Full { what: "objects", found: OBJECTS + 1 })?;
+    }
+    Ok(frame)
+}
+
+fn hand_of(entry: &HandEntry, header: &Header) -> Result<Hand, TrackFault> {
+    let side = Side::from(entry.id);
+    if !header.hands.contains(&side) {
+        return Err(TrackFault::UnknownHand(hand_word(side)));
+    }
+    if !(0.0..=1.0).contains(&entry.score) {
+        return Err(TrackFault::Range { name: "score", value: entry.score, range: "0..1" });
+    }
+    let expected = header.landmarks.count();
+    if entry.landmarks.len() != expected {
+        return Err(TrackFault::Landmarks { found: entry.landmarks.len(), expected });
+    }
+    // All are checked, also those that the method does not use: a tracker that writes nonsense is not trusted.
+    for point in &entry.landmarks {
+        point_of(point, "a landmark")?;
+    }
+    let [wrist, middle_knuckle, index, middle, ring] =
+        header.landmarks.places().map(|place| entry.landmarks[place].map(|value| value as f32));
+    Ok(Hand { side, score: entry.score as f32, wrist, middle_knuckle, tips: [index, middle, ring] })
+}
+
+fn object_of(entry: &ObjectEntry, header: &Header) -> Result<Object, TrackFault> {
+    if !header.objects.iter().any(|known| known.shape.id == entry.id) {
+        return Err(TrackFault::UnknownObject(entry.id));
+    }
+    let position = point_of(&entry.p, "p")?;
+    let length = entry.q.iter().map(|part| part * part).sum::<f64>().sqrt();
+    // Four rounded decimals move the length by less than 1e-3; further off it is no rotation.
+    if !(0.99..=1.01).contains(&length) {
+        return Err(TrackFault::Quaternion(entry.id, length as f32));
+    }
+    Ok(Object { id: entry.id, position, orientation: entry.q.map(|part| (part / length) as f32) })
+}
+
+fn point_of(point: &[f64; 3], what: &'static str) -> Result<Point, TrackFault> {
+    if point.iter().all(|value| value.abs() <= COORDINATE_M) {
+        Ok(point.map(|value| value as f32))
+    } else {
+        Err(TrackFault::NotFinite(what))
+    }
+}

@@ -1,0 +1,79 @@
+//! From the demonstrations of an IU to its barycentre and threshold.
+
+use super::rule::ThresholdRule;
+use super::statistics::{deviation, mean};
+use crate::barycentre::Barycentres;
+use crate::warp::Warp;
+use andon_core::couple::Motion;
+use andon_core::dtw::Refused;
+
+/// The distance a frame of a correct execution has from its reference, root of the mean square, where only one demonstration
+/// is there to tell. Measured on the simulated people of the development seeds (`tests`, "what one run can tell").
+const ALONE_PER_FRAME: f64 = 0.9;
+
+/// Least spread that is believed, as a share of the mean: the deviation of few demonstrations can be small by chance.
+const LEAST_SPREAD: f64 = 0.2;
+
+/// What the demonstrations of one IU give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Learned {
+    /// The DBA barycentre of all demonstrations.
+    pub reference: Vec<Motion>,
+    /// Distances of the demonstrations to it, in their order.
+    pub own: Vec<f64>,
+    /// Distances of each demonstration to the barycentre of the others; empty where there is but one.
+    pub left_out: Vec<f64>,
+}
+
+/// Computes barycentre and distances.
+///
+/// # Errors
+/// If there is no demonstration, or one is empty or longer than an IU may be.
+pub fn learn(
+    warp: &mut Warp,
+    tables: &Barycentres,
+    demonstrations: &[&[Motion]],
+    leave_out: bool,
+) -> Result<Learned, Refused> {
+    let distances = warp.matrix(demonstrations)?;
+    let all: Vec<usize> = (0..demonstrations.len()).collect();
+    let reference = tables.of(warp, demonstrations, &distances, &all)?;
+    let own =
+        demonstrations.iter().map(|motion| warp.distance(motion, &reference)).collect::<Result<_, _>>()?;
+    let mut left_out = Vec::new();
+    if leave_out && demonstrations.len() > 1 {
+        for (place, motion) in demonstrations.iter().enumerate() {
+            let others: Vec<usize> = all.iter().copied().filter(|&other| other != place).collect();
+            let others = tables.of(warp, demonstrations, &distances, &others)?;
+            left_out.push(warp.distance(motion, &others)?);
+        }
+    }
+    Ok(Learned { reference, own, left_out })
+}
+
+impl Learned {
+    /// The threshold by a rule.
+    pub fn threshold(&self, rule: ThresholdRule) -> f64 {
+        if self.own.len() == 1 {
+            return ALONE_PER_FRAME * (self.reference.len() as f64).sqrt();
+        }
+        match rule {
+            ThresholdRule::Paper { sigmas } => mean(&self.own) + sigmas * deviation(&self.own, 0),
+            ThresholdRule::LeaveOneOut { sigmas } => {
+                let centre = mean(&self.left_out);
+                centre + sigmas * deviation(&self.left_out, 1).max(LEAST_SPREAD * centre)
+            }
+            ThresholdRule::Conformal { false_alarms } => {
+                let mut sorted = self.left_out.clone();
+                sorted.sort_by(f64::total_cmp);
+                let rank = ((sorted.len() + 1) as f64 * (1.0 - false_alarms)).ceil() as usize;
+                sorted[rank.clamp(1, sorted.len()) - 1]
+            }
+        }
+    }
+}
+
+/// The least share of false alarms that this many demonstrations can promise by rank.
+pub fn least_promise(demonstrations: usize) -> f64 {
+    1.0 / (demonstrations + 1) as f64
+}

@@ -1,0 +1,88 @@
+//! The DTW of `andon_core`, with memory that grows as needed.
+
+use andon_core::couple::Motion;
+use andon_core::dtw::{self, LocalCosts, Refused, Scratch};
+use andon_core::job::LocalCost;
+
+/// Working memory for distances and warping paths under one local cost.
+#[derive(Clone, Debug)]
+pub struct Warp {
+    costs: LocalCosts,
+    scratch: Box<Scratch>,
+    moves: Vec<u8>,
+}
+
+impl Warp {
+    /// Memory for this cost.
+    pub fn new(cost: LocalCost) -> Self {
+        Self { costs: LocalCosts::new(cost), scratch: Box::default(), moves: Vec::new() }
+    }
+
+    /// The DTW distance.
+    ///
+    /// # Errors
+    /// If a sequence is empty or longer than an IU may be.
+    pub fn distance(&mut self, a: &[Motion], b: &[Motion]) -> Result<f64, Refused> {
+        dtw::distance(&self.costs, a, b, &mut self.scratch)
+    }
+
+    /// Calls `visit` with each pair of places of the warping path, from the last to the first.
+    ///
+    /// # Errors
+    /// If a sequence is empty or longer than an IU may be.
+    pub fn align(
+        &mut self,
+        a: &[Motion],
+        b: &[Motion],
+        visit: impl FnMut((usize, usize)),
+    ) -> Result<(), Refused> {
+        let cells = a.len() * b.len();
+        if self.moves.len() < cells {
+            self.moves.resize(cells, 0);
+        }
+        dtw::path(&self.costs, a, b, &mut self.moves, &mut self.scratch)?.for_each(visit);
+        Ok(())
+    }
+
+    /// All distances between sequences, as a symmetric matrix row by row.
+    ///
+    /// # Errors
+    /// If a sequence is empty or longer than an IU may be.
+    pub fn matrix(&mut self, sequences: &[&[Motion]]) -> Result<DistanceMatrix, Refused> {
+        let side = sequences.len();
+        let mut values = vec![0.0; side * side];
+        for i in 0..side {
+            for j in 0..i {
+                let distance = self.distance(sequences[i], sequences[j])?;
+                values[i * side + j] = distance;
+                values[j * side + i] = distance;
+            }
+        }
+        Ok(DistanceMatrix { side, values })
+    }
+}
+
+/// A symmetric matrix of distances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DistanceMatrix {
+    side: usize,
+    values: Vec<f64>,
+}
+
+impl DistanceMatrix {
+    /// Rows, and columns.
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// The distance of two sequences.
+    pub fn get(&self, i: usize, j: usize) -> f64 {
+        self.values[i * self.side + j]
+    }
+
+    /// The member of a group with the least sum of squared distances to the group; `None` for an empty group.
+    pub fn medoid(&self, group: &[usize]) -> Option<usize> {
+        let spread = |i: usize| group.iter().map(|&j| self.get(i, j).powi(2)).sum::<f64>();
+        group.iter().copied().min_by(|&a, &b| spread(a).total_cmp(&spread(b)).then(a.cmp(&b)))
+    }
+}
