@@ -103,6 +103,8 @@ impl Method {
                 "filter_frames",
                 "odd, 1 to 31 frames",
             ),
+            // It also bounds how many couples one step may have to emit.
+            (self.blind_ms <= 60_000, "blind_ms", "at most 60000 ms"),
         ];
         match checks.into_iter().find(|(right, ..)| !right) {
             Some((_, key, allowed)) => Err(MethodFault { key, allowed }),

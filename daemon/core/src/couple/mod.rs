@@ -1,6 +1,13 @@
 //! The feature couple `X = (x_m, x_c)` of one hand in one frame (paper III-A.3), and the [`Encoder`] that makes it.
 
+mod contact;
 mod encoder;
+mod geometry;
+mod grid;
+mod kinematics;
+mod place;
+mod poses;
+mod scene;
 
 pub use encoder::{Counts, Encoder, Refused, Unusable};
 

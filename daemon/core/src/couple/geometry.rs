@@ -1,0 +1,130 @@
+//! Vectors, turns and the least distance of two sets of points.
+
+use crate::capacity::INTERACTION_POINTS;
+use crate::input::Point;
+
+/// A unit quaternion (w, x, y, z).
+pub(super) type Quaternion = [f32; 4];
+
+pub(super) fn add(a: Point, b: Point) -> Point {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+pub(super) fn subtract(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(super) fn dot(a: Point, b: Point) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(super) fn norm(a: Point) -> f32 {
+    libm::sqrtf(dot(a, a))
+}
+
+pub(super) fn is_finite(a: &[f32]) -> bool {
+    a.iter().all(|value| value.is_finite())
+}
+
+/// The quaternion of a turn about z by `yaw` radians.
+pub(super) fn about_z(yaw: f32) -> Quaternion {
+    [libm::cosf(yaw / 2.0), 0.0, 0.0, libm::sinf(yaw / 2.0)]
+}
+
+/// The turn about z of a unit quaternion, in radians.
+pub(super) fn yaw(q: Quaternion) -> f32 {
+    let [w, x, y, z] = q;
+    libm::atan2f(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+}
+
+/// The quaternion at unit length; `None` where it has none.
+pub(super) fn unit(q: Quaternion) -> Option<Quaternion> {
+    let length = libm::sqrtf(q.iter().map(|value| value * value).sum());
+    (length.is_finite() && length > f32::EPSILON).then(|| q.map(|value| value / length))
+}
+
+/// First `b`, then `a`.
+pub(super) fn turn_after(a: Quaternion, b: Quaternion) -> Quaternion {
+    [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+}
+
+/// The inverse of a unit quaternion.
+pub(super) fn inverse(q: Quaternion) -> Quaternion {
+    [q[0], -q[1], -q[2], -q[3]]
+}
+
+/// The columns of the rotation matrix of a unit quaternion.
+pub(super) fn columns(q: Quaternion) -> [Point; 3] {
+    let [w, x, y, z] = q;
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
+        [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}
+
+pub(super) fn turned(v: Point, q: Quaternion) -> Point {
+    let [a, b, c] = columns(q);
+    [0, 1, 2].map(|i| a[i] * v[0] + b[i] * v[1] + c[i] * v[2])
+}
+
+/// Interaction points, one array a coordinate, so that a compiler makes vector instructions of [`Cloud::distance`].
+/// Places that are not needed repeat the first point, which changes no least distance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cloud {
+    coordinates: [[f32; INTERACTION_POINTS]; 3],
+    /// How many of them differ.
+    points: usize,
+}
+
+impl Cloud {
+    /// `None` without a point. Points over the capacity are left out.
+    pub(super) fn new(points: &[Point]) -> Option<Self> {
+        let first = points.first()?;
+        let coordinates =
+            [0, 1, 2].map(|axis| core::array::from_fn(|place| points.get(place).unwrap_or(first)[axis]));
+        Some(Self { coordinates, points: points.len().min(INTERACTION_POINTS) })
+    }
+
+    /// The points of an object at a pose.
+    pub(super) fn at(&self, position: Point, orientation: Quaternion, planar: bool) -> Self {
+        let [a, b, c] = columns(orientation);
+        let [x, y, z] = &self.coordinates;
+        let mut coordinates = [0, 1, 2].map(|axis| {
+            core::array::from_fn(|place| {
+                position[axis] + a[axis] * x[place] + b[axis] * y[place] + c[axis] * z[place]
+            })
+        });
+        if planar {
+            coordinates[2] = [0.0; INTERACTION_POINTS];
+        }
+        Self { coordinates, points: self.points }
+    }
+
+    /// Greatest distance of a point from the origin.
+    pub(super) fn radius(&self) -> f32 {
+        let [x, y, z] = &self.coordinates;
+        let squares = (0..self.points).map(|i| x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+        libm::sqrtf(squares.fold(0.0, f32::max))
+    }
+
+    /// Least distance of a point here and a point there.
+    pub(super) fn distance(&self, other: &Self) -> f32 {
+        let [ox, oy, oz] = &other.coordinates;
+        let mut least = [f32::INFINITY; INTERACTION_POINTS];
+        for i in 0..self.points {
+            let [x, y, z] = [self.coordinates[0][i], self.coordinates[1][i], self.coordinates[2][i]];
+            for j in 0..INTERACTION_POINTS {
+                let [dx, dy, dz] = [ox[j] - x, oy[j] - y, oz[j] - z];
+                let square = dx * dx + dy * dy + dz * dz;
+                least[j] = if square < least[j] { square } else { least[j] };
+            }
+        }
+        libm::sqrtf(least.into_iter().fold(f32::INFINITY, f32::min))
+    }
+}

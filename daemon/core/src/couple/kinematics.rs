@@ -1,0 +1,216 @@
+//! Velocity and tangential acceleration, and their quantisation (paper III-A.2, III-A.3).
+
+use super::geometry::{Quaternion, dot, inverse, norm, turned};
+use crate::config::Method;
+use crate::input::{Point, Space};
+use core::f32::consts::{FRAC_PI_2, PI, TAU};
+
+/// How a thing moves in one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Kinematics {
+    /// In m/s.
+    pub(super) velocity: Point,
+    /// The acceleration along the velocity, in m/s².
+    pub(super) tangential: f32,
+}
+
+/// A position and when it was, in seconds from the frame that is asked for.
+pub(super) type Sample = (f64, Point);
+
+/// Fits a parabola to the positions around a frame (a Savitzky-Golay filter that takes the time stamps as they are and
+/// leaves out what was not seen) and takes its derivatives there. The window is centred, so there is no phase lag.
+///
+/// At rest where the positions do not lie on both sides of the frame, or are fewer than three: a held pose does not move.
+pub(super) fn kinematics(samples: impl Iterator<Item = Sample> + Clone) -> Kinematics {
+    // Seconds are scaled to the window, so that the sums of powers are of one size.
+    let Some(scale) = samples.clone().map(|(t, _)| t.abs()).reduce(f64::max).filter(|scale| *scale > 0.0)
+    else {
+        return Kinematics::default();
+    };
+    let mut powers = [0.0; 5];
+    let mut moments = [[0.0; 3]; 3];
+    let (mut before, mut after) = (false, false);
+    for (t, position) in samples {
+        before |= t <= 0.0;
+        after |= t >= 0.0;
+        let t = t / scale;
+        let mut power = 1.0;
+        for (k, sum) in powers.iter_mut().enumerate() {
+            *sum += power;
+            if let Some(moment) = moments.get_mut(k) {
+                for (sum, value) in moment.iter_mut().zip(position) {
+                    *sum += power * f64::from(value);
+                }
+            }
+            power *= t;
+        }
+    }
+    // Three unknowns.
+    if !(before && after) || powers[0] < 3.0 {
+        return Kinematics::default();
+    }
+    let Some(curve) = Parabola::fit(powers) else { return Kinematics::default() };
+    let [velocity, acceleration]: [Point; 2] = [(1, scale), (2, scale * scale / 2.0)].map(|(row, unit)| {
+        [0, 1, 2].map(|axis| (curve.coefficient(row, moments.map(|moment| moment[axis])) / unit) as f32)
+    });
+    let speed = norm(velocity);
+    let tangential = if speed > 0.0 { dot(acceleration, velocity) / speed } else { 0.0 };
+    Kinematics { velocity, tangential }
+}
+
+/// The inverse of the normal equations of a parabola.
+struct Parabola([[f64; 3]; 3]);
+
+impl Parabola {
+    /// From the sums of the powers 0..=4 of the times; `None` where they are the times of fewer than three instants.
+    fn fit(powers: [f64; 5]) -> Option<Self> {
+        let [s0, s1, s2, s3, s4] = powers;
+        let cofactors = [
+            [s2 * s4 - s3 * s3, s2 * s3 - s1 * s4, s1 * s3 - s2 * s2],
+            [s2 * s3 - s1 * s4, s0 * s4 - s2 * s2, s1 * s2 - s0 * s3],
+            [s1 * s3 - s2 * s2, s1 * s2 - s0 * s3, s0 * s2 - s1 * s1],
+        ];
+        let determinant = s0 * cofactors[0][0] + s1 * cofactors[0][1] + s2 * cofactors[0][2];
+        // Times within the window are at most 1 here: three instants a frame apart give far more than rounding leaves.
+        (determinant > 1e-9).then(|| Self(cofactors.map(|row| row.map(|value| value / determinant))))
+    }
+
+    fn coefficient(&self, row: usize, moments: [f64; 3]) -> f64 {
+        self.0[row].iter().zip(moments).map(|(factor, moment)| factor * moment).sum()
+    }
+}
+
+/// Turns kinematics into the whole numbers of `x_m`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Quantiser {
+    bins: u8,
+    rest_speed_m_s: f32,
+    dead_band_m_s2: f32,
+    space: Space,
+}
+
+impl Quantiser {
+    pub(super) fn new(method: &Method) -> Self {
+        Self {
+            bins: method.bins,
+            rest_speed_m_s: method.rest_speed_m_s,
+            dead_band_m_s2: method.dead_band_m_s2,
+            space: method.space,
+        }
+    }
+
+    fn is_at_rest(&self, motion: &Kinematics) -> bool {
+        norm(motion.velocity) < self.rest_speed_m_s
+    }
+
+    /// The sign of the tangential acceleration: -1, 0 or 1. At rest there is no tangent, and the sign is 0.
+    pub(super) fn sign(&self, motion: &Kinematics) -> i8 {
+        if self.is_at_rest(motion) || motion.tangential.abs() < self.dead_band_m_s2 {
+            0
+        } else if motion.tangential > 0.0 {
+            1
+        } else {
+            -1
+        }
+    }
+
+    /// Whether two things move jointly: their signs are concordant (paper III-A.2), two zeros included, because a thing
+    /// that is carried at a constant speed, or held still, is in the hand too.
+    pub(super) fn joint_motion(&self, one: &Kinematics, other: &Kinematics) -> i8 {
+        i8::from(self.sign(one) == self.sign(other))
+    }
+
+    /// `[θ, φ]`: the direction of the velocity of `v_i`, projected onto the axes of `v_j` (paper III-A.2), as bins of `2π/N`.
+    ///
+    /// Azimuth bin 1 is centred on the x axis of `v_j` and they are counted towards its y axis. Elevation has bins of the same width,
+    /// bin 1 centred on straight down and bin `N/2 + 1` on straight up; 0 in plane mode. Both are 0 at rest.
+    pub(super) fn direction(&self, motion: &Kinematics, frame: Quaternion) -> [i8; 2] {
+        if self.is_at_rest(motion) {
+            return [0; 2];
+        }
+        let [x, y, z] = turned(motion.velocity, inverse(frame));
+        let width = TAU / f32::from(self.bins);
+        let azimuth = libm::atan2f(y, x);
+        let around = libm::floorf((azimuth + PI * 2.0) / width + 0.5) as i32 % i32::from(self.bins);
+        let elevation = match self.space {
+            Space::Plane => 0,
+            Space::Metric => {
+                let angle = libm::atan2f(z, libm::sqrtf(x * x + y * y)) + FRAC_PI_2;
+                1 + libm::floorf(angle / width + 0.5) as i8
+            }
+        };
+        // Under N, which is at most 120.
+        [elevation, around as i8 + 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::couple::geometry::about_z;
+
+    fn quantiser(space: Space) -> Quantiser {
+        Quantiser::new(&Method { space, ..Method::default() })
+    }
+
+    fn moving(velocity: Point) -> Kinematics {
+        Kinematics { velocity, tangential: 0.0 }
+    }
+
+    #[test]
+    fn a_parabola_is_differentiated_exactly_at_uneven_times_with_frames_missing() {
+        // p = 3 - 0.5 t + 2 t²: at 0 the velocity is -0.5 and, as it slows down, the tangential acceleration -4.
+        let times = [-0.17, -0.09, -0.06, 0.011, 0.04, 0.13];
+        let motion =
+            kinematics(times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])));
+        assert!((motion.velocity[1] + 0.5).abs() < 1e-4, "{motion:?}");
+        assert!((motion.tangential + 4.0).abs() < 1e-3, "{motion:?}");
+        assert!(motion.velocity[2].abs() < 1e-6, "{motion:?}");
+    }
+
+    #[test]
+    fn what_was_seen_on_one_side_only_is_at_rest() {
+        let motion = kinematics([-0.3, -0.2, -0.1].into_iter().map(|t| (t, [t as f32, 0.0, 0.0])));
+        assert_eq!(motion, Kinematics::default());
+    }
+
+    #[test]
+    fn directions_are_counted_around_the_circle_from_the_x_axis_of_the_other() {
+        let quantiser = quantiser(Space::Plane);
+        for bin in 0..8u8 {
+            for inside in [-0.49, 0.0, 0.49] {
+                let angle = (f32::from(bin) + inside) * TAU / 8.0;
+                let motion = moving([libm::cosf(angle), libm::sinf(angle), 0.0]);
+                assert_eq!(quantiser.direction(&motion, about_z(0.0)), [0, bin as i8 + 1]);
+                // The other is turned by a quarter: two bins less.
+                assert_eq!(quantiser.direction(&motion, about_z(FRAC_PI_2)), [0, ((bin + 6) % 8) as i8 + 1]);
+            }
+        }
+    }
+
+    #[test]
+    fn elevation_runs_from_straight_down_to_straight_up() {
+        let quantiser = quantiser(Space::Metric);
+        let [down, level, up] = [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|velocity| quantiser.direction(&moving(velocity), about_z(0.3))[0]);
+        assert_eq!([down, level, up], [1, 3, 5]);
+    }
+
+    #[test]
+    fn under_the_rest_speed_there_is_no_direction_and_no_sign() {
+        let quantiser = quantiser(Space::Metric);
+        let slow = Kinematics { velocity: [0.02, 0.0, 0.0], tangential: 9.0 };
+        assert_eq!(quantiser.direction(&slow, about_z(0.0)), [0, 0]);
+        assert_eq!(quantiser.sign(&slow), 0);
+    }
+
+    #[test]
+    fn opposite_signs_are_not_joint_motion() {
+        let quantiser = quantiser(Space::Plane);
+        let faster = Kinematics { velocity: [1.0, 0.0, 0.0], tangential: 1.0 };
+        let slower = Kinematics { velocity: [1.0, 0.0, 0.0], tangential: -1.0 };
+        assert_eq!(quantiser.joint_motion(&faster, &faster), 1);
+        assert_eq!(quantiser.joint_motion(&faster, &slower), 0);
+        assert_eq!(quantiser.joint_motion(&faster, &moving([1.0, 0.0, 0.0])), 0);
+    }
+}

@@ -1,0 +1,175 @@
+//! Where hands and objects are and were, on the grid: what is not seen is held, and what a hand carries moves with it.
+
+use super::geometry::{
+    Cloud, Quaternion, about_z, add, inverse, is_finite, subtract, turn_after, turned, unit, yaw,
+};
+use crate::capacity::PERSIST_FRAMES;
+use crate::input::{Hand, Object, Point, Space};
+
+/// Frames that are remembered: `persist_frames` before and after the one whose couple is made.
+pub(super) const REMEMBERED: usize = 2 * PERSIST_FRAMES + 1;
+
+/// The newest [`REMEMBERED`] items, the newest at age 0.
+#[derive(Clone, Debug)]
+pub(super) struct Recent<T> {
+    items: [T; REMEMBERED],
+    newest: usize,
+}
+
+impl<T: Copy> Recent<T> {
+    pub(super) fn new(nothing: T) -> Self {
+        Self { items: [nothing; REMEMBERED], newest: 0 }
+    }
+
+    pub(super) fn push(&mut self, item: T) {
+        self.newest = (self.newest + 1) % REMEMBERED;
+        self.items[self.newest] = item;
+    }
+
+    /// The item of `age` frames ago; one that is older than remembered is the oldest.
+    pub(super) fn ago(&self, age: usize) -> &T {
+        &self.items[(self.newest + REMEMBERED - age.min(REMEMBERED - 1)) % REMEMBERED]
+    }
+}
+
+/// How well a pose is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Source {
+    /// Never seen.
+    Nowhere,
+    /// Seen in this frame.
+    Seen,
+    /// Hidden, and moved with the hand that carries it.
+    Carried,
+    /// Not seen: the last pose is held.
+    Held,
+}
+
+/// A hand in one frame of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HandPose {
+    pub(super) source: Source,
+    /// Frames since it was seen.
+    pub(super) unseen: u32,
+    pub(super) middle_knuckle: Point,
+    pub(super) tips: [Point; 3],
+    /// Direction from the wrist to the middle knuckle, in radians about z.
+    pub(super) yaw: f32,
+}
+
+impl HandPose {
+    pub(super) const NOWHERE: Self = Self {
+        source: Source::Nowhere,
+        unseen: u32::MAX,
+        middle_knuckle: [0.0; 3],
+        tips: [[0.0; 3]; 3],
+        yaw: 0.0,
+    };
+
+    /// The pose of a hand that is seen; `None` where a number is not finite.
+    pub(super) fn seen(hand: &Hand, space: Space) -> Option<Self> {
+        let flat = |point: Point| if space == Space::Plane { [point[0], point[1], 0.0] } else { point };
+        let points = [hand.wrist, hand.middle_knuckle, hand.tips[0], hand.tips[1], hand.tips[2]].map(flat);
+        if !points.iter().all(|point| is_near(*point)) {
+            return None;
+        }
+        let [wrist, middle_knuckle, tips @ ..] = points;
+        let along = subtract(middle_knuckle, wrist);
+        let yaw = libm::atan2f(along[1], along[0]);
+        Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, tips, yaw })
+    }
+
+    /// The next frame's pose where the hand is not seen in it.
+    pub(super) fn held(self) -> Self {
+        match self.source {
+            Source::Nowhere => self,
+            _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), ..self },
+        }
+    }
+
+    /// Its interaction points.
+    pub(super) fn cloud(&self) -> Option<Cloud> {
+        Cloud::new(&self.tips)
+    }
+
+    /// Between the finger tips, where a thing is held.
+    fn grip(&self) -> Point {
+        add(add(self.tips[0], self.tips[1]), self.tips[2]).map(|sum| sum / 3.0)
+    }
+}
+
+/// An object in one frame of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ObjectPose {
+    pub(super) source: Source,
+    /// Frames since it was seen.
+    pub(super) unseen: u32,
+    pub(super) position: Point,
+    pub(super) orientation: Quaternion,
+}
+
+impl ObjectPose {
+    pub(super) const NOWHERE: Self = Self {
+        source: Source::Nowhere,
+        unseen: u32::MAX,
+        position: [0.0; 3],
+        orientation: [1.0, 0.0, 0.0, 0.0],
+    };
+
+    /// The pose of an object that is seen; `None` where a number is not finite or the quaternion has no length.
+    pub(super) fn seen(object: &Object, space: Space) -> Option<Self> {
+        if !is_near(object.position) {
+            return None;
+        }
+        let whole = unit(object.orientation)?;
+        let (position, orientation) = match space {
+            Space::Metric => (object.position, whole),
+            Space::Plane => ([object.position[0], object.position[1], 0.0], about_z(yaw(whole))),
+        };
+        Some(Self { source: Source::Seen, unseen: 0, position, orientation })
+    }
+
+    /// The next frame's pose where the object is not seen in it, and no hand carries it.
+    pub(super) fn held(self) -> Self {
+        match self.source {
+            Source::Nowhere => self,
+            _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), ..self },
+        }
+    }
+}
+
+/// Whether a point can be on a bench: finite, and within a kilometre, so that no square of it overflows.
+fn is_near(point: Point) -> bool {
+    is_finite(&point) && point.iter().all(|value| value.abs() < 1000.0)
+}
+
+/// How a hidden object lies in the hand that carries it: as a stiff body, turned with the hand about z. Its tilt is kept.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grip {
+    /// The carrying hand, as its place in the couples.
+    pub(super) hand: usize,
+    offset: Point,
+    turn: Quaternion,
+}
+
+impl Grip {
+    pub(super) fn new(hand: usize, pose: &HandPose, object: &ObjectPose) -> Self {
+        let back = inverse(about_z(pose.yaw));
+        Self {
+            hand,
+            offset: turned(subtract(object.position, pose.grip()), back),
+            turn: turn_after(back, object.orientation),
+        }
+    }
+
+    /// The next frame's pose of the object.
+    pub(super) fn carried(&self, pose: &HandPose, before: &ObjectPose) -> ObjectPose {
+        let hand = about_z(pose.yaw);
+        ObjectPose {
+            source: Source::Carried,
+            unseen: before.unseen.saturating_add(1),
+            position: add(pose.grip(), turned(self.offset, hand)),
+            orientation: unit(turn_after(hand, self.turn)).unwrap_or(before.orientation),
+        }
+    }
+}

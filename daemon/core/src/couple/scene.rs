@@ -1,0 +1,337 @@
+//! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
+
+use super::contact::Edge;
+use super::geometry::Cloud;
+use super::kinematics::{Kinematics, Quantiser, kinematics};
+use super::place::{Place, Way};
+use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
+use super::{Context, Couple, Motion};
+use crate::capacity::{HANDS, OBJECTS};
+use crate::config::Method;
+use crate::input::{Frame, ObjectShape, Side, Space};
+use heapless::Vec;
+
+/// The hands, by their place in the couples.
+const SIDES: [Side; HANDS] = [Side::Right, Side::Left];
+
+/// What is known of an object before it is seen, and its node.
+#[derive(Clone, Debug)]
+struct Node {
+    id: u16,
+    points: Cloud,
+    /// Greatest distance of an interaction point from the position, in metres.
+    radius_m: f32,
+    poses: Recent<ObjectPose>,
+    /// How it lies in the hand, while it is hidden there.
+    grip: Option<Grip>,
+}
+
+/// Poses and edges of the newest frames of the grid.
+#[derive(Clone, Debug)]
+pub(super) struct Scene {
+    method: Method,
+    quantiser: Quantiser,
+    /// Frames after which what is not seen is out of sight (`blind_ms`).
+    blind_frames: u32,
+    times_ns: Recent<u64>,
+    hands: [Recent<HandPose>; HANDS],
+    /// In the order of their ids.
+    objects: Vec<Node, OBJECTS>,
+    /// From a hand to an object.
+    touches: [[Edge; OBJECTS]; HANDS],
+    /// Between two objects, the lower index first.
+    beside: [[Edge; OBJECTS]; OBJECTS],
+    places: [Place; HANDS],
+}
+
+impl Scene {
+    /// An empty scene. `shapes` have ids that differ; one without interaction points, or over the capacity, is left out.
+    pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
+        let mut objects: Vec<Node, OBJECTS> = shapes
+            .iter()
+            .filter_map(|shape| {
+                let points = Cloud::new(&shape.interaction_points)?;
+                let poses = Recent::new(ObjectPose::NOWHERE);
+                Some(Node { id: shape.id, points, radius_m: points.radius(), poses, grip: None })
+            })
+            .take(OBJECTS)
+            .collect();
+        objects.sort_unstable_by_key(|node| node.id);
+        Self {
+            method,
+            quantiser: Quantiser::new(&method),
+            // At most a minute of 240 Hz, see `Method::check`.
+            blind_frames: libm::ceil(f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0) as u32,
+            times_ns: Recent::new(0),
+            hands: core::array::from_fn(|_| Recent::new(HandPose::NOWHERE)),
+            objects,
+            touches: [[Edge::default(); OBJECTS]; HANDS],
+            beside: [[Edge::default(); OBJECTS]; OBJECTS],
+            places: [Place::Idle; HANDS],
+        }
+    }
+
+    /// Forgets all that was seen.
+    pub(super) fn clear(&mut self) {
+        for node in &mut self.objects {
+            node.poses = Recent::new(ObjectPose::NOWHERE);
+            node.grip = None;
+        }
+        self.hands = core::array::from_fn(|_| Recent::new(HandPose::NOWHERE));
+        self.touches = [[Edge::default(); OBJECTS]; HANDS];
+        self.beside = [[Edge::default(); OBJECTS]; OBJECTS];
+        self.places = [Place::Idle; HANDS];
+    }
+
+    /// Frames after which what is not seen is out of sight.
+    pub(super) fn blind_frames(&self) -> u32 {
+        self.blind_frames
+    }
+
+    /// The time of the newest frame, in nanoseconds.
+    pub(super) fn newest_ns(&self) -> u64 {
+        *self.times_ns.ago(0)
+    }
+
+    /// Takes the next frame of the grid, or its absence, and returns how many hands and objects were left out.
+    pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) -> u64 {
+        self.times_ns.push(captured_ns);
+        let left_out = self.push_hands(frame) + self.push_objects(frame);
+        self.push_edges();
+        self.take_grips();
+        left_out
+    }
+
+    fn push_hands(&mut self, frame: Option<&Frame>) -> u64 {
+        let mut seen = [None; HANDS];
+        let mut left_out = 0;
+        for hand in frame.iter().flat_map(|frame| &frame.hands) {
+            let place = SIDES.iter().position(|side| *side == hand.side).unwrap_or(0);
+            match HandPose::seen(hand, self.method.space) {
+                Some(pose) if seen[place].is_none() => seen[place] = Some(pose),
+                _ => left_out += 1,
+            }
+        }
+        for (poses, seen) in self.hands.iter_mut().zip(seen) {
+            poses.push(seen.unwrap_or(poses.ago(0).held()));
+        }
+        left_out
+    }
+
+    fn push_objects(&mut self, frame: Option<&Frame>) -> u64 {
+        let mut seen = [None; OBJECTS];
+        let mut left_out = 0;
+        for object in frame.iter().flat_map(|frame| &frame.objects) {
+            let place = self.objects.binary_search_by_key(&object.id, |node| node.id);
+            match (place, ObjectPose::seen(object, self.method.space)) {
+                (Ok(place), Some(pose)) if seen[place].is_none() => seen[place] = Some(pose),
+                _ => left_out += 1,
+            }
+        }
+        for (node, seen) in self.objects.iter_mut().zip(seen) {
+            let before = node.poses.ago(0);
+            let carrier = node.grip.map(|grip| (grip, self.hands[grip.hand].ago(0)));
+            let pose = match (seen, carrier) {
+                (Some(pose), _) => pose,
+                (None, Some((grip, hand))) if hand.source == Source::Seen => grip.carried(hand, before),
+                _ => before.held(),
+            };
+            node.poses.push(pose);
+        }
+        left_out
+    }
+
+    fn push_edges(&mut self) {
+        let planar = self.method.space == Space::Plane;
+        let poses: Vec<(&ObjectPose, Cloud, f32), OBJECTS> = self
+            .objects
+            .iter()
+            .map(|node| {
+                let pose = node.poses.ago(0);
+                (pose, node.points.at(pose.position, pose.orientation, planar), node.radius_m)
+            })
+            .collect();
+        let sighted = |unseen: u32| unseen <= self.blind_frames;
+        // The contacts of a hand that is out of sight end `persist_frames` late, so that the couples before say it was.
+        let kept = self.blind_frames.saturating_add(self.method.persist_frames.into());
+        for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
+            let hand = hand.ago(0);
+            let tips = hand.cloud().filter(|_| hand.unseen <= kept);
+            for ((pose, points, _), edge) in poses.iter().zip(edges) {
+                match tips {
+                    Some(tips) if pose.source != Source::Nowhere => edge.push(
+                        tips.distance(points),
+                        sighted(hand.unseen) && sighted(pose.unseen),
+                        &self.method.hand_contact,
+                    ),
+                    _ => edge.push_apart(),
+                }
+            }
+        }
+        let contact = &self.method.object_contact;
+        for (i, (one, edges)) in poses.iter().zip(&mut self.beside).enumerate() {
+            for (other, edge) in poses.iter().zip(edges).skip(i + 1) {
+                let reach = one.2 + other.2 + contact.off_m;
+                let known = one.0.source != Source::Nowhere && other.0.source != Source::Nowhere;
+                if known && square_apart(one.0, other.0) <= reach * reach {
+                    let sighted = sighted(one.0.unseen) && sighted(other.0.unseen);
+                    edge.push(one.1.distance(&other.1), sighted, contact);
+                } else {
+                    edge.push_apart();
+                }
+            }
+        }
+    }
+
+    /// A hidden object that a hand has been in contact with for `persist_frames` is carried by it from here on, until the
+    /// object is seen again or the hand is out of sight.
+    fn take_grips(&mut self) {
+        for (place, node) in self.objects.iter_mut().enumerate() {
+            let pose = node.poses.ago(0);
+            if let Some(grip) = node.grip {
+                let lost = self.hands[grip.hand].ago(0).unseen > self.blind_frames;
+                if pose.source == Source::Seen || lost {
+                    node.grip = None;
+                }
+            } else if pose.source == Source::Held {
+                let holds = |hand: &usize| {
+                    self.hands[*hand].ago(0).source == Source::Seen
+                        && self.touches[*hand][place].held_for(self.method.persist_frames)
+                };
+                node.grip = (0..HANDS).find(holds).map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
+            }
+        }
+    }
+
+    /// The couples of the frame `age` frames before the newest. To be called once for each frame, in order.
+    pub(super) fn couples(&mut self, age: usize) -> [Couple; HANDS] {
+        let persist = self.method.persist_frames;
+        for edge in self.touches.iter_mut().chain(&mut self.beside).flatten() {
+            edge.believe(age, persist);
+        }
+        core::array::from_fn(|hand| {
+            let touched = self.touched(hand, age);
+            let place = self.places[hand].next(touched, |j| self.neighbours(j, age));
+            self.places[hand] = place;
+            self.couple(hand, place, age)
+        })
+    }
+
+    /// Ways from a hand to the objects that it touches.
+    fn touched(&self, hand: usize, age: usize) -> impl Iterator<Item = Way> + Clone {
+        let believed = (0..self.objects.len()).filter(move |j| self.touches[hand][*j].is_believed());
+        believed.map(move |j| (j, self.distance_from_hand(hand, j, age)))
+    }
+
+    /// Ways from an object to the objects that it touches.
+    fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = Way> {
+        let edge = move |l: usize| self.beside[j.min(l)][j.max(l)];
+        let believed = (0..self.objects.len()).filter(move |l| *l != j && edge(*l).is_believed());
+        believed.map(move |l| (l, self.points(j, age).distance(&self.points(l, age))))
+    }
+
+    fn distance_from_hand(&self, hand: usize, j: usize, age: usize) -> f32 {
+        let tips = self.hands[hand].ago(age).cloud();
+        tips.map_or(f32::INFINITY, |tips| tips.distance(&self.points(j, age)))
+    }
+
+    /// The interaction points of an object in the bench frame.
+    fn points(&self, object: usize, age: usize) -> Cloud {
+        let node = &self.objects[object];
+        let pose = node.poses.ago(age);
+        node.points.at(pose.position, pose.orientation, self.method.space == Space::Plane)
+    }
+
+    fn couple(&self, hand: usize, place: Place, age: usize) -> Couple {
+        let pose = self.hands[hand].ago(age);
+        let (acts, j, l) = match place {
+            Place::Idle => (false, None, None),
+            Place::Acts { j, l } => (true, Some(j), l),
+            Place::Released { j, l } => (false, Some(j), Some(l)),
+        };
+        let node = |object: usize| &self.objects[object];
+        let hidden = |object: Option<usize>| {
+            object.is_some_and(|object| node(object).poses.ago(age).unseen > self.blind_frames)
+        };
+        let from_hand = j.filter(|_| acts);
+        let [h, o_j, o_l] =
+            [from_hand.map(|_| SIDES[hand] as u16), j.map(|j| node(j).id), l.map(|l| node(l).id)];
+        Couple {
+            side: SIDES[hand],
+            captured_ns: *self.times_ns.ago(age),
+            motion: self.motion(hand, from_hand, j.zip(l), age),
+            context: match (o_j, o_l) {
+                (Some(j), Some(l)) if acts => Context([h.unwrap_or(0), j, j, l]),
+                (Some(j), Some(l)) => Context([0, 0, j, l]),
+                (Some(j), None) => Context([h.unwrap_or(0), j, 0, 0]),
+                _ => Context::IDLE,
+            },
+            distances: [
+                from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
+                j.zip(l).map_or(f32::INFINITY, |(j, l)| self.points(j, age).distance(&self.points(l, age))),
+            ],
+            sighted: !(acts && pose.unseen > self.blind_frames || hidden(j) || hidden(l)),
+            seen: pose.source == Source::Seen,
+        }
+    }
+
+    /// `x_m` of a hand that acts on an object, and of an object that touches another.
+    fn motion(
+        &self,
+        hand: usize,
+        acts_on: Option<usize>,
+        pair: Option<(usize, usize)>,
+        age: usize,
+    ) -> Motion {
+        let mut motion = Motion::default();
+        let axes = |object: usize| self.objects[object].poses.ago(age).orientation;
+        if let Some(j) = acts_on {
+            let [of_hand, of_j] = [self.hand_kinematics(hand, age), self.object_kinematics(j, age)];
+            let [elevation, azimuth] = self.quantiser.direction(&of_hand, axes(j));
+            motion.0[0] = self.quantiser.sign(&of_hand);
+            motion.0[1..4].copy_from_slice(&[
+                elevation,
+                azimuth,
+                self.quantiser.joint_motion(&of_hand, &of_j),
+            ]);
+        }
+        if let Some((j, l)) = pair {
+            let [of_j, of_l] = [self.object_kinematics(j, age), self.object_kinematics(l, age)];
+            let [elevation, azimuth] = self.quantiser.direction(&of_j, axes(l));
+            motion.0[4..7].copy_from_slice(&[elevation, azimuth, self.quantiser.joint_motion(&of_j, &of_l)]);
+        }
+        motion
+    }
+
+    fn hand_kinematics(&self, hand: usize, age: usize) -> Kinematics {
+        self.kinematics(age, |age| {
+            let pose = self.hands[hand].ago(age);
+            (pose.source == Source::Seen).then_some(pose.middle_knuckle)
+        })
+    }
+
+    fn object_kinematics(&self, object: usize, age: usize) -> Kinematics {
+        self.kinematics(age, |age| {
+            let pose = self.objects[object].poses.ago(age);
+            matches!(pose.source, Source::Seen | Source::Carried).then_some(pose.position)
+        })
+    }
+
+    /// From what was seen in the `persist_frames` before and after a frame: no further delay than the contacts have.
+    fn kinematics(&self, age: usize, seen: impl Fn(usize) -> Option<[f32; 3]> + Clone) -> Kinematics {
+        let half = usize::from(self.method.persist_frames);
+        let now = *self.times_ns.ago(age);
+        let ages = age.saturating_sub(half)..=age + half;
+        kinematics(ages.filter_map(|age| {
+            let position = seen(age)?;
+            let time = *self.times_ns.ago(age);
+            let apart = time.abs_diff(now) as f64 * 1e-9;
+            Some((if time < now { -apart } else { apart }, position))
+        }))
+    }
+}
+
+fn square_apart(one: &ObjectPose, other: &ObjectPose) -> f32 {
+    let apart = super::geometry::subtract(one.position, other.position);
+    super::geometry::dot(apart, apart)
+}
