@@ -1,0 +1,80 @@
+//! One file of the configuration: its text, its tables and where things stand in it.
+
+use super::fault::Fault;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::de::DeTable;
+
+/// Longest value that a message shows, in characters: it should stay on one line of a terminal.
+const SHOWN_CHARACTERS: usize = 60;
+
+/// A file that could be read.
+pub(super) struct File {
+    /// As it was given.
+    path: PathBuf,
+    /// Its folder, absolute.
+    folder: PathBuf,
+    text: String,
+}
+
+impl File {
+    /// Reads `path`, or says in `faults` why that is not possible.
+    pub(super) fn open(path: &Path, faults: &mut Vec<Fault>) -> Option<Self> {
+        let read = std::fs::read_to_string(path).and_then(|text| Ok((text, std::path::absolute(path)?)));
+        match read {
+            Ok((text, absolute)) => {
+                let folder = absolute.parent().unwrap_or(Path::new("/")).to_owned();
+                Some(Self { path: path.to_owned(), folder, text })
+            }
+            Err(error) => {
+                faults.push(fault(path, None, format!("cannot be read: {error}")));
+                None
+            }
+        }
+    }
+}
+
+/// A file and what of it could be parsed.
+pub(super) struct Document<'f> {
+    /// The file as it was given.
+    pub(super) path: &'f Path,
+    /// Its folder, absolute: relative paths in it start here.
+    pub(super) folder: &'f Path,
+    pub(super) table: DeTable<'f>,
+    text: &'f str,
+}
+
+impl<'f> Document<'f> {
+    /// Parses `file`. What TOML cannot make sense of goes to `faults`, the rest is kept.
+    pub(super) fn parse(file: &'f File, faults: &mut Vec<Fault>) -> Self {
+        let (table, errors) = DeTable::parse_recoverable(&file.text);
+        let document =
+            Self { path: &file.path, folder: &file.folder, table: table.into_inner(), text: &file.text };
+        faults.extend(errors.into_iter().map(|error| {
+            let line = error.span().map(|span| document.line(span.start));
+            fault(document.path, line, format!("is not TOML: {}", error.message()))
+        }));
+        document
+    }
+
+    /// The line of a place, from 1.
+    pub(super) fn line(&self, at: usize) -> usize {
+        1 + self.text.bytes().take(at).filter(|byte| *byte == b'\n').count()
+    }
+
+    /// What stands at a place, cut to one line.
+    pub(super) fn shown(&self, span: Range<usize>) -> String {
+        let text = self.text.get(span).unwrap_or_default();
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let line = words.join(" ");
+        match line.char_indices().nth(SHOWN_CHARACTERS) {
+            Some((end, _)) => format!("{}...", &line[..end]),
+            None => line,
+        }
+    }
+}
+
+/// A fault of a whole file or line.
+fn fault(path: &Path, line: Option<usize>, problem: String) -> Fault {
+    Fault { file: path.to_owned(), line, key: None, value: None, problem, likely: None }
+}

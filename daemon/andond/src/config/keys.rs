@@ -1,0 +1,44 @@
+//! How a section declares its keys: once, for the reader of files and for the writer of the reference.
+
+use super::value::Value;
+
+/// Walks over all keys of the configuration in the order of the reference.
+///
+/// A section is declared by one function over this trait, so that name, default, allowed range and meaning of a
+/// key stand in one place and the reference cannot say anything else than the reader enforces.
+pub(super) trait Keys: Sized {
+    /// A section `[name]`.
+    fn section(&mut self, name: &'static str, meaning: &'static str, keys: impl FnOnce(&mut Self));
+
+    /// A list of sections `[[name]]`. A later file replaces the whole list.
+    fn list<T: Default>(
+        &mut self,
+        name: &'static str,
+        meaning: &'static str,
+        items: &mut Vec<T>,
+        keys: impl Fn(&mut T, &mut Self),
+    );
+
+    /// A key with a default: `value` holds it.
+    fn key<T: Value>(&mut self, name: &'static str, value: &mut T, limit: T::Limit, meaning: &'static str);
+
+    /// A key that at least one file must have. `example` is TOML.
+    fn required<T: Value>(
+        &mut self,
+        name: &'static str,
+        value: &mut T,
+        limit: T::Limit,
+        example: &'static str,
+        meaning: &'static str,
+    );
+
+    /// A key that may be left out. `example` is TOML.
+    fn optional<T: Value>(
+        &mut self,
+        name: &'static str,
+        value: &mut Option<T>,
+        limit: T::Limit,
+        example: &'static str,
+        meaning: &'static str,
+    );
+}

@@ -1,0 +1,160 @@
+//! The configuration: TOML files in, one typed [`Config`] or every fault at once out (DESIGN 6).
+//!
+//! ```
+//! use andond::config::Config;
+//! # let folder = tempfile::tempdir()?;
+//! # let path = folder.path().join("bench1.toml");
+//! std::fs::write(&path, "[station]\nnmae = 'bench1'\n[camera]\nrate_hz = 1000\n")?;
+//! let faults = Config::load(&[&path]).unwrap_err();
+//! let problems: Vec<String> = faults.0.iter().map(|fault| fault.problem.clone()).collect();
+//! assert_eq!(faults.0[1].likely.as_deref(), Some("`name`"));
+//! assert_eq!(problems[2], "must be a number from 1.0 to 240.0 Hz");
+//! # Ok::<(), std::io::Error>(())
+//! ```
+//!
+//! Each key is declared once (`sections`), over a visitor (`keys`): one visitor reads files (`read`), another one
+//! writes the annotated reference (`reference`). What several keys must agree on is in `check`.
+
+mod check;
+mod document;
+mod fault;
+mod keys;
+mod read;
+mod reference;
+mod sections;
+mod value;
+
+pub use fault::{Fault, Faults};
+pub use reference::reference;
+pub use sections::bench::{Bench, Object};
+pub use sections::camera::{Camera, Source, Speed};
+pub use sections::perception::{Dictionary, HandModel, Perception};
+pub use sections::service::{Health, Journal, Log, Plc};
+pub use sections::station::Station;
+
+use andon_core::config::Method;
+use andon_core::input::ObjectShape;
+use check::Learned;
+use document::{Document, File};
+use keys::Keys;
+use read::Reader;
+use std::path::{Path, PathBuf};
+
+/// Where the journals are kept that have no path of their own; `StateDirectory=` of the units.
+const STATE: &str = "/var/lib/andon";
+
+/// The configuration of one station.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Config {
+    /// Which bench this is.
+    pub station: Station,
+    /// Where the frames come from.
+    pub camera: Camera,
+    /// The frame of reference.
+    pub bench: Bench,
+    /// How hands and objects are found.
+    pub perception: Perception,
+    /// What carries a marker.
+    pub objects: Vec<Object>,
+    /// The constants of the method, with the bench's `space`.
+    pub method: Method,
+    /// Where verdicts are kept.
+    pub journal: Journal,
+    /// The Modbus TCP server.
+    pub plc: Plc,
+    /// When a role counts as stuck.
+    pub health: Health,
+    /// How much is logged.
+    pub log: Log,
+}
+
+impl Config {
+    /// Reads `paths` over the defaults, a later one over an earlier one.
+    ///
+    /// # Errors
+    /// Every fault of all files: the caller prints them, starts nothing and exits with
+    /// [`crate::exit::Code::Configuration`].
+    pub fn load(paths: &[impl AsRef<Path>]) -> Result<Self, Faults> {
+        Self::read(paths, Learned::Needed)
+    }
+
+    /// As [`Config::load`], for the tools that make the job and the calibration: these need not be there yet.
+    ///
+    /// # Errors
+    /// As [`Config::load`].
+    pub fn load_to_learn(paths: &[impl AsRef<Path>]) -> Result<Self, Faults> {
+        Self::read(paths, Learned::Awaited)
+    }
+
+    fn read(paths: &[impl AsRef<Path>], learned: Learned) -> Result<Self, Faults> {
+        let mut faults = Vec::new();
+        let files: Vec<File> =
+            paths.iter().filter_map(|path| File::open(path.as_ref(), &mut faults)).collect();
+        let documents: Vec<Document<'_>> =
+            files.iter().map(|file| Document::parse(file, &mut faults)).collect();
+        // What cannot be read may hold anything: to call a key missing then, or unfit, would only confuse.
+        let complete = faults.is_empty();
+        let mut config = Self::default();
+        let mut reader = Reader::new(&documents, complete);
+        config.keys(&mut reader);
+        let (origins, refused) = reader.finish();
+        let line = |fault: &Fault| (fault.file.clone(), fault.line);
+        let not_toml: Vec<_> = faults.iter().map(line).collect();
+        faults.extend(refused.into_iter().filter(|fault| !not_toml.contains(&line(fault))));
+        if complete {
+            faults.extend(check::check(&config, &documents, &origins, learned));
+        }
+        if faults.is_empty() { Ok(config) } else { Err(Faults(faults)) }
+    }
+
+    /// Declares all sections, in the order of the data path.
+    fn keys(&mut self, k: &mut impl Keys) {
+        k.section("station", "which bench this is.", |k| self.station.keys(k));
+        k.section("camera", "where the frames come from.", |k| self.camera.keys(k));
+        k.section("bench", "the frame of reference.", |k| self.bench.keys(&mut self.method.space, k));
+        k.section("perception", "how hands and objects are found.", |k| self.perception.keys(k));
+        k.list(
+            "objects",
+            "a section for each thing that carries a marker.",
+            &mut self.objects,
+            |object, k| {
+                object.keys(k);
+            },
+        );
+        k.section("method", "the constants of the method.", |k| sections::method::keys(&mut self.method, k));
+        k.section("journal", "where verdicts are kept.", |k| self.journal.keys(k));
+        k.section("plc", "the Modbus TCP server.", |k| self.plc.keys(k));
+        k.section("health", "when a role counts as stuck.", |k| self.health.keys(k));
+        k.section("log", "how much is logged.", |k| self.log.keys(k));
+    }
+
+    /// The station's directory, `<root>/<name>`: its services' files live there.
+    #[must_use]
+    pub fn root(&self) -> PathBuf {
+        self.station.root.join(&self.station.name)
+    }
+
+    /// The database of the journal.
+    #[must_use]
+    pub fn journal_path(&self) -> PathBuf {
+        let default = || Path::new(STATE).join(format!("{}.sqlite", self.station.name));
+        self.journal.path.clone().unwrap_or_else(default)
+    }
+
+    /// The constants of the method.
+    #[must_use]
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// What is known of the objects before they are seen.
+    #[must_use]
+    pub fn shapes(&self) -> Vec<ObjectShape> {
+        let shape = |object: &Object| ObjectShape {
+            id: object.id,
+            // `load` allows no more of them than fit.
+            interaction_points: object.interaction_points.iter().copied().collect(),
+        };
+        self.objects.iter().map(shape).collect()
+    }
+}

@@ -1,0 +1,105 @@
+//! Writes the annotated reference from the declarations that the reader enforces.
+
+use super::Config;
+use super::keys::Keys;
+use super::value::Value;
+use std::fmt::Write as _;
+
+const HEAD: &str = "\
+Andon: every key, its meaning, what is allowed, and its default.
+
+A station needs one file that gives its name and its objects, and what differs from here: see stations/demo.toml.
+Files are read in the order in which they are given; a later one overrides key by key, and `objects` as a whole.
+Relative paths start at the folder of the file that they stand in. A key that does not exist is a fault; all
+faults are reported at once, and then nothing starts. `andond check FILE...` does only that.";
+
+/// The reference, `config/andon.toml`.
+#[must_use]
+pub fn reference() -> String {
+    let mut writer = Writer { text: String::new(), commented: false };
+    writer.comment(HEAD);
+    Config::default().keys(&mut writer);
+    writer.text
+}
+
+/// The visitor that writes what it sees.
+struct Writer {
+    text: String,
+    /// The keys belong to an example.
+    commented: bool,
+}
+
+impl Writer {
+    fn comment(&mut self, text: &str) {
+        for line in text.lines() {
+            let space = if line.is_empty() { "" } else { " " };
+            // Writing to a `String` cannot fail.
+            let _ = writeln!(self.text, "#{space}{line}");
+        }
+    }
+
+    fn entry(&mut self, meaning: &str, allowed: &str, rest: &str, commented: bool, line: &str) {
+        self.text.push('\n');
+        self.comment(meaning);
+        self.comment(&format!("Allowed: {allowed}. {rest}"));
+        let mark = if commented || self.commented { "#" } else { "" };
+        let _ = writeln!(self.text, "{mark}{line}");
+    }
+}
+
+impl Keys for Writer {
+    fn section(&mut self, name: &'static str, meaning: &'static str, keys: impl FnOnce(&mut Self)) {
+        self.text.push('\n');
+        self.comment(&format!("---- {name}: {meaning}"));
+        let _ = writeln!(self.text, "[{name}]");
+        keys(self);
+    }
+
+    fn list<T: Default>(
+        &mut self,
+        name: &'static str,
+        meaning: &'static str,
+        _: &mut Vec<T>,
+        keys: impl Fn(&mut T, &mut Self),
+    ) {
+        self.text.push('\n');
+        self.comment(&format!("---- {name}: {meaning}"));
+        let _ = writeln!(self.text, "#[[{name}]]");
+        self.commented = true;
+        keys(&mut T::default(), self);
+        self.commented = false;
+    }
+
+    fn key<T: Value>(&mut self, name: &'static str, value: &mut T, limit: T::Limit, meaning: &'static str) {
+        let value = value.write();
+        self.entry(
+            meaning,
+            &T::allowed(&limit),
+            &format!("Default: {value}."),
+            false,
+            &format!("{name} = {value}"),
+        );
+    }
+
+    fn required<T: Value>(
+        &mut self,
+        name: &'static str,
+        _: &mut T,
+        limit: T::Limit,
+        example: &'static str,
+        meaning: &'static str,
+    ) {
+        self.entry(meaning, &T::allowed(&limit), "Required.", true, &format!("{name} = {example}"));
+    }
+
+    fn optional<T: Value>(
+        &mut self,
+        name: &'static str,
+        _: &mut Option<T>,
+        limit: T::Limit,
+        example: &'static str,
+        meaning: &'static str,
+    ) {
+        self.entry(meaning, &T::allowed(&limit), "Default: none.", true, &format!("{name} = {example}"));
+    }
+}

@@ -1,0 +1,71 @@
+//! The sections `[bench]` and `[[objects]]`: what is in front of the camera.
+
+use crate::config::keys::Keys;
+use crate::config::value::{Text, several, within, words};
+use andon_core::capacity;
+use andon_core::input::Space;
+use std::path::PathBuf;
+
+words!(Space { Space::Plane = "plane", Space::Metric = "metric" });
+
+/// `[bench]`: the frame of reference.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Bench {
+    /// What `andond calibrate` wrote; the configured marker sizes serve where it is `None`.
+    pub calibration: Option<PathBuf>,
+}
+
+impl Bench {
+    /// `space` stands here for the reader, and in [`Method`] for the program.
+    pub(in crate::config) fn keys(&mut self, space: &mut Space, k: &mut impl Keys) {
+        k.key(
+            "space",
+            space,
+            (),
+            "The coordinates: the plane of the bench without elevation (plane), or with depth and elevation (metric).",
+        );
+        k.optional(
+            "calibration",
+            &mut self.calibration,
+            (),
+            r#""bench1.calibration.toml""#,
+            "What `andond calibrate` wrote. Without it the sizes of the objects' markers give the scale.",
+        );
+    }
+}
+
+/// `[[objects]]`: a part or a tool that carries a marker. The object's frame is the marker's: origin in its centre,
+/// x to the right and y up in the marker's own picture, z out of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Object {
+    /// Identity: the marker's id.
+    pub id: u16,
+    /// What people call it.
+    pub name: String,
+    /// Side of the marker's black square, m.
+    pub marker_side_m: f32,
+    /// Where it can be touched, m, object's frame.
+    pub interaction_points: Vec<[f32; 3]>,
+}
+
+impl Object {
+    pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
+        k.required("id", &mut self.id, within(1, 65_535, ""), "5", "The id of the object's marker.");
+        k.required("name", &mut self.name, Text::Line, r#""polisher""#, "What people call it.");
+        k.required(
+            "marker_side_m",
+            &mut self.marker_side_m,
+            within(0.005, 0.5, "m"),
+            "0.036",
+            "Side of the marker's black square, measured on the print.",
+        );
+        k.required(
+            "interaction_points",
+            &mut self.interaction_points,
+            several(1, capacity::INTERACTION_POINTS, within(-2.0, 2.0, "m")),
+            "[[0.0, 0.0, -0.022], [0.104, 0.016, -0.011]]",
+            "Where it is gripped and where it touches other objects, in the object's frame: origin in the marker's\n\
+             centre, x to the right and y up in the marker's own picture, z out of it.",
+        );
+    }
+}

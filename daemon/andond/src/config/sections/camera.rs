@@ -1,0 +1,164 @@
+//! The section `[camera]`.
+
+use crate::config::keys::Keys;
+use crate::config::value::{Text, within, words};
+use std::path::PathBuf;
+
+/// Where the frames come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A video file.
+    Video,
+    /// A folder of pictures, in the order of their names.
+    Images,
+    /// A V4L2 device.
+    V4l2,
+    /// A track file: an outside tracker's hands and objects, no pictures.
+    Tracks,
+    /// A RealSense camera.
+    Realsense,
+    /// A RealSense recording.
+    Bag,
+}
+words!(Source {
+    Source::Video = "video",
+    Source::Images = "images",
+    Source::V4l2 = "v4l2",
+    Source::Tracks = "tracks",
+    Source::Realsense = "realsense",
+    Source::Bag = "bag",
+});
+
+impl Source {
+    /// A device, which sets its own pace, as opposed to a recording.
+    #[must_use]
+    pub fn is_live(self) -> bool {
+        matches!(self, Self::V4l2 | Self::Realsense)
+    }
+}
+
+/// The pace of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Speed {
+    /// The recording's own.
+    File,
+    /// As fast as the readers go, with nothing dropped.
+    Max,
+}
+words!(Speed { Speed::File = "file", Speed::Max = "max" });
+
+/// `[camera]`: where the frames come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// The kind of source.
+    pub source: Source,
+    /// The recording, for every source that is not live.
+    pub path: Option<PathBuf>,
+    /// The V4L2 device.
+    pub device: PathBuf,
+    /// Width of a live picture, pixels.
+    pub width: u32,
+    /// Height of a live picture, pixels.
+    pub height: u32,
+    /// Rate of a live camera or of an image folder, Hz.
+    pub rate_hz: f32,
+    /// Pace of a recording.
+    pub speed: Speed,
+    /// Whether a recording starts again at its end.
+    pub repeat: bool,
+    /// Serial number of the RealSense camera; the first one found where it is `None`.
+    pub serial: Option<String>,
+    /// Fixed exposure of a live camera, µs; automatic where it is `None`.
+    pub exposure_us: Option<u32>,
+    /// Power of the RealSense projector, mW.
+    pub laser_power_mw: u32,
+    /// Whether depth is captured, RealSense only.
+    pub depth: bool,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            source: Source::V4l2,
+            path: None,
+            device: "/dev/video0".into(),
+            width: 1280,
+            height: 720,
+            rate_hz: 30.0,
+            speed: Speed::File,
+            repeat: false,
+            serial: None,
+            exposure_us: None,
+            // The D435i's own default.
+            laser_power_mw: 150,
+            depth: true,
+        }
+    }
+}
+
+impl Camera {
+    pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
+        k.key(
+            "source",
+            &mut self.source,
+            (),
+            "Where the frames come from: a video file, a folder of pictures, a V4L2 device, a track file of an\n\
+             outside tracker, a RealSense camera, or a RealSense recording (bag).",
+        );
+        k.optional(
+            "path",
+            &mut self.path,
+            (),
+            r#""recording.mp4""#,
+            "The recording: a file for video, tracks and bag, a folder for images. Needed for those sources.",
+        );
+        k.key("device", &mut self.device, (), "The V4L2 device.");
+        k.key(
+            "width",
+            &mut self.width,
+            within(64, 4096, "pixels"),
+            "Width of the picture that a live camera is asked for; a recording has its own.",
+        );
+        k.key(
+            "height",
+            &mut self.height,
+            within(64, 4096, "pixels"),
+            "Height of the picture that a live camera is asked for; a recording has its own.",
+        );
+        k.key(
+            "rate_hz",
+            &mut self.rate_hz,
+            within(1.0, 240.0, "Hz"),
+            "Frames a second: what a live camera is asked for, and the pace of a folder of pictures.",
+        );
+        k.key(
+            "speed",
+            &mut self.speed,
+            (),
+            "Pace of a recording: its own (file), or as fast as the readers go with nothing dropped (max).",
+        );
+        k.key("loop", &mut self.repeat, (), "Whether a recording starts again at its end.");
+        k.optional(
+            "serial",
+            &mut self.serial,
+            Text::Name,
+            r#""035422071234""#,
+            "Serial number of the RealSense camera. Without it the first one found is used.",
+        );
+        k.optional(
+            "exposure_us",
+            &mut self.exposure_us,
+            within(1, 165_000, "µs"),
+            "10000",
+            "Fixed exposure of a live camera: a multiple of 10000 does not flicker under 50 Hz light. Without it\n\
+             the camera decides.",
+        );
+        k.key(
+            "laser_power_mw",
+            &mut self.laser_power_mw,
+            within(0, 360, "mW"),
+            "Power of the RealSense projector; 0 turns it off.",
+        );
+        k.key("depth", &mut self.depth, (), "Whether a RealSense camera or recording gives depth too.");
+    }
+}

@@ -1,0 +1,74 @@
+//! The section `[method]`.
+
+use crate::config::keys::Keys;
+use crate::config::value::within;
+use andon_core::config::{Contact, Method};
+
+/// `[method]`: see [`Method`], whose defaults these are.
+pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
+    k.key(
+        "rate_hz",
+        &mut method.rate_hz,
+        within(5.0, 240.0, "Hz"),
+        "The grid: feature couples a second. A job judges at the rate that it was taught at.",
+    );
+    k.key("bins", &mut method.bins, within(4, 36, ""), "N, the number of direction bins around the circle.");
+    contact(
+        &mut method.hand_contact,
+        ["hand_contact_on_m", "hand_contact_off_m"],
+        "Hand and object: a contact begins when their interaction points come closer than this.",
+        k,
+    );
+    contact(
+        &mut method.object_contact,
+        ["object_contact_on_m", "object_contact_off_m"],
+        "Object and object: a contact begins when their interaction points come closer than this.",
+        k,
+    );
+    k.key(
+        "persist_frames",
+        &mut method.persist_frames,
+        within(1, 30, "frames"),
+        "How long a contact must hold before it is believed. Verdicts come so much later.",
+    );
+    k.key(
+        "rest_speed_m_s",
+        &mut method.rest_speed_m_s,
+        within(0.001, 0.5, "m/s"),
+        "Under this speed a hand or an object is at rest and has no direction.",
+    );
+    k.key(
+        "dead_band_m_s2",
+        &mut method.dead_band_m_s2,
+        within(0.001, 10.0, "m/s²"),
+        "Under this tangential acceleration the speed is constant.",
+    );
+    k.key(
+        "filter_frames",
+        &mut method.filter_frames,
+        within(1, 31, "frames"),
+        "Window of the opening-closing filter on the motion features: odd; 1 filters nothing.",
+    );
+    k.key(
+        "blind_ms",
+        &mut method.blind_ms,
+        within(50, 10_000, "ms"),
+        "A hand or an object that is hidden for longer than this makes the running IU not judged, never OK.",
+    );
+    k.key(
+        "idle_end_ms",
+        &mut method.idle_end_ms,
+        within(500, 600_000, "ms"),
+        "The job ends when there has been no hand for this long.",
+    );
+}
+
+fn contact(contact: &mut Contact, [on, off]: [&'static str; 2], meaning: &'static str, k: &mut impl Keys) {
+    k.key(on, &mut contact.on_m, within(0.001, 0.5, "m"), meaning);
+    k.key(
+        off,
+        &mut contact.off_m,
+        within(0.001, 0.5, "m"),
+        "That contact ends when they are farther apart than this; at least the distance at which it begins.",
+    );
+}

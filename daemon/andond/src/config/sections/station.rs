@@ -1,0 +1,51 @@
+//! The section `[station]`.
+
+use crate::config::keys::Keys;
+use crate::config::value::Text;
+use std::path::PathBuf;
+
+/// `[station]`: which bench this is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// Name of the station; services, directories and units are named by it.
+    pub name: String,
+    /// Directory that holds the shared memory's files of all stations; see [`crate::config::Config::root`].
+    pub root: PathBuf,
+    /// The learned job that is judged.
+    pub job: Option<PathBuf>,
+    /// Directory of the jobs that a PLC can select.
+    pub jobs: PathBuf,
+}
+
+impl Default for Station {
+    fn default() -> Self {
+        Self { name: String::new(), root: "/run/andon".into(), job: None, jobs: "/etc/andon/jobs".into() }
+    }
+}
+
+impl Station {
+    pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
+        k.required(
+            "name",
+            &mut self.name,
+            Text::Name,
+            r#""bench1""#,
+            "The station's name, the same as the instance of its units (andon-judge@bench1).",
+        );
+        k.key(
+            "root",
+            &mut self.root,
+            (),
+            "Directory with one directory for each station, in which its services live. Not under /tmp: a cleaner\n\
+             that removes it splits the line in silence. Shorter than 60 characters together with the name.",
+        );
+        k.optional(
+            "job",
+            &mut self.job,
+            (),
+            r#""../jobs/polish-and-measure.toml""#,
+            "The learned job that is judged, as `andond teach` wrote it.",
+        );
+        k.key("jobs", &mut self.jobs, (), "Directory of the learned jobs that a PLC can select.");
+    }
+}

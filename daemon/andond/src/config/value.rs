@@ -1,0 +1,271 @@
+//! The kinds of values that a key can have: what is allowed, how it is read, how it is written.
+
+use std::fmt::{Debug, Display};
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
+use toml::de::DeValue;
+
+/// A kind of value.
+pub(super) trait Value: Sized {
+    /// What narrows it, such as a range.
+    type Limit;
+
+    /// What is allowed, so that it completes "must be ...".
+    fn allowed(limit: &Self::Limit) -> String;
+
+    /// The value, or `None` where `raw` is not allowed. `folder` is the folder of the file, absolute.
+    fn read(raw: &DeValue<'_>, limit: &Self::Limit, folder: &Path) -> Option<Self>;
+
+    /// The value as TOML.
+    fn write(&self) -> String;
+
+    /// All words that are allowed, where it is a choice of words.
+    fn words() -> &'static [&'static str] {
+        &[]
+    }
+}
+
+/// An inclusive range with its unit; the unit is empty for a count.
+pub(super) struct Within<T> {
+    least: T,
+    most: T,
+    unit: &'static str,
+}
+
+/// From `least` to `most`, both included.
+pub(super) fn within<T>(least: T, most: T, unit: &'static str) -> Within<T> {
+    Within { least, most, unit }
+}
+
+impl<T: Debug + PartialOrd> Within<T> {
+    fn describe(&self, kind: &str) -> String {
+        let space = if self.unit.is_empty() { "" } else { " " };
+        format!("{kind} from {:?} to {:?}{space}{}", self.least, self.most, self.unit)
+    }
+
+    fn hold(&self, value: T) -> Option<T> {
+        (value >= self.least && value <= self.most).then_some(value)
+    }
+}
+
+macro_rules! whole_number {
+    ($($kind:ty),*) => {$(
+        impl Value for $kind {
+            type Limit = Within<$kind>;
+
+            fn allowed(limit: &Self::Limit) -> String {
+                limit.describe("a whole number")
+            }
+
+            fn read(raw: &DeValue<'_>, limit: &Self::Limit, _: &Path) -> Option<Self> {
+                let integer = raw.as_integer()?;
+                limit.hold(<$kind>::from_str_radix(integer.as_str(), integer.radix()).ok()?)
+            }
+
+            fn write(&self) -> String {
+                self.to_string()
+            }
+        }
+    )*};
+}
+whole_number!(u8, u16, u32);
+
+impl Value for f32 {
+    type Limit = Within<f32>;
+
+    fn allowed(limit: &Self::Limit) -> String {
+        limit.describe("a number")
+    }
+
+    fn read(raw: &DeValue<'_>, limit: &Self::Limit, _: &Path) -> Option<Self> {
+        let text = raw.as_float().map(|f| f.as_str()).or_else(|| {
+            let integer = raw.as_integer()?;
+            (integer.radix() == 10).then(|| integer.as_str())
+        })?;
+        limit.hold(text.parse().ok()?)
+    }
+
+    fn write(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+impl Value for bool {
+    type Limit = ();
+
+    fn allowed((): &()) -> String {
+        "true or false".into()
+    }
+
+    fn read(raw: &DeValue<'_>, (): &(), _: &Path) -> Option<Self> {
+        raw.as_bool()
+    }
+
+    fn write(&self) -> String {
+        self.to_string()
+    }
+}
+
+/// What a text may consist of.
+pub(super) enum Text {
+    /// What is safe in a file name, a unit name and a service name.
+    Name,
+    /// Anything that can be read on one line.
+    Line,
+}
+
+/// Longest text, in characters: a station's name is part of paths that must stay under
+/// [`super::check::ROOT_CHARACTERS`].
+const TEXT_CHARACTERS: usize = 32;
+
+impl Value for String {
+    type Limit = Text;
+
+    fn allowed(limit: &Text) -> String {
+        match limit {
+            Text::Name => {
+                format!("1 to {TEXT_CHARACTERS} of the characters a-z, A-Z, 0-9, '-' and '_', in quotes")
+            }
+            Text::Line => format!("1 to {TEXT_CHARACTERS} characters on one line, in quotes"),
+        }
+    }
+
+    fn read(raw: &DeValue<'_>, limit: &Text, _: &Path) -> Option<Self> {
+        let text = raw.as_str()?;
+        let fits = |c: char| match limit {
+            Text::Name => c.is_ascii_alphanumeric() || c == '-' || c == '_',
+            Text::Line => !c.is_control(),
+        };
+        let length = text.chars().count();
+        ((1..=TEXT_CHARACTERS).contains(&length) && text.chars().all(fits)).then(|| text.to_owned())
+    }
+
+    fn write(&self) -> String {
+        quoted(self)
+    }
+}
+
+/// A path. A relative one is resolved against the folder of the file that it stands in.
+impl Value for PathBuf {
+    type Limit = ();
+
+    fn allowed((): &()) -> String {
+        "a path in quotes".into()
+    }
+
+    fn read(raw: &DeValue<'_>, (): &(), folder: &Path) -> Option<Self> {
+        let text = raw.as_str()?;
+        (!text.is_empty() && !text.contains('\0')).then(|| folder.join(text))
+    }
+
+    fn write(&self) -> String {
+        quoted(&self.display())
+    }
+}
+
+impl Value for IpAddr {
+    type Limit = ();
+
+    fn allowed((): &()) -> String {
+        "an IP address in quotes".into()
+    }
+
+    fn read(raw: &DeValue<'_>, (): &(), _: &Path) -> Option<Self> {
+        raw.as_str()?.parse().ok()
+    }
+
+    fn write(&self) -> String {
+        quoted(self)
+    }
+}
+
+/// A point in metres.
+impl Value for [f32; 3] {
+    type Limit = Within<f32>;
+
+    fn allowed(limit: &Self::Limit) -> String {
+        format!("[x, y, z], each {}", f32::allowed(limit))
+    }
+
+    fn read(raw: &DeValue<'_>, limit: &Self::Limit, folder: &Path) -> Option<Self> {
+        let [x, y, z] = raw.as_array()?.get(..)? else { return None };
+        let axis = |raw: &toml::Spanned<DeValue<'_>>| f32::read(raw.get_ref(), limit, folder);
+        Some([axis(x)?, axis(y)?, axis(z)?])
+    }
+
+    fn write(&self) -> String {
+        format!("{self:?}")
+    }
+}
+
+/// How many, and of what.
+pub(super) struct Several<L> {
+    least: usize,
+    most: usize,
+    each: L,
+}
+
+/// From `least` to `most` values, each within `each`.
+pub(super) fn several<L>(least: usize, most: usize, each: L) -> Several<L> {
+    Several { least, most, each }
+}
+
+impl<T: Value> Value for Vec<T> {
+    type Limit = Several<T::Limit>;
+
+    fn allowed(limit: &Self::Limit) -> String {
+        format!("a list of {} to {}, each {}", limit.least, limit.most, T::allowed(&limit.each))
+    }
+
+    fn read(raw: &DeValue<'_>, limit: &Self::Limit, folder: &Path) -> Option<Self> {
+        let array = raw.as_array()?;
+        if !(limit.least..=limit.most).contains(&array.len()) {
+            return None;
+        }
+        array.iter().map(|raw| T::read(raw.get_ref(), &limit.each, folder)).collect()
+    }
+
+    fn write(&self) -> String {
+        let items: Vec<String> = self.iter().map(T::write).collect();
+        format!("[{}]", items.join(", "))
+    }
+
+    fn words() -> &'static [&'static str] {
+        T::words()
+    }
+}
+
+fn quoted(text: &impl Display) -> String {
+    toml::Value::String(text.to_string()).to_string()
+}
+
+/// Makes a choice of words of an enum that already exists.
+macro_rules! words {
+    ($kind:ty { $($variant:path = $word:literal),+ $(,)? }) => {
+        impl $crate::config::value::Value for $kind {
+            type Limit = ();
+
+            fn allowed((): &()) -> String {
+                let words: Vec<String> = Self::words().iter().map(|word| format!("{word:?}")).collect();
+                words.join(" or ")
+            }
+
+            fn read(raw: &toml::de::DeValue<'_>, (): &(), _: &std::path::Path) -> Option<Self> {
+                match raw.as_str()? {
+                    $($word => Some($variant),)+
+                    _ => None,
+                }
+            }
+
+            fn write(&self) -> String {
+                let word = match self { $($variant => $word,)+ };
+                format!("{word:?}")
+            }
+
+            fn words() -> &'static [&'static str] {
+                &[$($word),+]
+            }
+        }
+    };
+}
+pub(super) use words;

@@ -1,0 +1,40 @@
+//! How a process ends: distinct exit codes, on which the units and whoever runs a tool can rely (DESIGN 6).
+
+use crate::log::{code, log};
+use std::process::ExitCode;
+
+/// Why a role has ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Code {
+    /// It was asked to stop, or its recording is at its end.
+    Stopped = 0,
+    /// The command line is wrong (`EX_USAGE`). A restart would not help: the units do not try.
+    Usage = 64,
+    /// Something that it needs has failed (`EX_SOFTWARE`): the log says what. The unit starts it again.
+    Fault = 70,
+    /// It got no further, and ended itself before the watchdog would have. The unit starts it again.
+    NoProgress = 71,
+    /// It panicked, which is an error in Andon. The unit starts it again.
+    Panic = 72,
+    /// The configuration is wrong (`EX_CONFIG`), or a file that it names is missing or damaged. A restart would
+    /// not help: the units do not try.
+    Configuration = 78,
+}
+
+impl From<Code> for ExitCode {
+    fn from(code: Code) -> Self {
+        Self::from(code as u8)
+    }
+}
+
+/// From now on a panic in any thread ends the process with [`Code::Panic`] and one log line: a role that goes on
+/// with one thread less would look healthy and judge nothing.
+pub fn exit_on_panic() {
+    std::panic::set_hook(Box::new(|panic| {
+        let place = panic.location().map(ToString::to_string).unwrap_or_default();
+        let message = panic.payload_as_str().unwrap_or("no message");
+        log!(code::PANIC, "{message}, at {place}");
+        std::process::exit(i32::from(Code::Panic as u8));
+    }));
+}

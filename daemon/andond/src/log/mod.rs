@@ -1,0 +1,92 @@
+//! Logs: readable text on a terminal, fields in the journal under systemd, and a stable code on every message.
+//!
+//! INFO is a transition that a technician cares about, DEBUG an IU, TRACE a frame. An error is handled once: logged
+//! or returned. What is logged at INFO and above has a [`code`]; its message ends with what to do:
+//!
+//! ```
+//! use andond::log::{code, log};
+//! let device = "/dev/video0";
+//! log!(code::CAMERA_GONE, { device }, "{device} does not answer: No such device");
+//! assert_eq!(andond::log::last_error(), code::CAMERA_GONE.number);
+//! ```
+
+pub mod code;
+mod output;
+
+pub use crate::__log as log;
+pub use code::index;
+pub use output::{Level, start};
+
+use std::fmt;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+static LAST_ERROR: AtomicU32 = AtomicU32::new(0);
+
+/// Number of the newest code of level WARN or ERROR in this process, for the role's health; 0 is none.
+pub fn last_error() -> u32 {
+    LAST_ERROR.load(Ordering::Relaxed)
+}
+
+/// A kind of message. All of them are in [`code`].
+#[derive(Debug)]
+pub struct Code {
+    /// Its number: the index page and the PLC's registers know it by this.
+    pub number: u32,
+    /// The number as it is written: `AND-104`.
+    pub name: &'static str,
+    /// How grave it is.
+    pub level: tracing::Level,
+    /// What it means, in one line.
+    pub meaning: &'static str,
+    /// What to do; empty where there is nothing to do.
+    pub remedy: &'static str,
+}
+
+impl Code {
+    /// The text of a message with this code, and a note for [`last_error`]. For [`log!`], which calls it only where
+    /// the level is on.
+    #[doc(hidden)]
+    pub fn say<'a>(&'static self, message: fmt::Arguments<'a>) -> impl fmt::Display + 'a {
+        Said { code: self, message }
+    }
+
+    #[doc(hidden)]
+    pub fn note(&self) {
+        if self.level <= tracing::Level::WARN {
+            LAST_ERROR.store(self.number, Ordering::Relaxed);
+        }
+    }
+}
+
+struct Said<'a> {
+    code: &'static Code,
+    message: fmt::Arguments<'a>,
+}
+
+impl fmt::Display for Said<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.code.name, self.message)?;
+        if !self.code.remedy.is_empty() {
+            write!(f, ". {}", self.code.remedy)?;
+        }
+        Ok(())
+    }
+}
+
+/// Logs a message with a code: `log!(code::CAMERA_GONE, { device = %path }, "{path} does not answer")`; the fields
+/// may be left out. The message has no full stop at its end: the remedy follows.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __log {
+    ($code:path, { $($fields:tt)* }, $($message:tt)+) => {{
+        const LEVEL: ::tracing::Level = $code.level;
+        $code.note();
+        ::tracing::event!(
+            LEVEL,
+            { code = $code.name, $($fields)* },
+            "{}",
+            $code.say(::std::format_args!($($message)+))
+        );
+    }};
+    ($code:path, $($message:tt)+) => { $crate::log::log!($code, {}, $($message)+) };
+}
