@@ -1,0 +1,9 @@
+"""Convert the MediaPipe hand models from TensorFlow Lite to ONNX with the Python standard library alone.
+
+`flatbuffer` reads the .tflite file, `graph` translates its operators, `onnx` writes the result. Only the operators
+that these models use are known; anything else is refused by name. The same input gives the same bytes everywhere.
+"""
+
+from .graph import ConversionError, convert
+
+__all__ = ["ConversionError", "convert"]

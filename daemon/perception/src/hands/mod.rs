@@ -1,0 +1,15 @@
+//! Hands by the MediaPipe models, in pixels.
+//!
+//! [`palm`] finds palms anywhere in the picture; [`models`] finds 21 landmarks in a [`region`] of it. A hand that has been
+//! found is followed: the landmarks of one frame give the region of the next ([`tracker`]), and palm detection rests.
+
+mod crop;
+mod models;
+mod palm;
+mod region;
+mod runtime;
+mod side;
+mod tracker;
+
+pub(crate) use models::OnnxModels;
+pub(crate) use tracker::Tracker;

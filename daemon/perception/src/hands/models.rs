@@ -1,0 +1,120 @@
+//! The two hand models on ONNX Runtime.
+
+use super::crop::{Border, crop};
+use super::palm::{self, PalmDecoder, Palms};
+use super::region::Region;
+use super::runtime;
+use crate::config::{HandsConfig, ModelSize};
+use crate::detections::LANDMARKS;
+use crate::error::PerceptionError;
+use crate::image::ImageView;
+use ort::session::{Session, SessionOutputs};
+use ort::value::TensorRef;
+use std::path::Path;
+
+/// Side of the landmark model's input in pixels.
+const INPUT: usize = 224;
+const PALM: &str = "the palm model";
+const LANDMARK: &str = "the hand landmark model";
+
+/// What the landmark model says of a region.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Landmarks {
+    /// In pixels of the picture.
+    pub(crate) points: [[f32; 2]; LANDMARKS],
+    /// That there is a hand, 0..1.
+    pub(crate) presence: f32,
+    /// That it is a right one, 0..1.
+    pub(crate) right: f32,
+}
+
+/// Sees hands in pictures. The tracker asks it; tests put a scripted one in its place.
+pub(crate) trait HandModels {
+    /// Palms anywhere in the picture, best first.
+    fn palms(&mut self, image: &ImageView<'_>) -> Result<Palms, PerceptionError>;
+    /// The hand in a region.
+    fn landmarks(&mut self, image: &ImageView<'_>, region: Region) -> Result<Landmarks, PerceptionError>;
+}
+
+/// The MediaPipe models.
+pub(crate) struct OnnxModels {
+    palm: Session,
+    landmark: Session,
+    decoder: PalmDecoder,
+    least_palm_score: f32,
+    palm_input: Vec<f32>,
+    landmark_input: Vec<f32>,
+}
+
+impl OnnxModels {
+    pub(crate) fn new(folder: &Path, config: &HandsConfig) -> Result<Self, PerceptionError> {
+        let environment = runtime::environment(folder)?;
+        let (palm, landmark) = (
+            match config.palm_model {
+                ModelSize::Full => "palm_detection_full.onnx",
+                ModelSize::Lite => "palm_detection_lite.onnx",
+            },
+            match config.landmark_model {
+                ModelSize::Full => "hand_landmark_full.onnx",
+                ModelSize::Lite => "hand_landmark_lite.onnx",
+            },
+        );
+        Ok(Self {
+            palm: runtime::session(&environment, folder, palm, PALM)?,
+            landmark: runtime::session(&environment, folder, landmark, LANDMARK)?,
+            decoder: PalmDecoder::new(),
+            least_palm_score: config.least_palm_score,
+            palm_input: vec![0.0; palm::INPUT * palm::INPUT * 3],
+            landmark_input: vec![0.0; INPUT * INPUT * 3],
+        })
+    }
+}
+
+impl HandModels for OnnxModels {
+    fn palms(&mut self, image: &ImageView<'_>) -> Result<Palms, PerceptionError> {
+        let whole = Region::whole(image.width(), image.height());
+        crop(image, whole, palm::INPUT, Border::Black, &mut self.palm_input);
+        let outputs = run(&mut self.palm, PALM, palm::INPUT, &self.palm_input)?;
+        let candidates = self.decoder.candidates();
+        let boxes = output(&outputs, PALM, "Identity", 18 * candidates)?;
+        let logits = output(&outputs, PALM, "Identity_1", candidates)?;
+        Ok(self.decoder.decode(boxes, logits, self.least_palm_score, whole))
+    }
+
+    fn landmarks(&mut self, image: &ImageView<'_>, region: Region) -> Result<Landmarks, PerceptionError> {
+        crop(image, region, INPUT, Border::Nearest, &mut self.landmark_input);
+        let outputs = run(&mut self.landmark, LANDMARK, INPUT, &self.landmark_input)?;
+        let points = output(&outputs, LANDMARK, "Identity", 3 * LANDMARKS)?;
+        let presence = output(&outputs, LANDMARK, "Identity_1", 1)?[0];
+        let right = output(&outputs, LANDMARK, "Identity_2", 1)?[0];
+        let point = |index: usize| [points[3 * index] / INPUT as f32, points[3 * index + 1] / INPUT as f32];
+        Ok(Landmarks { points: std::array::from_fn(|index| region.to_image(point(index))), presence, right })
+    }
+}
+
+fn run<'s>(
+    session: &'s mut Session,
+    what: &'static str,
+    size: usize,
+    input: &[f32],
+) -> Result<SessionOutputs<'s>, PerceptionError> {
+    let failed = |error: ort::Error| PerceptionError::Inference { what, reason: error.to_string() };
+    let input = TensorRef::from_array_view(([1, size, size, 3], input)).map_err(failed)?;
+    session.run(ort::inputs![input]).map_err(failed)
+}
+
+/// An output of the model by name, of a known length.
+fn output<'o>(
+    outputs: &'o SessionOutputs<'_>,
+    what: &'static str,
+    name: &str,
+    length: usize,
+) -> Result<&'o [f32], PerceptionError> {
+    let failed = |reason: String| PerceptionError::Inference { what, reason };
+    let value = outputs.get(name).ok_or_else(|| failed(format!("it has no output {name}")))?;
+    let (_, data) = value.try_extract_tensor::<f32>().map_err(|error| failed(error.to_string()))?;
+    if data.len() != length {
+        return Err(failed(format!("its output {name} has {} numbers, not {length}", data.len())));
+    }
+    Ok(data)
+}

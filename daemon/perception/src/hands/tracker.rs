@@ -1,0 +1,255 @@
+//! Follows hands from frame to frame.
+
+use super::models::{HandModels, Landmarks};
+use super::region::Region;
+use super::side::Evidence;
+use crate::config::HandsConfig;
+use crate::detections::{HANDS, LANDMARKS, Side, Spent};
+use crate::error::PerceptionError;
+use crate::image::ImageView;
+use heapless::Vec;
+use std::time::Instant;
+
+/// Two regions that overlap more than this hold the same hand (MediaPipe's `min_similarity_threshold`).
+const SAME_HAND: f32 = 0.5;
+/// A lost hand is taken for the same one when it is found again within this time, in nanoseconds...
+const REMEMBERED_NS: u64 = 1_000_000_000;
+/// ...and where it was: a hand at 1 m/s has left its region by then.
+const SAME_PLACE: f32 = 0.1;
+/// A hand's region moves by less than this share of its side from one frame to the next: 2 m/s at 30 fps, for a region of
+/// 0.3 m, are 0.22.
+const MOST_SHIFT: f32 = 0.5;
+/// Nor does its side change by more than this factor: an opening fist changes by 1.3 in a frame.
+const MOST_GROWTH: f32 = 1.6;
+
+/// A hand of the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Found {
+    pub(crate) side: Side,
+    pub(crate) score: f32,
+    pub(crate) landmarks: [[f32; 2]; LANDMARKS],
+}
+
+/// What the tracker saw in a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Tracked {
+    pub(crate) hands: Vec<Found, HANDS>,
+    pub(crate) palm_detection_ran: bool,
+    pub(crate) after_gap: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Track {
+    /// Where the hand is expected in the next frame.
+    region: Region,
+    evidence: Evidence,
+    landmarks: [[f32; 2]; LANDMARKS],
+    score: f32,
+}
+
+/// A hand that is out of sight.
+#[derive(Clone, Copy, Debug)]
+struct Lost {
+    region: Region,
+    evidence: Evidence,
+    since_ns: u64,
+}
+
+/// Follows at most two hands.
+pub(crate) struct Tracker<M> {
+    models: M,
+    config: HandsConfig,
+    tracks: Vec<Track, HANDS>,
+    lost: Vec<Lost, HANDS>,
+    previous_ns: Option<u64>,
+    frames_since_search: u32,
+}
+
+impl<M: HandModels> Tracker<M> {
+    pub(crate) fn new(models: M, config: HandsConfig) -> Self {
+        Self {
+            models,
+            config,
+            tracks: Vec::new(),
+            lost: Vec::new(),
+            previous_ns: None,
+            frames_since_search: 0,
+        }
+    }
+
+    /// The hands of one frame. Frames come in order of their time.
+    pub(crate) fn step(
+        &mut self,
+        image: &ImageView<'_>,
+        captured_ns: u64,
+        spent: &mut Spent,
+    ) -> Result<Tracked, PerceptionError> {
+        let after_gap = self.previous_ns.is_some_and(|previous| {
+            captured_ns.saturating_sub(previous) > u64::from(self.config.gap_ms) * 1_000_000
+        });
+        self.previous_ns = Some(captured_ns);
+        self.lost.retain(|lost| captured_ns.saturating_sub(lost.since_ns) <= REMEMBERED_NS);
+
+        let followed = self.tracks.len();
+        if after_gap {
+            // Where a hand was tells little now: what palm detection finds comes first, the old regions after it.
+            let old = std::mem::take(&mut self.tracks);
+            for track in &old {
+                self.remember(track, captured_ns);
+            }
+            self.search(image, spent)?;
+            for track in old {
+                self.look(image, track.region, spent)?;
+            }
+        } else {
+            self.follow(image, captured_ns, spent)?;
+        }
+        let mut palm_detection_ran = after_gap;
+        self.frames_since_search += 1;
+        if !after_gap && self.must_search(followed) {
+            self.search(image, spent)?;
+            palm_detection_ran = true;
+        }
+        if palm_detection_ran {
+            self.frames_since_search = 0;
+        }
+        if let [first, second] = self.tracks.as_mut_slice() {
+            first.evidence.settle_pair(&mut second.evidence);
+        }
+        self.drop_unwanted();
+        Ok(Tracked { hands: self.found(), palm_detection_ran, after_gap })
+    }
+
+    /// Looks for every followed hand where it was expected; one that is not there is lost.
+    fn follow(
+        &mut self,
+        image: &ImageView<'_>,
+        captured_ns: u64,
+        spent: &mut Spent,
+    ) -> Result<(), PerceptionError> {
+        for track in std::mem::take(&mut self.tracks) {
+            let seen = self.landmarks(image, track.region, spent)?;
+            let next = Region::of_landmarks(&seen.points);
+            let is_new = self.tracks.iter().all(|other| other.region.overlap(&next) <= SAME_HAND);
+            if seen.presence < self.config.least_hand_score || jumped(track.region, next) {
+                self.remember(&track, captured_ns);
+            } else if is_new {
+                self.keep(track.evidence, next, &seen);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether palm detection has to run: a wanted hand is missing, and it is its turn.
+    fn must_search(&self, followed: usize) -> bool {
+        let missing = self
+            .config
+            .sides
+            .iter()
+            .any(|side| self.tracks.iter().all(|track| track.evidence.side() != Some(*side)));
+        let lost_now = self.tracks.len() < followed;
+        let its_turn = self.frames_since_search >= self.config.search_every_frames;
+        missing && self.tracks.len() < HANDS && (self.tracks.is_empty() || lost_now || its_turn)
+    }
+
+    fn search(&mut self, image: &ImageView<'_>, spent: &mut Spent) -> Result<(), PerceptionError> {
+        let begin = Instant::now();
+        let palms = self.models.palms(image)?;
+        spent.palm_ns += begin.elapsed().as_nanos() as u64;
+        for palm in &palms {
+            self.look(image, Region::of_palm(palm), spent)?;
+        }
+        Ok(())
+    }
+
+    /// Looks for a hand in a region that no followed hand is in.
+    fn look(
+        &mut self,
+        image: &ImageView<'_>,
+        region: Region,
+        spent: &mut Spent,
+    ) -> Result<(), PerceptionError> {
+        let taken = |tracks: &[Track], region: &Region| {
+            tracks.iter().any(|track| track.region.overlap(region) > SAME_HAND)
+        };
+        if self.tracks.is_full() || taken(&self.tracks, &region) {
+            return Ok(());
+        }
+        let seen = self.landmarks(image, region, spent)?;
+        let next = Region::of_landmarks(&seen.points);
+        if seen.presence >= self.config.least_hand_score && !taken(&self.tracks, &next) {
+            let evidence = self.recall(&next);
+            self.keep(evidence, next, &seen);
+        }
+        Ok(())
+    }
+
+    fn landmarks(
+        &mut self,
+        image: &ImageView<'_>,
+        region: Region,
+        spent: &mut Spent,
+    ) -> Result<Landmarks, PerceptionError> {
+        let begin = Instant::now();
+        let seen = self.models.landmarks(image, region)?;
+        spent.landmarks_ns += begin.elapsed().as_nanos() as u64;
+        Ok(seen)
+    }
+
+    fn keep(&mut self, mut evidence: Evidence, region: Region, seen: &Landmarks) {
+        evidence.look(seen.right);
+        let track = Track { region, evidence, landmarks: seen.points, score: seen.presence };
+        // There is room: `look` asks before, and `follow` keeps no more than it took.
+        let _ = self.tracks.push(track);
+    }
+
+    fn remember(&mut self, track: &Track, now_ns: u64) {
+        if self.lost.is_full() {
+            self.lost.remove(0);
+        }
+        // There is room now.
+        let _ = self.lost.push(Lost { region: track.region, evidence: track.evidence, since_ns: now_ns });
+    }
+
+    /// What is known of the hand that was lost here, if one was.
+    fn recall(&mut self, region: &Region) -> Evidence {
+        let nearest = (0..self.lost.len()).max_by(|&a, &b| {
+            self.lost[a].region.overlap(region).total_cmp(&self.lost[b].region.overlap(region))
+        });
+        match nearest {
+            Some(index) if self.lost[index].region.overlap(region) > SAME_PLACE => {
+                self.lost.swap_remove(index).evidence
+            }
+            _ => Evidence::default(),
+        }
+    }
+
+    /// A hand that nobody asked for is followed only while it may still turn out to be a wanted one.
+    fn drop_unwanted(&mut self) {
+        let wanted = &self.config.sides;
+        let complete =
+            wanted.iter().all(|side| self.tracks.iter().any(|track| track.evidence.side() == Some(*side)));
+        if complete {
+            self.tracks.retain(|track| track.evidence.side().is_some_and(|side| wanted.contains(&side)));
+        }
+    }
+
+    fn found(&self) -> Vec<Found, HANDS> {
+        let wanted = |side: &Side| self.config.sides.contains(side);
+        self.tracks
+            .iter()
+            .filter_map(|track| {
+                let side = track.evidence.side().filter(wanted)?;
+                Some(Found { side, score: track.score, landmarks: track.landmarks })
+            })
+            .collect()
+    }
+}
+
+/// Whether the landmarks have left the hand for something else.
+fn jumped(expected: Region, seen: Region) -> bool {
+    let shift = (seen.centre[0] - expected.centre[0]).hypot(seen.centre[1] - expected.centre[1]);
+    let growth = (seen.side / expected.side).max(expected.side / seen.side);
+    // Written so that NaN has jumped.
+    !(shift <= MOST_SHIFT * expected.side && growth <= MOST_GROWTH)
+}

@@ -1,0 +1,110 @@
+//! OpenCV's ArUco detector behind one face: `aruco` up to OpenCV 4.6, `objdetect` from 4.7 on.
+
+use super::dictionary::Dictionary;
+use opencv::core::{Mat, Point2f, ToInputArray, Vector};
+use opencv::prelude::*;
+
+/// Window of the adaptive threshold in pixels, odd. One window instead of OpenCV's three is three times as fast; 13 is
+/// twice to four times a module of the markers that are read here (3 to 7 pixels, see `Markers::halves`).
+const THRESHOLD_WINDOW: i32 = 13;
+
+/// What both interfaces call by the same names.
+macro_rules! set_parameters {
+    ($parameters:ident, $threshold_constant:expr) => {
+        $parameters.set_adaptive_thresh_win_size_min(THRESHOLD_WINDOW);
+        $parameters.set_adaptive_thresh_win_size_max(THRESHOLD_WINDOW);
+        // Only its being over 0 matters with one window.
+        $parameters.set_adaptive_thresh_win_size_step(1);
+        $parameters.set_adaptive_thresh_constant($threshold_constant);
+        // Corners are refined at full size by the caller: OpenCV's own refinement snaps to inner modules of small markers.
+        $parameters.set_corner_refinement_method(0);
+    };
+}
+
+#[cfg(not(aruco_in_objdetect))]
+mod interface {
+    use super::*;
+    use opencv::aruco::{self, DetectorParameters};
+    use opencv::core::Ptr;
+
+    pub(in crate::markers) struct Aruco {
+        dictionary: Ptr<aruco::Dictionary>,
+        parameters: Ptr<DetectorParameters>,
+        rejected: Vector<Vector<Point2f>>,
+    }
+
+    impl Aruco {
+        pub(in crate::markers) fn new(
+            dictionary: Dictionary,
+            threshold_constant: f64,
+        ) -> opencv::Result<Self> {
+            let mut parameters = DetectorParameters::create()?;
+            set_parameters!(parameters, threshold_constant);
+            Ok(Self {
+                dictionary: aruco::get_predefined_dictionary_i32(dictionary.code())?,
+                parameters,
+                rejected: Vector::new(),
+            })
+        }
+
+        pub(in crate::markers) fn detect(
+            &mut self,
+            gray: &impl ToInputArray,
+            corners: &mut Vector<Vector<Point2f>>,
+            ids: &mut Vector<i32>,
+        ) -> opencv::Result<()> {
+            aruco::detect_markers(gray, &self.dictionary, corners, ids, &self.parameters, &mut self.rejected)
+        }
+    }
+
+    /// Draws a marker, for print and for tests: `side` pixels with the black border, no white around it.
+    pub fn draw(dictionary: Dictionary, id: u16, side: i32) -> opencv::Result<Mat> {
+        let mut picture = Mat::default();
+        let dictionary = aruco::get_predefined_dictionary_i32(dictionary.code())?;
+        aruco::draw_marker(&dictionary, i32::from(id), side, &mut picture, 1)?;
+        Ok(picture)
+    }
+}
+
+#[cfg(aruco_in_objdetect)]
+mod interface {
+    use super::*;
+    use opencv::objdetect::{self, ArucoDetector, DetectorParameters, RefineParameters};
+
+    pub(in crate::markers) struct Aruco {
+        detector: ArucoDetector,
+        rejected: Vector<Vector<Point2f>>,
+    }
+
+    impl Aruco {
+        pub(in crate::markers) fn new(
+            dictionary: Dictionary,
+            threshold_constant: f64,
+        ) -> opencv::Result<Self> {
+            let mut parameters = DetectorParameters::default()?;
+            set_parameters!(parameters, threshold_constant);
+            let dictionary = objdetect::get_predefined_dictionary_i32(dictionary.code())?;
+            let detector = ArucoDetector::new(&dictionary, &parameters, RefineParameters::new_def()?)?;
+            Ok(Self { detector, rejected: Vector::new() })
+        }
+
+        pub(in crate::markers) fn detect(
+            &mut self,
+            gray: &impl ToInputArray,
+            corners: &mut Vector<Vector<Point2f>>,
+            ids: &mut Vector<i32>,
+        ) -> opencv::Result<()> {
+            self.detector.detect_markers(gray, corners, ids, &mut self.rejected)
+        }
+    }
+
+    /// Draws a marker, for print and for tests: `side` pixels with the black border, no white around it.
+    pub fn draw(dictionary: Dictionary, id: u16, side: i32) -> opencv::Result<Mat> {
+        let mut picture = Mat::default();
+        let dictionary = objdetect::get_predefined_dictionary_i32(dictionary.code())?;
+        objdetect::generate_image_marker(&dictionary, i32::from(id), side, &mut picture, 1)?;
+        Ok(picture)
+    }
+}
+
+pub use interface::*;
