@@ -1,0 +1,151 @@
+"""What a stereo camera would see of the footage: a depth picture from the ground truth of one frame.
+
+World: metres, table at z = 0, z up (tests/footage/README.md). The table is a plane, each part a box under its marker,
+the hand a row of balls along its bones. Then the picture gets what a real stereo pair does to it: the far side of every
+edge is hidden from the second imager (no depth there), edges are fattened by the matching window and blurred into points
+that fly between near and far, the disparity is noisy in patches, and some pixels have no match at all.
+"""
+import numpy as np
+
+# D435i: baseline of the stereo pair, and noise of its disparity on a textured surface (data sheet: under 2 % at 2 m).
+BASELINE_M = 0.050
+DISPARITY_NOISE_PX = 0.08
+# Half the matching window.
+WINDOW_PX = 3
+SPECKLE_SHARE = 0.01
+
+# MediaPipe's bones, as pairs of landmarks; the palm's outline too.
+BONES = [(0, 1), (1, 2), (2, 3), (3, 4), (0, 5), (5, 6), (6, 7), (7, 8), (5, 9), (9, 10), (10, 11), (11, 12), (9, 13)]
+BONES += [(13, 14), (14, 15), (15, 16), (13, 17), (0, 17), (17, 18), (18, 19), (19, 20), (0, 9), (0, 13)]
+# Half the thickness of a hand at each landmark, in metres: wrist 20, knuckles 13, middle joints 9, last joints 8, tips 7
+# millimetres (means of adult hands; persons differ by some 15 %).
+WRIST, KNUCKLE, MIDDLE, LAST, TIP = 0.020, 0.013, 0.009, 0.008, 0.007
+RADII = [WRIST, 0.016, KNUCKLE, 0.010, 0.009] + [KNUCKLE, MIDDLE, LAST, TIP] * 4
+FOREARM_M = 0.25
+# Half the width of a part around the line of its interaction points, in metres: it carries its marker.
+PART_HALF_WIDTH_M = 0.020
+
+
+class DepthCamera:
+    """Where the depth imager is, and how it looks. `rotation` and `translation_m`: depth camera to colour camera."""
+
+    def __init__(self, width, height, focal, centre, rotation, translation_m):
+        self.width, self.height, self.focal, self.centre = width, height, focal, centre
+        self.rotation, self.translation_m = np.asarray(rotation, float), np.asarray(translation_m, float)
+
+    def rays(self, colour_height_m):
+        """Origin and directions (height, width, 3) of all pixels in the world; a direction's depth component is 1."""
+        u, v = np.meshgrid(np.arange(self.width), np.arange(self.height))
+        directions = np.stack([(u - self.centre[0]) / self.focal, (v - self.centre[1]) / self.focal, np.ones(u.shape)], -1)
+        colour = directions @ self.rotation.T
+        # The colour camera looks straight down: its x is the world's, its y and z are turned over.
+        flip = np.array([1.0, -1.0, -1.0])
+        return self.translation_m * flip + np.array([0.0, 0.0, colour_height_m]), colour * flip
+
+
+def render(truth, shapes, camera, colour_height_m, person_scale=1.0):
+    """Exact depth in metres, (height, width), of a line of the truth."""
+    origin, rays = camera.rays(colour_height_m)
+    depth = -origin[2] / rays[..., 2]
+    for part in truth["objects"]:
+        depth = np.minimum(depth, box(origin, rays, part, shapes[part["id"]]))
+    for hand in truth["hands"]:
+        for centre, radius in balls(np.array(hand["m"]), person_scale):
+            ball(depth, origin, rays, camera, centre, radius)
+    return depth
+
+
+def box(origin, rays, part, shape):
+    """Depth of a part: a box from its marker's plane down to the table it was made for."""
+    points = np.array(shape["interaction_points"])
+    low = np.minimum(points.min(0), -shape["marker_side_m"] / 2) - PART_HALF_WIDTH_M / 4
+    high = np.maximum(points.max(0), shape["marker_side_m"] / 2) + PART_HALF_WIDTH_M / 4
+    low[2], high[2] = -shape["top_above_table_m"], 0.0
+    turn = quaternion_matrix(part["q"])
+    start = (origin - np.array(part["p"])) @ turn
+    along = rays @ turn
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one, two = (low - start) / along, (high - start) / along
+    enter, leave = np.minimum(one, two).max(-1), np.maximum(one, two).min(-1)
+    return np.where((enter <= leave) & (enter > 0), enter, np.inf)
+
+
+def balls(landmarks, scale):
+    for a, b in BONES:
+        steps = max(2, int(np.linalg.norm(landmarks[a] - landmarks[b]) / 0.004))
+        for share in np.linspace(0.0, 1.0, steps):
+            yield landmarks[a] * (1 - share) + landmarks[b] * share, scale * (RADII[a] * (1 - share) + RADII[b] * share)
+    arm = landmarks[0] - landmarks[9]
+    arm /= np.linalg.norm(arm)
+    for way in np.arange(0.0, FOREARM_M, 0.008):
+        yield landmarks[0] + arm * way, scale * (WRIST + 0.06 * way)
+
+
+def ball(depth, origin, rays, camera, centre, radius):
+    """Puts one ball into the picture, in place; only the pixels around it are touched."""
+    flip = np.array([1.0, -1.0, -1.0])
+    seen = camera.rotation.T @ ((centre - origin) * flip)
+    reach = int(camera.focal * radius / (seen[2] - radius)) + 2
+    u, v = (int(round(camera.focal * seen[k] / seen[2] + camera.centre[k])) for k in (0, 1))
+    rows, columns = slice(max(v - reach, 0), max(v + reach, 0)), slice(max(u - reach, 0), max(u + reach, 0))
+    part = rays[rows, columns]
+    if part.size == 0:
+        return
+    a, b = (part * part).sum(-1), part @ (origin - centre)
+    root = b * b - a * (((origin - centre) ** 2).sum() - radius * radius)
+    hit = np.where(root >= 0, (-b - np.sqrt(np.maximum(root, 0))) / a, np.inf)
+    depth[rows, columns] = np.minimum(depth[rows, columns], hit)
+
+
+def as_stereo_sees_it(depth, camera, unit_m, random):
+    """Depth in steps of `unit_m`, uint16, 0 where there is none."""
+    exact = camera.focal * BASELINE_M / depth
+    disparity = shifted(exact, WINDOW_PX, np.maximum)
+    # The window follows the stronger texture: only some of the edge pixels are taken by the nearer side.
+    disparity = np.where(patches(random, depth.shape) > 0, disparity, exact)
+    flying = (shifted(disparity, 1, np.maximum) - shifted(disparity, 1, np.minimum)) > 1.0
+    flying &= random.random(depth.shape) < 0.3
+    share = random.random(depth.shape)
+    mixed = share * shifted(disparity, 1, np.maximum) + (1 - share) * shifted(disparity, 1, np.minimum)
+    disparity = np.where(flying, mixed, disparity)
+    hidden = hidden_from_second(disparity)
+    disparity = disparity + DISPARITY_NOISE_PX * patches(random, depth.shape)
+    steps = np.round(camera.focal * BASELINE_M / disparity / unit_m)
+    steps[hidden | (random.random(depth.shape) < SPECKLE_SHARE)] = 0
+    return steps.clip(0, 65535).astype(np.uint16)
+
+
+def patches(random, shape):
+    """Noise of unit variance that is the same over a few pixels, as a matching window makes it."""
+    small = random.standard_normal((shape[0] // 3 + 2, shape[1] // 3 + 2))
+    noise = np.kron(small, np.ones((3, 3)))[: shape[0], : shape[1]]
+    return 0.8 * noise + 0.6 * random.standard_normal(shape)
+
+
+def shifted(picture, reach, pick):
+    """`pick` of each pixel's neighbourhood, `reach` pixels each way."""
+    padded = np.pad(picture, reach, mode="edge")
+    height, width = picture.shape
+    for axis in (0, 1):
+        rows = [np.take(padded, range(k, k + (height, width)[axis]), axis) for k in range(2 * reach + 1)]
+        padded = pick.reduce(rows)
+    return padded
+
+
+def hidden_from_second(disparity):
+    """Pixels whose match in the second picture is covered by something nearer."""
+    height, width = disparity.shape
+    columns = np.arange(width)[None, :] - disparity
+    # From right to left: a pixel is hidden when one to the right of it lands at or left of its place.
+    nearest = np.minimum.accumulate(columns[:, ::-1], axis=1)[:, ::-1]
+    beyond = np.concatenate([nearest[:, 1:], np.full((height, 1), np.inf)], axis=1)
+    return columns > beyond + 0.5
+
+
+def quaternion_matrix(q):
+    w, x, y, z = q
+    return np.array([
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ])
