@@ -1,21 +1,32 @@
 //! Two whole sequences.
 
-use super::cost::{LocalCosts, UNREACHED};
+use super::cost::{LocalCosts, ORIGIN, UNREACHED};
 use super::online::next_row;
+use super::simd::{ROW, Symbols};
 use super::{Refused, accept};
-use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
 
 /// Working memory of [`distance`], [`distance_within`] and [`path`](super::path): reuse it, it needs no clearing.
 #[derive(Clone, Debug)]
 pub struct Scratch {
-    pub(super) row: [u32; IU_FRAMES],
+    /// The newest diagonals of the matrix, or in the first the newest row.
+    pub(super) cells: [[i32; ROW]; 3],
+    /// The sequences for the SIMD path.
+    symbols: [Symbols; 2],
 }
 
 impl Scratch {
     /// New memory.
     pub const fn new() -> Self {
-        Self { row: [UNREACHED; IU_FRAMES] }
+        Self { cells: [[UNREACHED; ROW]; 3], symbols: [const { Symbols::new() }; 2] }
+    }
+
+    /// Room for a row of the matrix, before its first row.
+    pub(super) fn row(&mut self, columns: usize) -> &mut [i32] {
+        let row = &mut self.cells[0][..=columns];
+        row.fill(UNREACHED);
+        row[0] = ORIGIN;
+        row
     }
 }
 
@@ -29,16 +40,16 @@ impl Default for Scratch {
 /// (DESIGN 4; `dtaidistance.dtw_ndim.distance`).
 ///
 /// # Errors
-/// If a sequence is empty or longer than [`IU_FRAMES`].
+/// If a sequence is empty or longer than [`IU_FRAMES`](crate::capacity::IU_FRAMES).
 pub fn distance(
     costs: &LocalCosts,
     a: &[Motion],
     b: &[Motion],
     scratch: &mut Scratch,
 ) -> Result<f64, Refused> {
-    // No sum is greater, so this bound never abandons.
-    let sum = least_sum(costs, a, b, UNREACHED, scratch)?.unwrap_or(UNREACHED);
-    Ok(costs.distance_of(sum))
+    // No value is greater, so this bound never abandons.
+    let value = last_cell(costs, a, b, UNREACHED, scratch)?.unwrap_or(UNREACHED);
+    Ok(costs.distance_of(value))
 }
 
 /// [`distance`] if it is at most `bound`, else `None`, often long before the end.
@@ -54,26 +65,31 @@ pub fn distance_within(
 ) -> Result<Option<f64>, Refused> {
     accept(a)?;
     accept(b)?;
-    let Some(bound) = costs.greatest_sum(bound) else { return Ok(None) };
-    Ok(least_sum(costs, a, b, bound, scratch)?.map(|sum| costs.distance_of(sum)))
+    let Some(bound) = costs.greatest_value(bound) else { return Ok(None) };
+    Ok(last_cell(costs, a, b, bound, scratch)?.map(|value| costs.distance_of(value)))
 }
 
-/// The least sum of a warping path if it is at most `bound`.
-fn least_sum(
+/// Value of the last cell of the DTW matrix if it is at most `bound`.
+fn last_cell(
     costs: &LocalCosts,
     a: &[Motion],
     b: &[Motion],
-    bound: u32,
+    bound: i32,
     scratch: &mut Scratch,
-) -> Result<Option<u32>, Refused> {
+) -> Result<Option<i32>, Refused> {
     accept(a)?;
     accept(b)?;
-    let row = &mut scratch.row[..b.len()];
-    row.fill(UNREACHED);
-    for (i, frame) in a.iter().enumerate() {
-        if next_row(costs, frame, b, i == 0, row) > bound {
+    if let Some(simd) = costs.simd() {
+        let [x, y] = &mut scratch.symbols;
+        if x.read(&simd.tables, a.iter()) && y.read(&simd.tables, b.iter().rev()) {
+            return Ok(simd.last_cell((x, a.len()), (y, b.len()), bound, &mut scratch.cells));
+        }
+    }
+    let row = scratch.row(b.len());
+    for frame in a {
+        if next_row(costs, frame, b, row) > bound {
             return Ok(None);
         }
     }
-    Ok(Some(row[b.len() - 1]).filter(|&sum| sum <= bound))
+    Ok(Some(row[b.len()]).filter(|&value| value <= bound))
 }

@@ -1,23 +1,27 @@
 //! The local cost of two motions as a whole number.
 
+use super::simd::Simd;
 use crate::couple::Motion;
 use crate::job::LocalCost;
 use core::f64::consts::TAU;
 
 /// Greatest local cost. The longest warping path has `2 * IU_FRAMES - 1` cells, and that many of these still fit under
-/// [`UNREACHED`], so no sum can wrap. All ordinal costs of `i8` features (7 * 255²) are smaller: the cap never
+/// [`UNREACHED`], so no sum wraps. All ordinal costs of `i8` features (7 * 255²) are smaller: the cap never
 /// changes an ordinal cost, and a circular one only where a feature is far outside its range.
-const COST_CAP: u32 = (1 << 19) - 1;
+const COST_CAP: i32 = (1 << 19) - 1;
 
-/// The value of a cell that no path has reached: over every sum of local costs, with room to add as much again.
-pub(super) const UNREACHED: u32 = 1 << 31;
+/// Sums count up from here. That leaves 0 for what is not reached, which is what the shifts of the SIMD path fill with.
+pub(super) const ORIGIN: i32 = i32::MIN;
+
+/// The value of a cell that no path has reached: greater than that of every reached one. All values from here up mean the same.
+pub(super) const UNREACHED: i32 = 0;
 
 /// Greatest local cost of two motions whose features are in range, in units of the scale: `a_h` differs by 2 at most and
 /// two `jm` by 1, four directions by the diameter of the circle: 2² + 1 + 1 + 4 * 2².
-const COST_IN_RANGE: u32 = 22;
+pub(super) const COST_IN_RANGE: i32 = 22;
 
 /// Greatest scale that [`COST_CAP`] leaves room for.
-const SCALE_MOST: u32 = COST_CAP / COST_IN_RANGE;
+const SCALE_MOST: i32 = COST_CAP / COST_IN_RANGE;
 
 /// Relative error of a rounded cost that is small enough: half of it is the error of the distance.
 const ERROR_ENOUGH: f64 = 1e-5;
@@ -37,30 +41,52 @@ const BINS_MOST: u8 = i8::MAX as u8;
 #[derive(Clone, Debug)]
 pub struct LocalCosts {
     /// Units of a cost of 1.
-    scale: u32,
+    scale: i32,
     /// Greatest relative error of a cost.
     error: f64,
     /// N, or 0 for ordinal costs.
     bins: u8,
     /// Cost of directions that differ by this many bins; unused for ordinal costs.
-    circle: [u32; BINS_MOST as usize],
+    circle: [i32; BINS_MOST as usize],
+    /// The SIMD path, where there is one.
+    simd: Option<Simd>,
 }
 
 impl LocalCosts {
-    /// Rounds the costs. `bins` of a circular cost over 127 count as 127, the most that a motion can hold, and 0 as 1.
+    /// Rounds the costs and looks for the processor's SIMD path. `bins` of a circular cost over 127 count as 127, the most that a
+    /// motion can hold, and 0 as 1.
     pub fn new(cost: LocalCost) -> Self {
-        match cost {
-            LocalCost::Ordinal => Self { scale: 1, error: 0.0, bins: 0, circle: [0; BINS_MOST as usize] },
-            LocalCost::Circular { bins } => {
-                let bins = bins.clamp(1, BINS_MOST);
-                let (scale, error) = choose_scale(bins);
-                let mut circle = [0; BINS_MOST as usize];
-                for (apart, cost) in circle.iter_mut().enumerate().take(usize::from(bins)) {
-                    *cost = libm::round(exact_chord(apart, bins) * f64::from(scale)) as u32;
-                }
-                Self { scale, error, bins, circle }
-            }
+        let portable = Self::portable(cost);
+        Self { simd: Simd::new(&portable), ..portable }
+    }
+
+    /// As [`new`](Self::new), but without SIMD: the same results, slower.
+    pub fn portable(cost: LocalCost) -> Self {
+        let mut circle = [0; BINS_MOST as usize];
+        let LocalCost::Circular { bins } = cost else {
+            return Self { scale: 1, error: 0.0, bins: 0, circle, simd: None };
+        };
+        let bins = bins.clamp(1, BINS_MOST);
+        let (scale, error) = choose_scale(bins);
+        for (apart, cost) in circle.iter_mut().enumerate().take(usize::from(bins)) {
+            *cost = libm::round(exact_chord(apart, bins) * f64::from(scale)) as i32;
         }
+        Self { scale, error, bins, circle, simd: None }
+    }
+
+    /// The SIMD path, where there is one.
+    pub(super) fn simd(&self) -> Option<&Simd> {
+        self.simd.as_ref()
+    }
+
+    /// Units of a cost of 1.
+    pub(super) fn scale(&self) -> i32 {
+        self.scale
+    }
+
+    /// N, or 0 for ordinal costs.
+    pub(super) fn bins(&self) -> u8 {
+        self.bins
     }
 
     /// How far a distance may be from the one that real numbers would give, relative to it.
@@ -69,19 +95,18 @@ impl LocalCosts {
     }
 
     /// Local cost of two motions, in units of `1 / scale`.
-    pub(super) fn between(&self, a: &Motion, b: &Motion) -> u32 {
+    pub(super) fn between(&self, a: &Motion, b: &Motion) -> i32 {
         // The places of `Motion`: a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl.
         let [a, b] = [&a.0, &b.0];
-        let ordered = [0, 3, 6].map(|f| u64::from(a[f].abs_diff(b[f])).pow(2) * u64::from(self.scale));
-        let directions = [1, 2, 4, 5].map(|f| u64::from(self.direction(a[f], b[f])));
-        let sum = ordered.iter().sum::<u64>() + directions.iter().sum::<u64>();
-        sum.min(u64::from(COST_CAP)) as u32
+        let ordered = [0, 3, 6].map(|f| square(a[f].abs_diff(b[f])).saturating_mul(self.scale));
+        let directions = [1, 2, 4, 5].map(|f| self.direction(a[f], b[f]));
+        ordered.into_iter().chain(directions).fold(0, i32::saturating_add).min(COST_CAP)
     }
 
     /// Cost of two directions.
-    pub(super) fn direction(&self, a: i8, b: i8) -> u32 {
+    pub(super) fn direction(&self, a: i8, b: i8) -> i32 {
         if self.bins == 0 {
-            return u32::from(a.abs_diff(b)).pow(2);
+            return square(a.abs_diff(b));
         }
         match (self.bin(a), self.bin(b)) {
             (0, 0) => 0,
@@ -91,7 +116,7 @@ impl LocalCosts {
     }
 
     /// The bin that a feature means: one beyond `1..=N` is counted on around the circle.
-    pub(super) fn bin(&self, feature: i8) -> u8 {
+    fn bin(&self, feature: i8) -> u8 {
         if feature == 0 {
             return 0;
         }
@@ -99,26 +124,31 @@ impl LocalCosts {
         ((i16::from(feature) - 1).rem_euclid(i16::from(self.bins)) + 1) as u8
     }
 
-    /// The distance that a sum of local costs is.
-    pub(super) fn distance_of(&self, sum: u32) -> f64 {
-        libm::sqrt(f64::from(sum) / f64::from(self.scale))
+    /// The distance that the value of a cell is.
+    pub(super) fn distance_of(&self, value: i32) -> f64 {
+        libm::sqrt(f64::from(value.abs_diff(ORIGIN)) / f64::from(self.scale))
     }
 
-    /// The greatest sum whose distance is at most `bound`; none if `bound` is negative or not a number.
-    pub(super) fn greatest_sum(&self, bound: f64) -> Option<u32> {
+    /// The greatest value of a cell whose distance is at most `bound`; none if `bound` is negative or not a number.
+    pub(super) fn greatest_value(&self, bound: f64) -> Option<i32> {
         if bound.is_nan() || bound < 0.0 {
             return None;
         }
-        // The cast saturates. Rounding may put it one off, which the two loops mend.
-        let mut sum = (bound * bound * f64::from(self.scale)) as u32;
-        while sum > 0 && self.distance_of(sum) > bound {
-            sum -= 1;
+        // The casts saturate. Rounding may put it one off, which the two loops mend.
+        let sum = (bound * bound * f64::from(self.scale)) as i32;
+        let mut value = ORIGIN + sum;
+        while value > ORIGIN && self.distance_of(value) > bound {
+            value -= 1;
         }
-        while sum < UNREACHED && self.distance_of(sum + 1) <= bound {
-            sum += 1;
+        while value < UNREACHED && self.distance_of(value + 1) <= bound {
+            value += 1;
         }
-        Some(sum)
+        Some(value)
     }
+}
+
+fn square(difference: u8) -> i32 {
+    i32::from(difference).pow(2)
 }
 
 /// Squared distance of two points of the unit circle that are `apart` of `bins` bins apart.
@@ -128,7 +158,7 @@ fn exact_chord(apart: usize, bins: u8) -> f64 {
 
 /// Greatest relative error of the costs of `N` direction bins that are rounded at this scale. `chords` are the exact ones,
 /// of half the circle: the other half has the same.
-fn rounding_error(chords: &[f64], scale: u32) -> f64 {
+fn rounding_error(chords: &[f64], scale: i32) -> f64 {
     chords.iter().fold(0.0, |worst, chord| {
         let exact = chord * f64::from(scale);
         f64::max(worst, (libm::round(exact) - exact).abs() / exact)
@@ -136,7 +166,7 @@ fn rounding_error(chords: &[f64], scale: u32) -> f64 {
 }
 
 /// The least scale whose error is small enough, or where there is none the one with the least error; and the error.
-fn choose_scale(bins: u8) -> (u32, f64) {
+fn choose_scale(bins: u8) -> (i32, f64) {
     let mut chords = [0.0; BINS_MOST as usize / 2];
     let half = usize::from(bins) / 2;
     for (apart, chord) in (1..=half).zip(&mut chords) {

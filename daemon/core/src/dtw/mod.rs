@@ -41,6 +41,7 @@ mod cost;
 mod ndim;
 mod online;
 mod path;
+mod simd;
 
 pub use batch::{Scratch, distance, distance_within};
 pub use cost::LocalCosts;

@@ -1,6 +1,7 @@
 //! One reference, one frame at a time.
 
-use super::cost::{LocalCosts, UNREACHED};
+use super::cost::{LocalCosts, ORIGIN, UNREACHED};
+use super::simd::{ROW, Symbols};
 use super::{Refused, accept};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
@@ -12,12 +13,15 @@ use crate::couple::Motion;
 pub struct OnlineDtw<'a> {
     costs: LocalCosts,
     reference: &'a [Motion],
-    /// The newest row: the least sum of a path that ends at the newest frame and this place of the reference.
-    row: [u32; IU_FRAMES],
+    /// The reference for the SIMD path, if that can take it.
+    symbols: Symbols,
+    symbols_fit: bool,
+    /// The newest row: the border, then for every place of the reference the least sum of a path that ends there.
+    row: [i32; ROW],
     /// Frames appended.
     frames: usize,
     /// Least value of the newest row.
-    least: u32,
+    least: i32,
 }
 
 impl<'a> OnlineDtw<'a> {
@@ -26,8 +30,17 @@ impl<'a> OnlineDtw<'a> {
     /// # Errors
     /// If the reference is empty or longer than [`IU_FRAMES`].
     pub fn new(costs: &LocalCosts, reference: &'a [Motion]) -> Result<Self, Refused> {
-        accept(reference)?;
-        Ok(Self { costs: costs.clone(), reference, row: [UNREACHED; IU_FRAMES], frames: 0, least: 0 })
+        let mut online = Self {
+            costs: costs.clone(),
+            reference,
+            symbols: Symbols::new(),
+            symbols_fit: false,
+            row: [UNREACHED; ROW],
+            frames: 0,
+            least: ORIGIN,
+        };
+        online.begin(reference)?;
+        Ok(online)
     }
 
     /// Starts anew with another reference, in place.
@@ -37,9 +50,12 @@ impl<'a> OnlineDtw<'a> {
     pub fn begin(&mut self, reference: &'a [Motion]) -> Result<(), Refused> {
         accept(reference)?;
         self.reference = reference;
-        self.row[..reference.len()].fill(UNREACHED);
+        self.symbols_fit =
+            self.costs.simd().is_some_and(|simd| self.symbols.read(&simd.tables, reference.iter()));
+        self.row[0] = ORIGIN;
+        self.row[1..=reference.len()].fill(UNREACHED);
         self.frames = 0;
-        self.least = 0;
+        self.least = ORIGIN;
         Ok(())
     }
 
@@ -51,8 +67,12 @@ impl<'a> OnlineDtw<'a> {
         if self.frames == IU_FRAMES {
             return Err(Refused::TooLong { frames: IU_FRAMES + 1 });
         }
-        let row = &mut self.row[..self.reference.len()];
-        self.least = next_row(&self.costs, frame, self.reference, self.frames == 0, row);
+        let places = self.reference.len();
+        let by_simd = match self.costs.simd() {
+            Some(simd) if self.symbols_fit => simd.next_row(frame, &self.symbols, places, &mut self.row),
+            _ => None,
+        };
+        self.least = by_simd.unwrap_or_else(|| next_row(&self.costs, frame, self.reference, &mut self.row));
         self.frames += 1;
         Ok(())
     }
@@ -60,7 +80,7 @@ impl<'a> OnlineDtw<'a> {
     /// The DTW distance of all appended frames and the reference, equal to [`distance`](super::distance) in every bit; `None` before
     /// the first frame.
     pub fn distance(&self) -> Option<f64> {
-        (self.frames > 0).then(|| self.costs.distance_of(self.row[self.reference.len() - 1]))
+        (self.frames > 0).then(|| self.costs.distance_of(self.row[self.reference.len()]))
     }
 
     /// A bound that the distance cannot fall under any more, whatever is appended: from the least value of the newest row,
@@ -80,19 +100,13 @@ impl<'a> OnlineDtw<'a> {
     }
 }
 
-/// Makes the next row of the DTW matrix in place and returns its least value. `first`: there is no row before.
-pub(super) fn next_row(
-    costs: &LocalCosts,
-    frame: &Motion,
-    reference: &[Motion],
-    first: bool,
-    row: &mut [u32],
-) -> u32 {
-    // Before the first row only the corner has been reached.
-    let mut diagonal = if first { 0 } else { UNREACHED };
+/// Makes the next row of the DTW matrix in place and returns its least value. The row begins with the border.
+pub(super) fn next_row(costs: &LocalCosts, frame: &Motion, reference: &[Motion], row: &mut [i32]) -> i32 {
+    let Some((border, cells)) = row.split_first_mut() else { return UNREACHED };
+    let mut diagonal = core::mem::replace(border, UNREACHED);
     let mut left = UNREACHED;
     let mut least = UNREACHED;
-    for (cell, place) in row.iter_mut().zip(reference) {
+    for (cell, place) in cells.iter_mut().zip(reference) {
         let up = *cell;
         left = diagonal.min(up).min(left) + costs.between(frame, place);
         *cell = left;

@@ -61,12 +61,11 @@ pub fn path<'m>(
     let columns = b.len();
     let (needed, given) = (a.len() * columns, moves.len());
     let Some(moves) = moves.get_mut(..needed) else { return Err(Refused::Memory { needed, given }) };
-    let row = &mut scratch.row[..columns];
-    row.fill(UNREACHED);
-    for (i, (frame, moves)) in a.iter().zip(moves.chunks_exact_mut(columns)).enumerate() {
-        let mut diagonal = if i == 0 { 0 } else { UNREACHED };
+    let row = scratch.row(columns);
+    for (frame, moves) in a.iter().zip(moves.chunks_exact_mut(columns)) {
+        let mut diagonal = core::mem::replace(&mut row[0], UNREACHED);
         let mut left = UNREACHED;
-        for ((cell, place), came) in row.iter_mut().zip(b).zip(moves) {
+        for ((cell, place), came) in row[1..].iter_mut().zip(b).zip(moves) {
             let up = *cell;
             let best = diagonal.min(up).min(left);
             *came = if best == diagonal {
@@ -81,6 +80,6 @@ pub fn path<'m>(
             diagonal = up;
         }
     }
-    let distance = costs.distance_of(row[columns - 1]);
+    let distance = costs.distance_of(row[columns]);
     Ok(Path { moves, columns, at: Some((a.len() - 1, columns - 1)), distance })
 }

@@ -1,0 +1,255 @@
+//! DTW against a full matrix in `f64`, and every way to compute it against every other.
+#![allow(clippy::unwrap_used)]
+
+use andon_core::capacity::IU_FRAMES;
+use andon_core::couple::Motion;
+use andon_core::dtw::{LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path};
+use andon_core::job::LocalCost;
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+const COSTS: [LocalCost; 5] = [
+    LocalCost::Ordinal,
+    LocalCost::Circular { bins: 8 },
+    LocalCost::Circular { bins: 12 },
+    // No scale that two bytes hold is good enough for 7 bins, and 16 have no nibble for rest: both go the portable way.
+    LocalCost::Circular { bins: 7 },
+    LocalCost::Circular { bins: 16 },
+];
+
+/// The whole matrix in `f64`, with costs from the definition: independent of all that `dtw` does.
+mod oracle {
+    use super::*;
+
+    pub(super) fn cost(cost: LocalCost, a: &Motion, b: &Motion) -> f64 {
+        let squared = |f: usize| (f64::from(a.0[f]) - f64::from(b.0[f])).powi(2);
+        let LocalCost::Circular { bins } = cost else { return (0..7).map(squared).sum() };
+        let point = |direction: i8| match direction {
+            0 => (0.0, 0.0),
+            bin => (f64::from(bin) * std::f64::consts::TAU / f64::from(bins)).sin_cos(),
+        };
+        let directions = [1, 2, 4, 5].map(|f| {
+            let ((ay, ax), (by, bx)) = (point(a.0[f]), point(b.0[f]));
+            (ax - bx).powi(2) + (ay - by).powi(2)
+        });
+        [0, 3, 6].map(squared).iter().sum::<f64>() + directions.iter().sum::<f64>()
+    }
+
+    pub(super) fn matrix(local: LocalCost, a: &[Motion], b: &[Motion]) -> Vec<Vec<f64>> {
+        let mut sums = vec![vec![f64::INFINITY; b.len()]; a.len()];
+        for i in 0..a.len() {
+            for j in 0..b.len() {
+                let mut best = if (i, j) == (0, 0) { 0.0 } else { f64::INFINITY };
+                if i > 0 {
+                    best = best.min(sums[i - 1][j]);
+                }
+                if j > 0 {
+                    best = best.min(sums[i][j - 1]);
+                }
+                if i > 0 && j > 0 {
+                    best = best.min(sums[i - 1][j - 1]);
+                }
+                sums[i][j] = best + cost(local, &a[i], &b[j]);
+            }
+        }
+        sums
+    }
+
+    pub(super) fn distance(local: LocalCost, a: &[Motion], b: &[Motion]) -> f64 {
+        matrix(local, a, b)[a.len() - 1][b.len() - 1].sqrt()
+    }
+}
+
+/// Sequences as the method makes them: features in range, elevation or not.
+fn motions(frames: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Motion>> {
+    let direction = || 0..=7i8;
+    let frame = (-1..=1i8, direction(), direction(), 0..=1i8, direction(), direction(), 0..=1i8);
+    (vec(frame, frames), any::<bool>()).prop_map(|(frames, elevated)| {
+        let elevation = |bin| if elevated { bin } else { 0 };
+        let motion = |(a, t, p, j, u, q, k)| Motion([a, elevation(t), p, j, elevation(u), q, k]);
+        frames.into_iter().map(motion).collect()
+    })
+}
+
+/// Features that no encoder makes.
+fn wild(frames: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Motion>> {
+    vec(any::<[i8; 7]>().prop_map(Motion), frames)
+}
+
+fn online(costs: &LocalCosts, frames: &[Motion], reference: &[Motion]) -> (f64, Vec<f64>) {
+    let mut online = OnlineDtw::new(costs, reference).unwrap();
+    let bounds = frames.iter().map(|frame| {
+        online.append(frame).unwrap();
+        online.lower_bound()
+    });
+    let bounds = bounds.collect();
+    (online.distance().unwrap(), bounds)
+}
+
+fn batch(costs: &LocalCosts, a: &[Motion], b: &[Motion]) -> f64 {
+    distance(costs, a, b, &mut Scratch::new()).unwrap()
+}
+
+/// All that must hold of two sequences with any features.
+fn check_all_ways(local: LocalCost, a: &[Motion], b: &[Motion]) {
+    let (costs, portable) = (LocalCosts::new(local), LocalCosts::portable(local));
+    let whole = batch(&costs, a, b);
+    assert_eq!(batch(&costs, b, a), whole, "symmetric");
+    assert_eq!(batch(&costs, a, a), 0.0, "a sequence is 0 from itself");
+    assert_eq!(batch(&portable, a, b), whole, "portable and SIMD");
+
+    let (distance, bounds) = online(&costs, a, b);
+    assert_eq!(distance, whole, "online and batch");
+    assert_eq!(online(&portable, a, b), (distance, bounds.clone()), "online: portable and SIMD");
+    assert!(bounds.is_sorted(), "the newest row's least value never falls");
+    assert!(bounds[a.len() - 1] <= whole);
+
+    let mut scratch = Scratch::new();
+    let mut within = |bound| distance_within(&costs, a, b, bound, &mut scratch).unwrap();
+    assert_eq!(within(whole), Some(whole));
+    assert_eq!(within(f64::INFINITY), Some(whole));
+    assert_eq!(within(whole.next_down()), None);
+    assert_eq!(within(whole / 2.0), Some(whole).filter(|&whole| whole == 0.0));
+
+    let mut moves = vec![0xff; a.len() * b.len()];
+    let path = path(&costs, a, b, &mut moves, &mut scratch).unwrap();
+    assert_eq!(path.distance(), whole, "path and batch");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn all_ways_to_compute_a_distance_give_the_same_bits(a in motions(1..200), b in motions(1..200)) {
+        for local in COSTS {
+            check_all_ways(local, &a, &b);
+        }
+    }
+
+    #[test]
+    fn features_out_of_range_change_nothing_about_that(
+        mut a in motions(1..60),
+        b in wild(1..60),
+        place in 0..60usize,
+    ) {
+        for local in COSTS {
+            check_all_ways(local, &a, &b);
+        }
+        let place = place % a.len();
+        a[place] = b[0];
+        for local in COSTS {
+            check_all_ways(local, &b, &a);
+        }
+    }
+
+    #[test]
+    fn the_distance_is_that_of_the_full_matrix_in_f64(a in motions(1..120), b in motions(1..120)) {
+        for local in COSTS {
+            let costs = LocalCosts::new(local);
+            let (got, exact) = (batch(&costs, &a, &b), oracle::distance(local, &a, &b));
+            prop_assert!((got - exact).abs() <= costs.relative_error() * exact + 1e-12, "{local:?}: {got} {exact}");
+        }
+    }
+
+    #[test]
+    fn the_lower_bound_is_the_least_of_the_newest_row(a in motions(1..60), b in motions(1..60)) {
+        let rows = oracle::matrix(LocalCost::Ordinal, &a, &b);
+        let (_, bounds) = online(&LocalCosts::new(LocalCost::Ordinal), &a, &b);
+        for (row, bound) in rows.iter().zip(bounds) {
+            prop_assert_eq!(row.iter().copied().fold(f64::INFINITY, f64::min).sqrt(), bound);
+        }
+    }
+
+    #[test]
+    fn ordinal_distances_of_any_features_are_exact(a in wild(1..40), b in wild(1..40)) {
+        prop_assert_eq!(batch(&LocalCosts::new(LocalCost::Ordinal), &a, &b), oracle::distance(LocalCost::Ordinal, &a, &b));
+    }
+
+    #[test]
+    fn a_warping_path_is_connected_and_its_costs_add_up_to_the_distance(a in motions(1..60), b in motions(1..60)) {
+        for local in [LocalCost::Ordinal, LocalCost::Circular { bins: 8 }] {
+            let costs = LocalCosts::new(local);
+            let mut moves = vec![0; a.len() * b.len()];
+            let path = path(&costs, &a, &b, &mut moves, &mut Scratch::new()).unwrap();
+            let distance = path.distance();
+            let pairs: Vec<_> = path.collect();
+            prop_assert_eq!(pairs[0], (a.len() - 1, b.len() - 1));
+            prop_assert_eq!(*pairs.last().unwrap(), (0, 0));
+            for step in pairs.windows(2) {
+                let [(i, j), (k, l)] = [step[0], step[1]];
+                prop_assert!([(1, 1), (1, 0), (0, 1)].contains(&(i - k, j - l)));
+            }
+            let sum: f64 = pairs.iter().map(|&(i, j)| oracle::cost(local, &a[i], &b[j])).sum();
+            prop_assert!((sum.sqrt() - distance).abs() <= 2.0 * costs.relative_error() * distance + 1e-12);
+        }
+    }
+}
+
+#[test]
+fn rounding_moves_a_distance_by_less_than_1e_5_with_up_to_16_bins() {
+    for bins in 1..=16 {
+        let local = LocalCost::Circular { bins };
+        let costs = LocalCosts::new(local);
+        assert!(costs.relative_error() <= 1e-5, "{bins} bins: {}", costs.relative_error());
+        // One cell is the cost itself.
+        for (a, b) in (0..=bins as i8).flat_map(|a| (0..=bins as i8).map(move |b| (a, b))) {
+            let [a, b] = [a, b].map(|bin| Motion([0, 0, bin, 0, 0, 0, 0]));
+            let (got, exact) = (batch(&costs, &[a], &[b]), oracle::distance(local, &[a], &[b]));
+            assert!((got - exact).abs() <= 1e-5 * exact + 1e-9, "{bins} bins, {a:?} {b:?}: {got} {exact}");
+        }
+    }
+}
+
+#[test]
+fn the_longest_and_farthest_sequences_do_not_overflow() {
+    // No warping path is longer than along both sides, and no cost is greater than from the least to the greatest features.
+    let (low, high) = (vec![Motion([i8::MIN; 7]); IU_FRAMES], vec![Motion([i8::MAX; 7]); IU_FRAMES]);
+    let costs = LocalCosts::new(LocalCost::Ordinal);
+    let cells = IU_FRAMES as f64;
+    assert_eq!(batch(&costs, &low, &high), (cells * 7.0 * 255.0 * 255.0).sqrt());
+    let opposite = |bin| vec![Motion([0, bin, bin, 0, bin, bin, 0]); IU_FRAMES];
+    let costs = LocalCosts::new(LocalCost::Circular { bins: 8 });
+    assert_eq!(batch(&costs, &opposite(1), &opposite(5)), (cells * 16.0).sqrt());
+    let (distance, _) = online(&costs, &opposite(1), &opposite(5));
+    assert_eq!(distance, (cells * 16.0).sqrt());
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let costs = LocalCosts::new(LocalCost::Ordinal);
+    let long = vec![Motion::default(); IU_FRAMES + 1];
+    let (one, full) = (&long[..1], &long[..IU_FRAMES]);
+    let too_long = Refused::TooLong { frames: IU_FRAMES + 1 };
+    let mut scratch = Scratch::new();
+
+    assert_eq!(distance(&costs, &[], one, &mut scratch), Err(Refused::Empty));
+    assert_eq!(distance(&costs, one, &long, &mut scratch), Err(too_long));
+    assert_eq!(distance_within(&costs, one, &[], 1.0, &mut scratch), Err(Refused::Empty));
+    assert_eq!(distance_within(&costs, one, one, f64::NAN, &mut scratch), Ok(None));
+    let memory = Refused::Memory { needed: 1, given: 0 };
+    assert_eq!(path(&costs, one, one, &mut [], &mut scratch).err(), Some(memory));
+    assert_eq!(OnlineDtw::new(&costs, &[]).err(), Some(Refused::Empty));
+    assert_eq!(OnlineDtw::new(&costs, &long).err(), Some(too_long));
+
+    let mut online = OnlineDtw::new(&costs, full).unwrap();
+    assert_eq!((online.distance(), online.lower_bound()), (None, 0.0));
+    for frame in full {
+        online.append(frame).unwrap();
+    }
+    assert_eq!(online.append(&one[0]), Err(too_long));
+    assert_eq!(online.distance(), Some(0.0));
+}
+
+#[test]
+fn a_reference_can_be_replaced_in_place() {
+    let costs = LocalCosts::new(LocalCost::Ordinal);
+    let [a, b] = [2, 3].map(|bin| [Motion([0, 0, bin, 0, 0, 0, 0]); 40]);
+    let mut online = OnlineDtw::new(&costs, &a).unwrap();
+    online.append(&b[0]).unwrap();
+    online.begin(&b[..3]).unwrap();
+    assert_eq!(online.distance(), None);
+    online.append(&b[0]).unwrap();
+    assert_eq!(online.distance(), Some(0.0));
+    assert_eq!(online.begin(&[]), Err(Refused::Empty));
+    assert_eq!((online.frames(), online.reference().len()), (1, 3));
+}
