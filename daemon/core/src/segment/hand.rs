@@ -1,14 +1,61 @@
 //! The segmentation of one hand.
 
-use super::Event;
+use super::filter::OpeningClosing;
+use super::reversals::Reversals;
+use super::{Event, Iu};
+use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple};
+use crate::couple::{Context, Couple, Motion};
 use crate::input::Side;
+use heapless::{Deque, Vec};
 
-/// Segments the couples of one hand.
+/// Frames that are in the filter at most: its delay `4h`, and the newest.
+const IN_FILTER: usize = 2 * FILTER_FRAMES;
+
+/// Frames in which `X` is constant.
+#[derive(Clone, Copy, Debug)]
+struct Eru {
+    motion: Motion,
+    began_ns: u64,
+}
+
+/// An IU that goes on.
+#[derive(Clone, Debug)]
+struct OpenIu {
+    so_far: Iu,
+    turns: Reversals,
+    eru: Option<Eru>,
+}
+
+/// An activity that goes on.
+#[derive(Clone, Copy, Debug)]
+struct OpenActivity {
+    /// The context of its first IU.
+    context: Context,
+    began_ns: u64,
+    /// When its newest IU that has ended did so.
+    ended_ns: u64,
+    /// It has matched a nominal one to its end.
+    matched: bool,
+}
+
+/// Segments the couples of one hand (paper III-B; DESIGN 4, "Segmentation").
+///
+/// A new ERU: any element of `X` changes, after the filter. A new IU: `x_c` changes. A new activity: the hand touches an object other
+/// than the activity's first one, or the same one again after the activity has matched a nominal one to its end.
+/// All zeros is idle, and so is the release state where there is no activity that it could belong to.
 #[derive(Clone, Debug)]
 pub struct Segmenter {
     side: Side,
+    bins: u8,
+    filter: OpeningClosing,
+    /// The times of the frames that are in the filter.
+    times_ns: Deque<u64, IN_FILTER>,
+    /// The context of the newest couple.
+    context: Context,
+    iu: Option<OpenIu>,
+    activity: Option<OpenActivity>,
+    goes_on_with: Vec<Context, ACTIVITIES>,
 }
 
 impl Segmenter {
@@ -18,22 +65,131 @@ impl Segmenter {
     /// If a constant is out of its range.
     pub fn new(side: Side, method: &Method) -> Result<Self, MethodFault> {
         method.check()?;
-        Ok(Self { side })
+        Ok(Self {
+            side,
+            bins: method.bins,
+            filter: OpeningClosing::new(method.filter_frames),
+            times_ns: Deque::new(),
+            context: Context::IDLE,
+            iu: None,
+            activity: None,
+            goes_on_with: Vec::new(),
+        })
     }
 
     /// Takes the next couple of this hand.
     pub fn step(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
-        let _ = (couple, emit, self.side);
+        let now_ns = couple.captured_ns;
+        if couple.context != self.context {
+            self.end_iu(now_ns, emit);
+        }
+        if self.begins_activity(couple) {
+            self.end_activity(emit);
+            self.begin_activity(couple, emit);
+        }
+        self.context = couple.context;
+        if self.iu.is_none() && self.activity.is_some() && couple.context != Context::IDLE {
+            self.begin_iu(couple, emit);
+        }
+        if let Some(iu) = &mut self.iu {
+            iu.so_far.frames = iu.so_far.frames.saturating_add(1);
+            iu.so_far.sighted &= couple.sighted;
+            // The filter gives a frame as soon as it is full: there is room for its times.
+            let _ = self.times_ns.push_back(now_ns);
+            if let Some(motion) = self.filter.push(couple.motion) {
+                self.filtered(motion, emit);
+            }
+        }
+    }
+
+    /// Whether this couple, as the next one, would begin an activity.
+    pub fn begins_activity(&self, couple: &Couple) -> bool {
+        let [hand, j, ..] = couple.context.0;
+        let touches = hand != 0 && (self.context.0[0] == 0 || self.context.0[1] != j);
+        touches
+            && self.activity.is_none_or(|activity| {
+                let other = activity.context.0[1] != j;
+                other || activity.matched && !self.goes_on_with.contains(&couple.context)
+            })
     }
 
     /// The activity has matched a nominal one to its end: its first object touched again begins a new one, unless in one of
-    /// the contexts that it `goes_on_with`.
+    /// the contexts that it `goes_on_with`. Contexts over [`ACTIVITIES`], the greatest number of candidates, are ignored.
     pub fn activity_matched(&mut self, goes_on_with: &[Context]) {
-        let _ = goes_on_with;
+        if let Some(activity) = &mut self.activity {
+            activity.matched = true;
+            self.goes_on_with.clear();
+            self.goes_on_with.extend(goes_on_with.iter().take(ACTIVITIES).copied());
+        }
     }
 
-    /// Ends what is open at `ended_ns`.
+    /// Ends what is open at `ended_ns`. A touch that goes on is not the begin of anything until the hand has let go.
     pub fn finish(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
-        let _ = (ended_ns, emit);
+        self.end_iu(ended_ns, emit);
+        self.end_activity(emit);
+    }
+
+    /// What the hand touches counts as touched anew.
+    pub fn forget_touch(&mut self) {
+        self.context = Context::IDLE;
+    }
+
+    fn begin_activity(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
+        let (context, began_ns) = (couple.context, couple.captured_ns);
+        self.activity = Some(OpenActivity { context, began_ns, ended_ns: began_ns, matched: false });
+        self.goes_on_with.clear();
+        emit(Event::ActivityBegan { side: self.side, context, began_ns });
+    }
+
+    fn end_activity(&mut self, emit: &mut impl FnMut(Event)) {
+        if let Some(OpenActivity { context, began_ns, ended_ns, .. }) = self.activity.take() {
+            emit(Event::ActivityEnded { side: self.side, context, began_ns, ended_ns });
+        }
+    }
+
+    fn begin_iu(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
+        let (context, began_ns) = (couple.context, couple.captured_ns);
+        let so_far = Iu { context, began_ns, ended_ns: began_ns, frames: 0, reversals: 0, sighted: true };
+        self.iu = Some(OpenIu { so_far, turns: Reversals::new(context, self.bins), eru: None });
+        emit(Event::IuBegan { side: self.side, context, began_ns });
+    }
+
+    fn end_iu(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
+        if self.iu.is_some() {
+            while let Some(motion) = self.filter.flush() {
+                self.filtered(motion, emit);
+            }
+            self.filter.clear();
+        }
+        let side = self.side;
+        if let Some(OpenIu { so_far, eru, .. }) = self.iu.take() {
+            let context = so_far.context;
+            if let Some(Eru { motion, began_ns }) = eru {
+                emit(Event::Eru { side, context, motion, began_ns, ended_ns });
+            }
+            emit(Event::IuEnded { side, iu: Iu { ended_ns, ..so_far } });
+            if let Some(activity) = &mut self.activity {
+                activity.ended_ns = ended_ns;
+            }
+        }
+    }
+
+    /// Takes the next frame that the filter gives.
+    fn filtered(&mut self, motion: Motion, emit: &mut impl FnMut(Event)) {
+        let (Some(iu), Some(began_ns)) = (&mut self.iu, self.times_ns.pop_front()) else { return };
+        let (side, context) = (self.side, iu.so_far.context);
+        match iu.eru {
+            Some(eru) if eru.motion == motion => {}
+            ended => {
+                if let Some(eru) = ended {
+                    let (motion, ended_ns) = (eru.motion, began_ns);
+                    emit(Event::Eru { side, context, motion, began_ns: eru.began_ns, ended_ns });
+                }
+                iu.eru = Some(Eru { motion, began_ns });
+            }
+        }
+        let reversals = iu.turns.push(motion);
+        iu.so_far.reversals = reversals;
+        emit(Event::IuFrame { side, motion, captured_ns: began_ns, reversals });
     }
 }

@@ -3,13 +3,35 @@
 use super::{Event, Segmenter};
 use crate::capacity::HANDS;
 use crate::config::{Method, MethodFault};
-use crate::couple::Couples;
+use crate::couple::{Context, Couples};
 use crate::input::Side;
 
-/// Segments the couples of both hands.
+/// A job that goes on.
+#[derive(Clone, Copy, Debug)]
+struct OpenJob {
+    began_ns: u64,
+    /// When something of it last ended.
+    ended_ns: u64,
+    /// A hand has touched something.
+    touched: bool,
+    /// All its nominal activities are done.
+    matched: bool,
+}
+
+/// Segments the couples of both hands. Each hand has activities of its own; the job is common.
+///
+/// A job begins with the first touch or on command. It ends when the hands have been out of the picture for
+/// `idle_end_ms` after its first touch, on command, or, where [`job_matched`](Self::job_matched) was said, with the next touch, which begins another.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
     hands: [Segmenter; HANDS],
+    period_ns: u64,
+    idle_end_ns: u64,
+    /// The time of the newest couples.
+    newest_ns: u64,
+    /// When a hand was last seen.
+    seen_ns: u64,
+    job: Option<OpenJob>,
 }
 
 impl JobSegmenter {
@@ -18,18 +40,81 @@ impl JobSegmenter {
     /// # Errors
     /// If a constant is out of its range.
     pub fn new(method: &Method) -> Result<Self, MethodFault> {
-        Ok(Self { hands: [Segmenter::new(Side::Right, method)?, Segmenter::new(Side::Left, method)?] })
+        Ok(Self {
+            hands: [Segmenter::new(Side::Right, method)?, Segmenter::new(Side::Left, method)?],
+            // The rate is 1 Hz at least.
+            period_ns: libm::round(1e9 / f64::from(method.rate_hz)) as u64,
+            idle_end_ns: u64::from(method.idle_end_ms) * 1_000_000,
+            newest_ns: 0,
+            seen_ns: 0,
+            job: None,
+        })
     }
 
     /// Takes the next couples.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
+        let now_ns = couples.captured_ns;
+        if couples.hands.iter().any(|couple| couple.seen) {
+            self.seen_ns = now_ns;
+        }
+        let touches =
+            self.hands.iter().zip(&couples.hands).any(|(hand, couple)| hand.begins_activity(couple));
+        let idle = now_ns.saturating_sub(self.seen_ns) >= self.idle_end_ns;
+        if self.job.is_some_and(|job| job.matched && touches || job.touched && idle) {
+            self.end(now_ns, emit);
+        }
+        if touches && self.job.is_none() {
+            self.begin(now_ns, emit);
+        }
+        self.newest_ns = now_ns;
         for (hand, couple) in self.hands.iter_mut().zip(&couples.hands) {
             hand.step(couple, emit);
         }
+        if let Some(job) = &mut self.job {
+            job.touched |= touches;
+            if couples.hands.iter().any(|couple| couple.context != Context::IDLE) {
+                job.ended_ns = now_ns.saturating_add(self.period_ns);
+            }
+        }
     }
 
-    /// Ends the job by command, or at the end of a recording, at the newest couples.
+    /// Begins a job by command, at the next couples. What is open ends first; what the hands touch is touched anew.
+    pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
+        self.finish(emit);
+        self.hands.iter_mut().for_each(Segmenter::forget_touch);
+        self.begin(self.newest_ns.saturating_add(self.period_ns), emit);
+    }
+
+    /// Ends the job by command, or at the end of a recording, after the newest couples.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
-        let _ = emit;
+        self.end(self.newest_ns.saturating_add(self.period_ns), emit);
+    }
+
+    /// All nominal activities of the job are done: the next touch begins another job.
+    pub fn job_matched(&mut self) {
+        if let Some(job) = &mut self.job {
+            job.matched = true;
+        }
+    }
+
+    /// The segmentation of one hand.
+    pub fn hand(&mut self, side: Side) -> &mut Segmenter {
+        let [right, left] = &mut self.hands;
+        match side {
+            Side::Right => right,
+            Side::Left => left,
+        }
+    }
+
+    fn begin(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
+        self.job = Some(OpenJob { began_ns, ended_ns: began_ns, touched: false, matched: false });
+        emit(Event::JobBegan { began_ns });
+    }
+
+    fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {
+        self.hands.iter_mut().for_each(|hand| hand.finish(now_ns, emit));
+        if let Some(OpenJob { began_ns, ended_ns, .. }) = self.job.take() {
+            emit(Event::JobEnded { began_ns, ended_ns: ended_ns.min(now_ns) });
+        }
     }
 }

@@ -1,7 +1,9 @@
 //! Couples in, ERU, IU, activity and job events out (paper III-B; DESIGN 4, "Segmentation").
 
+mod filter;
 mod hand;
 mod job;
+mod reversals;
 
 pub use hand::Segmenter;
 pub use job::JobSegmenter;
@@ -20,7 +22,8 @@ pub struct Iu {
     pub ended_ns: u64,
     /// Its length in frames of the grid.
     pub frames: u32,
-    /// How often its motion turned back (see [`reversals`](Segmenter)).
+    /// How often its motion turned back: by more than a quarter turn from the direction that it held, rest ignored. It tells a
+    /// repeated motion (polishing strokes) that was cut short.
     pub reversals: u32,
     /// False where a couple of it was not sighted.
     pub sighted: bool,
@@ -58,6 +61,10 @@ pub enum Event {
         side: Side,
         /// Its filtered motion.
         motion: Motion,
+        /// Its time, in nanoseconds.
+        captured_ns: u64,
+        /// How often the motion of the IU has turned back so far.
+        reversals: u32,
     },
     /// An ERU ended: `X` (after the filter) was constant in it.
     Eru {
@@ -94,7 +101,7 @@ pub enum Event {
     JobEnded {
         /// When, in nanoseconds.
         began_ns: u64,
-        /// When its last IU ended, or the command came, in nanoseconds.
+        /// When its last IU ended, in nanoseconds.
         ended_ns: u64,
     },
 }

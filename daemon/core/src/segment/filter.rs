@@ -1,0 +1,192 @@
+//! The opening-closing filter on `x_m` inside an IU, as a stream.
+//!
+//! An opening is an erosion and a dilation, a closing a dilation and an erosion. The two dilations in the middle are one of twice
+//! the reach, also where they are clipped at the borders of the IU: erosion over `h` frames to each side, dilation over `2h`, erosion
+//! over `h`, where the window is `2h + 1`. The output is `4h` frames late, and what is left is flushed when the IU ends.
+
+use crate::capacity::FILTER_FRAMES;
+use crate::couple::Motion;
+use heapless::Deque;
+
+/// Features of `x_m`.
+const FEATURES: usize = 7;
+
+/// Greatest reach to one side: that of the dilation.
+const REACH: usize = FILTER_FRAMES - 1;
+
+/// Frames that a window may have to remember: it and one more.
+const WINDOW: usize = 2 * REACH + 2;
+
+/// The least or greatest value in a window around each frame, clipped at the ends.
+#[derive(Clone, Debug)]
+struct Extreme {
+    /// Candidates for the extreme with their frame, from the best to the newest (a monotonic queue): each value goes in and
+    /// out once, which makes it O(1) a frame, amortised.
+    candidates: Deque<(u32, i8), WINDOW>,
+    greatest: bool,
+    reach: u32,
+    taken: u32,
+    given: u32,
+}
+
+impl Extreme {
+    fn new(greatest: bool, reach: u32) -> Self {
+        Self { candidates: Deque::new(), greatest, reach, taken: 0, given: 0 }
+    }
+
+    fn clear(&mut self) {
+        self.candidates.clear();
+        (self.taken, self.given) = (0, 0);
+    }
+
+    /// Takes the next value and gives that of the frame `reach` before it.
+    fn push(&mut self, value: i8) -> Option<i8> {
+        let beaten = |old: i8| if self.greatest { old <= value } else { old >= value };
+        while self.candidates.back().is_some_and(|(_, old)| beaten(*old)) {
+            self.candidates.pop_back();
+        }
+        // Candidates lie between `given - reach - 1` and `given + reach`: they fit into `WINDOW`.
+        let _ = self.candidates.push_back((self.taken, value));
+        self.taken += 1;
+        if self.taken > self.given + self.reach { self.give() } else { None }
+    }
+
+    /// Gives the value of the next frame; `None` after the last.
+    fn give(&mut self) -> Option<i8> {
+        if self.given == self.taken {
+            return None;
+        }
+        while self.candidates.front().is_some_and(|(frame, _)| frame + self.reach < self.given) {
+            self.candidates.pop_front();
+        }
+        self.given += 1;
+        self.candidates.front().map(|(_, value)| *value)
+    }
+}
+
+/// The filter of one feature.
+#[derive(Clone, Debug)]
+struct Feature([Extreme; 3]);
+
+impl Feature {
+    fn new(half: u32) -> Self {
+        Self([Extreme::new(false, half), Extreme::new(true, 2 * half), Extreme::new(false, half)])
+    }
+
+    fn push(&mut self, value: i8) -> Option<i8> {
+        self.0.iter_mut().try_fold(value, |value, stage| stage.push(value))
+    }
+
+    /// After the last value: gives the value of the next frame; `None` after the last.
+    fn flush(&mut self) -> Option<i8> {
+        let [first, second, third] = &mut self.0;
+        while let Some(value) = first.give() {
+            if let Some(value) = second.push(value).and_then(|value| third.push(value)) {
+                return Some(value);
+            }
+        }
+        while let Some(value) = second.give() {
+            if let Some(value) = third.push(value) {
+                return Some(value);
+            }
+        }
+        third.give()
+    }
+}
+
+/// The filter of all features of one IU.
+#[derive(Clone, Debug)]
+pub(super) struct OpeningClosing {
+    features: [Feature; FEATURES],
+}
+
+impl OpeningClosing {
+    /// `window` is odd.
+    pub(super) fn new(window: u8) -> Self {
+        let half = u32::from(window) / 2;
+        Self { features: core::array::from_fn(|_| Feature::new(half)) }
+    }
+
+    /// Forgets the IU.
+    pub(super) fn clear(&mut self) {
+        self.features.iter_mut().flat_map(|feature| &mut feature.0).for_each(Extreme::clear);
+    }
+
+    /// Takes the next motion and gives that of a frame `4h` before it.
+    pub(super) fn push(&mut self, motion: Motion) -> Option<Motion> {
+        self.each(|feature, place| feature.push(motion.0[place]))
+    }
+
+    /// After the last motion: gives the next one that is left; `None` after the last.
+    pub(super) fn flush(&mut self) -> Option<Motion> {
+        self.each(|feature, _| feature.flush())
+    }
+
+    /// All features are equally late: either each of them gives a value or none.
+    fn each(&mut self, mut step: impl FnMut(&mut Feature, usize) -> Option<i8>) -> Option<Motion> {
+        let mut motion = Some(Motion::default());
+        for (place, feature) in self.features.iter_mut().enumerate() {
+            let value = step(feature, place);
+            motion = motion.zip(value).map(|(mut motion, value)| {
+                motion.0[place] = value;
+                motion
+            });
+        }
+        motion
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    /// The definition, in four passes over the whole IU.
+    fn two_filters(values: &[i8], half: usize) -> Vec<i8> {
+        let pass = |values: &[i8], greatest: bool| -> Vec<i8> {
+            (0..values.len())
+                .map(|t| {
+                    let window = &values[t.saturating_sub(half)..(t + half + 1).min(values.len())];
+                    let extreme = if greatest { window.iter().max() } else { window.iter().min() };
+                    extreme.copied().unwrap_or_default()
+                })
+                .collect()
+        };
+        let opened = pass(&pass(values, false), true);
+        pass(&pass(&opened, true), false)
+    }
+
+    proptest! {
+        #[test]
+        fn the_stream_equals_an_opening_and_a_closing_of_the_whole_iu(
+            ius in prop::collection::vec(prop::collection::vec(-1i8..9, 0..150), 1..4),
+            half in 0u8..=15,
+        ) {
+            let mut filter = OpeningClosing::new(2 * half + 1);
+            for values in ius {
+                filter.clear();
+                let mut streamed = Vec::new();
+                for (t, value) in values.iter().enumerate() {
+                    let given = filter.push(Motion([*value; 7]));
+                    prop_assert_eq!(given.is_some(), t >= 4 * usize::from(half));
+                    streamed.extend(given);
+                }
+                streamed.extend(core::iter::from_fn(|| filter.flush()));
+                let wanted: Vec<Motion> =
+                    two_filters(&values, half.into()).into_iter().map(|value| Motion([value; 7])).collect();
+                prop_assert_eq!(streamed, wanted);
+            }
+        }
+    }
+
+    #[test]
+    fn what_lasts_shorter_than_the_window_is_filtered_out() {
+        let mut filter = OpeningClosing::new(5);
+        let values = [0, 0, 0, 0, 0, 7, 7, 0, 0, 0, 0, 3, 3, 3, 3, 3, 1, 1, 3, 3, 3, 3, 3];
+        let mut given: Vec<i8> =
+            values.iter().filter_map(|value| filter.push(Motion([*value; 7]))).map(|m| m.0[6]).collect();
+        given.extend(core::iter::from_fn(|| filter.flush()).map(|m| m.0[6]));
+        assert_eq!(given, [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3, 3]);
+    }
+}

@@ -1,0 +1,95 @@
+//! How often a motion turned back. DTW forgives a repeated motion that was cut short; a count of its turns does not.
+
+use crate::couple::{Context, Motion};
+
+/// Counts the reversals of the motion of one IU.
+///
+/// The direction that counts is the azimuth of `o_j` against `o_l` where there is an `o_l`, else that of the hand against
+/// `o_j`. A reversal is a direction more than a quarter turn away from the one that was held. What is held is the direction
+/// furthest from the one before it, so that the gentle turn at the end of a rounded stroke counts once, and noise of a bin or two
+/// around a straight one does not count at all. Rest, and in metric mode a motion straight up or down, has no azimuth and is ignored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reversals {
+    bins: u8,
+    /// Places of elevation and azimuth in `x_m`.
+    features: [usize; 2],
+    held: Option<u8>,
+    before: Option<u8>,
+    count: u32,
+}
+
+impl Reversals {
+    pub(super) fn new(context: Context, bins: u8) -> Self {
+        let features = if context.0[3] == 0 { [1, 2] } else { [4, 5] };
+        Self { bins, features, held: None, before: None, count: 0 }
+    }
+
+    /// Takes the next frame and returns the count so far.
+    pub(super) fn push(&mut self, motion: Motion) -> u32 {
+        let [elevation, azimuth] = self.features.map(|feature| motion.0[feature].unsigned_abs());
+        let upright = elevation == 1 || elevation == self.bins / 2 + 1;
+        if azimuth == 0 || upright {
+            return self.count;
+        }
+        match (self.held, self.before) {
+            (Some(held), _) if 4 * u16::from(self.apart(azimuth, held)) > u16::from(self.bins) => {
+                self.before = Some(held);
+                self.held = Some(azimuth);
+                self.count = self.count.saturating_add(1);
+            }
+            (Some(held), Some(before)) if self.apart(azimuth, before) > self.apart(held, before) => {
+                self.held = Some(azimuth);
+            }
+            (None, _) => self.held = Some(azimuth),
+            _ => {}
+        }
+        self.count
+    }
+
+    /// How many bins two directions are apart around the circle.
+    fn apart(&self, one: u8, other: u8) -> u8 {
+        let apart = one.abs_diff(other) % self.bins;
+        apart.min(self.bins - apart)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn count(azimuths: impl IntoIterator<Item = i8>) -> u32 {
+        let mut reversals = Reversals::new(Context([1, 5, 5, 6]), 8);
+        azimuths.into_iter().fold(0, |_, azimuth| reversals.push(Motion([0, 0, 9, 0, 0, azimuth, 0])))
+    }
+
+    #[test]
+    fn six_strokes_to_and_fro_are_eleven_reversals() {
+        let stroke = [1, 1, 1, 0, 5, 5, 5, 0];
+        assert_eq!(count(stroke.into_iter().cycle().take(6 * 8)), 11);
+    }
+
+    #[test]
+    fn noise_of_one_bin_does_not_count() {
+        assert_eq!(count([1, 8, 1, 2, 1, 0, 8, 2, 8, 2]), 0);
+        assert_eq!(count([2, 1, 1, 0, 4, 5, 6, 5, 0, 2, 1, 8]), 2);
+    }
+
+    #[test]
+    fn rounded_strokes_count_two_a_turn() {
+        // Five times around the circle.
+        assert_eq!(count((0..40).map(|step| step % 8 + 1)), 10);
+    }
+
+    #[test]
+    fn a_quarter_turn_is_no_reversal() {
+        assert_eq!(count([1, 3, 1, 7, 1]), 0);
+    }
+
+    #[test]
+    fn without_another_object_the_hand_counts() {
+        let mut reversals = Reversals::new(Context([1, 5, 0, 0]), 8);
+        let turns = [[3, 1], [3, 5], [1, 1], [5, 1], [3, 1]]
+            .map(|[elevation, azimuth]| reversals.push(Motion([0, elevation, azimuth, 0, 0, 0, 0])));
+        assert_eq!(turns, [0, 1, 1, 1, 2]);
+    }
+}
