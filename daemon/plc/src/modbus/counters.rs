@@ -1,0 +1,28 @@
+//! What the server has seen, for `health` and for the tests.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Counts since the start. They only grow.
+#[derive(Debug, Default)]
+pub struct Counters {
+    /// Connections accepted.
+    pub accepted: AtomicU64,
+    /// Connections refused: address not allowed, or too many at once.
+    pub refused: AtomicU64,
+    /// Connections ended because no whole request came in time.
+    pub idle_closed: AtomicU64,
+    /// Well-formed requests.
+    pub requests: AtomicU64,
+    /// Well-formed requests answered with an exception: unknown address, write refused.
+    pub exceptions: AtomicU64,
+    /// Malformed requests, each answered with an exception.
+    pub malformed: AtomicU64,
+    /// Streams ended because they were no Modbus TCP.
+    pub unframed: AtomicU64,
+}
+
+impl Counters {
+    pub(super) fn add(counter: &AtomicU64) {
+        counter.fetch_add(1, Ordering::Relaxed);
+    }
+}
