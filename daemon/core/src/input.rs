@@ -15,6 +15,19 @@ pub enum Side {
     Left = 2,
 }
 
+impl Side {
+    /// Both hands, in the order that they have wherever there is one item a hand.
+    pub const ALL: [Self; HANDS] = [Self::Right, Self::Left];
+
+    /// The place of this hand in [`ALL`](Self::ALL).
+    pub fn place(self) -> usize {
+        match self {
+            Self::Right => 0,
+            Self::Left => 1,
+        }
+    }
+}
+
 /// The coordinates that are used (DESIGN 4, "Spaces").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {

@@ -58,7 +58,7 @@ pub struct Verdict {
     pub side: Option<Side>,
     /// The nominal activity it is judged against ([`crate::job::NominalActivity::activity`]), if any is near.
     pub nearest: Option<u16>,
-    /// The number of the activity in this job, from 0 as they came.
+    /// The number of the activity in this job, from 0 as they came; for a job, how many came.
     pub activity: u16,
     /// The number of the IU in its activity, from 0 as they came; `None` for activity and job verdicts.
     pub iu: Option<u16>,
@@ -74,6 +74,6 @@ pub struct Verdict {
     pub began_ns: u64,
     /// When it ended; for an early verdict the time it was decided at.
     pub ended_ns: u64,
-    /// The time of the newest couple that the decision rests on.
+    /// The time of the newest frame that the decision rests on: `persist_frames` after the newest couple.
     pub decided_ns: u64,
 }

@@ -31,6 +31,16 @@ pub struct Context(pub [u16; 4]);
 impl Context {
     /// Nothing is touched: idle, not an IU.
     pub const IDLE: Self = Self([0; 4]);
+
+    /// The hand touches something.
+    pub fn is_touch(self) -> bool {
+        self.0[0] != 0
+    }
+
+    /// The hand has let go of something that still touches something else.
+    pub fn is_release(self) -> bool {
+        !self.is_touch() && self != Self::IDLE
+    }
 }
 
 /// The feature couple of one hand on one frame of the grid.

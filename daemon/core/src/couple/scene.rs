@@ -11,9 +11,6 @@ use crate::config::Method;
 use crate::input::{Frame, ObjectShape, Side, Space};
 use heapless::Vec;
 
-/// The hands, by their place in the couples.
-const SIDES: [Side; HANDS] = [Side::Right, Side::Left];
-
 /// What is known of an object before it is seen, and its node.
 #[derive(Clone, Debug)]
 struct Node {
@@ -106,7 +103,7 @@ impl Scene {
         let mut seen = [None; HANDS];
         let mut left_out = 0;
         for hand in frame.iter().flat_map(|frame| &frame.hands) {
-            let place = SIDES.iter().position(|side| *side == hand.side).unwrap_or(0);
+            let place = hand.side.place();
             match HandPose::seen(hand, self.method.space) {
                 Some(pose) if seen[place].is_none() => seen[place] = Some(pose),
                 _ => left_out += 1,
@@ -255,9 +252,9 @@ impl Scene {
         };
         let from_hand = j.filter(|_| acts);
         let [h, o_j, o_l] =
-            [from_hand.map(|_| SIDES[hand] as u16), j.map(|j| node(j).id), l.map(|l| node(l).id)];
+            [from_hand.map(|_| Side::ALL[hand] as u16), j.map(|j| node(j).id), l.map(|l| node(l).id)];
         Couple {
-            side: SIDES[hand],
+            side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
             motion: self.motion(hand, from_hand, j.zip(l), age),
             context: match (o_j, o_l) {

@@ -150,6 +150,10 @@ impl Segmenter {
     fn begin_iu(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
         let (context, began_ns) = (couple.context, couple.captured_ns);
         let so_far = Iu { context, began_ns, ended_ns: began_ns, frames: 0, reversals: 0, sighted: true };
+        if let Some(activity) = &mut self.activity {
+            // It has gone on: whether it matches is to be said anew.
+            activity.matched = false;
+        }
         self.iu = Some(OpenIu { so_far, turns: Reversals::new(context, self.bins), eru: None });
         emit(Event::IuBegan { side: self.side, context, began_ns });
     }

@@ -90,20 +90,16 @@ impl JobSegmenter {
         self.end(self.newest_ns.saturating_add(self.period_ns), emit);
     }
 
-    /// All nominal activities of the job are done: the next touch begins another job.
-    pub fn job_matched(&mut self) {
+    /// Whether all nominal activities of the job are done: then the next touch that begins an activity begins another job.
+    pub fn job_matched(&mut self, matched: bool) {
         if let Some(job) = &mut self.job {
-            job.matched = true;
+            job.matched = matched;
         }
     }
 
     /// The segmentation of one hand.
     pub fn hand(&mut self, side: Side) -> &mut Segmenter {
-        let [right, left] = &mut self.hands;
-        match side {
-            Side::Right => right,
-            Side::Left => left,
-        }
+        &mut self.hands[side.place()]
     }
 
     fn begin(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {

@@ -5,51 +5,50 @@ use crate::couple::{Context, Motion};
 /// Counts the reversals of the motion of one IU.
 ///
 /// The direction that counts is the azimuth of `o_j` against `o_l` where there is an `o_l`, else that of the hand against
-/// `o_j`. A reversal is a direction more than a quarter turn away from the one that was held. What is held is the direction
-/// furthest from the one before it, so that the gentle turn at the end of a rounded stroke counts once, and noise of a bin or two
-/// around a straight one does not count at all. Rest, and in metric mode a motion straight up or down, has no azimuth and is ignored.
+/// `o_j`. Its turns add up; once they make more than a quarter turn it has turned back, and half a turn is taken off, so that the
+/// gentle turn at the end of a rounded stroke counts once, noise of a bin or two around a straight one does not count at all, and
+/// strokes across the direction that the motion began with count as those along it. Rest, and in metric mode a motion
+/// straight up or down, has no azimuth and is ignored.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reversals {
-    bins: u8,
+    bins: i16,
     /// Places of elevation and azimuth in `x_m`.
     features: [usize; 2],
-    held: Option<u8>,
-    before: Option<u8>,
+    before: Option<i16>,
+    /// How far the direction has turned, in half bins, counter-clockwise positive.
+    turned: i16,
     count: u32,
 }
 
 impl Reversals {
     pub(super) fn new(context: Context, bins: u8) -> Self {
         let features = if context.0[3] == 0 { [1, 2] } else { [4, 5] };
-        Self { bins, features, held: None, before: None, count: 0 }
+        Self { bins: i16::from(bins), features, before: None, turned: 0, count: 0 }
     }
 
     /// Takes the next frame and returns the count so far.
     pub(super) fn push(&mut self, motion: Motion) -> u32 {
-        let [elevation, azimuth] = self.features.map(|feature| motion.0[feature].unsigned_abs());
+        let [elevation, azimuth] = self.features.map(|feature| i16::from(motion.0[feature]));
         let upright = elevation == 1 || elevation == self.bins / 2 + 1;
-        if azimuth == 0 || upright {
+        if azimuth <= 0 || upright {
             return self.count;
         }
-        match (self.held, self.before) {
-            (Some(held), _) if 4 * u16::from(self.apart(azimuth, held)) > u16::from(self.bins) => {
-                self.before = Some(held);
-                self.held = Some(azimuth);
+        if let Some(before) = self.before.replace(azimuth) {
+            self.turned += self.turn(before, azimuth);
+            // Half a turn is `bins` half bins.
+            if 2 * self.turned.abs() > self.bins {
+                self.turned -= self.bins * self.turned.signum();
                 self.count = self.count.saturating_add(1);
             }
-            (Some(held), Some(before)) if self.apart(azimuth, before) > self.apart(held, before) => {
-                self.held = Some(azimuth);
-            }
-            (None, _) => self.held = Some(azimuth),
-            _ => {}
         }
         self.count
     }
 
-    /// How many bins two directions are apart around the circle.
-    fn apart(&self, one: u8, other: u8) -> u8 {
-        let apart = one.abs_diff(other) % self.bins;
-        apart.min(self.bins - apart)
+    /// The shorter turn from one direction to another, in half bins; exactly half a turn goes the way it has turned so far.
+    fn turn(&self, from: i16, to: i16) -> i16 {
+        let forward = (2 * (to - from)).rem_euclid(2 * self.bins);
+        let backward = forward - 2 * self.bins;
+        if forward < self.bins || forward == self.bins && self.turned >= 0 { forward } else { backward }
     }
 }
 
@@ -83,6 +82,12 @@ mod tests {
     #[test]
     fn a_quarter_turn_is_no_reversal() {
         assert_eq!(count([1, 3, 1, 7, 1]), 0);
+    }
+
+    #[test]
+    fn strokes_across_the_first_direction_count() {
+        let stroke = [1, 1, 1, 0, 5, 5, 5, 0];
+        assert_eq!(count([3, 3].into_iter().chain(stroke.into_iter().cycle().take(6 * 8))), 11);
     }
 
     #[test]
