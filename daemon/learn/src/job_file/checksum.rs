@@ -6,7 +6,7 @@ use sha2::{Digest, Sha256};
 pub(super) const KEY: &str = "checksum = \"sha256:";
 
 /// SHA-256 in hexadecimal.
-pub(crate) fn sha256_hex(bytes: &[u8]) -> String {
+pub fn sha256_hex(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
 }
 

@@ -11,7 +11,7 @@ mod runs;
 mod text;
 mod validate;
 
-pub(crate) use checksum::sha256_hex;
+pub use checksum::sha256_hex;
 pub use error::{JobFault, JobFileError};
 pub(crate) use text::context_words;
 
@@ -82,6 +82,8 @@ pub struct Provenance {
 /// A taught job with all that is needed to judge by it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobFile {
+    /// The number that a PLC selects it by.
+    pub id: u32,
     /// What a person calls the job.
     pub name: String,
     /// Whether the activities must come in the order of their numbers.

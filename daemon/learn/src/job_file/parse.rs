@@ -30,6 +30,7 @@ struct JobText {
     _version: i64,
     #[serde(rename = "checksum")]
     _checksum: String,
+    id: u32,
     name: String,
     order_matters: bool,
     provenance: ProvenanceText,
@@ -163,6 +164,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
     let activities =
         text.activity.into_iter().enumerate().map(|(place, activity)| activity_of(place, activity));
     Ok(JobFile {
+        id: text.id,
         name: text.name,
         order_matters: text.order_matters,
         cost,

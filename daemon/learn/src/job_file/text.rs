@@ -21,6 +21,7 @@ impl JobFile {
             "# A job taught to Andon. The checksum covers every other character: teach again, do not edit."
         );
         line!(text, "format = {FORMAT:?}\nversion = {VERSION}\n{}\"", checksum::KEY);
+        line!(text, "# The number that a PLC selects the job by.\nid = {}", self.id);
         line!(text, "name = {}", quoted(&self.name));
         line!(text, "# Whether the activities must come in the order of their numbers.");
         line!(text, "order_matters = {}", self.order_matters);

@@ -28,6 +28,8 @@ use sequence::{Agreement, Sequence, agree};
 /// How to teach.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TeachOptions {
+    /// The number that a PLC selects the job by.
+    pub id: u32,
     /// What a person calls the job.
     pub name: String,
     /// When it is taught; goes into the job file as it is.
@@ -50,6 +52,7 @@ impl TeachOptions {
     /// The default rules, which measured best on held-out simulated people of the development seeds.
     pub fn new(name: &str, date: &str, method: Method) -> Self {
         Self {
+            id: 1,
             name: name.to_owned(),
             date: date.to_owned(),
             program: concat!("andond ", env!("CARGO_PKG_VERSION")).to_owned(),
@@ -138,6 +141,7 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     let kept = runs.len() - agreement.disagreements.len();
     let order_matters = options.order_matters.unwrap_or(agreement.one_order && kept > 1);
     let job = JobFile {
+        id: options.id,
         name: options.name.clone(),
         order_matters,
         cost: options.cost,
