@@ -43,14 +43,13 @@ pub(super) fn check(
     checks.method(config);
     checks.plc(config);
     checks.health(config);
-    checks.faults.sort_by_key(|((document, at), _)| (*document, *at));
-    checks.faults.into_iter().map(|(_, fault)| fault).collect()
+    checks.faults
 }
 
 struct Checks<'d> {
     documents: &'d [Document<'d>],
     origins: &'d HashMap<String, Origin>,
-    faults: Vec<((usize, usize), Fault)>,
+    faults: Vec<Fault>,
 }
 
 impl Checks<'_> {
@@ -61,25 +60,25 @@ impl Checks<'_> {
             return;
         }
         // A default has no line: the fault lies with whoever changed what it is held against.
-        let place = |key: &&str| self.origins.get(*key).map(|origin| &origin.place);
-        let own = place(&key);
-        let at = own.or_else(|| against.iter().find_map(place));
+        let place = |key: &&str| self.origins.get(*key).and_then(|origin| origin.place.as_ref());
+        let at = place(&key).or_else(|| against.iter().find_map(place));
         let number = at.map_or(self.documents.len().saturating_sub(1), |(number, _)| *number);
         let Some(document) = self.documents.get(number) else { return };
         let fault = Fault {
             file: document.path.to_owned(),
             line: at.map(|(_, span)| document.line(span.start)),
             key: Some(without_index(key)),
-            value: own.map(|(_, span)| document.shown(span.clone())),
+            value: self.origins.get(key).and_then(|origin| origin.shown.clone()),
             problem,
             likely: None,
         };
-        self.faults.push(((number, at.map_or(0, |(_, span)| span.start)), fault));
+        self.faults.push(fault);
     }
 
     /// The line of a key for use in another key's message.
     fn line(&self, key: &str) -> String {
-        self.origins.get(key).map_or("its default".into(), |Origin { place: (number, span), .. }| {
+        let place = self.origins.get(key).and_then(|origin| origin.place.as_ref());
+        place.map_or("its default".into(), |(number, span)| {
             format!("line {}", self.documents[*number].line(span.start))
         })
     }

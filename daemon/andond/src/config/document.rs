@@ -50,10 +50,13 @@ impl<'f> Document<'f> {
         let (table, errors) = DeTable::parse_recoverable(&file.text);
         let document =
             Self { path: &file.path, folder: &file.folder, table: table.into_inner(), text: &file.text };
-        faults.extend(errors.into_iter().map(|error| {
-            let line = error.span().map(|span| document.line(span.start));
-            fault(document.path, line, format!("is not TOML: {}", error.message()))
-        }));
+        let line = |error: &toml::de::Error| error.span().map(|span| document.line(span.start));
+        // One slip upsets the parser more than once on the same line.
+        let firsts = errors.chunk_by(|a, b| line(a) == line(b)).filter_map(|errors| errors.first());
+        faults.extend(
+            firsts
+                .map(|error| fault(document.path, line(error), format!("is not TOML: {}", error.message()))),
+        );
         document
     }
 
@@ -62,15 +65,18 @@ impl<'f> Document<'f> {
         1 + self.text.bytes().take(at).filter(|byte| *byte == b'\n').count()
     }
 
-    /// What stands at a place, cut to one line.
-    pub(super) fn shown(&self, span: Range<usize>) -> String {
-        let text = self.text.get(span).unwrap_or_default();
+    /// The value of `key`, which stands at a place, cut to one line; `None` where that is a section's heading.
+    pub(super) fn shown(&self, key: &str, span: Range<usize>) -> Option<String> {
+        let text = self.text.get(span)?;
+        if text.trim_matches(['[', ']']) == key {
+            return None;
+        }
         let words: Vec<&str> = text.split_whitespace().collect();
         let line = words.join(" ");
-        match line.char_indices().nth(SHOWN_CHARACTERS) {
+        Some(match line.char_indices().nth(SHOWN_CHARACTERS) {
             Some((end, _)) => format!("{}...", &line[..end]),
             None => line,
-        }
+        })
     }
 }
 

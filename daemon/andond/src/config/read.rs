@@ -17,7 +17,10 @@ pub(super) type Place = (usize, Range<usize>);
 
 /// Where a key got its value from.
 pub(super) struct Origin {
-    pub(super) place: Place,
+    /// `None` for a default.
+    pub(super) place: Option<Place>,
+    /// The value as it is shown.
+    pub(super) shown: Option<String>,
     /// What stands there is not allowed: the key still has the value from before.
     pub(super) refused: bool,
 }
@@ -31,6 +34,7 @@ struct Unknown {
     name: String,
     key_place: Place,
     value_place: Place,
+    is_section: bool,
 }
 
 /// The visitor that fills the configuration from files; a later file wins.
@@ -38,7 +42,7 @@ pub(super) struct Reader<'d> {
     documents: &'d [Document<'d>],
     /// Everything could be read, so that what is not there is missing.
     complete: bool,
-    faults: Vec<(Place, Fault)>,
+    faults: Vec<Fault>,
     origins: HashMap<String, Origin>,
     /// Every key that was declared, as (section, key).
     declared: Vec<(String, &'static str)>,
@@ -69,20 +73,20 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// Where each key got its value (`camera.path`, `objects[2].id`), and all faults in the order of the files.
+    /// Where each key got its value (`camera.path`, `objects[2].id`), and all faults.
     pub(super) fn finish(mut self) -> (HashMap<String, Origin>, Vec<Fault>) {
         self.leave();
         let unknown = std::mem::take(&mut self.unknown);
         for key in unknown {
             let likely = self.likely_key(&key.section, &key.name);
             let name = joined(&key.section, &key.name);
-            let mut fault = self.fault(&key.value_place, &name, "is not a key that exists".into());
+            let kind = if key.is_section { "section" } else { "key" };
+            let mut fault = self.fault(&key.value_place, &name, format!("is not a {kind} that exists"));
             fault.line = Some(self.documents[key.key_place.0].line(key.key_place.1.start));
             fault.likely = likely;
-            self.faults.push((key.key_place, fault));
+            self.faults.push(fault);
         }
-        self.faults.sort_by_key(|((document, span), _)| (*document, span.start));
-        (self.origins, self.faults.into_iter().map(|(_, fault)| fault).collect())
+        (self.origins, self.faults)
     }
 
     fn fault(&self, (number, span): &Place, key: &str, problem: String) -> Fault {
@@ -91,7 +95,7 @@ impl<'d> Reader<'d> {
             file: document.path.to_owned(),
             line: Some(document.line(span.start)),
             key: Some(key.to_owned()),
-            value: Some(document.shown(span.clone())),
+            value: document.shown(key, span.clone()),
             problem,
             likely: None,
         }
@@ -145,6 +149,7 @@ impl<'d> Reader<'d> {
                         name: key.get_ref().to_string(),
                         key_place: (*number, key.span()),
                         value_place: (*number, value.span()),
+                        is_section: value.get_ref().is_table(),
                     });
                 }
             }
@@ -156,6 +161,10 @@ impl<'d> Reader<'d> {
         let found = self.found(name);
         let present = !found.is_empty();
         for (place, raw) in found {
+            // The parser puts an empty value where it could not find one, which it has reported.
+            if place.1.is_empty() {
+                continue;
+            }
             let value = T::read(raw, limit, self.documents[place.0].folder);
             let refused = value.is_none();
             match value {
@@ -167,10 +176,11 @@ impl<'d> Reader<'d> {
                         .as_str()
                         .and_then(|word| most_alike(word, T::words().iter().copied()))
                         .map(|word| format!("{word:?}"));
-                    self.faults.push((place.clone(), fault));
+                    self.faults.push(fault);
                 }
             }
-            self.origins.insert(joined(&self.element, name), Origin { place, refused });
+            let shown = self.documents[place.0].shown(name, place.1.clone());
+            self.origins.insert(joined(&self.element, name), Origin { place: Some(place), shown, refused });
         }
         present
     }
@@ -184,7 +194,7 @@ impl Keys for Reader<'_> {
                 Some(table) => parts.push((place, table)),
                 None => {
                     let fault = self.fault(&place, name, format!("must be a section, written [{name}]"));
-                    self.faults.push((place, fault));
+                    self.faults.push(fault);
                 }
             }
         }
@@ -208,7 +218,7 @@ impl Keys for Reader<'_> {
             let Some(tables) = tables else {
                 let problem = format!("must be sections, each written [[{name}]]");
                 let fault = self.fault(&place, name, problem);
-                self.faults.push((place, fault));
+                self.faults.push(fault);
                 continue;
             };
             items.clear();
@@ -218,12 +228,16 @@ impl Keys for Reader<'_> {
                 self.enter(name, format!("{name}[{index}]"), part, |reader| keys(&mut item, reader));
                 items.push(item);
             }
-            self.origins.insert(name.to_owned(), Origin { place, refused: false });
+            self.origins.insert(name.to_owned(), Origin { place: Some(place), shown: None, refused: false });
         }
     }
 
     fn key<T: Value>(&mut self, name: &'static str, value: &mut T, limit: T::Limit, _: &'static str) {
-        self.read(name, &limit, |read| *value = read);
+        let default = value.write();
+        if !self.read(name, &limit, |read| *value = read) {
+            let shown = Some(format!("{default} (default)"));
+            self.origins.insert(joined(&self.element, name), Origin { place: None, shown, refused: false });
+        }
     }
 
     fn required<T: Value>(
@@ -251,7 +265,7 @@ impl Keys for Reader<'_> {
             problem: format!("is missing; must be {}", T::allowed(&limit)),
             likely: None,
         };
-        self.faults.push(((number, at.unwrap_or(0)..0), fault));
+        self.faults.push(fault);
     }
 
     fn optional<T: Value>(

@@ -3,15 +3,17 @@
 use super::Config;
 use super::keys::Keys;
 use super::value::Value;
-use std::fmt::Write as _;
 
 const HEAD: &str = "\
 Andon: every key, its meaning, what is allowed, and its default.
 
-A station needs one file that gives its name and its objects, and what differs from here: see stations/demo.toml.
-Files are read in the order in which they are given; a later one overrides key by key, and `objects` as a whole.
-Relative paths start at the folder of the file that they stand in. A key that does not exist is a fault; all
+A station needs one file that gives its name and its objects, and what differs from here: see stations/demo.toml. \
+Files are read in the order in which they are given; a later one overrides key by key, and `objects` as a whole. \
+Relative paths start at the folder of the file that they stand in. A key that does not exist is a fault; all \
 faults are reported at once, and then nothing starts. `andond check FILE...` does only that.";
+
+/// Longest line, in bytes: what a terminal of a technician shows without breaking it.
+const WIDTH: usize = 110;
 
 /// The reference, `config/andon.toml`.
 #[must_use]
@@ -30,12 +32,25 @@ struct Writer {
 }
 
 impl Writer {
+    /// Writes `text` as comments, with its lines broken at [`WIDTH`].
     fn comment(&mut self, text: &str) {
-        for line in text.lines() {
-            let space = if line.is_empty() { "" } else { " " };
-            // Writing to a `String` cannot fail.
-            let _ = writeln!(self.text, "#{space}{line}");
+        for paragraph in text.lines() {
+            let mut line = String::from("#");
+            for word in paragraph.split(' ') {
+                if line.len() + 1 + word.len() > WIDTH {
+                    self.line(&line);
+                    line.truncate(1);
+                }
+                line.push(' ');
+                line.push_str(word);
+            }
+            self.line(line.trim_end());
         }
+    }
+
+    fn line(&mut self, line: &str) {
+        self.text.push_str(line);
+        self.text.push('\n');
     }
 
     fn entry(&mut self, meaning: &str, allowed: &str, rest: &str, commented: bool, line: &str) {
@@ -43,7 +58,7 @@ impl Writer {
         self.comment(meaning);
         self.comment(&format!("Allowed: {allowed}. {rest}"));
         let mark = if commented || self.commented { "#" } else { "" };
-        let _ = writeln!(self.text, "{mark}{line}");
+        self.line(&format!("{mark}{line}"));
     }
 }
 
@@ -51,7 +66,7 @@ impl Keys for Writer {
     fn section(&mut self, name: &'static str, meaning: &'static str, keys: impl FnOnce(&mut Self)) {
         self.text.push('\n');
         self.comment(&format!("---- {name}: {meaning}"));
-        let _ = writeln!(self.text, "[{name}]");
+        self.line(&format!("[{name}]"));
         keys(self);
     }
 
@@ -64,7 +79,7 @@ impl Keys for Writer {
     ) {
         self.text.push('\n');
         self.comment(&format!("---- {name}: {meaning}"));
-        let _ = writeln!(self.text, "#[[{name}]]");
+        self.line(&format!("#[[{name}]]"));
         self.commented = true;
         keys(&mut T::default(), self);
         self.commented = false;

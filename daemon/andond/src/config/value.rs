@@ -239,6 +239,21 @@ fn quoted(text: &impl Display) -> String {
     toml::Value::String(text.to_string()).to_string()
 }
 
+/// `"a", "b" or "c"`.
+pub(super) fn one_of(words: &[&str]) -> String {
+    let mut text = String::new();
+    for (index, word) in words.iter().enumerate() {
+        let between = match words.len() - index {
+            _ if index == 0 => "",
+            1 => " or ",
+            _ => ", ",
+        };
+        text.push_str(between);
+        text.push_str(&quoted(word));
+    }
+    text
+}
+
 /// Makes a choice of words of an enum that already exists.
 macro_rules! words {
     ($kind:ty { $($variant:path = $word:literal),+ $(,)? }) => {
@@ -246,8 +261,7 @@ macro_rules! words {
             type Limit = ();
 
             fn allowed((): &()) -> String {
-                let words: Vec<String> = Self::words().iter().map(|word| format!("{word:?}")).collect();
-                words.join(" or ")
+                $crate::config::value::one_of(Self::words())
             }
 
             fn read(raw: &toml::de::DeValue<'_>, (): &(), _: &std::path::Path) -> Option<Self> {

@@ -64,7 +64,7 @@ impl Object {
             &mut self.interaction_points,
             several(1, capacity::INTERACTION_POINTS, within(-2.0, 2.0, "m")),
             "[[0.0, 0.0, -0.022], [0.104, 0.016, -0.011]]",
-            "Where it is gripped and where it touches other objects, in the object's frame: origin in the marker's\n\
+            "Where it is gripped and where it touches other objects, in the object's frame: origin in the marker's \
              centre, x to the right and y up in the marker's own picture, z out of it.",
         );
     }

@@ -102,7 +102,7 @@ impl Camera {
             "source",
             &mut self.source,
             (),
-            "Where the frames come from: a video file, a folder of pictures, a V4L2 device, a track file of an\n\
+            "Where the frames come from: a video file, a folder of pictures, a V4L2 device, a track file of an \
              outside tracker, a RealSense camera, or a RealSense recording (bag).",
         );
         k.optional(
@@ -150,7 +150,7 @@ impl Camera {
             &mut self.exposure_us,
             within(1, 165_000, "µs"),
             "10000",
-            "Fixed exposure of a live camera: a multiple of 10000 does not flicker under 50 Hz light. Without it\n\
+            "Fixed exposure of a live camera: a multiple of 10000 does not flicker under 50 Hz light. Without it \
              the camera decides.",
         );
         k.key(

@@ -85,7 +85,7 @@ impl Plc {
             "allow",
             &mut self.allow,
             several(0, 32, ()),
-            "The clients that may connect; all others are refused and counted. The unit's IPAddressAllow= must name\n\
+            "The clients that may connect; all others are refused and counted. The unit's IPAddressAllow= must name \
              them too (systemctl edit andon-plc@NAME).",
         );
         k.key(
@@ -184,7 +184,7 @@ impl Log {
             "level",
             &mut self.level,
             (),
-            "The least grave messages that are logged: info is a transition, debug an IU, trace a frame. The variable\n\
+            "The least grave messages that are logged: info is a transition, debug an IU, trace a frame. The variable \
              ANDON_LOG overrides it.",
         );
     }

@@ -36,7 +36,7 @@ impl Station {
             "root",
             &mut self.root,
             (),
-            "Directory with one directory for each station, in which its services live. Not under /tmp: a cleaner\n\
+            "Directory with one directory for each station, in which its services live. Not under /tmp: a cleaner \
              that removes it splits the line in silence. Shorter than 60 characters together with the name.",
         );
         k.optional(
