@@ -1,32 +1,24 @@
 //! Two whole sequences.
 
-use super::cost::{LocalCosts, ORIGIN, UNREACHED};
-use super::online::next_row;
-use super::simd::{ROW, Symbols};
+use super::cost::{LocalCosts, UNREACHED};
+use super::row::Row;
+use super::simd::{BORDER_ROOM, Border};
+use super::symbols::{BLOCK, Symbols};
 use super::{Refused, accept};
 use crate::couple::Motion;
 
 /// Working memory of [`distance`], [`distance_within`] and [`path`](super::path): reuse it, it needs no clearing.
 #[derive(Clone, Debug)]
 pub struct Scratch {
-    /// The newest diagonals of the matrix, or in the first the newest row.
-    pub(super) cells: [[i32; ROW]; 3],
-    /// The sequences for the SIMD path.
-    symbols: [Symbols; 2],
+    pub(super) row: Row,
+    border: Border,
+    pub(super) symbols: [Symbols; 2],
 }
 
 impl Scratch {
     /// New memory.
     pub const fn new() -> Self {
-        Self { cells: [[UNREACHED; ROW]; 3], symbols: [const { Symbols::new() }; 2] }
-    }
-
-    /// Room for a row of the matrix, before its first row.
-    pub(super) fn row(&mut self, columns: usize) -> &mut [i32] {
-        let row = &mut self.cells[0][..=columns];
-        row.fill(UNREACHED);
-        row[0] = ORIGIN;
-        row
+        Self { row: Row::new(), border: [UNREACHED; BORDER_ROOM], symbols: [const { Symbols::new() }; 2] }
     }
 }
 
@@ -79,17 +71,22 @@ fn last_cell(
 ) -> Result<Option<i32>, Refused> {
     accept(a)?;
     accept(b)?;
-    if let Some(simd) = costs.simd() {
-        let [x, y] = &mut scratch.symbols;
-        if x.read(&simd.tables, a.iter()) && y.read(&simd.tables, b.iter().rev()) {
-            return Ok(simd.last_cell((x, a.len()), (y, b.len()), bound, &mut scratch.cells));
-        }
+    // The matrix is done in strips of rows: the fewer, the better.
+    let [a, b] =
+        if a.len().div_ceil(BLOCK) * b.len() <= b.len().div_ceil(BLOCK) * a.len() { [a, b] } else { [b, a] };
+    let [x, y] = &mut scratch.symbols;
+    if let Some(simd) = costs.simd()
+        && x.read_for(costs, a, false)
+        && y.read_for(costs, b, true)
+    {
+        return Ok(simd.last_cell((x, a.len()), (y, b.len()), bound, &mut scratch.border));
     }
-    let row = scratch.row(b.len());
+    let symbols = y.read_for(costs, b, false).then_some(&*y);
+    scratch.row.begin(b.len());
     for frame in a {
-        if next_row(costs, frame, b, row) > bound {
+        if scratch.row.advance(costs, frame, b, symbols) > bound {
             return Ok(None);
         }
     }
-    Ok(Some(row[b.len()]).filter(|&value| value <= bound))
+    Ok(Some(scratch.row.cell(b.len() - 1)).filter(|&value| value <= bound))
 }

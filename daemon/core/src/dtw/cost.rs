@@ -1,14 +1,15 @@
 //! The local cost of two motions as a whole number.
 
 use super::simd::Simd;
+use super::symbols::Tables;
 use crate::couple::Motion;
 use crate::job::LocalCost;
 use core::f64::consts::TAU;
 
-/// Greatest local cost. The longest warping path has `2 * IU_FRAMES - 1` cells, and that many of these still fit under
-/// [`UNREACHED`], so no sum wraps. All ordinal costs of `i8` features (7 * 255²) are smaller: the cap never
-/// changes an ordinal cost, and a circular one only where a feature is far outside its range.
-const COST_CAP: i32 = (1 << 19) - 1;
+/// Greatest local cost. The least path to a cell is no longer than the longer sequence (along the diagonal, then straight), and
+/// the sum of `IU_FRAMES` such costs is still under [`UNREACHED`], so no sum wraps. All ordinal costs of `i8` features
+/// (7 * 255²) are smaller: the cap never changes an ordinal cost, and a circular one only where a feature is far out of range.
+const COST_CAP: i32 = (1 << 20) - 1;
 
 /// Sums count up from here. That leaves 0 for what is not reached, which is what the shifts of the SIMD path fill with.
 pub(super) const ORIGIN: i32 = i32::MIN;
@@ -48,6 +49,8 @@ pub struct LocalCosts {
     bins: u8,
     /// Cost of directions that differ by this many bins; unused for ordinal costs.
     circle: [i32; BINS_MOST as usize],
+    /// Costs of symbols, where there are any.
+    tables: Option<Tables>,
     /// The SIMD path, where there is one.
     simd: Option<Simd>,
 }
@@ -57,21 +60,28 @@ impl LocalCosts {
     /// motion can hold, and 0 as 1.
     pub fn new(cost: LocalCost) -> Self {
         let portable = Self::portable(cost);
-        Self { simd: Simd::new(&portable), ..portable }
+        let simd = portable.tables().and_then(Simd::new);
+        Self { simd, ..portable }
     }
 
     /// As [`new`](Self::new), but without SIMD: the same results, slower.
     pub fn portable(cost: LocalCost) -> Self {
-        let mut circle = [0; BINS_MOST as usize];
-        let LocalCost::Circular { bins } = cost else {
-            return Self { scale: 1, error: 0.0, bins: 0, circle, simd: None };
-        };
-        let bins = bins.clamp(1, BINS_MOST);
-        let (scale, error) = choose_scale(bins);
-        for (apart, cost) in circle.iter_mut().enumerate().take(usize::from(bins)) {
-            *cost = libm::round(exact_chord(apart, bins) * f64::from(scale)) as i32;
+        let circle = [0; BINS_MOST as usize];
+        let mut costs = Self { scale: 1, error: 0.0, bins: 0, circle, tables: None, simd: None };
+        if let LocalCost::Circular { bins } = cost {
+            costs.bins = bins.clamp(1, BINS_MOST);
+            (costs.scale, costs.error) = choose_scale(costs.bins);
+            for (apart, cost) in (0..costs.bins).zip(&mut costs.circle) {
+                *cost = libm::round(exact_chord(apart, costs.bins) * f64::from(costs.scale)) as i32;
+            }
         }
-        Self { scale, error, bins, circle, simd: None }
+        costs.tables = Tables::new(&costs);
+        costs
+    }
+
+    /// Costs of symbols, where there are any.
+    pub(super) fn tables(&self) -> Option<&Tables> {
+        self.tables.as_ref()
     }
 
     /// The SIMD path, where there is one.
@@ -98,6 +108,9 @@ impl LocalCosts {
     pub(super) fn between(&self, a: &Motion, b: &Motion) -> i32 {
         // The places of `Motion`: a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl.
         let [a, b] = [&a.0, &b.0];
+        if self.bins == 0 {
+            return a.iter().zip(b).map(|(a, b)| square(a.abs_diff(*b))).sum();
+        }
         let ordered = [0, 3, 6].map(|f| square(a[f].abs_diff(b[f])).saturating_mul(self.scale));
         let directions = [1, 2, 4, 5].map(|f| self.direction(a[f], b[f]));
         ordered.into_iter().chain(directions).fold(0, i32::saturating_add).min(COST_CAP)
@@ -117,8 +130,8 @@ impl LocalCosts {
 
     /// The bin that a feature means: one beyond `1..=N` is counted on around the circle.
     fn bin(&self, feature: i8) -> u8 {
-        if feature == 0 {
-            return 0;
+        if (0..=self.bins as i8).contains(&feature) {
+            return feature as u8;
         }
         // In 1..=bins, and bins is at most 127.
         ((i16::from(feature) - 1).rem_euclid(i16::from(self.bins)) + 1) as u8
@@ -152,8 +165,8 @@ fn square(difference: u8) -> i32 {
 }
 
 /// Squared distance of two points of the unit circle that are `apart` of `bins` bins apart.
-fn exact_chord(apart: usize, bins: u8) -> f64 {
-    2.0 - 2.0 * libm::cos(TAU * apart as f64 / f64::from(bins))
+fn exact_chord(apart: u8, bins: u8) -> f64 {
+    2.0 - 2.0 * libm::cos(TAU * f64::from(apart) / f64::from(bins))
 }
 
 /// Greatest relative error of the costs of `N` direction bins that are rounded at this scale. `chords` are the exact ones,
@@ -168,13 +181,13 @@ fn rounding_error(chords: &[f64], scale: i32) -> f64 {
 /// The least scale whose error is small enough, or where there is none the one with the least error; and the error.
 fn choose_scale(bins: u8) -> (i32, f64) {
     let mut chords = [0.0; BINS_MOST as usize / 2];
-    let half = usize::from(bins) / 2;
+    let half = bins / 2;
     for (apart, chord) in (1..=half).zip(&mut chords) {
         *chord = exact_chord(apart, bins);
     }
     let mut best = (1, f64::INFINITY);
     for scale in 1..=SCALE_MOST {
-        let error = rounding_error(&chords[..half], scale);
+        let error = rounding_error(&chords[..usize::from(half)], scale);
         if error < best.1 {
             best = (scale, error);
         }

@@ -41,7 +41,9 @@ mod cost;
 mod ndim;
 mod online;
 mod path;
+mod row;
 mod simd;
+mod symbols;
 
 pub use batch::{Scratch, distance, distance_within};
 pub use cost::LocalCosts;

@@ -1,7 +1,8 @@
 //! One reference, one frame at a time.
 
-use super::cost::{LocalCosts, ORIGIN, UNREACHED};
-use super::simd::{ROW, Symbols};
+use super::cost::{LocalCosts, ORIGIN};
+use super::row::Row;
+use super::symbols::Symbols;
 use super::{Refused, accept};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
@@ -13,11 +14,11 @@ use crate::couple::Motion;
 pub struct OnlineDtw<'a> {
     costs: LocalCosts,
     reference: &'a [Motion],
-    /// The reference for the SIMD path, if that can take it.
     symbols: Symbols,
-    symbols_fit: bool,
-    /// The newest row: the border, then for every place of the reference the least sum of a path that ends there.
-    row: [i32; ROW],
+    /// Whether the reference has symbols.
+    has_symbols: bool,
+    /// The newest row: for every place of the reference the least sum of a path that ends there.
+    row: Row,
     /// Frames appended.
     frames: usize,
     /// Least value of the newest row.
@@ -34,8 +35,8 @@ impl<'a> OnlineDtw<'a> {
             costs: costs.clone(),
             reference,
             symbols: Symbols::new(),
-            symbols_fit: false,
-            row: [UNREACHED; ROW],
+            has_symbols: false,
+            row: Row::new(),
             frames: 0,
             least: ORIGIN,
         };
@@ -50,10 +51,8 @@ impl<'a> OnlineDtw<'a> {
     pub fn begin(&mut self, reference: &'a [Motion]) -> Result<(), Refused> {
         accept(reference)?;
         self.reference = reference;
-        self.symbols_fit =
-            self.costs.simd().is_some_and(|simd| self.symbols.read(&simd.tables, reference.iter()));
-        self.row[0] = ORIGIN;
-        self.row[1..=reference.len()].fill(UNREACHED);
+        self.has_symbols = self.symbols.read_for(&self.costs, reference, false);
+        self.row.begin(reference.len());
         self.frames = 0;
         self.least = ORIGIN;
         Ok(())
@@ -67,12 +66,8 @@ impl<'a> OnlineDtw<'a> {
         if self.frames == IU_FRAMES {
             return Err(Refused::TooLong { frames: IU_FRAMES + 1 });
         }
-        let places = self.reference.len();
-        let by_simd = match self.costs.simd() {
-            Some(simd) if self.symbols_fit => simd.next_row(frame, &self.symbols, places, &mut self.row),
-            _ => None,
-        };
-        self.least = by_simd.unwrap_or_else(|| next_row(&self.costs, frame, self.reference, &mut self.row));
+        let symbols = Some(&self.symbols).filter(|_| self.has_symbols);
+        self.least = self.row.advance(&self.costs, frame, self.reference, symbols);
         self.frames += 1;
         Ok(())
     }
@@ -80,7 +75,7 @@ impl<'a> OnlineDtw<'a> {
     /// The DTW distance of all appended frames and the reference, equal to [`distance`](super::distance) in every bit; `None` before
     /// the first frame.
     pub fn distance(&self) -> Option<f64> {
-        (self.frames > 0).then(|| self.costs.distance_of(self.row[self.reference.len()]))
+        (self.frames > 0).then(|| self.costs.distance_of(self.row.cell(self.reference.len() - 1)))
     }
 
     /// A bound that the distance cannot fall under any more, whatever is appended: from the least value of the newest row,
@@ -98,20 +93,4 @@ impl<'a> OnlineDtw<'a> {
     pub fn reference(&self) -> &'a [Motion] {
         self.reference
     }
-}
-
-/// Makes the next row of the DTW matrix in place and returns its least value. The row begins with the border.
-pub(super) fn next_row(costs: &LocalCosts, frame: &Motion, reference: &[Motion], row: &mut [i32]) -> i32 {
-    let Some((border, cells)) = row.split_first_mut() else { return UNREACHED };
-    let mut diagonal = core::mem::replace(border, UNREACHED);
-    let mut left = UNREACHED;
-    let mut least = UNREACHED;
-    for (cell, place) in cells.iter_mut().zip(reference) {
-        let up = *cell;
-        left = diagonal.min(up).min(left) + costs.between(frame, place);
-        *cell = left;
-        diagonal = up;
-        least = least.min(left);
-    }
-    least
 }

@@ -1,7 +1,7 @@
 //! The warping path, for barycentres.
 
 use super::batch::Scratch;
-use super::cost::{LocalCosts, UNREACHED};
+use super::cost::LocalCosts;
 use super::{Refused, accept};
 use crate::couple::Motion;
 
@@ -61,25 +61,23 @@ pub fn path<'m>(
     let columns = b.len();
     let (needed, given) = (a.len() * columns, moves.len());
     let Some(moves) = moves.get_mut(..needed) else { return Err(Refused::Memory { needed, given }) };
-    let row = scratch.row(columns);
+    let symbols = &mut scratch.symbols[0];
+    let symbols = symbols.read_for(costs, b, false).then_some(&*symbols);
+    scratch.row.begin(columns);
     for (frame, moves) in a.iter().zip(moves.chunks_exact_mut(columns)) {
-        let mut diagonal = core::mem::replace(&mut row[0], UNREACHED);
-        let mut left = UNREACHED;
-        for ((cell, place), came) in row[1..].iter_mut().zip(b).zip(moves) {
-            let up = *cell;
-            let best = diagonal.min(up).min(left);
-            *came = if best == diagonal {
-                DIAGONAL
-            } else if best == up {
-                UP
-            } else {
-                LEFT
-            };
-            left = best + costs.between(frame, place);
-            *cell = left;
-            diagonal = up;
-        }
+        let mut moves = moves.iter_mut();
+        scratch.row.advance_with(costs, frame, b, symbols, |diagonal, up, left| {
+            if let Some(came) = moves.next() {
+                *came = if diagonal <= up.min(left) {
+                    DIAGONAL
+                } else if up <= left {
+                    UP
+                } else {
+                    LEFT
+                };
+            }
+        });
     }
-    let distance = costs.distance_of(row[columns]);
+    let distance = costs.distance_of(scratch.row.cell(columns - 1));
     Ok(Path { moves, columns, at: Some((a.len() - 1, columns - 1)), distance })
 }

@@ -1,75 +1,28 @@
 //! The SIMD path: 32 cells at once with the 256-bit vectors of x86-64-v3, found at run time.
 //!
-//! It computes the same whole numbers as `LocalCosts::between` and the portable loops. It takes only motions whose features are in
-//! range and costs that two bytes can hold (ordinal, and circular with 4, 5, 6, 8, 10 or 12 bins); all else goes the portable way.
+//! It computes the same whole numbers as the portable path. It takes only motions that have symbols, and costs that two
+//! bytes can hold: ordinal, and circular with 4, 5, 6, 8, 10 or 12 bins. All else goes the portable way.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
-mod symbols;
-
-pub(super) use symbols::{ROOM, Symbols, Tables};
-
-use super::cost::LocalCosts;
-use crate::couple::Motion;
-
-/// Proof that the processor has the instructions.
-#[cfg(target_arch = "x86_64")]
-type Token = pulp::x86::V3;
-
-/// No other processor has a SIMD path yet.
+mod digits;
 #[cfg(not(target_arch = "x86_64"))]
-#[derive(Clone, Copy, Debug)]
-enum Token {}
+mod none;
 
-/// What the SIMD path needs of the costs.
-#[derive(Clone, Debug)]
-pub(super) struct Simd {
-    token: Token,
-    pub(super) tables: Tables,
-}
+#[cfg(target_arch = "x86_64")]
+pub(super) use avx2::Simd;
+#[cfg(not(target_arch = "x86_64"))]
+pub(super) use none::Simd;
 
-/// A row of the DTW matrix: the border, the cells, and the rest of the last block.
-pub(super) const ROW: usize = 1 + ROOM + 8;
+use super::symbols::BLOCK;
+use crate::capacity::IU_FRAMES;
 
-impl Simd {
-    /// `None` where the processor or the costs do not allow it.
-    #[cfg(target_arch = "x86_64")]
-    pub(super) fn new(costs: &LocalCosts) -> Option<Self> {
-        Some(Self { token: Token::try_new()?, tables: Tables::new(costs)? })
-    }
+/// The last row of a strip of 32 rows: column `j` is at `BORDER_ZERO - j`. Backwards, because the vector that holds the last row's cell in its
+/// last lane is stored whole: what is written beside it are columns that are written again later.
+pub(super) type Border = [i32; BORDER_ROOM];
 
-    /// `None`: there is no SIMD path for this processor.
-    #[cfg(not(target_arch = "x86_64"))]
-    pub(super) fn new(_: &LocalCosts) -> Option<Self> {
-        None
-    }
+/// Where column 0 is: after all columns, and those that a strip's last steps touch beyond them.
+pub(super) const BORDER_ZERO: usize = IU_FRAMES + 2 * BLOCK;
 
-    /// `online::next_row` for a reference of which the symbols are known. `None` if the frame has a feature that is out of range; then
-    /// nothing has changed.
-    pub(super) fn next_row(
-        &self,
-        frame: &Motion,
-        reference: &Symbols,
-        places: usize,
-        row: &mut [i32; ROW],
-    ) -> Option<i32> {
-        #[cfg(target_arch = "x86_64")]
-        return avx2::next_row(self.token, &self.tables, frame, reference, places, row);
-        #[cfg(not(target_arch = "x86_64"))]
-        match self.token {}
-    }
-
-    /// Value of the last cell of the DTW matrix of two sequences, `x` read forwards and `y` backwards; `None` if it is over `bound`.
-    pub(super) fn last_cell(
-        &self,
-        x: (&Symbols, usize),
-        y: (&Symbols, usize),
-        bound: i32,
-        diagonals: &mut [[i32; ROW]; 3],
-    ) -> Option<i32> {
-        #[cfg(target_arch = "x86_64")]
-        return avx2::last_cell(self.token, &self.tables, x, y, bound, diagonals);
-        #[cfg(not(target_arch = "x86_64"))]
-        match self.token {}
-    }
-}
+/// Its length.
+pub(super) const BORDER_ROOM: usize = BORDER_ZERO + BLOCK;

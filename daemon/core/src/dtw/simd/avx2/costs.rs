@@ -1,0 +1,114 @@
+//! Costs of 32 places at once.
+
+use crate::dtw::row::LANES;
+use crate::dtw::simd::digits::{DIGIT, Digits};
+use crate::dtw::symbols::{BLOCK, PLANES};
+use core::arch::x86_64::__m256i;
+use pulp::bytemuck::cast;
+use pulp::x86::V3;
+
+/// Costs of 32 places in the order of `Row`.
+pub(super) type Costs = [__m256i; BLOCK / LANES];
+
+/// Low and high digits for each four bits.
+type DigitTables = [__m256i; 2];
+
+#[inline(always)]
+fn table(digits: [[u8; 16]; 2]) -> DigitTables {
+    [cast([digits[0], digits[0]]), cast([digits[1], digits[1]])]
+}
+
+/// Both digits for 32 places.
+#[inline(always)]
+fn look_up(v3: V3, tables: DigitTables, places: __m256i) -> [__m256i; 2] {
+    [v3.avx2._mm256_shuffle_epi8(tables[0], places), v3.avx2._mm256_shuffle_epi8(tables[1], places)]
+}
+
+/// How far direction symbols are apart, 15 for all that is farther.
+#[inline(always)]
+fn apart(v3: V3, x: __m256i, y: __m256i) -> __m256i {
+    // Symbols are at most 64, so that their difference is a signed byte.
+    let apart = v3.avx2._mm256_abs_epi8(v3.avx2._mm256_sub_epi8(x, y));
+    v3.avx2._mm256_min_epu8(apart, v3.avx._mm256_set1_epi8(15))
+}
+
+#[inline(always)]
+fn add(v3: V3, sums: [__m256i; 2], digits: [__m256i; 2]) -> [__m256i; 2] {
+    [v3.avx2._mm256_add_epi8(sums[0], digits[0]), v3.avx2._mm256_add_epi8(sums[1], digits[1])]
+}
+
+/// Puts the digits together. Byte `4 k + r` goes to lane `k` of vector `r`: without a shuffle, which are the scarcest here.
+#[inline(always)]
+fn widen(v3: V3, [low, high]: [__m256i; 2]) -> Costs {
+    let (avx, avx2) = (v3.avx, v3.avx2);
+    let even = avx2._mm256_add_epi16(
+        avx2._mm256_maddubs_epi16(low, avx._mm256_set1_epi16(1)),
+        avx2._mm256_maddubs_epi16(high, avx._mm256_set1_epi16(DIGIT as i16)),
+    );
+    let odd = avx2._mm256_add_epi16(
+        avx2._mm256_maddubs_epi16(low, avx._mm256_set1_epi16(1 << 8)),
+        avx2._mm256_maddubs_epi16(high, avx._mm256_set1_epi16((DIGIT as i16) << 8)),
+    );
+    let mask = avx._mm256_set1_epi32(0xffff);
+    [
+        avx2._mm256_and_si256(even, mask),
+        avx2._mm256_and_si256(odd, mask),
+        avx2._mm256_srli_epi32::<16>(even),
+        avx2._mm256_srli_epi32::<16>(odd),
+    ]
+}
+
+/// Tables for pairs of symbols.
+#[derive(Clone, Copy)]
+pub(super) struct Pairs {
+    ordered: DigitTables,
+    apart: DigitTables,
+}
+
+impl Pairs {
+    #[inline(always)]
+    pub(super) fn new(digits: &Digits) -> Self {
+        Self { ordered: table(digits.ordered), apart: table(digits.apart) }
+    }
+
+    /// Costs of 32 pairs, a vector of symbols a plane.
+    #[inline(always)]
+    pub(super) fn costs<const N: usize>(&self, v3: V3, x: &[__m256i; N], y: &[__m256i; N]) -> Costs {
+        let mut sums = look_up(v3, self.ordered, v3.avx2._mm256_xor_si256(x[0], y[0]));
+        for plane in 1..N {
+            sums = add(v3, sums, look_up(v3, self.apart, apart(v3, x[plane], y[plane])));
+        }
+        widen(v3, sums)
+    }
+}
+
+/// Tables for one frame against any symbol, a pair for each plane.
+#[derive(Clone, Copy)]
+pub(super) struct OfFrame<const N: usize>([DigitTables; N]);
+
+impl<const N: usize> OfFrame<N> {
+    #[inline(always)]
+    pub(super) fn new(v3: V3, digits: &Digits, rest: u8, frame: [u8; PLANES]) -> Self {
+        let mut symbols = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+        let every: __m256i = cast([symbols, symbols]);
+        let own = v3.avx._mm256_set1_epi8(frame[0] as i8);
+        let mut tables = [look_up(v3, table(digits.ordered), v3.avx2._mm256_xor_si256(every, own)); N];
+        symbols[0] = rest;
+        let every = cast([symbols, symbols]);
+        for plane in 1..N {
+            let own = v3.avx._mm256_set1_epi8(frame[plane] as i8);
+            tables[plane] = look_up(v3, table(digits.apart), apart(v3, every, own));
+        }
+        Self(tables)
+    }
+
+    /// Costs of the frame against 32 places, a vector of symbols a plane.
+    #[inline(always)]
+    pub(super) fn costs(&self, v3: V3, places: &[__m256i; N]) -> Costs {
+        let mut sums = look_up(v3, self.0[0], places[0]);
+        for (&tables, &places) in self.0.iter().zip(places).skip(1) {
+            sums = add(v3, sums, look_up(v3, tables, places));
+        }
+        widen(v3, sums)
+    }
+}

@@ -1,0 +1,92 @@
+//! The kernels for x86-64-v3.
+//!
+//! What is computed with vectors is in types that implement `NullaryFnOnce` and in functions that are always inlined: anything else would be
+//! compiled without the vector instructions and called for every one of them.
+
+mod costs;
+mod matrix;
+mod read;
+mod row;
+
+use super::Border;
+use super::digits::Digits;
+use crate::couple::Motion;
+use crate::dtw::row::{LANES, Row};
+use crate::dtw::symbols::{Symbols, Tables};
+use core::arch::x86_64::__m256i;
+use pulp::bytemuck::cast;
+use pulp::x86::V3;
+
+/// What the SIMD path needs: the proof that the processor has it, and the costs.
+#[derive(Clone, Debug)]
+pub(in crate::dtw) struct Simd {
+    v3: V3,
+    digits: Digits,
+}
+
+impl Simd {
+    /// `None` where the processor or the costs do not allow it.
+    pub(in crate::dtw) fn new(tables: &Tables) -> Option<Self> {
+        Some(Self { v3: V3::try_new()?, digits: Digits::new(tables)? })
+    }
+
+    /// [`Symbols::read`].
+    pub(in crate::dtw) fn read(
+        &self,
+        tables: &Tables,
+        motions: &[Motion],
+        backwards: bool,
+        symbols: &mut Symbols,
+    ) -> bool {
+        self.v3.vectorize(read::Read { v3: self.v3, tables, motions, backwards, symbols })
+    }
+
+    /// [`Row::advance`]; `None` if the frame has no symbols, and then nothing has changed.
+    pub(in crate::dtw) fn advance(
+        &self,
+        tables: &Tables,
+        frame: &Motion,
+        reference: &Symbols,
+        places: usize,
+        row: &mut Row,
+    ) -> Option<i32> {
+        let elevated = reference.elevated || frame.0[1] != 0 || frame.0[4] != 0;
+        let frame = tables.symbols(frame)?;
+        let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
+        Some(v3.vectorize(row::Advance { v3, digits, rest, frame, elevated, reference, places, row }))
+    }
+
+    /// Value of the last cell of the DTW matrix of two sequences and their lengths, `y` read backwards; `None` if it is over
+    /// `bound`.
+    pub(in crate::dtw) fn last_cell(
+        &self,
+        x: (&Symbols, usize),
+        y: (&Symbols, usize),
+        bound: i32,
+        border: &mut Border,
+    ) -> Option<i32> {
+        self.v3.vectorize(matrix::LastCell { v3: self.v3, digits: &self.digits, x, y, bound, border })
+    }
+}
+
+#[inline(always)]
+fn load(values: &[i32], at: usize) -> __m256i {
+    cast(values[at..at + LANES].as_chunks::<LANES>().0[0])
+}
+
+#[inline(always)]
+fn store(values: &mut [i32], at: usize, vector: __m256i) {
+    values[at..at + LANES].as_chunks_mut::<LANES>().0[0] = cast(vector);
+}
+
+/// All values one lane further, and the last one in the first lane.
+#[inline(always)]
+fn rotate(v3: V3, vector: __m256i) -> __m256i {
+    v3.avx2._mm256_permutevar8x32_epi32(vector, cast([7, 0, 1, 2, 3, 4, 5, 6]))
+}
+
+/// The first lane of one vector and the others of another.
+#[inline(always)]
+fn with_first(v3: V3, first: __m256i, others: __m256i) -> __m256i {
+    v3.avx2._mm256_blend_epi32::<1>(others, first)
+}

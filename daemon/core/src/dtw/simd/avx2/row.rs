@@ -1,0 +1,115 @@
+//! The next row for one reference.
+
+use super::costs::OfFrame;
+use super::{load, rotate, with_first};
+use crate::dtw::cost::UNREACHED;
+use crate::dtw::row::{LANES, Row};
+use crate::dtw::simd::digits::Digits;
+use crate::dtw::symbols::{BLOCK, FRONT, PLANES, PLANES_FLAT, Symbols};
+use core::arch::x86_64::__m256i;
+use pulp::NullaryFnOnce;
+use pulp::bytemuck::cast;
+use pulp::x86::V3;
+
+/// Makes the next row in place and returns its least value.
+pub(super) struct Advance<'a> {
+    pub(super) v3: V3,
+    pub(super) digits: &'a Digits,
+    pub(super) rest: u8,
+    pub(super) frame: [u8; PLANES],
+    pub(super) elevated: bool,
+    pub(super) reference: &'a Symbols,
+    pub(super) places: usize,
+    pub(super) row: &'a mut Row,
+}
+
+impl NullaryFnOnce for Advance<'_> {
+    type Output = i32;
+
+    #[inline(always)]
+    fn call(self) -> i32 {
+        if self.elevated { self.planes::<PLANES>() } else { self.planes::<PLANES_FLAT>() }
+    }
+}
+
+impl Advance<'_> {
+    /// In a plain loop each cell waits for the cell to its left: a minimum and an addition. Here the 32 cells of a block are
+    /// first computed as if nothing came from the left, four in each lane, and the lanes combined in three steps of doubling
+    /// width, all without waiting for the block before. Then what comes from there is added: one addition, minimum and
+    /// broadcast remain in the chain from block to block.
+    #[inline(always)]
+    fn planes<const N: usize>(self) -> i32 {
+        let Self { v3, places, row, .. } = self;
+        let (avx, avx2) = (v3.avx, v3.avx2);
+        let of_frame = OfFrame::<N>::new(v3, self.digits, self.rest, self.frame);
+        let unreached = avx._mm256_set1_epi32(UNREACHED);
+        let mut corner = avx._mm256_set1_epi32(row.border);
+        row.border = UNREACHED;
+        let mut carry = unreached;
+        let mut least = unreached;
+        for (block, cells) in row.blocks[..places.div_ceil(BLOCK)].iter_mut().enumerate() {
+            let mut symbols = [unreached; N];
+            for (symbols, plane) in symbols.iter_mut().zip(&self.reference.planes) {
+                *symbols = cast(plane[FRONT..].as_chunks::<BLOCK>().0[block]);
+            }
+            let cost = of_frame.costs(v3, &symbols);
+
+            // From above, and along the four cells of a lane. `from_left` is what a value costs that comes in from the left.
+            let up = [load(cells, 0), load(cells, LANES), load(cells, 2 * LANES), load(cells, 3 * LANES)];
+            let last_up = rotate(v3, up[3]);
+            let mut best = [avx2._mm256_min_epi32(with_first(v3, corner, last_up), up[0]); 4];
+            corner = last_up;
+            best[0] = avx2._mm256_add_epi32(best[0], cost[0]);
+            let mut from_left = cost;
+            for r in 1..4 {
+                let above = avx2._mm256_min_epi32(up[r], up[r - 1]);
+                best[r] = avx2._mm256_add_epi32(avx2._mm256_min_epi32(above, best[r - 1]), cost[r]);
+                from_left[r] = avx2._mm256_add_epi32(from_left[r - 1], cost[r]);
+            }
+
+            // From lane to lane; the shifts bring in 0, which is `UNREACHED` and costs nothing.
+            let (mut through, mut whole) = (best[3], from_left[3]);
+            through = avx2._mm256_min_epi32(
+                through,
+                avx2._mm256_add_epi32(avx2._mm256_slli_si256::<4>(through), whole),
+            );
+            whole = avx2._mm256_add_epi32(whole, avx2._mm256_slli_si256::<4>(whole));
+            through = avx2._mm256_min_epi32(
+                through,
+                avx2._mm256_add_epi32(avx2._mm256_slli_si256::<8>(through), whole),
+            );
+            whole = avx2._mm256_add_epi32(whole, avx2._mm256_slli_si256::<8>(whole));
+            through =
+                avx2._mm256_min_epi32(through, avx2._mm256_add_epi32(first_half_end(v3, through), whole));
+            whole = avx2._mm256_add_epi32(whole, first_half_end(v3, whole));
+
+            // From the block before.
+            best[3] = avx2._mm256_min_epi32(through, avx2._mm256_add_epi32(carry, whole));
+            let left = with_first(v3, carry, rotate(v3, best[3]));
+            carry = avx2._mm256_permutevar8x32_epi32(best[3], avx._mm256_set1_epi32(LANES as i32 - 1));
+            for r in 0..3 {
+                best[r] = avx2._mm256_min_epi32(best[r], avx2._mm256_add_epi32(left, from_left[r]));
+            }
+
+            let here = places - block * BLOCK;
+            let mut first_place = cast([0, 4, 8, 12, 16, 20, 24, 28]);
+            for (best, cells) in best.iter_mut().zip(cells.as_chunks_mut::<LANES>().0) {
+                *cells = cast(*best);
+                if here < BLOCK {
+                    // Cells beyond the reference must not count: all ones is over all that is reached.
+                    let beyond = avx2._mm256_cmpgt_epi32(first_place, avx._mm256_set1_epi32(here as i32 - 1));
+                    *best = avx2._mm256_or_si256(*best, beyond);
+                    first_place = avx2._mm256_add_epi32(first_place, avx._mm256_set1_epi32(1));
+                }
+                least = avx2._mm256_min_epi32(least, *best);
+            }
+        }
+        cast::<__m256i, [i32; LANES]>(least).into_iter().fold(UNREACHED, i32::min)
+    }
+}
+
+/// Zeros in the first half, the first half's last value in all of the second.
+#[inline(always)]
+fn first_half_end(v3: V3, vector: __m256i) -> __m256i {
+    v3.avx2._mm256_permute2x128_si256::<0x08>(v3.avx2._mm256_shuffle_epi32::<0xff>(vector), vector)
+}

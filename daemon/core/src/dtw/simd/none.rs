@@ -1,0 +1,41 @@
+//! A processor without a SIMD path.
+
+use super::Border;
+use crate::couple::Motion;
+use crate::dtw::row::Row;
+use crate::dtw::symbols::{Symbols, Tables};
+
+/// There is none.
+#[derive(Clone, Debug)]
+pub(in crate::dtw) enum Simd {}
+
+impl Simd {
+    pub(in crate::dtw) fn new(_: &Tables) -> Option<Self> {
+        None
+    }
+
+    pub(in crate::dtw) fn read(&self, _: &Tables, _: &[Motion], _: bool, _: &mut Symbols) -> bool {
+        match *self {}
+    }
+
+    pub(in crate::dtw) fn advance(
+        &self,
+        _: &Tables,
+        _: &Motion,
+        _: &Symbols,
+        _: usize,
+        _: &mut Row,
+    ) -> Option<i32> {
+        match *self {}
+    }
+
+    pub(in crate::dtw) fn last_cell(
+        &self,
+        _: (&Symbols, usize),
+        _: (&Symbols, usize),
+        _: i32,
+        _: &mut Border,
+    ) -> Option<i32> {
+        match *self {}
+    }
+}

@@ -1,0 +1,145 @@
+//! Motions as bytes whose costs are looked up.
+
+use super::cost::LocalCosts;
+use crate::capacity::IU_FRAMES;
+use crate::couple::Motion;
+
+/// Places that are computed together: the bytes of a vector.
+pub(super) const BLOCK: usize = 32;
+
+/// Bytes of one motion: the ordered features `a_h, jm_hj, jm_jl` together, then `φ_hj, φ_jl, θ_hj, θ_jl`. The elevations come
+/// last because plane mode does without them.
+pub(super) const PLANES: usize = 5;
+
+/// Bytes of one motion without elevations.
+pub(super) const PLANES_FLAT: usize = 3;
+
+/// Symbols of one kind: a shuffle looks up four bits.
+const SYMBOLS: usize = 16;
+
+/// The symbol of rest among directions on a circle: in its lowest four bits 0, which no direction is, and 49 or more from
+/// every direction.
+const REST: u8 = 64;
+
+/// Costs of symbols. Motions have them if all their features are in range and there are at most 15 bins.
+#[derive(Clone, Debug)]
+pub(super) struct Tables {
+    /// For ordered features, by the exclusive or of the symbols.
+    pub(super) ordered: [i32; SYMBOLS],
+    /// For a direction, by how far the symbols are apart; the last for 15 or more.
+    pub(super) apart: [i32; SYMBOLS],
+    /// For a direction, by the symbols (their lowest four bits).
+    direction: [[i32; SYMBOLS]; SYMBOLS],
+    /// The symbol of rest.
+    pub(super) rest: u8,
+    /// Greatest direction.
+    pub(super) most: u8,
+}
+
+impl Tables {
+    /// `None` if there are too many bins.
+    pub(super) fn new(costs: &LocalCosts) -> Option<Self> {
+        let circle = costs.bins() > 0;
+        let most = if circle { costs.bins() } else { SYMBOLS as u8 - 1 };
+        if usize::from(most) >= SYMBOLS {
+            return None;
+        }
+        let scale = costs.scale();
+        let ordered = core::array::from_fn(|differ| {
+            // Two bits for a_h (see `symbols`) and one for each jm.
+            let a_h = [0, 1, 1, 4][differ & 3];
+            scale * (a_h + (differ as i32 >> 2 & 1) + (differ as i32 >> 3))
+        });
+        let direction = core::array::from_fn(|a| core::array::from_fn(|b| costs.direction(a as i8, b as i8)));
+        let apart = core::array::from_fn(|apart| match apart {
+            15 if circle => scale,
+            apart if circle && apart >= usize::from(most) => 0,
+            apart if circle => costs.direction(1, 1 + apart as i8),
+            apart => costs.direction(0, apart as i8),
+        });
+        Some(Self { ordered, apart, direction, rest: if circle { REST } else { 0 }, most })
+    }
+
+    /// The symbols of a motion; `None` if a feature is out of range.
+    #[inline]
+    pub(super) fn symbols(&self, motion: &Motion) -> Option<[u8; PLANES]> {
+        let [a_h, theta_hj, phi_hj, jm_hj, theta_jl, phi_jl, jm_jl] = motion.0.map(|feature| feature as u8);
+        // -1, 0, 1 become 00, 01, 11: as many bits differ as the values are apart.
+        let a_h = a_h.wrapping_add(1);
+        let ordered = a_h | a_h >> 1 | jm_hj << 2 | jm_jl << 3;
+        let mut directions = [phi_hj, phi_jl, theta_hj, theta_jl];
+        let mut fits = (a_h <= 2) & (jm_hj <= 1) & (jm_jl <= 1);
+        for direction in &mut directions {
+            fits &= *direction <= self.most;
+            *direction = if *direction == 0 { self.rest } else { *direction };
+        }
+        let [phi_hj, phi_jl, theta_hj, theta_jl] = directions;
+        fits.then_some([ordered, phi_hj, phi_jl, theta_hj, theta_jl])
+    }
+
+    /// Calls `each` with the cost of a frame at each of the first `places` places of a sequence, in order.
+    #[inline]
+    pub(super) fn costs(
+        &self,
+        frame: [u8; PLANES],
+        sequence: &Symbols,
+        places: usize,
+        mut each: impl FnMut(i32),
+    ) {
+        let of_frame = |plane: usize| &self.direction[low(frame[plane])];
+        let directions = [of_frame(1), of_frame(2), of_frame(3), of_frame(4)];
+        let [ordered, planes @ ..] = sequence.planes.each_ref().map(|plane| &plane[FRONT..][..places]);
+        for place in 0..places {
+            let mut cost = self.ordered[low(ordered[place] ^ frame[0])];
+            for (direction, plane) in directions.iter().zip(planes) {
+                cost += direction[low(plane[place])];
+            }
+            each(cost);
+        }
+    }
+}
+
+fn low(symbol: u8) -> usize {
+    usize::from(symbol) % SYMBOLS
+}
+
+/// Bytes before the first place, so that a vector can hold the first place as its last.
+pub(super) const FRONT: usize = BLOCK;
+
+/// The symbols of a sequence, a plane for each byte of a motion, with room for a block before and after.
+#[derive(Clone, Debug)]
+pub(super) struct Symbols {
+    pub(super) planes: [[u8; FRONT + IU_FRAMES + BLOCK]; PLANES],
+    /// Any elevation is not 0.
+    pub(super) elevated: bool,
+}
+
+impl Symbols {
+    pub(super) const fn new() -> Self {
+        Self { planes: [[0; FRONT + IU_FRAMES + BLOCK]; PLANES], elevated: false }
+    }
+
+    /// Reads a sequence by the fastest way. False if it has no symbols under these costs.
+    pub(super) fn read_for(&mut self, costs: &LocalCosts, motions: &[Motion], backwards: bool) -> bool {
+        match (costs.simd(), costs.tables()) {
+            (Some(simd), Some(tables)) => simd.read(tables, motions, backwards, self),
+            (None, Some(tables)) => self.read(tables, motions, backwards),
+            _ => false,
+        }
+    }
+
+    /// Reads a sequence of at most [`IU_FRAMES`] motions. False if a feature is out of range.
+    fn read(&mut self, tables: &Tables, motions: &[Motion], backwards: bool) -> bool {
+        let mut elevations = 0;
+        for (place, motion) in motions.iter().take(IU_FRAMES).enumerate() {
+            let Some(symbols) = tables.symbols(motion) else { return false };
+            let place = if backwards { motions.len() - 1 - place } else { place };
+            elevations |= motion.0[1] | motion.0[4];
+            for (plane, symbol) in self.planes.iter_mut().zip(symbols) {
+                plane[FRONT + place] = symbol;
+            }
+        }
+        self.elevated = elevations != 0;
+        true
+    }
+}
