@@ -3,7 +3,7 @@
 
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Motion;
-use andon_core::dtw::{LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path};
+use andon_core::dtw::{Bank, LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path};
 use andon_core::job::LocalCost;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -114,6 +114,50 @@ fn check_all_ways(local: LocalCost, a: &[Motion], b: &[Motion]) {
     let mut moves = vec![0xff; a.len() * b.len()];
     let path = path(&costs, a, b, &mut moves, &mut scratch).unwrap();
     assert_eq!(path.distance(), whole, "path and batch");
+}
+
+/// A bank must say of each reference what `OnlineDtw` says, after every frame.
+fn check_bank(local: LocalCost, frames: &[Motion], references: &[Vec<Motion>]) {
+    let references: Vec<&[Motion]> = references.iter().map(Vec::as_slice).collect();
+    for costs in [LocalCosts::new(local), LocalCosts::portable(local)] {
+        let mut columns = vec![Default::default(); Bank::columns(&references)];
+        let mut groups = vec![Default::default(); Bank::groups(&references)];
+        let mut bank = Bank::new(&costs, &references, &mut columns, &mut groups).unwrap();
+        // The second time, what the first has left must not matter.
+        for _ in 0..2 {
+            let mut onlines: Vec<_> =
+                references.iter().map(|reference| OnlineDtw::new(&costs, reference).unwrap()).collect();
+            for frame in frames {
+                bank.append(frame).unwrap();
+                for (k, online) in onlines.iter_mut().enumerate() {
+                    online.append(frame).unwrap();
+                    assert_eq!(bank.distance(k), online.distance(), "reference {k}");
+                    assert_eq!(bank.lower_bound(k), Some(online.lower_bound()), "reference {k}");
+                }
+            }
+            bank.begin();
+        }
+        assert_eq!((bank.distance(references.len()), bank.lower_bound(references.len())), (None, None));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(16))]
+
+    #[test]
+    fn a_bank_says_of_each_reference_what_it_would_say_alone(
+        frames in motions(1..30),
+        references in vec(motions(1..50), 1..70),
+        out_of_range in wild(1..2),
+    ) {
+        for local in COSTS {
+            check_bank(local, &frames, &references);
+        }
+        let mut references = references;
+        references[0].extend(out_of_range);
+        check_bank(LocalCost::Ordinal, &frames, &references);
+        check_bank(LocalCost::Circular { bins: 8 }, &references[0].clone(), &references[1..]);
+    }
 }
 
 proptest! {
@@ -228,6 +272,15 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(distance_within(&costs, one, one, f64::NAN, &mut scratch), Ok(None));
     let memory = Refused::Memory { needed: 1, given: 0 };
     assert_eq!(path(&costs, one, one, &mut [], &mut scratch).err(), Some(memory));
+    let bank = |references: &[&[Motion]], columns: usize, groups: usize| {
+        let (mut columns, mut groups) = (vec![Default::default(); columns], vec![Default::default(); groups]);
+        Bank::new(&costs, references, &mut columns, &mut groups).err()
+    };
+    assert_eq!(bank(&[one, &[]], 9, 9), Some(Refused::Empty));
+    assert_eq!(bank(&[one, &long], 9, 9), Some(too_long));
+    assert_eq!(bank(&[one], 0, 1), Some(memory));
+    assert_eq!(bank(&[one], 1, 0), Some(memory));
+    assert_eq!(bank(&[], 0, 0), None);
     assert_eq!(OnlineDtw::new(&costs, &[]).err(), Some(Refused::Empty));
     assert_eq!(OnlineDtw::new(&costs, &long).err(), Some(too_long));
 

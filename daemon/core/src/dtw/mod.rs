@@ -36,6 +36,7 @@
 //! # Ok::<(), andon_core::dtw::Refused>(())
 //! ```
 
+mod bank;
 mod batch;
 mod cost;
 mod ndim;
@@ -45,6 +46,7 @@ mod row;
 mod simd;
 mod symbols;
 
+pub use bank::{Bank, Column, Group};
 pub use batch::{Scratch, distance, distance_within};
 pub use cost::LocalCosts;
 pub use ndim::distance_ndim;

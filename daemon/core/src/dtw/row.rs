@@ -84,7 +84,7 @@ impl Row {
 }
 
 /// Where a place is in its block.
-fn slot(place: usize) -> usize {
+pub(super) fn slot(place: usize) -> usize {
     let place = place % BLOCK;
     place / (BLOCK / LANES) + LANES * (place % (BLOCK / LANES))
 }

@@ -2,6 +2,7 @@
 
 use super::Border;
 use crate::couple::Motion;
+use crate::dtw::bank::{Column, Group};
 use crate::dtw::row::Row;
 use crate::dtw::symbols::{Symbols, Tables};
 
@@ -26,6 +27,17 @@ impl Simd {
         _: usize,
         _: &mut Row,
     ) -> Option<i32> {
+        match *self {}
+    }
+
+    pub(in crate::dtw) fn advance_group(
+        &self,
+        _: &Tables,
+        _: &Motion,
+        _: i32,
+        _: &mut Group,
+        _: &mut [Column],
+    ) -> Option<()> {
         match *self {}
     }
 

@@ -3,6 +3,7 @@
 //! What is computed with vectors is in types that implement `NullaryFnOnce` and in functions that are always inlined: anything else would be
 //! compiled without the vector instructions and called for every one of them.
 
+mod bank;
 mod costs;
 mod matrix;
 mod read;
@@ -11,6 +12,7 @@ mod row;
 use super::Border;
 use super::digits::Digits;
 use crate::couple::Motion;
+use crate::dtw::bank::{Column, Group};
 use crate::dtw::row::{LANES, Row};
 use crate::dtw::symbols::{Symbols, Tables};
 use core::arch::x86_64::__m256i;
@@ -54,6 +56,22 @@ impl Simd {
         let frame = tables.symbols(frame)?;
         let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
         Some(v3.vectorize(row::Advance { v3, digits, rest, frame, elevated, reference, places, row }))
+    }
+
+    /// The next rows of a group of which all references have symbols; `None` if the frame has none, and then nothing has changed.
+    pub(in crate::dtw) fn advance_group(
+        &self,
+        tables: &Tables,
+        frame: &Motion,
+        border: i32,
+        group: &mut Group,
+        columns: &mut [Column],
+    ) -> Option<()> {
+        let elevated = group.elevated || frame.0[1] != 0 || frame.0[4] != 0;
+        let frame = tables.symbols(frame)?;
+        let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
+        v3.vectorize(bank::AdvanceGroup { v3, digits, rest, frame, elevated, border, group, columns });
+        Some(())
     }
 
     /// Value of the last cell of the DTW matrix of two sequences and their lengths, `y` read backwards; `None` if it is over
