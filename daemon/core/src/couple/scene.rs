@@ -180,23 +180,23 @@ impl Scene {
         }
     }
 
-    /// A hidden object that a hand has been in contact with for `persist_frames` is carried by it from here on, until the
-    /// object is seen again or the hand is out of sight.
+    /// An object that a hand has been in contact with for `persist_frames` is carried by it when it is hidden, until it is seen again
+    /// or the hand is out of sight. One that was hidden before it was grasped is taken to lie where it was last seen.
     fn take_grips(&mut self) {
         for (place, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
-            if let Some(grip) = node.grip {
+            if pose.source != Source::Seen
+                && let Some(grip) = node.grip
+            {
                 let lost = self.hands[grip.hand].ago(0).unseen > self.blind_frames;
-                if pose.source == Source::Seen || lost {
-                    node.grip = None;
-                }
-            } else if pose.source == Source::Held {
-                let holds = |hand: &usize| {
-                    self.hands[*hand].ago(0).source == Source::Seen
-                        && self.touches[*hand][place].held_for(self.method.persist_frames)
-                };
-                node.grip = (0..HANDS).find(holds).map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
+                node.grip = node.grip.filter(|_| !lost);
+                continue;
             }
+            let holds = |hand: &usize| {
+                self.hands[*hand].ago(0).source == Source::Seen
+                    && self.touches[*hand][place].held_for(self.method.persist_frames)
+            };
+            node.grip = (0..HANDS).find(holds).map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
         }
     }
 

@@ -1,0 +1,5 @@
+//! A worker at a bench, scripted: as frames for the encoder, and as couples for what comes after it.
+#![allow(dead_code, clippy::unwrap_used, clippy::panic)]
+
+pub(crate) mod bench;
+pub(crate) mod script;

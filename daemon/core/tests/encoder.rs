@@ -1,0 +1,256 @@
+//! The encoder, from frames of a scripted worker.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use andon_core::config::Method;
+use andon_core::couple::{Couples, Encoder, Refused};
+use andon_core::input::{Frame, Side};
+use common::bench::{Bench, PERIOD_NS, contexts, encode, shapes};
+
+const TOOL: u16 = 5;
+const BOX: u16 = 7;
+const STORAGE: u16 = 9;
+
+fn just_contexts(couples: &[Couples], side: Side) -> Vec<[u16; 4]> {
+    contexts(couples, side).into_iter().map(|(context, _)| context).collect()
+}
+
+/// A tool is taken from the storage area and put into the box (paper III-B).
+fn fill_the_box() -> Bench {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (STORAGE, [0.01, 0.0]), (BOX, [0.3, 0.2])]);
+    bench.hand(Side::Right, [0.0, -0.2]).rest(10).go([0.0, 0.0], 15).rest(10);
+    bench.hold(Side::Right, TOOL).go([0.3, 0.19], 30).rest(10);
+    bench.let_go(Side::Right).go([0.1, -0.2], 20).rest(20);
+    bench
+}
+
+#[test]
+fn the_papers_box_example_has_its_four_ius() {
+    let bench = fill_the_box();
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(
+        just_contexts(&couples, Side::Right),
+        [[1, TOOL, TOOL, STORAGE], [1, TOOL, 0, 0], [1, TOOL, TOOL, BOX], [0, 0, TOOL, BOX]]
+    );
+    assert!(just_contexts(&couples, Side::Left).is_empty());
+    assert!(couples.iter().all(|couples| couples.hands[0].sighted));
+}
+
+#[test]
+fn there_is_one_couple_a_frame_at_the_frames_own_time_known_persist_frames_later() {
+    let bench = fill_the_box();
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(couples.len(), bench.frames.len());
+    let persist = usize::from(Method::default().persist_frames);
+    for (place, (couples, frame)) in couples.iter().zip(&bench.frames).enumerate() {
+        let known = bench.frames[(place + persist).min(bench.frames.len() - 1)].captured_ns;
+        assert_eq!((couples.captured_ns, couples.known_ns), (frame.captured_ns, known));
+    }
+}
+
+#[test]
+fn a_contact_begins_in_the_frame_in_which_the_distance_falls_under_the_limit() {
+    let bench = fill_the_box();
+    let couples = encode(&bench.ids(), &bench.frames);
+    let tips_to_tool = |frame: &Frame| {
+        let tool = frame.objects.iter().find(|object| object.id == TOOL).unwrap().position;
+        let apart = |tip: &[f32; 3]| ((tip[0] - tool[0]).powi(2) + (tip[1] - tool[1]).powi(2)).sqrt();
+        frame.hands[0].tips.iter().map(apart).fold(f32::INFINITY, f32::min)
+    };
+    let first = bench.frames.iter().position(|frame| tips_to_tool(frame) < 0.03).unwrap();
+    let begun = couples.iter().position(|couples| couples.hands[0].context.is_touch()).unwrap();
+    assert_eq!(begun, first);
+    assert!((couples[begun].hands[0].distances[0] - tips_to_tool(&bench.frames[begun])).abs() < 1e-6);
+}
+
+#[test]
+fn direction_and_joint_motion_have_no_phase_lag() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).rest(20);
+    // To the right, then to the left; the turn lies between frames 49 and 50.
+    bench.go([0.3, 0.0], 30).go([0.0, 0.0], 30).rest(20);
+    let couples = encode(&bench.ids(), &bench.frames);
+    let azimuth = |frame: usize| couples[frame].hands[0].motion.0[2];
+    assert_eq!([azimuth(30), azimuth(40), azimuth(60), azimuth(70)], [1, 1, 5, 5]);
+    assert_eq!([azimuth(5), azimuth(95)], [0, 0]);
+    let acceleration = |frame: usize| couples[frame].hands[0].motion.0[0];
+    assert_eq!([acceleration(27), acceleration(43), acceleration(57), acceleration(73)], [1, -1, 1, -1]);
+    // Symmetric about the turn: no frame of rest or direction is early or late.
+    for apart in 1..=20 {
+        let (before, after) = (azimuth(49 - apart), azimuth(49 + apart));
+        assert_eq!(before == 0, after == 0, "{apart} frames from the turn");
+    }
+    assert!((25..75).all(|frame| couples[frame].hands[0].motion.0[3] == 1));
+}
+
+#[test]
+fn objects_that_no_hand_touches_are_background() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.01, 0.0])]);
+    bench.hand(Side::Right, [0.3, 0.3]).rest(60);
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert!(just_contexts(&couples, Side::Right).is_empty());
+}
+
+#[test]
+fn a_hand_that_passes_by_touches_nothing() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    // At its fastest 0.9 m/s: within the 9 cm of the contact for under persist_frames.
+    bench.hand(Side::Right, [-0.3, 0.02]).rest(10).go([0.3, 0.02], 30).rest(10);
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert!(just_contexts(&couples, Side::Right).is_empty());
+}
+
+#[test]
+fn the_object_that_holds_the_place_keeps_it_although_another_is_nearer() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.04, 0.0])]);
+    bench.hand(Side::Right, [-0.02, 0.0]).rest(10).go([0.03, 0.0], 10).rest(20);
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(just_contexts(&couples, Side::Right), [[1, TOOL, 0, 0]]);
+}
+
+#[test]
+fn each_hand_has_a_scene_graph_of_its_own() {
+    let mut bench = Bench::new(&[(TOOL, [-0.2, 0.0]), (BOX, [0.2, 0.0])]);
+    bench.hand(Side::Right, [0.2, 0.0]).hand(Side::Left, [-0.2, 0.0]).rest(10);
+    bench.hold(Side::Right, BOX).hold(Side::Left, TOOL);
+    bench.carry([Some([0.01, 0.0]), Some([-0.01, 0.0])], 30).rest(20);
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(just_contexts(&couples, Side::Right), [[1, BOX, 0, 0], [1, BOX, BOX, TOOL]]);
+    assert_eq!(just_contexts(&couples, Side::Left), [[2, TOOL, 0, 0], [2, TOOL, TOOL, BOX]]);
+}
+
+#[test]
+fn a_held_object_whose_marker_is_hidden_moves_with_the_hand() {
+    let mut bench = fill_the_box();
+    // Hidden while it is lifted and carried, for less than blind_ms: frames 40 to 59.
+    for frame in &mut bench.frames[40..60] {
+        frame.objects.retain(|object| object.id != TOOL);
+    }
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(contexts(&couples, Side::Right), contexts(&encode(&bench.ids(), &fill_the_box().frames), Side::Right));
+    assert!(couples.iter().all(|couples| couples.hands[0].sighted));
+    assert!((45..55).all(|frame| couples[frame].hands[0].motion.0[3] == 1));
+}
+
+#[test]
+fn an_object_hidden_for_longer_than_blind_ms_keeps_its_contact_but_is_not_sighted() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hide(TOOL).rest(40).show(TOOL).rest(10);
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 70)]);
+    // 700 ms are 21 frames: those after them are blind until it is seen again.
+    let blind: Vec<usize> = (0..70).filter(|frame| !couples[*frame].hands[0].sighted).collect();
+    assert_eq!(blind, (41..60).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_hand_that_leaves_the_picture_in_contact_ends_its_contact_blind() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).leave(Side::Right).rest(60);
+    let couples = encode(&bench.ids(), &bench.frames);
+    let persist = usize::from(Method::default().persist_frames);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 20 + 21 + persist)]);
+    assert_eq!(couples.iter().filter(|couples| !couples.hands[0].sighted).count(), persist);
+    assert!(couples[19].hands[0].seen && !couples[20].hands[0].seen);
+}
+
+#[test]
+fn a_hand_lost_for_less_than_blind_ms_is_held() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).leave(Side::Right).rest(15).hand(Side::Right, [0.0, 0.0]).rest(20);
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 55)]);
+    assert!(couples.iter().all(|couples| couples.hands[0].sighted));
+}
+
+#[test]
+fn dropped_frames_are_filled_and_the_ius_stay_what_they_were() {
+    let bench = fill_the_box();
+    let whole = encode(&bench.ids(), &bench.frames);
+    let dropped: Vec<Frame> =
+        bench.frames.iter().enumerate().filter(|(place, _)| place % 4 != 1).map(|(_, frame)| frame.clone()).collect();
+    let filled = encode(&bench.ids(), &dropped);
+    assert_eq!(filled.len(), whole.len());
+    assert_eq!(just_contexts(&filled, Side::Right), just_contexts(&whole, Side::Right));
+    let same = filled.iter().zip(&whole).filter(|(one, other)| one.hands[0].context == other.hands[0].context);
+    // Four boundaries, each at most one frame off.
+    assert!(same.count() >= whole.len() - 5);
+}
+
+#[test]
+fn jitter_of_time_stamps_changes_no_context() {
+    let bench = fill_the_box();
+    let whole = encode(&bench.ids(), &bench.frames);
+    let mut jittered = bench.frames.clone();
+    for (place, frame) in jittered.iter_mut().enumerate() {
+        frame.captured_ns += [0, 4_000_000, 1_000_000, 7_000_000, 300_000][place % 5];
+    }
+    let couples = encode(&bench.ids(), &jittered);
+    assert_eq!(contexts(&couples, Side::Right), contexts(&whole, Side::Right));
+}
+
+#[test]
+fn late_and_repeated_frames_are_refused_counted_and_change_nothing() {
+    let bench = fill_the_box();
+    let whole = encode(&bench.ids(), &bench.frames);
+    let mut encoder = Encoder::new(Method::default(), &shapes(&bench.ids())).unwrap();
+    let mut couples = Vec::new();
+    for (place, frame) in bench.frames.iter().enumerate() {
+        encoder.step(frame, &mut |each| couples.push(each)).unwrap();
+        assert_eq!(encoder.step(frame, &mut |each| couples.push(each)), Err(Refused::Repeated));
+        if place > 0 {
+            let late = &bench.frames[place - 1];
+            assert_eq!(encoder.step(late, &mut |each| couples.push(each)), Err(Refused::Late));
+        }
+    }
+    encoder.flush(&mut |each| couples.push(each));
+    assert_eq!(couples, whole);
+    let counts = encoder.counts();
+    let frames = bench.frames.len() as u64;
+    assert_eq!((counts.taken, counts.repeated, counts.late, counts.held), (frames, frames, frames - 1, 0));
+}
+
+#[test]
+fn of_a_long_gap_only_what_ends_blind_is_filled() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(40);
+    let mut frames = bench.frames;
+    for frame in &mut frames[20..] {
+        frame.captured_ns += 3_600_000_000_000;
+    }
+    let mut encoder = Encoder::new(Method::default(), &shapes(&[TOOL])).unwrap();
+    let mut couples = Vec::new();
+    let mut most = 0;
+    for frame in &frames {
+        let before = couples.len();
+        encoder.step(frame, &mut |each| couples.push(each)).unwrap();
+        most = most.max(couples.len() - before);
+    }
+    encoder.flush(&mut |each| couples.push(each));
+    let (blind_frames, persist) = (21, 5);
+    assert_eq!(most, blind_frames + 1 + persist);
+    assert_eq!(couples.len(), 40 + blind_frames + 1);
+    assert_eq!((encoder.counts().gaps, encoder.counts().held), (1, 22));
+    assert_eq!(couples.iter().filter(|couples| !couples.hands[0].sighted).count(), 1);
+    assert!(couples.windows(2).all(|pair| pair[0].captured_ns < pair[1].captured_ns));
+    assert!(couples.iter().all(|couples| couples.captured_ns <= couples.known_ns));
+}
+
+#[test]
+fn what_is_not_finite_or_unknown_or_doubled_is_left_out_and_counted() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(3);
+    let mut frames = bench.frames;
+    frames[0].hands[0].tips[1][0] = f32::NAN;
+    frames[1].objects[0].orientation = [0.0; 4];
+    let double = frames[2].objects[0];
+    frames[2].objects.push(double).unwrap();
+    frames[2].objects.push(andon_core::input::Object { id: 99, ..double }).unwrap();
+    let mut encoder = Encoder::new(Method::default(), &shapes(&[TOOL])).unwrap();
+    for frame in &frames {
+        encoder.step(frame, &mut |_| {}).unwrap();
+    }
+    assert_eq!(encoder.counts().left_out, 4);
+    assert_eq!(frames[2].captured_ns, 2 * PERIOD_NS);
+}
