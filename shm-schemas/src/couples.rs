@@ -13,7 +13,7 @@ wire! { "andon.HandCouple", 24;
         distances_m: [f32; 2],
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`.
         x_m: [i8; 7],
-        /// Bits of [`crate::flag`]: `SIGHTED`.
+        /// Bits of [`crate::flag`]: `SIGHTED`, `HAND_SEEN`.
         flags: u8,
     }
 }

@@ -55,6 +55,8 @@ pub mod flag {
     pub const PACED: u32 = 1 << 2;
     /// The hand was seen, or is held over a gap that is shorter than `blind_ms`.
     pub const SIGHTED: u8 = 1;
+    /// The hand itself was seen in this frame: what tells a job that has ended from one that rests.
+    pub const HAND_SEEN: u8 = 1 << 1;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
     /// The object was hidden and its pose is held from the hand that carries it.

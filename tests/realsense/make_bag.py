@@ -26,16 +26,8 @@ except ImportError as error:
 import synthetic_depth
 
 RATE_HZ = 30
-UNIT_M = 0.001
 # The first stamp of the camera's own clock, and how much earlier depth is taken than colour, in milliseconds.
 CLOCK_BEGAN_MS, DEPTH_LAG_MS = 5000.0, -4.0
-
-
-def depth_camera():
-    """A D435i's depth imager: wider than the colour one, 15 mm beside it and half a degree askew."""
-    angle = np.radians(0.5)
-    rotation = [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
-    return synthetic_depth.DepthCamera(640, 480, 385.0, (321.5, 238.5), rotation, (0.015, 0.0002, -0.0003))
 
 
 def main():
@@ -49,18 +41,12 @@ def main():
     header, *lines = (json.loads(line) for line in options.truth.open())
     lines = lines[options.first : options.first + options.frames]
     colour = decode(options.clip, header, options.first, len(lines))
-    camera = depth_camera()
-    shapes = {shape["id"]: shape for shape in header["objects"]}
-    # One seed: the same clip always makes the same recording.
-    random = np.random.default_rng(1)
-    depth = []
-    for line in lines:
-        exact = synthetic_depth.render(line, shapes, camera, header["camera"]["height_m"])
-        depth.append(synthetic_depth.as_stereo_sees_it(exact, camera, UNIT_M, random))
+    camera = synthetic_depth.d435i()
+    depth = list(synthetic_depth.pictures(header, lines, camera))
     record(options.bag, header["camera"], camera, colour, depth)
     colour.tofile(options.bag.with_suffix(".colour"))
     np.stack(depth).tofile(options.bag.with_suffix(".depth"))
-    options.bag.with_suffix(".json").write_text(json.dumps(calibration(header["camera"], camera)))
+    options.bag.with_suffix(".json").write_text(json.dumps(synthetic_depth.calibration(header, camera) | {"depth_lag_ms": DEPTH_LAG_MS}))
 
 
 def decode(clip, header, first, count):
@@ -68,18 +54,6 @@ def decode(clip, header, first, count):
     command += ["-vsync", "0", "-pix_fmt", "rgb24", "-f", "rawvideo", "-"]
     pixels = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout
     return np.frombuffer(pixels, np.uint8).reshape(count, header["height"], header["width"], 3)
-
-
-def calibration(eye, camera):
-    return {
-        "rate_hz": RATE_HZ,
-        "unit_m": UNIT_M,
-        "depth_lag_ms": DEPTH_LAG_MS,
-        "colour": {"focal": [eye["fx"], eye["fy"]], "centre": [eye["cx"], eye["cy"]]},
-        "depth": {"size": [camera.width, camera.height], "focal": [camera.focal] * 2, "centre": list(camera.centre)},
-        "rotation": camera.rotation.tolist(),
-        "translation_m": camera.translation_m.tolist(),
-    }
 
 
 def record(bag, eye, camera, colour, depth):
@@ -97,7 +71,7 @@ def record(bag, eye, camera, colour, depth):
     depth_lens = lens(camera.width, camera.height, [camera.focal] * 2, camera.centre)
     colour_stream = rgb.add_video_stream(stream(rs.stream.color, 1, colour_lens, 3, rs.format.rgb8))
     depth_stream = stereo.add_video_stream(stream(rs.stream.depth, 0, depth_lens, 2, rs.format.z16))
-    stereo.add_read_only_option(rs.option.depth_units, UNIT_M)
+    stereo.add_read_only_option(rs.option.depth_units, synthetic_depth.UNIT_M)
     stereo.add_read_only_option(rs.option.stereo_baseline, synthetic_depth.BASELINE_M * 1000)
     between = rs.extrinsics()
     # The SDK stores the matrix column by column.
@@ -142,7 +116,7 @@ def frame(number, stamp_ms, profile, pixels, bytes_per_pixel):
     made.timestamp, made.domain, made.frame_number = stamp_ms, rs.timestamp_domain.hardware_clock, number
     made.profile, made.pixels = profile.as_video_stream_profile(), pixels
     if bytes_per_pixel == 2:
-        made.depth_units = UNIT_M
+        made.depth_units = synthetic_depth.UNIT_M
     return made
 
 

@@ -4,8 +4,23 @@ World: metres, table at z = 0, z up (tests/footage/README.md). The table is a pl
 the hand a row of balls along its bones. Then the picture gets what a real stereo pair does to it: the far side of every
 edge is hidden from the second imager (no depth there), edges are fattened by the matching window and blurred into points
 that fly between near and far, the disparity is noisy in patches, and some pixels have no match at all.
+
+    synthetic_depth.py CLIP.truth.jsonl OUT.depth
+
+writes the pictures of a whole clip one after the other (Z16, little endian) and OUT.json, the calibration.
 """
-import numpy as np
+import json
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "target/runtime/realsense/python"))
+try:
+    import numpy as np
+except ImportError as error:
+    sys.exit(f"{error}: run `python3.11 daemon/realsense/provision.py target/runtime --recorder` first")
+
+# Metres of one step of depth: a D400's default.
+UNIT_M = 0.001
 
 # D435i: baseline of the stereo pair, and noise of its disparity on a textured surface (data sheet: under 2 % at 2 m).
 BASELINE_M = 0.050
@@ -41,6 +56,34 @@ class DepthCamera:
         # The colour camera looks straight down: its x is the world's, its y and z are turned over.
         flip = np.array([1.0, -1.0, -1.0])
         return self.translation_m * flip + np.array([0.0, 0.0, colour_height_m]), colour * flip
+
+
+def d435i():
+    """The depth imager of a D435i: wider than the colour one, 15 mm beside it and, here, half a degree askew."""
+    angle = np.radians(0.5)
+    rotation = [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
+    return DepthCamera(640, 480, 385.0, (321.5, 238.5), rotation, (0.015, 0.0002, -0.0003))
+
+
+def calibration(header, camera):
+    eye = header["camera"]
+    return {
+        "unit_m": UNIT_M,
+        "colour": {"focal": [eye["fx"], eye["fy"]], "centre": [eye["cx"], eye["cy"]]},
+        "depth": {"size": [camera.width, camera.height], "focal": [camera.focal] * 2, "centre": list(camera.centre)},
+        "rotation": camera.rotation.tolist(),
+        "translation_m": camera.translation_m.tolist(),
+    }
+
+
+def pictures(header, lines, camera):
+    """The depth pictures of these lines of the truth."""
+    shapes = {shape["id"]: shape for shape in header["objects"]}
+    # One seed: the same clip always gives the same pictures.
+    random = np.random.default_rng(1)
+    for line in lines:
+        exact = render(line, shapes, camera, header["camera"]["height_m"])
+        yield as_stereo_sees_it(exact, camera, random)
 
 
 def render(truth, shapes, camera, colour_height_m, person_scale=1.0):
@@ -97,8 +140,8 @@ def ball(depth, origin, rays, camera, centre, radius):
     depth[rows, columns] = np.minimum(depth[rows, columns], hit)
 
 
-def as_stereo_sees_it(depth, camera, unit_m, random):
-    """Depth in steps of `unit_m`, uint16, 0 where there is none."""
+def as_stereo_sees_it(depth, camera, random):
+    """Depth in steps of `UNIT_M`, uint16, 0 where there is none."""
     exact = camera.focal * BASELINE_M / depth
     disparity = shifted(exact, WINDOW_PX, np.maximum)
     # The window follows the stronger texture: only some of the edge pixels are taken by the nearer side.
@@ -110,7 +153,7 @@ def as_stereo_sees_it(depth, camera, unit_m, random):
     disparity = np.where(flying, mixed, disparity)
     hidden = hidden_from_second(disparity)
     disparity = disparity + DISPARITY_NOISE_PX * patches(random, depth.shape)
-    steps = np.round(camera.focal * BASELINE_M / disparity / unit_m)
+    steps = np.round(camera.focal * BASELINE_M / disparity / UNIT_M)
     steps[hidden | (random.random(depth.shape) < SPECKLE_SHARE)] = 0
     return steps.clip(0, 65535).astype(np.uint16)
 
@@ -149,3 +192,18 @@ def quaternion_matrix(q):
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ])
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    header, *lines = (json.loads(line) for line in open(sys.argv[1]))
+    camera = d435i()
+    with open(sys.argv[2], "wb") as out:
+        for picture in pictures(header, lines, camera):
+            out.write(picture.tobytes())
+    pathlib.Path(sys.argv[2]).with_suffix(".json").write_text(json.dumps(calibration(header, camera)))
+
+
+if __name__ == "__main__":
+    main()

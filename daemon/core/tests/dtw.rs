@@ -230,8 +230,8 @@ proptest! {
 }
 
 #[test]
-fn rounding_moves_a_distance_by_less_than_1e_5_with_up_to_16_bins() {
-    for bins in 1..=16 {
+fn rounding_moves_a_distance_by_less_than_1e_5_with_up_to_36_bins() {
+    for bins in 1..=36 {
         let local = LocalCost::Circular { bins };
         let costs = LocalCosts::new(local);
         assert!(costs.relative_error() <= 1e-5, "{bins} bins: {}", costs.relative_error());

@@ -128,7 +128,10 @@ fn a_held_object_whose_marker_is_hidden_moves_with_the_hand() {
         frame.objects.retain(|object| object.id != TOOL);
     }
     let couples = encode(&bench.ids(), &bench.frames);
-    assert_eq!(contexts(&couples, Side::Right), contexts(&encode(&bench.ids(), &fill_the_box().frames), Side::Right));
+    assert_eq!(
+        contexts(&couples, Side::Right),
+        contexts(&encode(&bench.ids(), &fill_the_box().frames), Side::Right)
+    );
     assert!(couples.iter().all(|couples| couples.hands[0].sighted));
     assert!((45..55).all(|frame| couples[frame].hands[0].motion.0[3] == 1));
 }
@@ -158,7 +161,13 @@ fn a_hand_that_leaves_the_picture_in_contact_ends_its_contact_blind() {
 #[test]
 fn a_hand_lost_for_less_than_blind_ms_is_held() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
-    bench.hand(Side::Right, [0.0, 0.0]).rest(20).leave(Side::Right).rest(15).hand(Side::Right, [0.0, 0.0]).rest(20);
+    bench
+        .hand(Side::Right, [0.0, 0.0])
+        .rest(20)
+        .leave(Side::Right)
+        .rest(15)
+        .hand(Side::Right, [0.0, 0.0])
+        .rest(20);
     let couples = encode(&bench.ids(), &bench.frames);
     assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 55)]);
     assert!(couples.iter().all(|couples| couples.hands[0].sighted));
@@ -168,12 +177,18 @@ fn a_hand_lost_for_less_than_blind_ms_is_held() {
 fn dropped_frames_are_filled_and_the_ius_stay_what_they_were() {
     let bench = fill_the_box();
     let whole = encode(&bench.ids(), &bench.frames);
-    let dropped: Vec<Frame> =
-        bench.frames.iter().enumerate().filter(|(place, _)| place % 4 != 1).map(|(_, frame)| frame.clone()).collect();
+    let dropped: Vec<Frame> = bench
+        .frames
+        .iter()
+        .enumerate()
+        .filter(|(place, _)| place % 4 != 1)
+        .map(|(_, frame)| frame.clone())
+        .collect();
     let filled = encode(&bench.ids(), &dropped);
     assert_eq!(filled.len(), whole.len());
     assert_eq!(just_contexts(&filled, Side::Right), just_contexts(&whole, Side::Right));
-    let same = filled.iter().zip(&whole).filter(|(one, other)| one.hands[0].context == other.hands[0].context);
+    let same =
+        filled.iter().zip(&whole).filter(|(one, other)| one.hands[0].context == other.hands[0].context);
     // Four boundaries, each at most one frame off.
     assert!(same.count() >= whole.len() - 5);
 }

@@ -7,6 +7,9 @@
 #![forbid(unsafe_code)]
 
 pub mod barycentre;
+pub mod cluster;
+pub mod experiment;
+pub mod folder;
 pub mod job_file;
 pub mod recording;
 pub mod run;

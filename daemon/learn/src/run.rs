@@ -150,7 +150,7 @@ impl Collector {
                 self.activities.push(Activity { side, ius: Vec::new() });
             }
             Event::IuBegan { side, .. } => self.motion[slot(side)].clear(),
-            Event::IuFrame { side, motion } => self.motion[slot(side)].push(motion),
+            Event::IuFrame { side, motion, .. } => self.motion[slot(side)].push(motion),
             Event::IuEnded { side, iu } => {
                 let motion = std::mem::take(&mut self.motion[slot(side)]);
                 let activity = self.open[slot(side)].and_then(|open| self.activities.get_mut(open));

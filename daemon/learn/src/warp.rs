@@ -26,6 +26,19 @@ impl Warp {
         dtw::distance(&self.costs, a, b, &mut self.scratch)
     }
 
+    /// The DTW distance if it is at most `bound`.
+    ///
+    /// # Errors
+    /// If a sequence is empty or longer than an IU may be.
+    pub fn distance_within(
+        &mut self,
+        a: &[Motion],
+        b: &[Motion],
+        bound: f64,
+    ) -> Result<Option<f64>, Refused> {
+        dtw::distance_within(&self.costs, a, b, bound, &mut self.scratch)
+    }
+
     /// Calls `visit` with each pair of places of the warping path, from the last to the first.
     ///
     /// # Errors

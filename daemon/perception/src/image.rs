@@ -65,6 +65,7 @@ impl<'a> ImageView<'a> {
         let fits = (1..=MOST_PIXELS_A_SIDE).contains(&width)
             && (1..=MOST_PIXELS_A_SIDE).contains(&height)
             && stride >= width * format.bytes()
+            // Padding, not more: it keeps the row within `i32` too.
             && stride <= 16 * MOST_PIXELS_A_SIDE
             && data.len() >= height * stride;
         if !fits {

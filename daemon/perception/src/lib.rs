@@ -19,6 +19,7 @@ pub mod error;
 pub mod hands;
 pub mod image;
 pub mod markers;
+pub mod metric;
 mod perceiver;
 
 pub use config::PerceptionConfig;

@@ -2,9 +2,11 @@
 //!
 //! - [`registers`]: the register map, one table; `REGISTERS.md` is made from it.
 //! - [`handshake`]: the pure state machine behind the registers.
+//! - [`c_abi`]: `libandon_plc` for programs in C on the same machine.
 //! - [`modbus`]: the Modbus TCP server of `andond run plc`, driven by it.
 #![deny(unsafe_code)]
 
+pub mod c_abi;
 pub mod handshake;
 pub mod modbus;
 pub mod registers;

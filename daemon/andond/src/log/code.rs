@@ -111,7 +111,7 @@ table! {
     WARN 505 PLC_WRITE_REFUSED: "a client tried to write while plc.writes is off",
         "Set plc.writes = true if it should";
     ERROR 506 PLC_PORT_TAKEN: "the Modbus port cannot be opened",
-        "Another program has it, plc.bind is no address of this machine, or the port is under 1024 without the unit";
+        "Another program has it, plc.bind is no address of this machine, or the port is under 1024: andon-plc@.service says what that needs";
     WARN 507 PLC_OVERRUN: "results were not acknowledged in time and the queue is full",
         "The PLC must acknowledge every result; see the register map";
     WARN 508 PLC_BAD_REQUEST: "a Modbus request was malformed or outside the register map",

@@ -16,7 +16,9 @@ use pipe::{PictureFormat, PipeReader, PipeWriter};
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// The helper binary is not beside this one.
-    #[error("cannot start {path}: {source}; it is installed beside andond, build it with `cargo build --release -p andond`")]
+    #[error(
+        "cannot start {path}: {source}; it is installed beside andond, build it with `cargo build --release -p andond`"
+    )]
     Helper {
         /// Where it was looked for.
         path: PathBuf,
@@ -98,12 +100,16 @@ impl Film {
         self.pictures.format()
     }
 
-    /// The next picture and its time since the first, in nanoseconds; `None` after the last.
-    pub fn next_picture(&mut self) -> Result<Option<(u64, &[u8])>, VideoError> {
-        match self.pictures.next_picture() {
-            Ok(picture) => Ok(picture),
-            Err(_) => Err(VideoError::Film { file: self.file.clone(), message: last_words(&mut self.child) }),
-        }
+    /// Goes on to the next picture and tells its time since the first, in nanoseconds; `None` after the last.
+    pub fn advance(&mut self) -> Result<Option<u64>, VideoError> {
+        self.pictures
+            .advance()
+            .map_err(|_| VideoError::Film { file: self.file.clone(), message: last_words(&mut self.child) })
+    }
+
+    /// The picture that [`Film::advance`] went on to.
+    pub fn picture(&self) -> &[u8] {
+        self.pictures.picture()
     }
 }
 
@@ -145,7 +151,8 @@ impl FilmWriter {
     /// Ends the film and waits until it is on the disk.
     pub fn finish(mut self) -> Result<(), VideoError> {
         drop(self.pictures.take());
-        let status = self.child.wait().map_err(|source| VideoError::Pipe { file: self.file.clone(), source })?;
+        let status =
+            self.child.wait().map_err(|source| VideoError::Pipe { file: self.file.clone(), source })?;
         if status.success() {
             Ok(())
         } else {

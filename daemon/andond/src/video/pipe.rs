@@ -42,7 +42,8 @@ impl<R: Read> PipeReader<R> {
     pub fn new(mut from: R) -> io::Result<Self> {
         let mut header = [0; 28];
         from.read_exact(&mut header)?;
-        let word = |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
+        let word =
+            |at: usize| u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]]);
         let long = |at: usize| u64::from(word(at)) | u64::from(word(at + 4)) << 32;
         let (width, height) = (word(4), word(8));
         if word(0) != MAGIC || width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
@@ -57,8 +58,8 @@ impl<R: Read> PipeReader<R> {
         self.format
     }
 
-    /// The next picture with its time since the first in nanoseconds; `None` at a clean end.
-    pub fn next_picture(&mut self) -> io::Result<Option<(u64, &[u8])>> {
+    /// Goes on to the next picture and tells its time since the first in nanoseconds; `None` at a clean end.
+    pub fn advance(&mut self) -> io::Result<Option<u64>> {
         let mut pts = [0; 8];
         self.from.read_exact(&mut pts)?;
         let pts = u64::from_le_bytes(pts);
@@ -66,7 +67,12 @@ impl<R: Read> PipeReader<R> {
             return Ok(None);
         }
         self.from.read_exact(&mut self.picture)?;
-        Ok(Some((pts, &self.picture)))
+        Ok(Some(pts))
+    }
+
+    /// The picture that [`PipeReader::advance`] went on to.
+    pub fn picture(&self) -> &[u8] {
+        &self.picture
     }
 }
 
@@ -127,17 +133,19 @@ mod tests {
         let bytes = stream();
         let mut reader = PipeReader::new(bytes.as_slice()).unwrap();
         assert_eq!(reader.format(), FORMAT);
-        assert_eq!(reader.next_picture().unwrap(), Some((0, &[1u8; 6][..])));
-        assert_eq!(reader.next_picture().unwrap(), Some((33, &[2u8; 6][..])));
-        assert_eq!(reader.next_picture().unwrap(), None);
+        for (pts_ns, pixel) in [(0, 1), (33, 2)] {
+            assert_eq!(reader.advance().unwrap(), Some(pts_ns));
+            assert_eq!(reader.picture(), [pixel; 6]);
+        }
+        assert_eq!(reader.advance().unwrap(), None);
     }
 
     #[test]
     fn a_stream_that_is_cut_off_is_an_error_not_an_end() {
         let bytes = stream();
         let mut reader = PipeReader::new(&bytes[..bytes.len() - 9]).unwrap();
-        reader.next_picture().unwrap();
-        assert!(reader.next_picture().is_err());
+        reader.advance().unwrap();
+        assert!(reader.advance().is_err());
     }
 
     #[test]

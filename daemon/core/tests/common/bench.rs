@@ -10,7 +10,10 @@ pub(crate) const PERIOD_NS: u64 = 33_333_333;
 /// Objects of one interaction point in their origin.
 pub(crate) fn shapes(ids: &[u16]) -> Vec<ObjectShape> {
     ids.iter()
-        .map(|id| ObjectShape { id: *id, interaction_points: heapless::Vec::from_slice(&[[0.0; 3]]).unwrap() })
+        .map(|id| ObjectShape {
+            id: *id,
+            interaction_points: heapless::Vec::from_slice(&[[0.0; 3]]).unwrap(),
+        })
         .collect()
 }
 
@@ -102,8 +105,13 @@ impl Bench {
         for side in Side::ALL {
             if let Some([x, y]) = self.hands[side.place()] {
                 let tips = [[x - 0.01, y, 0.0], [x, y, 0.0], [x + 0.01, y, 0.0]];
-                let hand =
-                    Hand { side, score: 1.0, wrist: [x, y - 0.17, 0.0], middle_knuckle: [x, y - 0.08, 0.0], tips };
+                let hand = Hand {
+                    side,
+                    score: 1.0,
+                    wrist: [x, y - 0.17, 0.0],
+                    middle_knuckle: [x, y - 0.08, 0.0],
+                    tips,
+                };
                 frame.hands.push(hand).unwrap();
             }
         }

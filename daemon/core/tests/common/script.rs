@@ -1,0 +1,145 @@
+//! Couples as they would come from a worker, part by part, and jobs taught from them.
+
+use andon_core::config::Method;
+use andon_core::couple::{Context, Couple, Couples, Motion};
+use andon_core::input::Side;
+use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
+use andon_core::segment::{Event, Segmenter};
+use andon_core::verdict::{Reason, Verdict};
+
+use super::bench::PERIOD_NS;
+
+/// What a hand does in one part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Motions {
+    /// It rests.
+    Still,
+    /// It moves in this direction.
+    Toward(i8),
+    /// It goes to and fro so many times.
+    Strokes(usize),
+}
+pub(crate) use Motions::{Still, Strokes, Toward};
+
+/// So many frames in one context.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub(crate) context: [u16; 4],
+    pub(crate) frames: usize,
+    pub(crate) motions: Motions,
+    pub(crate) sighted: bool,
+    pub(crate) seen: bool,
+}
+
+pub(crate) fn part(context: [u16; 4], frames: usize, motions: Motions) -> Part {
+    Part { context, frames, motions, sighted: true, seen: true }
+}
+
+pub(crate) fn idle(frames: usize) -> Part {
+    part([0; 4], frames, Still)
+}
+
+impl Part {
+    fn motion(&self, frame: usize) -> Motion {
+        let direction = match self.motions {
+            Still => 0,
+            Toward(direction) => direction,
+            Strokes(strokes) => [1, 5][frame * 2 * strokes / self.frames % 2],
+        };
+        match self.context {
+            [0, 0, 0, 0] => Motion::default(),
+            [0, 0, ..] => Motion([0, 0, 0, 0, 0, direction, 0]),
+            [_, _, _, 0] => Motion([0, 0, direction, 1, 0, 0, 0]),
+            _ => Motion([0, 0, direction, 1, 0, direction, 0]),
+        }
+    }
+}
+
+fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
+    let frames = parts.iter().flat_map(|part| (0..part.frames).map(move |frame| (part, frame)));
+    frames
+        .enumerate()
+        .map(|(place, (part, frame))| Couple {
+            motion: part.motion(frame),
+            context: Context(part.context),
+            distances: [0.01, 0.01],
+            sighted: part.sighted,
+            seen: part.seen,
+            ..Couple::idle(side, place as u64 * PERIOD_NS)
+        })
+        .collect()
+}
+
+/// The couples of both hands; the one with less to do is idle, and out of the picture, for the rest.
+pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
+    let [right, left] = [couples_of(Side::Right, right), couples_of(Side::Left, left)];
+    (0..right.len().max(left.len()))
+        .map(|place| {
+            let captured_ns = place as u64 * PERIOD_NS;
+            let hand = |couples: &[Couple], side| {
+                couples.get(place).copied().unwrap_or(Couple::idle(side, captured_ns))
+            };
+            let hands = [hand(&right, Side::Right), hand(&left, Side::Left)];
+            Couples { captured_ns, known_ns: captured_ns + 5 * PERIOD_NS, hands }
+        })
+        .collect()
+}
+
+/// The IUs of one hand, each with its filtered motions.
+pub(crate) fn ius(side: Side, parts: &[Part]) -> Vec<(andon_core::segment::Iu, Vec<Motion>)> {
+    let mut segmenter = Segmenter::new(side, &Method::default()).unwrap();
+    let mut ius = Vec::new();
+    let mut motions = Vec::new();
+    let mut take = |event: Event| match event {
+        Event::IuFrame { motion, .. } => motions.push(motion),
+        Event::IuEnded { iu, .. } => ius.push((iu, std::mem::take(&mut motions))),
+        _ => {}
+    };
+    let couples = couples_of(side, parts);
+    couples.iter().for_each(|couple| segmenter.step(couple, &mut take));
+    segmenter.finish(couples.len() as u64 * PERIOD_NS, &mut take);
+    ius
+}
+
+/// A job from one demonstration of each activity. Thresholds are 3, lengths may differ by half, turns by one.
+/// It is leaked: a test is short.
+pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
+    let nominal: Vec<NominalActivity<'static>> = activities
+        .iter()
+        .enumerate()
+        .map(|(number, parts)| {
+            let side = if parts[0].context[0] == 2 { Side::Left } else { Side::Right };
+            let ius: Vec<NominalIu<'static>> = ius(side, parts)
+                .into_iter()
+                .map(|(iu, motions)| NominalIu {
+                    context: iu.context,
+                    reference: motions.leak(),
+                    threshold: 3.0,
+                    frames: Bounds { least: iu.frames / 2, most: iu.frames + iu.frames / 2 },
+                    reversals: Bounds { least: iu.reversals.saturating_sub(1), most: iu.reversals + 1 },
+                })
+                .collect();
+            NominalActivity { activity: number as u16, ius: ius.leak() }
+        })
+        .collect();
+    Job { activities: nominal.leak(), order_matters: false, cost: LocalCost::Circular { bins: 8 } }
+}
+
+/// One verdict in short: `r0.1 IuOk`, `l2 ActivityAnomaly NotCompleted`, `JobOk`; `!` where it came before the end.
+pub(crate) fn short(verdict: &Verdict) -> String {
+    let side = match verdict.side {
+        Some(Side::Right) => "r",
+        Some(Side::Left) => "l",
+        None => "",
+    };
+    let place = match (verdict.side, verdict.iu) {
+        (Some(_), Some(iu)) => format!("{side}{}.{iu} ", verdict.activity),
+        (Some(_), None) => format!("{side}{} ", verdict.activity),
+        (None, _) => String::new(),
+    };
+    let reason = match verdict.reason {
+        Reason::None => String::new(),
+        reason => format!(" {reason:?}"),
+    };
+    format!("{place}{:?}{reason}{}", verdict.kind, if verdict.early { "!" } else { "" })
+}

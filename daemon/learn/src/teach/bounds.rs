@@ -27,6 +27,10 @@ impl Default for BoundsRule {
 }
 
 impl BoundsRule {
+    /// Bounds nothing, as in the paper.
+    pub const NONE: Self =
+        Self { shortest: 0.0, longest: f64::MAX, pause_s: 0.0, fewest: 0.0, most: f64::MAX };
+
     /// Bounds of duration, in frames, from those of the demonstrations.
     pub fn frames(&self, context: Context, rate_hz: f32, demonstrations: &[u32]) -> Bounds {
         let (least, most) = ends(demonstrations);
@@ -49,7 +53,8 @@ impl BoundsRule {
             return Bounds { least: 0, most: u32::MAX };
         }
         let fewest = if least < REPEATED { 0 } else { (self.fewest * f64::from(least)).round() as u32 };
-        Bounds { least: fewest, most: (self.most * f64::from(most)).ceil() as u32 + STRAY_REVERSALS }
+        let most = (self.most * f64::from(most.max(1))).ceil() as u32;
+        Bounds { least: fewest, most: most.saturating_add(STRAY_REVERSALS) }
     }
 }
 

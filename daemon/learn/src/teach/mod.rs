@@ -58,7 +58,7 @@ impl TeachOptions {
             program: concat!("andond ", env!("CARGO_PKG_VERSION")).to_owned(),
             cost: LocalCost::Circular { bins: method.bins },
             method,
-            rule: ThresholdRule::LeaveOneOut { sigmas: 4.0 },
+            rule: ThresholdRule::default(),
             bounds: BoundsRule::default(),
             order_matters: None,
         }

@@ -30,6 +30,13 @@ impl ThresholdRule {
     pub const PAPER: Self = Self::Paper { sigmas: 2.0 };
 }
 
+impl Default for ThresholdRule {
+    /// What measured best on held-out simulated people of the development seeds.
+    fn default() -> Self {
+        Self::LeaveOneOut { sigmas: 4.0 }
+    }
+}
+
 /// How the bounds of duration and of reversals come from the demonstrations.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]

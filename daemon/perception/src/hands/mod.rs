@@ -11,5 +11,8 @@ mod runtime;
 mod side;
 mod tracker;
 
+#[cfg(test)]
+mod tests;
+
 pub(crate) use models::OnnxModels;
 pub(crate) use tracker::Tracker;

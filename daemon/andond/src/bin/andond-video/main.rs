@@ -1,7 +1,7 @@
 //! The part of the daemon that links OpenCV's `videoio`: films and cameras in, films out.
 //!
 //! `andond-video decode FILE` and `andond-video encode FILE` serve the tools over a pipe (see [`andond::video`]);
-//! `andond-video capture ...` is the role `capture`, started by `andond run capture`.
+//! `andond-video run capture` is that role, into which `andond run capture` turns itself.
 
 mod sources;
 
@@ -9,11 +9,20 @@ use std::io::{BufReader, BufWriter, stdin, stdout};
 use std::path::Path;
 use std::process::ExitCode;
 
+use andond::cli::{self, Cli, Command, Role};
+use andond::config::{Config, Source as Configured};
+use andond::role;
 use andond::video::pipe::{PipeReader, PipeWriter};
+use andond::video::source::Source;
+use clap::Parser as _;
 use opencv::core::{Mat, Size, Vec3b};
 use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 
 fn main() -> ExitCode {
+    andond::exit::exit_on_panic();
+    if let Ok(Cli { command: Command::Run(run), .. }) = Cli::try_parse() {
+        return capture(&run);
+    }
     let arguments: Vec<std::ffi::OsString> = std::env::args_os().skip(1).collect();
     let outcome = match arguments.as_slice() {
         [verb, file] if verb == "decode" => decode(Path::new(file)),
@@ -25,6 +34,46 @@ fn main() -> ExitCode {
         Err(message) => {
             eprintln!("{message}");
             ExitCode::from(64)
+        }
+    }
+}
+
+/// The role `capture`.
+fn capture(run: &cli::Run) -> ExitCode {
+    match andond::tool::load_config(&run.config) {
+        Ok(config) if run.role == Role::Capture => {
+            role::run_with(&config, shm_schemas::RoleId::Capture, |node| {
+                role::capture::run(node, &config, open)
+            })
+            .into()
+        }
+        Ok(_) => andond::exit::Code::Usage.into(),
+        Err(failure) => {
+            eprintln!("{failure}");
+            failure.code().into()
+        }
+    }
+}
+
+/// Opens the source that the configuration names.
+fn open(config: &Config) -> Result<Box<dyn Source>, String> {
+    let camera = &config.camera;
+    let path = camera.path.clone().unwrap_or_default();
+    match camera.source {
+        Configured::Video | Configured::Images => {
+            sources::open(&path).map_err(|message| format!("{}: {message}", path.display()))
+        }
+        Configured::V4l2 => Ok(Box::new(sources::Device::open(
+            &camera.device,
+            camera.width,
+            camera.height,
+            f64::from(camera.rate_hz),
+        )?)),
+        Configured::Tracks => {
+            Err("a track file has no pictures: the role perceive plays it, capture is not needed".into())
+        }
+        Configured::Realsense | Configured::Bag => {
+            Err("this build has no RealSense support: build with --features realsense".into())
         }
     }
 }
@@ -55,8 +104,9 @@ fn encode(file: &Path) -> Result<(), String> {
     if !film.is_opened().map_err(said)? {
         return Err("cannot be written: does the folder exist, and does the name end in .mp4?".into());
     }
-    while let Some((_, picture)) = pipe.next_picture().map_err(|error| error.to_string())? {
-        let mat = Mat::new_rows_cols_with_bytes::<Vec3b>(size.height, size.width, picture).map_err(said)?;
+    while pipe.advance().map_err(|error| error.to_string())?.is_some() {
+        let mat =
+            Mat::new_rows_cols_with_bytes::<Vec3b>(size.height, size.width, pipe.picture()).map_err(said)?;
         film.write(&mat).map_err(said)?;
     }
     film.release().map_err(said)

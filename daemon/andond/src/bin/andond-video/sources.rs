@@ -24,10 +24,15 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>, String> {
 }
 
 /// Lets OpenCV write the next picture of `capture` into the caller's bytes; false at the end.
-fn read_in_place(capture: &mut VideoCapture, format: PictureFormat, picture: &mut [u8]) -> Result<bool, String> {
+fn read_in_place(
+    capture: &mut VideoCapture,
+    format: PictureFormat,
+    picture: &mut [u8],
+) -> Result<bool, String> {
     let at = picture.as_ptr();
-    let mut mat = Mat::new_rows_cols_with_bytes_mut::<Vec3b>(format.height as i32, format.width as i32, picture)
-        .map_err(|error| error.to_string())?;
+    let mut mat =
+        Mat::new_rows_cols_with_bytes_mut::<Vec3b>(format.height as i32, format.width as i32, picture)
+            .map_err(|error| error.to_string())?;
     let read = capture.read(&mut mat).map_err(|error| error.to_string())?;
     // OpenCV keeps the buffer it is given while size and type fit, and takes a new one where they do not.
     if read && mat.data() != at {
@@ -160,9 +165,13 @@ impl Device {
     /// Opens `/dev/videoN` and asks for a size and a rate; the device answers with the nearest that it has.
     pub(crate) fn open(path: &Path, width: u32, height: u32, rate_hz: f64) -> Result<Self, String> {
         if !path.exists() {
-            return Err(format!("{}: no such device; is the camera plugged in? `ls /dev/video*` lists them", path.display()));
+            return Err(format!(
+                "{}: no such device; is the camera plugged in? `ls /dev/video*` lists them",
+                path.display()
+            ));
         }
-        let mut capture = VideoCapture::from_file(path, videoio::CAP_V4L2).map_err(|error| error.to_string())?;
+        let mut capture =
+            VideoCapture::from_file(path, videoio::CAP_V4L2).map_err(|error| error.to_string())?;
         if !capture.is_opened().unwrap_or(false) {
             return Err(format!(
                 "{}: cannot be opened; is another program using it, and is this user in the group `video`?",

@@ -62,7 +62,8 @@ pub struct Plc {
 impl Default for Plc {
     fn default() -> Self {
         let loopback = IpAddr::V4(Ipv4Addr::LOCALHOST);
-        Self { enable: false, bind: loopback, port: 502, allow: vec![loopback], writes: false }
+        // Modbus' own port, 502, needs a right that the unit does without.
+        Self { enable: false, bind: loopback, port: 1502, allow: vec![loopback], writes: false }
     }
 }
 
@@ -79,7 +80,7 @@ impl Plc {
             "port",
             &mut self.port,
             within(1, 65_535, ""),
-            "The TCP port; 502 is Modbus'. Ports under 1024 need the unit, which has the right to open them.",
+            "The TCP port. Modbus' own is 502; a port under 1024 needs a right that the unit says how to give.",
         );
         k.key(
             "allow",

@@ -1,0 +1,327 @@
+//! The command line: one variant a command, one file a command in [`crate::tool`], one file a role in [`crate::role`].
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.
+#[derive(Debug, Parser)]
+#[command(name = "andond", version, propagate_version = true, max_term_width = 100)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The configuration that most commands read.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ConfigArgs {
+    /// Configuration files; a later one overrides an earlier one. [default: $ANDON_CONFIG, config/stations/demo.toml
+    /// below here, or /etc/andon/andon.toml]
+    #[arg(short, long = "config", value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Start every role, play the shipped clips and print what a technician would read
+    Demo(Demo),
+    /// Learn a job from recordings of correct runs
+    Teach(Teach),
+    /// Judge a recording by a taught job; exit 0 all correct, 1 anomaly found, 2 could not judge
+    Replay(Replay),
+    /// Print the ERUs, IUs, activities and the job of a recording
+    Segment(Segment),
+    /// Place the bench by a picture with four known markers
+    Calibrate(Calibrate),
+    /// Write what a running station sees to a track file
+    Record(Record),
+    /// Run one role of a station in this process
+    Run(Run),
+    /// Read the configuration and report every fault in it
+    Check(Check),
+    /// Print the annotated reference configuration, or the one in force
+    Config(ConfigCommand),
+    /// Follow the verdicts of a running station
+    Tail(Tail),
+    /// Show how every role of a running station is doing; exit 0 healthy, 1 not
+    Status(Status),
+    /// Query the journal
+    History(History),
+    /// Compare and cluster the IUs of a folder of recordings; write a report
+    Analyze(Analyze),
+    /// Repeat an experiment of the paper on a folder of recordings
+    Experiment(Experiment),
+}
+
+/// `andond demo`
+#[derive(Debug, Args)]
+pub struct Demo {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Folder with the clips
+    #[arg(long, default_value = "tests/footage")]
+    pub clips: PathBuf,
+    /// Job to watch; taught from the correct clips when the file is not there
+    #[arg(long, default_value = "config/jobs/polish-and-measure.toml")]
+    pub job: PathBuf,
+    /// Play as fast as the line goes, or at the clips' own rate
+    #[arg(long, value_enum, default_value_t = Speed::File)]
+    pub speed: Speed,
+    /// Write each clip with what was seen and judged drawn on it into this folder
+    #[arg(long, value_name = "FOLDER")]
+    pub annotate: Option<PathBuf>,
+}
+
+/// How fast a recording is played.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Speed {
+    /// At its own rate.
+    File,
+    /// As fast as the readers go; nothing is dropped.
+    Max,
+}
+
+/// `andond teach`
+#[derive(Debug, Args)]
+pub struct Teach {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Correct runs of the whole job: films, folders of pictures or track files
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// The job file to write
+    #[arg(short, long)]
+    pub out: PathBuf,
+    /// The number that a PLC selects the job by
+    #[arg(long, default_value_t = 1)]
+    pub id: u32,
+    /// Name of the job [default: the job file's]
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Rule for the thresholds
+    #[arg(long, value_enum)]
+    pub rule: Option<ThresholdRule>,
+    /// How motions are compared
+    #[arg(long, value_enum)]
+    pub cost: Option<Cost>,
+    /// Whether the order of the activities matters [default: where all runs agree on one]
+    #[arg(long)]
+    pub order: Option<bool>,
+}
+
+/// How thresholds are taught.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ThresholdRule {
+    /// The paper's: mean + 2 sigma of the distances to the own barycentre.
+    Paper,
+    /// Distance of each run to the barycentre of the others.
+    LeaveOneOut,
+    /// Leave-one-out distances at a stated false-alarm rate.
+    Conformal,
+}
+
+/// How motions are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cost {
+    /// The paper's: features are numbers.
+    Ordinal,
+    /// Directions are points on a circle.
+    Circular,
+}
+
+/// `andond replay`
+#[derive(Debug, Args)]
+pub struct Replay {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The taught job
+    #[arg(short, long)]
+    pub job: PathBuf,
+    /// A film, a folder of pictures or a track file
+    pub recording: PathBuf,
+    /// One JSON object a verdict on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Write the film with what was seen and judged drawn on it
+    #[arg(long, value_name = "FILE.mp4")]
+    pub annotate: Option<PathBuf>,
+}
+
+/// `andond segment`
+#[derive(Debug, Args)]
+pub struct Segment {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// A film, a folder of pictures or a track file
+    pub recording: PathBuf,
+    /// One JSON object an event on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Draw one lane per feature and context with IU and activity bands
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+}
+
+/// `andond calibrate`
+#[derive(Debug, Args)]
+pub struct Calibrate {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// A picture that shows the four markers
+    pub picture: PathBuf,
+    /// A marker that lies on the bench: its id and where its centre is, in metres; four of them
+    #[arg(long = "marker", value_name = "ID=X,Y", required = true)]
+    pub markers: Vec<String>,
+    /// Side of the markers' black square, in metres
+    #[arg(long, value_name = "METRES")]
+    pub side: f32,
+    /// The calibration file to write
+    #[arg(short, long)]
+    pub out: PathBuf,
+}
+
+/// `andond record`
+#[derive(Debug, Args)]
+pub struct Record {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The track file to write
+    #[arg(short, long)]
+    pub out: PathBuf,
+}
+
+/// `andond run`
+#[derive(Debug, Args)]
+pub struct Run {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The role
+    #[arg(value_enum)]
+    pub role: Role,
+}
+
+/// A role of the line, one process each, in the order of the data path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Role {
+    /// Owns every service, removes dead nodes
+    Steward,
+    /// Frames in
+    Capture,
+    /// Frames to detections
+    Perceive,
+    /// Detections to feature couples
+    Encode,
+    /// Feature couples to verdicts
+    Judge,
+    /// Verdicts to the journal
+    Journal,
+    /// Verdicts to the PLC
+    Plc,
+}
+
+/// `andond check`
+#[derive(Debug, Args)]
+pub struct Check {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+}
+
+/// `andond config`
+#[derive(Debug, Args)]
+pub struct ConfigCommand {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The annotated reference: every key, its meaning, unit, range and default
+    #[arg(long)]
+    pub default: bool,
+}
+
+/// `andond tail`
+#[derive(Debug, Args)]
+pub struct Tail {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// One JSON object a verdict
+    #[arg(long)]
+    pub json: bool,
+    /// Only anomalies and what could not be judged
+    #[arg(long)]
+    pub nok: bool,
+    /// Only this level
+    #[arg(long, value_enum)]
+    pub level: Option<Level>,
+}
+
+/// The level of a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Level {
+    /// Interaction Units.
+    Iu,
+    /// Activities.
+    Activity,
+    /// Jobs.
+    Job,
+}
+
+/// `andond status`
+#[derive(Debug, Args)]
+pub struct Status {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// One JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `andond history`
+#[derive(Debug, Args)]
+pub struct History {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Only what was decided after this time (RFC 3339) or in the last span (`90m`, `8h`, `7d`)
+    #[arg(long)]
+    pub since: Option<String>,
+    /// Only this job
+    #[arg(long)]
+    pub job: Option<u32>,
+    /// Only anomalies and what could not be judged
+    #[arg(long)]
+    pub nok: bool,
+    /// Comma-separated values instead of a table
+    #[arg(long)]
+    pub csv: bool,
+}
+
+/// `andond analyze`
+#[derive(Debug, Args)]
+pub struct Analyze {
+    /// Folder of recordings (track files)
+    pub recordings: PathBuf,
+    /// Folder to write the report into
+    #[arg(short, long)]
+    pub out: PathBuf,
+}
+
+/// `andond experiment`
+#[derive(Debug, Args)]
+pub struct Experiment {
+    /// Which experiment of the paper
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub number: u8,
+    /// Folder of recordings (track files)
+    pub recordings: PathBuf,
+}

@@ -1,0 +1,55 @@
+//! Perception as the configuration wants it.
+
+use andon_core::input::Side;
+use andon_perception::bench::Calibration;
+use andon_perception::config::{BenchConfig, HandsConfig, MarkerObject, MarkersConfig, ModelSize};
+use andon_perception::detections;
+use andon_perception::markers::Dictionary;
+use andon_perception::{Perceiver, PerceptionConfig, PerceptionError};
+
+use crate::config::{Config, HandModel};
+
+/// A perceiver for one stream of frames.
+///
+/// # Errors
+/// The model, the library or the calibration that is missing or damaged, and what to run.
+pub fn perceiver(config: &Config) -> Result<Perceiver, PerceptionError> {
+    let bench = match &config.bench.calibration {
+        Some(path) => BenchConfig::Calibrated(Calibration::load(path)?),
+        None => BenchConfig::FromMarkers,
+    };
+    Perceiver::new(&PerceptionConfig {
+        runtime: config.perception.models.clone(),
+        hands: hands(config),
+        markers: markers(config),
+        bench,
+    })
+}
+
+fn hands(config: &Config) -> HandsConfig {
+    let size = match config.perception.hand_model {
+        HandModel::Full => ModelSize::Full,
+        HandModel::Lite => ModelSize::Lite,
+    };
+    let side = |side: &Side| match side {
+        Side::Right => detections::Side::Right,
+        Side::Left => detections::Side::Left,
+    };
+    HandsConfig {
+        sides: config.perception.hands.iter().map(side).collect(),
+        palm_model: size,
+        landmark_model: size,
+        ..HandsConfig::default()
+    }
+}
+
+fn markers(config: &Config) -> MarkersConfig {
+    let objects =
+        config.objects.iter().map(|object| MarkerObject { id: object.id, side_m: object.marker_side_m });
+    let default = MarkersConfig::default();
+    MarkersConfig {
+        dictionary: Dictionary::named(config.perception.dictionary.word()).unwrap_or_default(),
+        objects: objects.collect(),
+        ..default
+    }
+}

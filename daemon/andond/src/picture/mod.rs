@@ -1,0 +1,6 @@
+//! Pictures for people: the film with what was seen and judged drawn on it.
+
+mod annotator;
+mod canvas;
+
+pub use annotator::Annotator;

@@ -1,0 +1,181 @@
+//! Recordings for the tools: a film, a folder of pictures or a track file, as frames for the method.
+//!
+//! A film is seen by the same perception that runs live, in this process.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+
+use andon_core::input::{Frame, Space};
+use andon_learn::recording::{Header, Landmarks, NamedObject, TrackError, TrackReader};
+use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
+use shm_schemas::Detections;
+
+use crate::config::Config;
+use crate::perception;
+use crate::video::pipe::PictureFormat;
+use crate::video::{Film, VideoError};
+use crate::wire;
+
+/// Why a recording cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordingError {
+    /// It is not there.
+    #[error("{path}: {source}; give a film, a folder of pictures or a track file (.tracks.jsonl)")]
+    Open {
+        /// The recording.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A track file with a fault.
+    #[error(transparent)]
+    Track(#[from] TrackError),
+    /// A film that cannot be read.
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    /// Perception cannot work.
+    #[error(transparent)]
+    Perception(#[from] PerceptionError),
+    /// A film shows markers, and no object has one.
+    #[error(
+        "{path}: a film needs the objects that it shows, and the configuration has none: name a station with --config FILE"
+    )]
+    NoObjects {
+        /// The film.
+        path: PathBuf,
+    },
+}
+
+/// A recording that is being read.
+pub struct Recording {
+    header: Header,
+    source: Source,
+}
+
+enum Source {
+    Tracks(Box<TrackReader<BufReader<File>>>),
+    Film(Box<Watched>),
+}
+
+struct Watched {
+    film: Film,
+    perceiver: Perceiver,
+    seen: Detections,
+    shown: u64,
+}
+
+/// The picture of the newest frame and what was seen in it.
+#[derive(Clone, Copy)]
+pub struct View<'a> {
+    /// Size and rate.
+    pub format: PictureFormat,
+    /// Pixels: blue, green, red.
+    pub picture: &'a [u8],
+    /// What was seen.
+    pub seen: &'a Detections,
+}
+
+impl Recording {
+    /// Opens a recording. A track file brings its objects and its space along; a film has the configuration's.
+    ///
+    /// # Errors
+    /// What is missing or damaged, with its place.
+    pub fn open(path: &Path, config: &Config) -> Result<Self, RecordingError> {
+        let is_tracks = path.extension().is_some_and(|ending| ending == "jsonl");
+        if is_tracks { Self::tracks(path) } else { Self::film(path, config) }
+    }
+
+    fn tracks(path: &Path) -> Result<Self, RecordingError> {
+        let file = File::open(path).map_err(|source| RecordingError::Open { path: path.into(), source })?;
+        let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
+        Ok(Self { header: reader.header().clone(), source: Source::Tracks(Box::new(reader)) })
+    }
+
+    fn film(path: &Path, config: &Config) -> Result<Self, RecordingError> {
+        if let Err(source) = std::fs::metadata(path) {
+            return Err(RecordingError::Open { path: path.into(), source });
+        }
+        if config.objects.is_empty() {
+            return Err(RecordingError::NoObjects { path: path.into() });
+        }
+        let perceiver = perception::perceiver(config)?;
+        let film = Film::open(path)?;
+        let shapes = config.shapes();
+        let objects = config.objects.iter().zip(shapes);
+        let header = Header {
+            rate_hz: film.format().rate_hz as f32,
+            space: Space::Plane,
+            hands: config.perception.hands.clone(),
+            landmarks: Landmarks::default(),
+            objects: objects
+                .map(|(object, shape)| NamedObject { name: object.name.clone(), shape })
+                .collect(),
+        };
+        let watched = Watched { film, perceiver, seen: Detections::default(), shown: 0 };
+        Ok(Self { header, source: Source::Film(Box::new(watched)) })
+    }
+
+    /// Rate, space, hands and objects.
+    pub fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// How many frames there are, where that is known beforehand.
+    pub fn count(&self) -> Option<u64> {
+        match &self.source {
+            Source::Tracks(_) => None,
+            Source::Film(watched) => Some(watched.film.format().count).filter(|&count| count > 0),
+        }
+    }
+
+    /// The next frame, in nanoseconds since the first; `None` after the last.
+    ///
+    /// # Errors
+    /// What is damaged, with its place.
+    pub fn next_frame(&mut self) -> Result<Option<Frame>, RecordingError> {
+        match &mut self.source {
+            Source::Tracks(reader) => Ok(reader.next().transpose()?),
+            Source::Film(watched) => watched.next_frame(),
+        }
+    }
+
+    /// What the film shows right now; a track file shows nothing.
+    pub fn view(&self) -> Option<View<'_>> {
+        match &self.source {
+            Source::Tracks(_) => None,
+            Source::Film(watched) => Some(View {
+                format: watched.film.format(),
+                picture: watched.film.picture(),
+                seen: &watched.seen,
+            }),
+        }
+    }
+
+    /// What a person should know of the recording after it was read: that it ended in mid-line.
+    pub fn warning(&self) -> Option<String> {
+        match &self.source {
+            Source::Tracks(reader) => reader.truncation().map(ToString::to_string),
+            Source::Film(_) => None,
+        }
+    }
+}
+
+impl Watched {
+    fn next_frame(&mut self) -> Result<Option<Frame>, RecordingError> {
+        let Some(pts_ns) = self.film.advance()? else { return Ok(None) };
+        let format = self.film.format();
+        let (width, height) = (format.width as usize, format.height as usize);
+        let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, self.film.picture())?;
+        self.shown += 1;
+        let seen = self.perceiver.perceive(image, pts_ns, self.shown)?;
+        self.seen = Detections {
+            source_ns: pts_ns,
+            width: format.width,
+            height: format.height,
+            ..Detections::default()
+        };
+        wire::detections::write(&seen, &mut self.seen);
+        Ok(Some(wire::detections::frame(&self.seen)))
+    }
+}

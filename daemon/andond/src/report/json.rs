@@ -1,0 +1,153 @@
+//! JSON lines. The names are an interface: programs outside read them (DESIGN 5).
+
+use andon_core::input::Side;
+use andon_core::verdict::{Kind, Verdict};
+use serde::Serialize;
+
+/// Seconds on the recording's own time.
+fn seconds(ns: u64) -> f64 {
+    ns as f64 / 1e9
+}
+
+pub(crate) fn side_name(side: Side) -> &'static str {
+    match side {
+        Side::Right => "right",
+        Side::Left => "left",
+    }
+}
+
+/// A distance as JSON can carry it: no number where there is none.
+fn number(value: Option<f32>) -> Option<f64> {
+    // Through the shortest decimal, so that 0.1 does not read 0.10000000149.
+    value.filter(|value| value.is_finite()).and_then(|value| value.to_string().parse().ok())
+}
+
+/// One verdict.
+#[derive(Debug, Serialize)]
+pub struct VerdictLine {
+    seq: u64,
+    kind: String,
+    reason: String,
+    hand: Option<&'static str>,
+    activity: Option<u16>,
+    iu: Option<u16>,
+    context: Option<[u16; 4]>,
+    distance: Option<f64>,
+    threshold: Option<f64>,
+    nearest: Option<u16>,
+    early: bool,
+    began_s: f64,
+    ended_s: f64,
+    decided_s: f64,
+}
+
+impl VerdictLine {
+    /// The line of verdict number `seq`.
+    pub fn new(seq: u64, verdict: &Verdict) -> Self {
+        let of_job = verdict.side.is_none();
+        Self {
+            seq,
+            kind: format!("{:?}", verdict.kind),
+            reason: format!("{:?}", verdict.reason),
+            hand: verdict.side.map(side_name),
+            activity: (!of_job).then_some(verdict.activity),
+            iu: verdict.iu,
+            context: (!of_job).then_some(verdict.context.0),
+            distance: number(verdict.distance),
+            threshold: number(verdict.threshold),
+            nearest: verdict.nearest,
+            early: verdict.early,
+            began_s: seconds(verdict.began_ns),
+            ended_s: seconds(verdict.ended_ns),
+            decided_s: seconds(verdict.decided_ns),
+        }
+    }
+}
+
+/// One event of the segmentation.
+#[derive(Debug, Serialize)]
+pub struct EventLine {
+    /// `eru`, `iu`, `activity` or `job`.
+    pub level: &'static str,
+    /// `right` or `left`; none for a job.
+    pub hand: Option<&'static str>,
+    /// `x_c`; of its first IU for an activity; none for a job.
+    pub context: Option<[u16; 4]>,
+    /// When it began, in seconds.
+    pub began_s: f64,
+    /// When it ended, in seconds.
+    pub ended_s: f64,
+}
+
+impl EventLine {
+    /// The line of an event of one hand.
+    pub fn new(level: &'static str, side: Side, context: [u16; 4], began_ns: u64, ended_ns: u64) -> Self {
+        Self {
+            level,
+            hand: Some(side_name(side)),
+            context: Some(context),
+            began_s: seconds(began_ns),
+            ended_s: seconds(ended_ns),
+        }
+    }
+
+    /// The line of a job.
+    pub fn job(began_ns: u64, ended_ns: u64) -> Self {
+        Self {
+            level: "job",
+            hand: None,
+            context: None,
+            began_s: seconds(began_ns),
+            ended_s: seconds(ended_ns),
+        }
+    }
+}
+
+/// Whether this verdict is on a whole job.
+pub(crate) fn is_job(verdict: &Verdict) -> bool {
+    matches!(verdict.kind, Kind::JobOk | Kind::JobAnomaly) || verdict.side.is_none()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use andon_core::couple::Context;
+    use andon_core::verdict::Reason;
+
+    fn verdict() -> Verdict {
+        Verdict {
+            kind: Kind::IuAnomaly,
+            reason: Reason::Motion,
+            side: Some(Side::Right),
+            nearest: Some(1),
+            activity: 0,
+            iu: Some(2),
+            context: Context([1, 5, 5, 6]),
+            distance: Some(1.1),
+            threshold: None,
+            early: true,
+            began_ns: 1_500_000_000,
+            ended_ns: 2_000_000_000,
+            decided_ns: 2_100_000_000,
+        }
+    }
+
+    #[test]
+    fn a_verdict_is_one_object_with_the_names_that_programs_read() {
+        let line = serde_json::to_string(&VerdictLine::new(7, &verdict())).unwrap();
+        assert_eq!(
+            line,
+            r#"{"seq":7,"kind":"IuAnomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1}"#
+        );
+    }
+
+    #[test]
+    fn a_job_verdict_has_no_hand_no_place_and_no_context() {
+        let job = Verdict { kind: Kind::JobOk, side: None, iu: None, ..verdict() };
+        let line: serde_json::Value = serde_json::to_value(VerdictLine::new(1, &job)).unwrap();
+        for key in ["hand", "activity", "iu", "context", "threshold"] {
+            assert!(line[key].is_null(), "{key}");
+        }
+    }
+}

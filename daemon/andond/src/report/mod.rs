@@ -1,0 +1,8 @@
+//! What people and programs read: verdicts and events as JSON lines, as sentences, as pictures.
+
+mod json;
+pub mod plot;
+mod words;
+
+pub use json::{EventLine, VerdictLine};
+pub use words::{Names, is_anomaly, verdict_sentence};

@@ -1,0 +1,206 @@
+//! A recording as a picture: one lane per feature and context, bands for IUs and activities (the paper's
+//! segmentation figure, for this recording).
+
+use std::fmt::Write as _;
+
+use andon_core::couple::Couple;
+
+use super::words::Names;
+
+/// A stretch of time with a label.
+#[derive(Clone, Debug)]
+pub struct Band {
+    /// What it is.
+    pub label: String,
+    /// When it began, in nanoseconds.
+    pub began_ns: u64,
+    /// When it ended, in nanoseconds.
+    pub ended_ns: u64,
+}
+
+/// All that is drawn of one hand.
+#[derive(Clone, Debug, Default)]
+pub struct Timeline {
+    /// Whose it is.
+    pub title: String,
+    /// Feature couples, one a frame of the grid.
+    pub couples: Vec<Couple>,
+    /// IUs in order.
+    pub ius: Vec<Band>,
+    /// Activities in order.
+    pub activities: Vec<Band>,
+}
+
+// Pixels: a page that a browser shows without scrolling sideways, lanes that a finger can point at.
+const WIDTH: f64 = 1200.0;
+const LEFT: f64 = 150.0;
+const RIGHT: f64 = 20.0;
+const LANE: f64 = 34.0;
+const GAP: f64 = 8.0;
+const HEAD: f64 = 34.0;
+
+/// The features of `x_m` in the paper's order and notation, with where their lane begins and ends.
+const FEATURES: [(&str, f64, f64); 7] = [
+    ("a hand", -1.0, 1.0),
+    ("θ hand → oj", 0.0, 8.0),
+    ("φ hand → oj", 0.0, 8.0),
+    ("jm hand, oj", 0.0, 1.0),
+    ("θ oj → ol", 0.0, 8.0),
+    ("φ oj → ol", 0.0, 8.0),
+    ("jm oj, ol", 0.0, 1.0),
+];
+
+/// Ten colours that stay apart for colour-blind eyes (Okabe and Ito, and two greys).
+const COLOURS: [&str; 10] = [
+    "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#999999", "#66aa55",
+    "#8888cc",
+];
+
+struct Axis {
+    began_ns: u64,
+    ended_ns: u64,
+}
+
+impl Axis {
+    fn x(&self, ns: u64) -> f64 {
+        let span = (self.ended_ns - self.began_ns).max(1) as f64;
+        LEFT + (WIDTH - LEFT - RIGHT) * ns.saturating_sub(self.began_ns) as f64 / span
+    }
+}
+
+/// Draws the timelines of all hands below each other as one SVG.
+pub fn draw(timelines: &[Timeline], names: &Names, bins: u8) -> String {
+    let times = || timelines.iter().flat_map(|timeline| &timeline.couples).map(|couple| couple.captured_ns);
+    let axis = Axis { began_ns: times().min().unwrap_or(0), ended_ns: times().max().unwrap_or(1) };
+    let mut body = String::new();
+    let mut y = 10.0;
+    for timeline in timelines {
+        y = draw_timeline(&mut body, timeline, names, bins, &axis, y);
+    }
+    y = draw_seconds(&mut body, &axis, y);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{y:.0}\" viewBox=\"0 0 {WIDTH} {y:.0}\" \
+         font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{body}</svg>\n"
+    )
+}
+
+fn draw_timeline(
+    out: &mut String,
+    timeline: &Timeline,
+    names: &Names,
+    bins: u8,
+    axis: &Axis,
+    mut y: f64,
+) -> f64 {
+    text(out, 10.0, y + 18.0, "start", "bold", &timeline.title);
+    y += HEAD;
+    for (title, bands) in [("activity", &timeline.activities), ("IU", &timeline.ius)] {
+        draw_bands(out, title, bands, axis, y);
+        y += LANE + GAP;
+    }
+    draw_context(out, timeline, names, axis, y);
+    y += LANE + GAP;
+    for (feature, (title, least, most)) in FEATURES.iter().enumerate() {
+        let values = || timeline.couples.iter().map(|couple| f64::from(couple.motion.0[feature]));
+        // Plane mode has no elevation: an empty lane says nothing.
+        if title.starts_with('θ') && values().all(|value| value == 0.0) {
+            continue;
+        }
+        let most = if *most > 1.0 { f64::from(bins) } else { *most };
+        draw_steps(out, title, (*least, most), timeline, feature, axis, y);
+        y += LANE + GAP;
+    }
+    y + GAP
+}
+
+fn draw_bands(out: &mut String, title: &str, bands: &[Band], axis: &Axis, y: f64) {
+    text(out, LEFT - 10.0, y + LANE / 2.0 + 4.0, "end", "normal", title);
+    let mut labels: Vec<&str> = bands.iter().map(|band| band.label.as_str()).collect();
+    labels.sort_unstable();
+    labels.dedup();
+    for band in bands {
+        let colour = labels.binary_search(&band.label.as_str()).map_or(0, |at| at % COLOURS.len());
+        let (x, end) = (axis.x(band.began_ns), axis.x(band.ended_ns));
+        rectangle(out, x, y, end - x, LANE, COLOURS[colour], &band.label);
+        // Some 6.5 pixels a letter: what does not fit is in the tool tip.
+        if (end - x) > 6.5 * band.label.chars().count() as f64 {
+            text(out, x + 4.0, y + LANE / 2.0 + 4.0, "start", "normal", &band.label);
+        }
+    }
+}
+
+fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axis, y: f64) {
+    text(out, LEFT - 10.0, y + LANE / 2.0 + 4.0, "end", "normal", "context");
+    let mut contexts: Vec<_> = timeline.couples.iter().map(|couple| couple.context).collect();
+    contexts.sort_unstable();
+    contexts.dedup();
+    for run in timeline.couples.chunk_by(|a, b| a.context == b.context && a.sighted == b.sighted) {
+        let (first, last) = (&run[0], &run[run.len() - 1]);
+        let x = axis.x(first.captured_ns);
+        let width = axis.x(last.captured_ns) - x;
+        let place = contexts.binary_search(&first.context).unwrap_or(0) as f64;
+        let step = LANE / contexts.len().max(1) as f64;
+        let label = format!("{:?} {}", first.context.0, names.context(first.context));
+        let colour = if first.sighted { "#333333" } else { "#cc3311" };
+        rectangle(out, x, y + LANE - (place + 1.0) * step, width.max(1.0), step, colour, &label);
+    }
+}
+
+fn draw_steps(
+    out: &mut String,
+    title: &str,
+    range: (f64, f64),
+    timeline: &Timeline,
+    feature: usize,
+    axis: &Axis,
+    y: f64,
+) {
+    text(out, LEFT - 10.0, y + LANE / 2.0 + 4.0, "end", "normal", title);
+    let _ = writeln!(
+        out,
+        "<rect x=\"{LEFT}\" y=\"{y:.1}\" width=\"{:.1}\" height=\"{LANE}\" fill=\"#f4f4f4\"/>",
+        WIDTH - LEFT - RIGHT
+    );
+    let mut path = String::new();
+    for couple in &timeline.couples {
+        let share = (f64::from(couple.motion.0[feature]) - range.0) / (range.1 - range.0).max(1.0);
+        let (x, level) = (axis.x(couple.captured_ns), y + LANE - 2.0 - (LANE - 4.0) * share.clamp(0.0, 1.0));
+        let _ = if path.is_empty() {
+            write!(path, "M{x:.1} {level:.1}")
+        } else {
+            write!(path, "H{x:.1}V{level:.1}")
+        };
+    }
+    let _ = writeln!(out, "<path d=\"{path}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1.2\"/>");
+}
+
+fn draw_seconds(out: &mut String, axis: &Axis, y: f64) -> f64 {
+    let span_s = (axis.ended_ns - axis.began_ns) as f64 / 1e9;
+    // About a dozen marks on whole seconds.
+    let step = (span_s / 12.0).ceil().max(1.0) as u64;
+    for second in (0..=span_s as u64).step_by(step as usize) {
+        let x = axis.x(axis.began_ns + second * 1_000_000_000);
+        text(out, x, y + 12.0, "middle", "normal", &format!("{second} s"));
+    }
+    y + 24.0
+}
+
+fn text(out: &mut String, x: f64, y: f64, anchor: &str, weight: &str, words: &str) {
+    let _ = writeln!(
+        out,
+        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-weight=\"{weight}\">{}</text>",
+        escape(words)
+    );
+}
+
+fn rectangle(out: &mut String, x: f64, y: f64, width: f64, height: f64, colour: &str, tip: &str) {
+    let _ = writeln!(
+        out,
+        "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{colour}\"><title>{}</title></rect>",
+        escape(tip)
+    );
+}
+
+fn escape(words: &str) -> String {
+    words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}

@@ -1,0 +1,122 @@
+//! Why a role cannot go on: the exit code and the code in the log.
+
+use andon_ipc::Error as Ipc;
+use andon_learn::job_file::JobFileError;
+use andon_learn::recording::TrackError;
+use andon_perception::PerceptionError;
+
+use crate::exit::Code;
+use crate::log::{code, log};
+
+/// Why a role cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum RoleError {
+    /// It was asked to stop in the middle of a step.
+    #[error("asked to stop")]
+    Stopped,
+    /// The station's shared memory.
+    #[error(transparent)]
+    Ipc(#[from] Ipc),
+    /// A model, a library or a calibration.
+    #[error(transparent)]
+    Perception(#[from] PerceptionError),
+    /// The camera or the recording.
+    #[error("{0}")]
+    Source(String),
+    /// The track file that is played.
+    #[error(transparent)]
+    Tracks(#[from] TrackError),
+    /// The job file.
+    #[error(transparent)]
+    JobFile(#[from] JobFileError),
+    /// A job file that cannot be read.
+    #[error("job {path}: {reason}")]
+    Job {
+        /// The file.
+        path: String,
+        /// Why.
+        reason: String,
+    },
+    /// The constants of the method or the objects.
+    #[error("the method cannot work with this configuration: {0}")]
+    Method(String),
+    /// A reader that a paced writer waits for does not go on.
+    #[error("no reader has taken anything for {0:?}")]
+    NoProgress(std::time::Duration),
+    /// A program that the role consists of.
+    #[error("cannot start {path}: {source}")]
+    Start {
+        /// The program.
+        path: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+impl RoleError {
+    /// Logs it, once, and gives the exit code.
+    pub fn report(&self) -> Code {
+        match self {
+            Self::Stopped => Code::Stopped,
+            Self::Ipc(error) => report_ipc(error),
+            Self::Perception(error) => {
+                match error {
+                    PerceptionError::Missing { what, .. } | PerceptionError::Corrupt { what, .. }
+                        if what.contains("ONNX Runtime") =>
+                    {
+                        log!(code::ONNXRUNTIME_MISSING, "{error}");
+                    }
+                    PerceptionError::Inference { .. } | PerceptionError::OpenCv { .. } => {
+                        log!(code::ROLE_FAILED, "{error}");
+                        return Code::Fault;
+                    }
+                    _ => log!(code::MODEL_MISSING, "{error}"),
+                }
+                Code::Configuration
+            }
+            Self::Source(message) => {
+                log!(code::RECORDING_DAMAGED, "{message}");
+                Code::Fault
+            }
+            Self::Tracks(error) => {
+                log!(code::RECORDING_DAMAGED, "{error}");
+                Code::Configuration
+            }
+            Self::JobFile(_) | Self::Job { .. } => {
+                log!(code::JOB_REFUSED, "{self}");
+                Code::Configuration
+            }
+            Self::Method(_) => {
+                log!(code::CONFIGURATION_REFUSED, "{self}");
+                Code::Configuration
+            }
+            Self::NoProgress(_) => {
+                log!(code::NO_PROGRESS, "{self}");
+                Code::NoProgress
+            }
+            Self::Start { .. } => {
+                log!(code::ROLE_FAILED, "{self}");
+                Code::Fault
+            }
+        }
+    }
+}
+
+fn report_ipc(error: &Ipc) -> Code {
+    match error {
+        Ipc::StationName { .. }
+        | Ipc::RootTooLong { .. }
+        | Ipc::RootNotAbsolute { .. }
+        | Ipc::RootNotWritable { .. } => {
+            log!(code::CONFIGURATION_REFUSED, "{error}");
+            return Code::Configuration;
+        }
+        Ipc::RootVanished { .. } => log!(code::ROOT_DELETED, "{error}"),
+        Ipc::NoRoom { .. } | Ipc::SharedMemory(_) => log!(code::SHM_FULL, "{error}"),
+        Ipc::StewardRunning { .. } => log!(code::STEWARD_TWICE, "{error}"),
+        Ipc::NoSteward { .. } => log!(code::STEWARD_MISSING, "{error}"),
+        Ipc::LayoutMismatch { .. } => log!(code::OTHER_VERSION, "{error}"),
+        _ => log!(code::SERVICE_UNUSABLE, "{error}"),
+    }
+    Code::Fault
+}

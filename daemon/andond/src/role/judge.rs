@@ -1,0 +1,257 @@
+//! `judge`: feature couples to verdicts, by the taught job.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use andon_core::anomaly;
+use andon_core::job::Job;
+use andon_core::verdict::{Kind, Verdict as CoreVerdict};
+use andon_ipc::{Node, Reader, Wake, Writer, utc_ns};
+use andon_learn::job_file::JobFile;
+use shm_schemas::{Command as CommandMessage, Couples, RoleId, Stamp, Verdict, flag};
+
+use super::{Pulse, RoleError, WAIT};
+use crate::config::Config;
+use crate::log::{code, log};
+use crate::report::{Names, verdict_sentence};
+use crate::wire::command::Command;
+use crate::wire::verdict::{Sender, station_name};
+use crate::wire::{self};
+
+/// Runs until it is asked to stop. A job that is loaded is watched in a session of its own.
+pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
+    let mut line = Line {
+        node,
+        couples: node.reader()?,
+        commands: node.reader()?,
+        verdicts: node.writer()?,
+        pulse: Pulse::new(node)?,
+        paced: false,
+    };
+    let mut job = config.station.job.clone();
+    loop {
+        let next = match &job {
+            Some(path) => watch(&mut line, config, path)?,
+            None => {
+                log!(code::NO_JOB, "no job is selected");
+                line.idle()?
+            }
+        };
+        match next {
+            Next::Stop => return Ok(()),
+            Next::Load { job_id, model_hash } => job = select(config, job_id, model_hash, job),
+        }
+    }
+}
+
+/// Why a session ended.
+enum Next {
+    Stop,
+    Load { job_id: u32, model_hash: u64 },
+}
+
+struct Line<'a> {
+    node: &'a Node,
+    couples: Reader<Couples>,
+    commands: Reader<CommandMessage>,
+    verdicts: Writer<Verdict>,
+    pulse: Pulse,
+    paced: bool,
+}
+
+/// Reads a job file.
+fn load(path: &Path) -> Result<JobFile, RoleError> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|error| RoleError::Job { path: name.clone(), reason: error.to_string() })?;
+    Ok(JobFile::parse(&name, &bytes)?)
+}
+
+/// Looks for the job that the PLC names beside the configured one. What does not fit leaves the old one in force.
+fn select(config: &Config, job_id: u32, model_hash: u64, running: Option<PathBuf>) -> Option<PathBuf> {
+    let folder = config.station.job.as_deref().and_then(Path::parent).unwrap_or(Path::new("/etc/andon/jobs"));
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let fits = |path: &PathBuf| {
+        load(path).is_ok_and(|file| file.id == job_id && (model_hash == 0 || file.model_hash() == model_hash))
+    };
+    match files.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).find(fits) {
+        Some(path) => Some(path),
+        None => {
+            log!(code::JOB_REFUSED, "no job {job_id} of the wanted version in {}", folder.display());
+            running
+        }
+    }
+}
+
+fn watch(line: &mut Line<'_>, config: &Config, path: &Path) -> Result<Next, RoleError> {
+    let file = load(path)?;
+    let sender = Sender {
+        job_id: file.id,
+        model_hash: file.model_hash(),
+        station: station_name(&config.station.name),
+    };
+    log!(code::JOB_LOADED, { job = %path.display() }, "watching the job {:?} ({})", file.name, path.display());
+    let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
+    file.with_job(|job| {
+        let session = Session {
+            line,
+            job,
+            file: &file,
+            sender,
+            names,
+            judge: judge(job, &file)?,
+            enabled: true,
+            newest: Stamp::default(),
+        };
+        session.run()
+    })
+}
+
+fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<anomaly::Judge<'j>, RoleError> {
+    anomaly::Judge::new(job, file.method).map_err(|error| RoleError::Method(format!("{error:?}")))
+}
+
+impl Line<'_> {
+    /// Without a job nothing is judged; only commands count.
+    fn idle(&mut self) -> Result<Next, RoleError> {
+        loop {
+            let wake =
+                self.node.wait(&mut [&mut self.couples, &mut self.commands, &mut self.verdicts], WAIT)?;
+            if wake == Wake::Stop {
+                return Ok(Next::Stop);
+            }
+            while self.couples.take()?.is_some() {}
+            while let Some(message) = self.commands.take()? {
+                if let Some(Command::LoadJob { job_id, model_hash }) = wire::command::read(&message) {
+                    return Ok(Next::Load { job_id, model_hash });
+                }
+            }
+            self.pulse.beat(&wake)?;
+        }
+    }
+}
+
+/// One job being watched.
+struct Session<'s, 'l, 'j> {
+    line: &'s mut Line<'l>,
+    job: &'j Job<'j>,
+    file: &'s JobFile,
+    sender: Sender,
+    names: Names,
+    judge: anomaly::Judge<'j>,
+    enabled: bool,
+    newest: Stamp,
+}
+
+impl Session<'_, '_, '_> {
+    fn run(mut self) -> Result<Next, RoleError> {
+        loop {
+            let line = &mut *self.line;
+            let wake =
+                line.node.wait(&mut [&mut line.couples, &mut line.commands, &mut line.verdicts], WAIT)?;
+            if wake == Wake::Stop {
+                return Ok(Next::Stop);
+            }
+            while let Some(message) = self.line.commands.take()? {
+                if let Some(next) = self.obey(&message)? {
+                    return Ok(next);
+                }
+            }
+            while let Some(couples) = self.line.couples.take()? {
+                self.step(&couples)?;
+            }
+            let (lost, restarts) = (self.line.couples.lost(), self.line.couples.restarts());
+            self.line.pulse.losses(lost, restarts);
+            self.line.pulse.beat(&wake)?;
+        }
+    }
+
+    fn obey(&mut self, message: &CommandMessage) -> Result<Option<Next>, RoleError> {
+        let Some(command) = wire::command::read(message) else { return Ok(None) };
+        log!(code::COMMAND, "{command:?}");
+        match command {
+            Command::Enable => self.enabled = true,
+            Command::Disable => {
+                self.finish()?;
+                self.enabled = false;
+            }
+            Command::Start => self.judge_with(|judge, emit| judge.start(emit))?,
+            Command::Abort => self.finish()?,
+            Command::LoadJob { job_id, model_hash } => {
+                self.finish()?;
+                return Ok(Some(Next::Load { job_id, model_hash }));
+            }
+        }
+        Ok(None)
+    }
+
+    fn step(&mut self, couples: &Couples) -> Result<(), RoleError> {
+        let began = Instant::now();
+        self.newest = couples.stamp;
+        self.line.pulse.received(&couples.stamp);
+        let paced = couples.flags & flag::PACED != 0;
+        if paced != self.line.paced {
+            self.line.paced = paced;
+            self.line.verdicts.follow(if paced { &[RoleId::Journal] } else { &[] });
+        }
+        if couples.flags & flag::END_OF_STREAM != 0 {
+            self.finish()?;
+            self.line.pulse.finished();
+        } else if self.enabled {
+            let couples = wire::couples::read(couples);
+            self.judge_with(|judge, emit| judge.step(&couples, emit))?;
+        }
+        self.line.pulse.stepped(began.elapsed());
+        Ok(())
+    }
+
+    /// Ends the job; what comes next belongs to a new one.
+    fn finish(&mut self) -> Result<(), RoleError> {
+        self.judge_with(|judge, emit| judge.finish(emit))?;
+        self.judge = judge(self.job, self.file)?;
+        Ok(())
+    }
+
+    /// Lets the judge say something, and publishes it.
+    fn judge_with(
+        &mut self,
+        act: impl FnOnce(&mut anomaly::Judge<'_>, &mut dyn FnMut(CoreVerdict)),
+    ) -> Result<(), RoleError> {
+        let mut outcome = Ok(());
+        let Self { line, judge, sender, names, newest, .. } = self;
+        act(judge, &mut |verdict| {
+            if outcome.is_ok() {
+                tell(&verdict, names);
+                outcome = publish(line, sender, newest, &verdict);
+            }
+        });
+        outcome
+    }
+}
+
+fn publish(
+    line: &mut Line<'_>,
+    sender: &Sender,
+    rests_on: &Stamp,
+    verdict: &CoreVerdict,
+) -> Result<(), RoleError> {
+    super::wait_for_room(line.node, &mut line.verdicts, &mut line.pulse)?;
+    let mut message = line.verdicts.loan()?;
+    message.follow(rests_on);
+    wire::verdict::write(verdict, sender, utc_ns(), &mut message);
+    line.verdicts.send(message)?;
+    line.pulse.sent();
+    Ok(())
+}
+
+/// What a technician reads: jobs and anomalies, each IU only on request.
+fn tell(verdict: &CoreVerdict, names: &Names) {
+    let sentence = verdict_sentence(verdict, names);
+    match verdict.kind {
+        Kind::IuOk | Kind::ActivityOk => tracing::debug!("{sentence}"),
+        Kind::JobOk => log!(code::JOB_OK, "{sentence}"),
+        Kind::JobAnomaly => log!(code::JOB_ANOMALY, "{sentence}"),
+        Kind::IuAnomaly | Kind::ActivityAnomaly => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
+        Kind::NotJudged => log!(code::NOT_JUDGED, "{sentence}"),
+    }
+}

@@ -1,0 +1,94 @@
+//! What a person runs, one file a command.
+
+pub mod demo;
+mod job;
+pub mod replay;
+pub mod segment;
+pub mod teach;
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::cli::ConfigArgs;
+use crate::config::{Config, Faults};
+use crate::exit::Code;
+use crate::recording::RecordingError;
+
+/// Where a configuration is looked for when none is named: below the folder of a source tree, then of an installation.
+const DEFAULT_CONFIGS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/andon.toml"];
+
+/// Why a command ended, with the exit code that says so.
+#[derive(Debug)]
+pub struct Failure {
+    code: Code,
+    message: String,
+}
+
+impl Failure {
+    /// A failure with its exit code.
+    pub fn new(code: Code, message: impl fmt::Display) -> Self {
+        Self { code, message: message.to_string() }
+    }
+
+    /// What the process ends with.
+    pub fn code(&self) -> Code {
+        self.code
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        let code = match error {
+            RecordingError::Perception(_) => Code::Configuration,
+            _ => Code::Usage,
+        };
+        Self::new(code, error)
+    }
+}
+
+impl From<Faults> for Failure {
+    fn from(faults: Faults) -> Self {
+        Self::new(Code::Configuration, faults)
+    }
+}
+
+/// Reads the configuration that the arguments name, or the one that lies where it is looked for.
+///
+/// # Errors
+/// Every fault in it.
+pub fn load_config(arguments: &ConfigArgs) -> Result<Config, Failure> {
+    Ok(Config::load(&config_files(arguments))?)
+}
+
+/// The configuration files that are in force.
+pub fn config_files(arguments: &ConfigArgs) -> Vec<PathBuf> {
+    if !arguments.files.is_empty() {
+        return arguments.files.clone();
+    }
+    if let Some(named) = std::env::var_os("ANDON_CONFIG") {
+        return vec![named.into()];
+    }
+    DEFAULT_CONFIGS.iter().map(PathBuf::from).find(|path| path.exists()).into_iter().collect()
+}
+
+/// A bar on standard error, which shows nothing where that is no terminal.
+pub fn progress(count: Option<u64>, what: &Path) -> ProgressBar {
+    let name = what.file_name().unwrap_or(what.as_os_str()).to_string_lossy().into_owned();
+    let (bar, template) = match count {
+        Some(count) => {
+            (ProgressBar::new(count), "{msg:28} [{bar:32}] {pos}/{len} frames, {per_sec}, {eta} left")
+        }
+        None => (ProgressBar::new_spinner(), "{msg:28} {spinner} {pos} frames, {per_sec}"),
+    };
+    // The templates above are constants that are well formed.
+    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    bar.with_style(style.progress_chars("=> ")).with_message(name)
+}

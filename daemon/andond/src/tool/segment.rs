@@ -1,0 +1,148 @@
+//! `andond segment`: the ERUs, IUs, activities and the job of a recording (paper III-B).
+
+use std::io::{Write, stdout};
+
+use andon_core::couple::{Couple, Encoder};
+use andon_core::input::Side;
+use andon_core::segment::{Event, JobSegmenter};
+
+use super::{Failure, load_config, progress};
+use crate::cli::Segment;
+use crate::config::Config;
+use crate::exit::Code;
+use crate::recording::Recording;
+use crate::report::plot::{self, Band, Timeline};
+use crate::report::{EventLine, Names};
+
+/// Runs the command.
+///
+/// # Errors
+/// What is missing or damaged.
+pub fn run(arguments: &Segment) -> Result<Code, Failure> {
+    let config = load_config(&arguments.config)?;
+    let mut recording = Recording::open(&arguments.recording, &config)?;
+    let names =
+        Names::new(recording.header().objects.iter().map(|object| (object.shape.id, object.name.clone())));
+    let segmented = segment(&mut recording, &config, arguments)?;
+    let printed =
+        if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };
+    printed.map_err(|error| Failure::new(Code::Fault, error))?;
+    if let Some(file) = &arguments.plot {
+        let picture = plot::draw(&segmented.timelines(&names), &names, config.method.bins);
+        std::fs::write(file, picture)
+            .map_err(|error| Failure::new(Code::Usage, format!("{}: {error}", file.display())))?;
+    }
+    Ok(Code::Stopped)
+}
+
+#[derive(Default)]
+struct Segmented {
+    couples: Vec<Couple>,
+    lines: Vec<EventLine>,
+}
+
+fn segment(recording: &mut Recording, config: &Config, arguments: &Segment) -> Result<Segmented, Failure> {
+    let method = andon_core::config::Method { space: recording.header().space, ..config.method() };
+    let refused =
+        |error: &dyn std::fmt::Debug| Failure::new(Code::Configuration, format!("[method]: {error:?}"));
+    let mut encoder = Encoder::new(method, &recording.header().shapes()).map_err(|error| refused(&error))?;
+    let mut segmenter = JobSegmenter::new(&method).map_err(|error| refused(&error))?;
+    let mut segmented = Segmented::default();
+    let bar = progress(recording.count(), &arguments.recording);
+    let mut take = |couples: andon_core::couple::Couples| {
+        segmented.couples.extend(couples.hands);
+        segmenter.step(&couples, &mut |event| segmented.lines.extend(line(event)));
+    };
+    while let Some(frame) = recording.next_frame()? {
+        bar.inc(1);
+        // Frames that come late are counted; a recording has none but where its clock was stepped.
+        let _ = encoder.step(&frame, &mut take);
+    }
+    encoder.flush(&mut take);
+    segmenter.finish(&mut |event| segmented.lines.extend(line(event)));
+    bar.finish_and_clear();
+    if let Some(warning) = recording.warning() {
+        eprintln!("{warning}");
+    }
+    segmented.lines.sort_by(|a, b| a.began_s.total_cmp(&b.began_s));
+    Ok(segmented)
+}
+
+fn line(event: Event) -> Option<EventLine> {
+    Some(match event {
+        Event::Eru { side, context, began_ns, ended_ns, .. } => {
+            EventLine::new("eru", side, context.0, began_ns, ended_ns)
+        }
+        Event::IuEnded { side, iu } => EventLine::new("iu", side, iu.context.0, iu.began_ns, iu.ended_ns),
+        Event::ActivityEnded { side, context, began_ns, ended_ns } => {
+            EventLine::new("activity", side, context.0, began_ns, ended_ns)
+        }
+        Event::JobEnded { began_ns, ended_ns } => EventLine::job(began_ns, ended_ns),
+        Event::JobBegan { .. }
+        | Event::ActivityBegan { .. }
+        | Event::IuBegan { .. }
+        | Event::IuFrame { .. } => {
+            return None;
+        }
+    })
+}
+
+fn print_json(lines: &[EventLine]) -> std::io::Result<()> {
+    let mut out = stdout().lock();
+    for line in lines {
+        serde_json::to_writer(&mut out, line)?;
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+fn print_text(lines: &[EventLine], names: &Names) -> std::io::Result<()> {
+    let mut out = stdout().lock();
+    // ERUs come by the dozen: they are for programs and for the picture.
+    for line in lines.iter().filter(|line| line.level != "eru") {
+        let indent = match line.level {
+            "job" => "",
+            "activity" => "  ",
+            _ => "    ",
+        };
+        let what = line
+            .context
+            .map(|context| names.context(andon_core::couple::Context(context)))
+            .unwrap_or_default();
+        let hand = line.hand.unwrap_or("");
+        writeln!(
+            out,
+            "{:8.2} .. {:8.2} s  {hand:5}  {indent}{} {what}",
+            line.began_s, line.ended_s, line.level
+        )?;
+    }
+    Ok(())
+}
+
+impl Segmented {
+    /// One timeline for each hand that touches anything.
+    fn timelines(&self, names: &Names) -> Vec<Timeline> {
+        let hands = [(Side::Right, "right"), (Side::Left, "left")];
+        let timeline = |(side, title): (Side, &str)| Timeline {
+            title: format!("{title} hand"),
+            couples: self.couples.iter().filter(|couple| couple.side == side).copied().collect(),
+            ius: self.bands("iu", title, names),
+            activities: self.bands("activity", title, names),
+        };
+        hands.map(timeline).into_iter().filter(|timeline| !timeline.ius.is_empty()).collect()
+    }
+
+    fn bands(&self, level: &str, hand: &str, names: &Names) -> Vec<Band> {
+        let nanoseconds = |seconds: f64| (seconds * 1e9).round() as u64;
+        let of = self.lines.iter().filter(|line| line.level == level && line.hand == Some(hand));
+        of.map(|line| Band {
+            label: line
+                .context
+                .map(|context| names.context(andon_core::couple::Context(context)))
+                .unwrap_or_default(),
+            began_ns: nanoseconds(line.began_s),
+            ended_ns: nanoseconds(line.ended_s),
+        })
+        .collect()
+    }
+}

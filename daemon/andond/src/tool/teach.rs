@@ -1,0 +1,144 @@
+//! `andond teach`: from recordings of correct runs to a job file.
+
+use std::path::Path;
+use std::sync::Mutex;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use andon_core::config::Method;
+use andon_core::job::LocalCost;
+use andon_learn::job_file::sha256_hex;
+use andon_learn::recording as learn;
+use andon_learn::run::Run;
+use andon_learn::teach::{TeachOptions, ThresholdRule, teach};
+
+use super::{Failure, load_config, progress};
+use crate::cli::{self, Cost, Teach};
+use crate::config::Config;
+use crate::exit::Code;
+use crate::recording::Recording;
+
+/// Share of correct executions that the rule `conformal` may accuse.
+const FALSE_ALARMS: f64 = 0.01;
+
+/// Runs the command.
+///
+/// # Errors
+/// What is missing or damaged, or why nothing can be learnt from it.
+pub fn run(arguments: &Teach) -> Result<Code, Failure> {
+    let config = load_config(&arguments.config)?;
+    let method = common_method(&arguments.recordings, &config)?;
+    let runs = read_runs(&arguments.recordings, &config, &method)?;
+    let name = arguments.name.clone().unwrap_or_else(|| stem(&arguments.out));
+    let mut options = TeachOptions::new(&name, &today(), method);
+    options.id = arguments.id;
+    options.order_matters = arguments.order;
+    if let Some(cost) = arguments.cost {
+        options.cost = match cost {
+            Cost::Ordinal => LocalCost::Ordinal,
+            Cost::Circular => LocalCost::Circular { bins: method.bins },
+        };
+    }
+    if let Some(rule) = arguments.rule {
+        options.rule = match rule {
+            cli::ThresholdRule::Paper => ThresholdRule::PAPER,
+            cli::ThresholdRule::LeaveOneOut => TeachOptions::new(&name, "", method).rule,
+            cli::ThresholdRule::Conformal => ThresholdRule::Conformal { false_alarms: FALSE_ALARMS },
+        };
+    }
+    let (job, report) = teach(&runs, &options).map_err(|error| Failure::new(Code::Usage, error))?;
+    std::fs::write(&arguments.out, job.to_toml())
+        .map_err(|error| Failure::new(Code::Usage, format!("{}: {error}", arguments.out.display())))?;
+    println!("{report}");
+    println!("written: {}", arguments.out.display());
+    Ok(Code::Stopped)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| "job".into())
+}
+
+/// The day in UTC, as provenance has it.
+fn today() -> String {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    jiff::Timestamp::from_second(since_1970.as_secs() as i64)
+        .map(|now| now.strftime("%Y-%m-%d").to_string())
+        .unwrap_or_default()
+}
+
+/// The constants of the method in the space that all recordings share.
+fn common_method(recordings: &[impl AsRef<Path>], config: &Config) -> Result<Method, Failure> {
+    let mut space = None;
+    for path in recordings {
+        let recording = Recording::open(path.as_ref(), config)?;
+        let own = recording.header().space;
+        if *space.get_or_insert(own) != own {
+            let message = format!(
+                "{}: recordings in plane and in metric coordinates cannot be mixed",
+                path.as_ref().display()
+            );
+            return Err(Failure::new(Code::Usage, message));
+        }
+    }
+    Ok(Method { space: space.unwrap_or(config.method.space), ..config.method() })
+}
+
+/// Reads the recordings, two at a time: one is decoded in a process of its own while another is looked at.
+fn read_runs(
+    recordings: &[std::path::PathBuf],
+    config: &Config,
+    method: &Method,
+) -> Result<Vec<Run>, Failure> {
+    let next = Mutex::new(0..recordings.len());
+    let runs: Mutex<Vec<Option<Result<Run, Failure>>>> =
+        Mutex::new((0..recordings.len()).map(|_| None).collect());
+    let work = || {
+        // A poisoned lock means that another worker panicked, which ends the process anyway.
+        while let Some(place) = next.lock().ok().and_then(|mut next| next.next()) {
+            let run = read_run(&recordings[place], config, method);
+            if let Ok(mut runs) = runs.lock() {
+                runs[place] = Some(run);
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from).min(recordings.len()) {
+            scope.spawn(work);
+        }
+    });
+    runs.into_inner().unwrap_or_default().into_iter().flatten().collect()
+}
+
+fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, Failure> {
+    let unreadable =
+        |error: &dyn std::fmt::Display| Failure::new(Code::Usage, format!("{}: {error}", path.display()));
+    let mut recording = Recording::open(path, config)?;
+    let bar = progress(recording.count(), path);
+    let mut frames = Vec::new();
+    while let Some(frame) = recording.next_frame()? {
+        frames.push(frame);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    if let Some(warning) = recording.warning() {
+        eprintln!("{warning}");
+    }
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let sha256 = sha256_hex(&bytes_of(path).map_err(|error| unreadable(&error))?);
+    let recording = learn::Recording { header: recording.header().clone(), frames, truncation: None };
+    Run::new(&name, &sha256, &recording, method).map_err(|error| unreadable(&error))
+}
+
+/// What the hash of a recording is taken of: a file, or the pictures of a folder one after the other.
+fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
+    if !path.is_dir() {
+        return std::fs::read(path);
+    }
+    let mut files: Vec<_> =
+        std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
+    files.sort();
+    let mut bytes = Vec::new();
+    for file in files.iter().filter(|file| file.is_file()) {
+        bytes.extend(std::fs::read(file)?);
+    }
+    Ok(bytes)
+}

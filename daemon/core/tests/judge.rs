@@ -1,0 +1,447 @@
+//! The judge, from scripted couples: what a worker does, and what is said about it.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use andon_core::anomaly::{Judge, Unusable};
+use andon_core::config::Method;
+use andon_core::couple::Couples;
+use andon_core::job::{Bounds, Job, NominalActivity, NominalIu};
+use andon_core::verdict::{Kind, Reason, Verdict};
+use common::bench::PERIOD_NS;
+use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
+
+fn polish(strokes: usize) -> [Part; 4] {
+    [
+        part([1, 5, 0, 0], 30, Toward(3)),
+        part([1, 5, 5, 6], 16 * strokes, Strokes(strokes)),
+        part([1, 5, 0, 0], 30, Toward(7)),
+        idle(20),
+    ]
+}
+
+fn measure() -> [Part; 4] {
+    [
+        part([1, 6, 0, 0], 30, Toward(5)),
+        part([1, 6, 6, 3], 40, Still),
+        part([0, 0, 6, 3], 20, Still),
+        idle(20),
+    ]
+}
+
+fn polish_and_measure() -> Job<'static> {
+    teach(&[&polish(6), &measure()])
+}
+
+fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
+    let mut judge = Judge::new(job, Method::default()).unwrap();
+    let mut verdicts = Vec::new();
+    for couples in couples {
+        judge.step(couples, &mut |verdict| verdicts.push(verdict));
+    }
+    judge.finish(&mut |verdict| verdicts.push(verdict));
+    verdicts
+}
+
+#[track_caller]
+fn expect(job: &Job<'_>, right: &[Part], said: &[&str]) -> Vec<Verdict> {
+    let verdicts = judged(job, &stream(right, &[]));
+    assert_eq!(verdicts.iter().map(short).collect::<Vec<_>>(), said);
+    verdicts
+}
+
+const POLISH_OK: [&str; 4] = ["r0.0 IuOk", "r0.1 IuOk", "r0.2 IuOk", "r0 ActivityOk!"];
+
+#[test]
+fn a_job_done_as_taught_is_right_and_said_at_once() {
+    let right = [polish(6), measure()].concat();
+    let verdicts = expect(
+        &polish_and_measure(),
+        &right,
+        &[&POLISH_OK[..], &["r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk!", "r1 ActivityOk!", "JobOk"]].concat(),
+    );
+    // The frame in which the brick is let go ends the job.
+    let release = (30 + 96 + 30 + 20 + 30 + 40) * PERIOD_NS;
+    let job = verdicts.last().unwrap();
+    assert_eq!((job.began_ns, job.ended_ns, job.decided_ns), (0, release, release + 5 * PERIOD_NS));
+    assert_eq!(job.activity, 2);
+    let stroke = &verdicts[1];
+    assert_eq!((stroke.nearest, stroke.threshold, stroke.distance), (Some(0), Some(3.0), Some(0.0)));
+    assert_eq!((stroke.began_ns, stroke.ended_ns), (30 * PERIOD_NS, 126 * PERIOD_NS));
+}
+
+#[test]
+fn polishing_cut_short_is_too_short_although_dtw_forgives_it() {
+    let right = [polish(3), measure()].concat();
+    let verdicts = expect(
+        &polish_and_measure(),
+        &right,
+        &[
+            "r0.0 IuOk",
+            "r0.1 IuAnomaly TooShort",
+            "r0 ActivityAnomaly TooShort!",
+            "r0.2 IuOk",
+            "r1.0 IuOk",
+            "r1.1 IuOk",
+            "r1.2 IuOk!",
+            "r1 ActivityOk!",
+            "JobAnomaly TooShort",
+        ],
+    );
+    assert!(verdicts[1].distance.unwrap() <= verdicts[1].threshold.unwrap());
+}
+
+#[test]
+fn a_wrong_object_is_said_when_it_is_touched_and_what_follows_is_judged_on_its_own() {
+    let wrong = polish(6).map(|mut part| {
+        part.context = part.context.map(|id| if id == 5 { 3 } else { id });
+        part
+    });
+    let right = [&wrong[..], &measure()].concat();
+    let verdicts = expect(
+        &polish_and_measure(),
+        &right,
+        &[
+            "r0.0 IuAnomaly WrongObject!",
+            "r0 ActivityAnomaly WrongObject!",
+            "r0.1 IuAnomaly WrongObject!",
+            "r0.2 IuAnomaly WrongObject!",
+            "r1.0 IuOk",
+            "r1.1 IuOk",
+            "r1.2 IuOk!",
+            "r1 ActivityOk!",
+            "JobAnomaly WrongObject",
+        ],
+    );
+    assert_eq!(verdicts[0].ended_ns, 0);
+    assert_eq!(verdicts[0].nearest, None);
+}
+
+#[test]
+fn the_wrong_order_is_said_at_the_first_touch_if_order_matters() {
+    let right = [measure(), polish(6)].concat();
+    let job = Job { order_matters: true, ..polish_and_measure() };
+    let verdicts = expect(
+        &job,
+        &right,
+        &[
+            "r0 ActivityAnomaly WrongOrder!",
+            "r0.0 IuOk",
+            "r0.1 IuOk",
+            "r0.2 IuOk!",
+            "r1.0 IuOk",
+            "r1.1 IuOk",
+            "r1.2 IuOk",
+            "r1 ActivityOk!",
+            "JobAnomaly WrongOrder",
+        ],
+    );
+    assert_eq!((verdicts[0].nearest, verdicts[0].decided_ns), (Some(1), 5 * PERIOD_NS));
+}
+
+#[test]
+fn any_order_is_right_if_it_does_not_matter() {
+    let right = [measure(), polish(6)].concat();
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    assert_eq!(verdicts.last().unwrap().kind, Kind::JobOk);
+}
+
+#[test]
+fn a_step_left_out_makes_activity_and_job_incomplete() {
+    // The brick is taken, moved a little and put down; it never goes to the meter.
+    let right = [&polish(6)[..], &[part([1, 6, 0, 0], 30, Toward(5)), idle(20)]].concat();
+    let verdicts = expect(
+        &polish_and_measure(),
+        &right,
+        &[&POLISH_OK[..], &["r1.0 IuOk", "r1 ActivityAnomaly NotCompleted", "JobAnomaly NotCompleted"]].concat(),
+    );
+    assert_eq!(verdicts[5].nearest, Some(1));
+}
+
+#[test]
+fn an_activity_left_out_makes_the_job_incomplete_and_is_named() {
+    let verdicts = expect(
+        &polish_and_measure(),
+        &polish(6),
+        &[&POLISH_OK[..], &["JobAnomaly NotCompleted"]].concat(),
+    );
+    assert_eq!(verdicts[4].nearest, Some(1));
+}
+
+#[test]
+fn an_activity_done_twice_is_said_at_its_second_touch() {
+    let right = [&polish(6)[..], &polish(6), &measure()].concat();
+    expect(
+        &polish_and_measure(),
+        &right,
+        &[
+            &POLISH_OK[..],
+            &["r1 ActivityAnomaly WrongOrder!", "r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk"],
+            &["r2.0 IuOk", "r2.1 IuOk", "r2.2 IuOk!", "r2 ActivityOk!", "JobAnomaly WrongOrder"],
+        ]
+        .concat(),
+    );
+}
+
+#[test]
+fn a_wrong_motion_is_said_in_the_middle_of_it() {
+    let mut right = polish(6).to_vec();
+    right[1].motions = Toward(3);
+    let verdicts = expect(
+        &polish_and_measure(),
+        &right,
+        &[
+            "r0.0 IuOk",
+            "r0.1 IuAnomaly Motion!",
+            "r0 ActivityAnomaly Motion!",
+            "r0.2 IuOk",
+            "JobAnomaly Motion",
+        ],
+    );
+    let motion = &verdicts[1];
+    assert!(motion.ended_ns < 80 * PERIOD_NS, "{motion:?}");
+    assert!(motion.distance.unwrap() > motion.threshold.unwrap());
+}
+
+#[test]
+fn what_lasts_too_long_is_said_when_it_does() {
+    let mut right = [polish(6), measure()].concat();
+    right[5].frames = 200;
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    let long = verdicts.iter().find(|verdict| verdict.reason == Reason::TooLong).unwrap();
+    assert_eq!((long.kind, long.early), (Kind::IuAnomaly, true));
+    // Its bound is 60 frames, and the 61st was too many.
+    assert_eq!(long.ended_ns - long.began_ns, 60 * PERIOD_NS);
+}
+
+#[test]
+fn too_many_strokes_are_too_long_before_their_time_is_over() {
+    let mut right = polish(6).to_vec();
+    right[1].motions = Strokes(8);
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    assert_eq!(short(&verdicts[1]), "r0.1 IuAnomaly TooLong!");
+}
+
+#[test]
+fn an_extra_iu_shifts_what_follows_and_does_not_condemn_it() {
+    let mut right = polish(6).to_vec();
+    right.splice(1..1, [part([1, 5, 5, 9], 12, Still), part([1, 5, 0, 0], 30, Toward(3))]);
+    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(said[..3], ["r0.0 IuOk", "r0.1 IuAnomaly WrongObject!", "r0 ActivityAnomaly WrongObject!"]);
+    // The second grasp may be the end of the activity as well (and is not: its direction); polishing is found again.
+    assert_eq!(said[4..], ["r0.3 IuOk", "r0.4 IuOk", "JobAnomaly WrongObject"]);
+}
+
+#[test]
+fn a_skipped_iu_is_said_and_what_follows_is_judged_on_its_own() {
+    let skipping = &polish(6)[1..];
+    expect(
+        &polish_and_measure(),
+        skipping,
+        &[
+            "r0.0 IuAnomaly WrongOrder!",
+            "r0 ActivityAnomaly WrongOrder!",
+            "r0.1 IuOk",
+            "JobAnomaly WrongOrder",
+        ],
+    );
+}
+
+#[test]
+fn a_wrong_activity_may_be_done_again_but_the_job_stays_an_anomaly() {
+    let right = [&polish(3)[..], &[part([1, 8, 0, 0], 10, Still), idle(10)], &polish(6), &measure()].concat();
+    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert!(said.contains(&"r2 ActivityOk!".into()), "{said:?}");
+    assert_eq!(said.last().unwrap(), "JobAnomaly TooShort");
+    assert_eq!(said.iter().filter(|said| said.starts_with("Job")).count(), 1);
+}
+
+#[test]
+fn the_next_touch_after_a_job_begins_another() {
+    let right = [polish(6), measure(), polish(6), measure()].concat();
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    let jobs: Vec<&Verdict> = verdicts.iter().filter(|verdict| verdict.side.is_none()).collect();
+    assert_eq!(jobs.iter().map(|job| job.kind).collect::<Vec<_>>(), [Kind::JobOk, Kind::JobOk]);
+    let again = (30 + 96 + 30 + 20 + 30 + 40 + 20 + 20) * PERIOD_NS;
+    assert_eq!(jobs[1].began_ns, again);
+    assert_eq!(verdicts[verdicts.len() / 2].activity, 0);
+}
+
+#[test]
+fn without_a_hand_the_job_ends_after_idle_end_ms() {
+    let mut away = idle(200);
+    away.seen = false;
+    let right = [&polish(6)[..], &[away]].concat();
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    let job = verdicts.last().unwrap();
+    assert_eq!((job.kind, job.reason), (Kind::JobAnomaly, Reason::NotCompleted));
+    // 4 s after the last frame with a hand, which is 175.
+    assert_eq!(job.ended_ns, (175 + 121) * PERIOD_NS);
+}
+
+#[test]
+fn a_hand_in_the_picture_may_pause_for_as_long_as_it_likes() {
+    let right = [&polish(6)[..], &[idle(1000)], &measure()].concat();
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    assert_eq!(verdicts.last().unwrap().kind, Kind::JobOk);
+}
+
+#[test]
+fn both_hands_at_once_have_verdicts_of_their_own() {
+    let hold = [part([2, 4, 0, 0], 60, Toward(1)), part([2, 4, 4, 8], 60, Still), idle(20)];
+    let job = teach(&[&polish(6), &hold]);
+    let verdicts = judged(&job, &stream(&polish(6), &hold));
+    let said: Vec<String> = verdicts.iter().map(short).collect();
+    assert_eq!(
+        said,
+        [
+            "r0.0 IuOk",
+            "l1.0 IuOk",
+            "l1.1 IuOk",
+            "l1 ActivityOk!",
+            "r0.1 IuOk",
+            "r0.2 IuOk",
+            "r0 ActivityOk!",
+            "JobOk"
+        ]
+    );
+    // The same with the other hand is another thing.
+    let swapped = hold.map(|mut part| {
+        part.context[0] = part.context[0].min(1);
+        part
+    });
+    let verdicts = judged(&job, &stream(&swapped, &[]));
+    assert_eq!(short(&verdicts[0]), "r0.0 IuAnomaly WrongObject!");
+}
+
+#[test]
+fn what_was_out_of_sight_is_not_judged_and_never_ok() {
+    let mut right = [polish(6), measure()].concat();
+    right[1].sighted = false;
+    expect(
+        &polish_and_measure(),
+        &right,
+        &[
+            "r0.0 IuOk",
+            "r0.1 NotJudged Blind!",
+            "r0.2 IuOk",
+            "r0 NotJudged Blind!",
+            "r1.0 IuOk",
+            "r1.1 IuOk",
+            "r1.2 IuOk!",
+            "r1 ActivityOk!",
+            "NotJudged Blind",
+        ],
+    );
+}
+
+#[test]
+fn what_may_have_happened_unseen_is_no_anomaly() {
+    // The hand was lost with the polisher in it, and is seen again when it has put it down: polishing was not seen.
+    let mut right = [polish(6), measure()].concat();
+    right[0].sighted = false;
+    right.remove(1);
+    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert!(said[0].contains("NotJudged Blind") && said.iter().all(|said| !said.contains("Anomaly")), "{said:?}");
+    assert_eq!(said.last().unwrap(), "NotJudged Blind");
+}
+
+#[test]
+fn an_iu_longer_than_can_be_compared_is_not_judged() {
+    let mut job = polish_and_measure();
+    let mut ius = job.activities[0].ius.to_vec();
+    let any = Bounds { least: 0, most: u32::MAX };
+    ius[0] = NominalIu { frames: any, reversals: any, threshold: f32::MAX, ..ius[0] };
+    let activities = [NominalActivity { activity: 0, ius: &ius }];
+    job.activities = &activities;
+    let mut right = polish(6);
+    right[0].frames = 3000;
+    assert_eq!(short(&judged(&job, &stream(&right, &[]))[0]), "r0.0 NotJudged Overload!");
+}
+
+#[test]
+fn the_same_object_touched_again_goes_on_until_the_activity_has_matched() {
+    // The contact with the polisher breaks for a moment in the grasp: one activity, and the second grasp is one too many.
+    let mut right = polish(6).to_vec();
+    right.splice(1..1, [idle(3), part([1, 5, 0, 0], 10, Toward(3))]);
+    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(said[1], "r0.1 IuAnomaly WrongOrder!");
+    assert!(said.iter().all(|said| !said.starts_with("r1")), "{said:?}");
+}
+
+#[test]
+fn a_longer_nominal_activity_is_waited_for() {
+    let short_one = [part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
+    let long = [part([1, 5, 0, 0], 30, Toward(3)), part([1, 5, 5, 6], 40, Still), idle(20)];
+    let job = teach(&[&short_one, &long]);
+    // The long one, then the short one: only the end of the recording tells that it was the short one.
+    let right = [&long[..], &short_one].concat();
+    expect(
+        &job,
+        &right,
+        &["r0.0 IuOk", "r0.1 IuOk", "r0 ActivityOk!", "r1.0 IuOk", "r1 ActivityOk", "JobOk"],
+    );
+    // Or the touch of the next job.
+    let right = [&long[..], &short_one, &long].concat();
+    let said: Vec<String> = judged(&job, &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(said[4..6], ["r1 ActivityOk", "JobOk"]);
+    assert_eq!(said[6], "r0.0 IuOk");
+}
+
+#[test]
+fn variants_of_an_activity_fulfil_the_same_one() {
+    let other = [part([1, 5, 0, 0], 20, Toward(1)), part([1, 5, 5, 6], 40, Still), idle(20)];
+    let taught = teach(&[&polish(6), &other, &measure()]);
+    let activities: Vec<NominalActivity<'_>> =
+        taught.activities.iter().map(|nominal| NominalActivity { activity: nominal.activity / 2, ..*nominal }).collect();
+    let job = Job { activities: &activities, order_matters: true, ..taught };
+    let right = [&other[..], &measure()].concat();
+    let verdicts = judged(&job, &stream(&right, &[]));
+    assert_eq!(verdicts.last().unwrap().kind, Kind::JobOk);
+}
+
+#[test]
+fn commands_start_and_end_a_job() {
+    let job = polish_and_measure();
+    let mut judge = Judge::new(&job, Method::default()).unwrap();
+    let mut said = Vec::new();
+    let couples = stream(&polish(6), &[]);
+    judge.start(&mut |verdict| said.push(verdict));
+    for couples in &couples[..60] {
+        judge.step(couples, &mut |verdict| said.push(verdict));
+    }
+    judge.start(&mut |verdict| said.push(verdict));
+    let said: Vec<String> = said.iter().map(short).collect();
+    // The polishing that goes on when the command comes is cut short by it; a job that nobody has touched yet is open again.
+    assert_eq!(
+        said,
+        ["r0.0 IuOk", "r0.1 IuAnomaly TooShort", "r0 ActivityAnomaly TooShort!", "JobAnomaly TooShort"]
+    );
+    let mut ended = Vec::new();
+    judge.finish(&mut |verdict| ended.push(short(&verdict)));
+    assert_eq!(ended, ["JobAnomaly NotCompleted"]);
+}
+
+#[test]
+fn a_job_that_cannot_be_judged_against_is_refused_by_its_place() {
+    let job = polish_and_measure();
+    let refusal = |activities: &[NominalActivity<'_>]| Judge::new(&Job { activities, ..job }, Method::default()).err();
+    assert_eq!(refusal(&[]), Some(Unusable::Activities { given: 0 }));
+    assert_eq!(refusal(&vec![job.activities[0]; 33]), Some(Unusable::Activities { given: 33 }));
+    let none = NominalActivity { activity: 1, ius: &[] };
+    assert_eq!(refusal(&[job.activities[0], none]), Some(Unusable::Ius { nominal: 1, given: 0 }));
+    let right = job.activities[0].ius;
+    let damaged = [
+        NominalIu { threshold: f32::NAN, ..right[1] },
+        NominalIu { reference: &[], ..right[1] },
+        NominalIu { frames: Bounds { least: 2, most: 1 }, ..right[1] },
+    ];
+    for damaged in damaged {
+        let ius = [right[0], damaged];
+        let activities = [NominalActivity { activity: 0, ius: &ius }];
+        assert_eq!(refusal(&activities), Some(Unusable::Iu { nominal: 0, iu: 1 }));
+    }
+    let release_first = [job.activities[1].ius[2]];
+    let activities = [NominalActivity { activity: 0, ius: &release_first }];
+    assert_eq!(refusal(&activities), Some(Unusable::Iu { nominal: 0, iu: 0 }));
+}

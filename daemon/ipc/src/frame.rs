@@ -1,0 +1,263 @@
+//! Writing and reading frames: bytes of any length with a [`FrameHeader`], written once and read in place.
+
+use crate::channel::Channel;
+use crate::error::Error;
+use crate::node::Attempt;
+use crate::reader::{Inbound, listen, subscriber_refused};
+use crate::service::{Frames, Services, frame_bytes};
+use crate::wait::{Wake, sealed};
+use crate::writer::{Outbound, publisher_refused};
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::prelude::*;
+use iceoryx2::sample::Sample;
+use iceoryx2::sample_mut::SampleMut;
+use shm_schemas::{FrameHeader, RoleId};
+use std::os::fd::BorrowedFd;
+
+const CHANNEL: Channel = Channel::Frame;
+
+/// Writes frames.
+#[derive(Debug)]
+pub struct FrameWriter {
+    // The publisher goes before the notifier, whose departure tells the readers.
+    publisher: Publisher<ipc::Service, [u8], FrameHeader>,
+    outbound: Outbound,
+    most_bytes: usize,
+}
+
+/// A frame being filled, where its readers will read it. Dropped, it was never sent.
+#[derive(Debug)]
+pub struct FrameLoan(SampleMut<ipc::Service, [u8], FrameHeader>);
+
+impl FrameLoan {
+    /// The header, zeroed at first. Number and times of its stamp are set when it is sent, except `captured_ns`.
+    pub fn header_mut(&mut self) -> &mut FrameHeader {
+        self.0.user_header_mut()
+    }
+
+    /// The pixels: the colour plane, then the depth plane. They hold some earlier frame's until written.
+    pub fn bytes_mut(&mut self) -> &mut [u8] {
+        self.0.payload_mut()
+    }
+}
+
+impl FrameWriter {
+    pub(crate) fn new(services: &Services<Frames>) -> Result<Self, Attempt> {
+        let most_bytes = frame_bytes(&services.messages)
+            .ok_or_else(|| Attempt::Failed(Error::transport(CHANNEL, "opening", "no frame size")))?;
+        let publisher = services
+            .messages
+            .publisher_builder()
+            .initial_max_slice_len(most_bytes)
+            .max_loaned_samples(CHANNEL.qos().loans)
+            .create()
+            .map_err(|e| publisher_refused(CHANNEL, e))?;
+        Ok(Self { publisher, outbound: Outbound::new(services, CHANNEL)?, most_bytes })
+    }
+
+    /// Touches the memory that frames of this size will use, so that the first ones are not late: the kernel clears
+    /// a page at its first use, 3 to 5 ms a frame.
+    ///
+    /// # Errors
+    /// As [`FrameWriter::loan`].
+    pub fn warm_up(&mut self, bytes: usize) -> Result<(), Error> {
+        // All at the same time, or the first would come back each time.
+        let mut loans = Vec::with_capacity(CHANNEL.qos().loans);
+        for _ in 0..CHANNEL.qos().loans {
+            let mut loan = self.loan(bytes)?;
+            loan.bytes_mut().fill(0);
+            loans.push(loan);
+        }
+        Ok(())
+    }
+
+    /// From now on waits for the readers of these roles, as [`crate::Writer::follow`].
+    pub fn follow(&mut self, readers: &[RoleId]) {
+        self.outbound.follow(readers);
+    }
+
+    /// Most bytes of a frame.
+    pub fn most_bytes(&self) -> usize {
+        self.most_bytes
+    }
+
+    /// A place for a frame of so many bytes in shared memory.
+    ///
+    /// # Errors
+    /// [`Error::FrameTooLarge`]; [`Error::Transport`] when more loans are open than the channel has.
+    pub fn loan(&self, bytes: usize) -> Result<FrameLoan, Error> {
+        if bytes > self.most_bytes {
+            return Err(Error::FrameTooLarge { bytes, most: self.most_bytes });
+        }
+        let sample =
+            self.publisher.loan_slice_uninit(bytes).map_err(|e| self.outbound.error("loaning", e))?;
+        // SAFETY: the bytes are a mapped file's, which have values whether or not this program has written them, and
+        // every value is a valid u8.
+        #[allow(unsafe_code)]
+        let sample = unsafe { sample.assume_init() };
+        Ok(FrameLoan(sample))
+    }
+
+    /// Numbers the frame, sends it and wakes the readers. Returns its `seq`.
+    ///
+    /// # Errors
+    /// [`Error::NoRoomYet`] when the writer is paced and was not waited for; [`Error::Transport`].
+    pub fn send(&mut self, mut loan: FrameLoan) -> Result<u64, Error> {
+        self.outbound.check_room()?;
+        let stamp = &mut loan.header_mut().stamp;
+        self.outbound.stamp(stamp);
+        stamp.frame_seq = stamp.seq;
+        loan.0.send().map_err(|e| self.outbound.error("sending", e))?;
+        self.outbound.sent()?;
+        Ok(self.outbound.seq())
+    }
+}
+
+impl sealed::Tend for FrameWriter {
+    fn tend(&mut self) -> Result<Option<Wake>, Error> {
+        let publisher = &self.publisher;
+        self.outbound.tend(|| {
+            publisher.update_connections().map_err(|e| Error::transport(CHANNEL, "connecting a reader", e))
+        })?;
+        Ok(None)
+    }
+
+    fn fd(&self) -> BorrowedFd<'_> {
+        self.outbound.fd()
+    }
+}
+
+impl sealed::Room for FrameWriter {
+    fn make_room(&mut self) -> Result<bool, Error> {
+        sealed::Tend::tend(self)?;
+        Ok(self.outbound.make_room())
+    }
+}
+
+/// Reads frames.
+#[derive(Debug)]
+pub struct FrameReader {
+    subscriber: Subscriber<ipc::Service, [u8], FrameHeader>,
+    inbound: Inbound,
+    skipped: u64,
+}
+
+/// A frame, read where its writer filled it. The place goes back to the writer when this is dropped.
+#[derive(Debug)]
+pub struct FrameSample(Sample<ipc::Service, [u8], FrameHeader>);
+
+impl FrameSample {
+    /// The header.
+    pub fn header(&self) -> &FrameHeader {
+        self.0.user_header()
+    }
+
+    /// All bytes: the colour plane, then the depth plane.
+    pub fn bytes(&self) -> &[u8] {
+        self.0.payload()
+    }
+
+    /// The colour plane, `height * stride` bytes.
+    ///
+    /// # Errors
+    /// [`Error::FrameTorn`] when the header promises more than came.
+    pub fn colour(&self) -> Result<&[u8], Error> {
+        self.plane(0, self.header().colour_bytes())
+    }
+
+    /// The depth plane, `depth_height * depth_stride` bytes; empty when there is none.
+    ///
+    /// # Errors
+    /// As [`FrameSample::colour`].
+    pub fn depth(&self) -> Result<&[u8], Error> {
+        let begin = self.header().colour_bytes().unwrap_or(usize::MAX);
+        self.plane(begin, self.header().depth_bytes())
+    }
+
+    fn plane(&self, begin: usize, bytes: Option<usize>) -> Result<&[u8], Error> {
+        let end = bytes.and_then(|bytes| begin.checked_add(bytes)).unwrap_or(usize::MAX);
+        self.bytes().get(begin..end).ok_or(Error::FrameTorn {
+            seq: self.header().stamp.seq,
+            promised: end,
+            bytes: self.bytes().len(),
+        })
+    }
+}
+
+impl FrameReader {
+    pub(crate) fn new(services: &Services<Frames>, role: RoleId) -> Result<Self, Attempt> {
+        let listener = listen(services, CHANNEL)?;
+        let subscriber =
+            services.messages.subscriber_builder().create().map_err(|e| subscriber_refused(CHANNEL, e))?;
+        let inbound = Inbound::announce(services, CHANNEL, role, listener)?;
+        Ok(Self { subscriber, inbound, skipped: 0 })
+    }
+
+    /// The oldest frame that waits: for paced sources, where each counts.
+    ///
+    /// # Errors
+    /// [`Error::Transport`] when too many samples are held.
+    pub fn take(&mut self) -> Result<Option<FrameSample>, Error> {
+        loop {
+            let sample = self.subscriber.receive();
+            let sample = sample.map_err(|e| Error::transport(CHANNEL, "receiving", e))?;
+            let Some(sample) = sample else {
+                self.inbound.found_empty()?;
+                return Ok(None);
+            };
+            if self.inbound.took(&sample.user_header().stamp)? {
+                return Ok(Some(FrameSample(sample)));
+            }
+        }
+    }
+
+    /// The newest frame; older ones that wait are given up and counted by [`FrameReader::skipped`]. For live sources,
+    /// where a late frame is worth less than the next one.
+    ///
+    /// # Errors
+    /// As [`FrameReader::take`].
+    pub fn take_newest(&mut self) -> Result<Option<FrameSample>, Error> {
+        let mut newest = None;
+        while let Some(sample) = self.take()? {
+            self.skipped += u64::from(newest.is_some());
+            newest = Some(sample);
+        }
+        Ok(newest)
+    }
+
+    /// Frames received, with those that were skipped.
+    pub fn received(&self) -> u64 {
+        self.inbound.losses.received
+    }
+
+    /// Frames that were sent while this reader was there, and that it did not get in time.
+    pub fn lost(&self) -> u64 {
+        self.inbound.losses.lost
+    }
+
+    /// Frames that [`FrameReader::take_newest`] gave up for a newer one.
+    pub fn skipped(&self) -> u64 {
+        self.skipped
+    }
+
+    /// How often the writer has been started anew since the first frame.
+    pub fn restarts(&self) -> u32 {
+        self.inbound.losses.restarts
+    }
+}
+
+impl sealed::Tend for FrameReader {
+    fn tend(&mut self) -> Result<Option<Wake>, Error> {
+        // Events first: what is sent after this look raises another one.
+        self.inbound.hear()?;
+        let pending = self.subscriber.has_samples();
+        let pending = pending.map_err(|e| Error::transport(CHANNEL, "looking for messages", e))?;
+        self.inbound.tend(pending)
+    }
+
+    fn fd(&self) -> BorrowedFd<'_> {
+        self.inbound.fd()
+    }
+}

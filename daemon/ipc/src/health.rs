@@ -1,0 +1,116 @@
+//! How a role is doing, measured in its data loop and sent from there.
+
+use crate::clock::monotonic_ns;
+use crate::error::Error;
+use crate::node::Node;
+use crate::writer::Writer;
+use hdrhistogram::Histogram;
+use shm_schemas::{Health, RoleState, Stamp};
+use std::time::{Duration, Instant};
+
+/// Longest step that is told apart, in microseconds: a minute. Longer ones count as this.
+const LONGEST_US: u64 = 60_000_000;
+
+/// Counts what a role does and sends it on the channel `health`.
+///
+/// [`Heartbeat::beat`] belongs in the data loop, after every wait, whatever ended it: a loop that stands still then falls
+/// silent, which no timer thread would show. Waits must be no longer than [`Heartbeat::PERIOD`].
+#[derive(Debug)]
+pub struct Heartbeat {
+    writer: Writer<Health>,
+    counts: Health,
+    steps: Histogram<u64>,
+    began: Instant,
+    changed: bool,
+}
+
+impl Heartbeat {
+    /// At 2 Hz, so that one that is late still makes it within the second that watchers allow.
+    pub const PERIOD: Duration = Duration::from_millis(500);
+
+    /// Starts counting, in [`RoleState::Starting`].
+    ///
+    /// # Errors
+    /// As [`Node::writer`].
+    pub fn new(node: &Node) -> Result<Self, Error> {
+        let counts = Health {
+            role: node.role().code(),
+            state: RoleState::Starting.code(),
+            pid: std::process::id(),
+            ..Health::default()
+        };
+        // 2 digits: 1 % is finer than any decision that rests on it.
+        let steps = Histogram::new_with_bounds(1, LONGEST_US, 2)
+            .map_err(|e| Error::transport(crate::Channel::Health, "making the histogram of step times", e))?;
+        Ok(Self { writer: node.writer()?, counts, steps, began: Instant::now(), changed: true })
+    }
+
+    /// A message was taken from the role's data channel.
+    pub fn received(&mut self, stamp: &Stamp) {
+        self.counts.received += 1;
+        self.counts.stamp.frame_seq = stamp.frame_seq;
+        self.counts.stamp.captured_ns = stamp.captured_ns;
+        let late_us = monotonic_ns().saturating_sub(stamp.sent_ns) / 1000;
+        self.counts.lateness_us = u32::try_from(late_us).unwrap_or(u32::MAX);
+    }
+
+    /// A step of the data loop is done and took so long.
+    pub fn stepped(&mut self, took: Duration) {
+        let micros = u64::try_from(took.as_micros()).unwrap_or(LONGEST_US);
+        self.steps.saturating_record(micros.clamp(1, LONGEST_US));
+    }
+
+    /// A message was sent on the role's data channel.
+    pub fn sent(&mut self) {
+        self.counts.sent += 1;
+    }
+
+    /// Losses and restarts so far, as the reader counts them.
+    pub fn losses(&mut self, lost: u64, restarts: u32) {
+        self.counts.losses = lost;
+        self.counts.restarts_seen = restarts;
+    }
+
+    /// A message was received and could not be used.
+    pub fn refused(&mut self) {
+        self.counts.refused += 1;
+    }
+
+    /// What the role is doing. A change is sent at the next [`Heartbeat::beat`].
+    pub fn state(&mut self, state: RoleState) {
+        if self.counts.state != state.code() {
+            self.counts.state = state.code();
+            self.changed = true;
+        }
+    }
+
+    /// The number of the last error's code.
+    pub fn error(&mut self, code: u32) {
+        self.counts.last_error = code;
+    }
+
+    /// Sends health if it is due. Says whether it was.
+    ///
+    /// # Errors
+    /// As [`Writer::send`].
+    pub fn beat(&mut self) -> Result<bool, Error> {
+        let period = self.began.elapsed();
+        if period < Self::PERIOD && !self.changed {
+            return Ok(false);
+        }
+        self.counts.rate_hz = self.steps.len() as f32 / period.as_secs_f32();
+        self.counts.p50_us = micros_at(&self.steps, 0.50);
+        self.counts.p99_us = micros_at(&self.steps, 0.99);
+        let mut health = self.writer.loan()?;
+        *health = self.counts;
+        self.writer.send(health)?;
+        self.steps.reset();
+        self.began = Instant::now();
+        self.changed = false;
+        Ok(true)
+    }
+}
+
+fn micros_at(steps: &Histogram<u64>, quantile: f64) -> u32 {
+    u32::try_from(steps.value_at_quantile(quantile)).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,100 @@
+//! Losses, from the numbers of the messages alone.
+
+use shm_schemas::Stamp;
+
+/// Writers whose numbers are followed at the same time: as many as the channel with most writers has.
+const EPOCHS: usize = 16;
+
+/// What a message's number says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Arrival {
+    /// Not seen before.
+    New,
+    /// Seen before: the history overlaps with what came already.
+    Again,
+}
+
+/// Follows `seq` per epoch.
+#[derive(Debug, Default)]
+pub(crate) struct LossCounter {
+    /// Epoch and its newest `seq`; the place of the oldest is taken when a new one comes.
+    newest: [(u64, u64); EPOCHS],
+    next: usize,
+    /// Messages that were sent and not received.
+    pub(crate) lost: u64,
+    /// Messages received.
+    pub(crate) received: u64,
+    /// Epochs that began while listening, after the first.
+    pub(crate) restarts: u32,
+}
+
+impl LossCounter {
+    /// Whether a message of this epoch has come before.
+    pub(crate) fn knows(&self, epoch: u64) -> bool {
+        self.newest.iter().any(|&(known, seq)| known == epoch && seq != 0)
+    }
+
+    /// `from_start`: if its epoch is a new one, every message of it was meant for this reader.
+    pub(crate) fn note(&mut self, stamp: &Stamp, from_start: bool) -> Arrival {
+        let known = self.newest.iter_mut().find(|(epoch, seq)| *epoch == stamp.epoch && *seq != 0);
+        match known {
+            Some((_, newest)) if stamp.seq <= *newest => return Arrival::Again,
+            Some((_, newest)) => {
+                self.lost += stamp.seq - *newest - 1;
+                *newest = stamp.seq;
+            }
+            None => {
+                if from_start {
+                    self.lost += stamp.seq.saturating_sub(1);
+                }
+                self.newest[self.next] = (stamp.epoch, stamp.seq);
+                self.next = (self.next + 1) % EPOCHS;
+                self.restarts += u32::from(self.received > 0);
+            }
+        }
+        self.received += 1;
+        Arrival::New
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn feed(numbers: &[(u64, u64)]) -> LossCounter {
+        let mut counter = LossCounter::default();
+        for &(epoch, seq) in numbers {
+            counter.note(&Stamp { epoch, seq, ..Stamp::default() }, false);
+        }
+        counter
+    }
+
+    #[test]
+    fn what_is_missing_from_the_start_of_an_epoch_that_was_all_ours_is_a_loss() {
+        let mut counter = feed(&[(7, 100)]);
+        counter.note(&Stamp { epoch: 8, seq: 4, ..Stamp::default() }, true);
+        assert_eq!((counter.lost, counter.restarts), (3, 1));
+    }
+
+    #[test]
+    fn a_gap_in_the_numbers_is_a_loss() {
+        assert_eq!(feed(&[(7, 1), (7, 2), (7, 5), (7, 6)]).lost, 2);
+    }
+
+    #[test]
+    fn what_came_before_the_reader_is_no_loss() {
+        assert_eq!(feed(&[(7, 100), (7, 101)]).lost, 0);
+    }
+
+    #[test]
+    fn writers_are_counted_apart() {
+        let counter = feed(&[(7, 1), (9, 1), (7, 2), (9, 3)]);
+        assert_eq!((counter.lost, counter.received, counter.restarts), (1, 4, 1));
+    }
+
+    #[test]
+    fn a_message_that_comes_twice_counts_once() {
+        let counter = feed(&[(7, 1), (7, 2), (7, 1), (7, 2), (7, 3)]);
+        assert_eq!((counter.lost, counter.received), (0, 3));
+    }
+}

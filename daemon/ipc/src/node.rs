@@ -1,0 +1,175 @@
+//! A process that has joined a station: the place to get ports from and to wait at.
+
+use crate::channel::{Carried, Channel, layout_text};
+use crate::error::Error;
+use crate::frame::{FrameReader, FrameWriter};
+use crate::reader::Reader;
+use crate::service::{Provide, Refusal, Services, other_build};
+use crate::station::Station;
+use crate::steward::{enter, join};
+use crate::stop::Stop;
+use crate::wait::{Paced, Port, Wake, wait, wait_for_room};
+use crate::writer::Writer;
+use iceoryx2::node::Node as IceNode;
+use iceoryx2::prelude::*;
+use shm_schemas::{FrameHeader, Layout, RoleId};
+use std::fs::File;
+use std::time::{Duration, Instant};
+
+/// Between two tries to open what is not there yet. Only while starting.
+const TRY_AGAIN: Duration = Duration::from_millis(10);
+
+/// A member of a station. It must outlive its ports' use only as far as Rust's borrows say; ports keep what they need.
+#[derive(Debug)]
+pub struct Node {
+    node: IceNode<ipc::Service>,
+    station: Station,
+    role: RoleId,
+    patience: Duration,
+    stop: Stop,
+    _members_lock: File,
+}
+
+impl Node {
+    /// Joins a station, whose steward may still be starting: until `patience` is over, here and in opening ports.
+    ///
+    /// # Errors
+    /// [`Error::NoSteward`] when the root does not appear in time, [`Error::Join`], [`Error::RootNotWritable`],
+    /// [`Error::Stopped`].
+    pub fn open(station: &Station, role: RoleId, patience: Duration, stop: &Stop) -> Result<Self, Error> {
+        set_log_level(LogLevel::Error); // what matters of the rest comes back as an error
+        let started = Instant::now();
+        while !station.root().is_dir() {
+            give_up(station, Channel::Health, started, patience)?;
+            if stop.wait(TRY_AGAIN) {
+                return Err(Error::Stopped(Channel::Health));
+            }
+        }
+        let members_lock = enter(station, |_| Ok(()))?;
+        let node = join(station, &role.name().to_lowercase())?;
+        let (station, stop) = (station.clone(), stop.clone());
+        Ok(Self { node, station, role, patience, stop, _members_lock: members_lock })
+    }
+
+    /// The station.
+    pub fn station(&self) -> &Station {
+        &self.station
+    }
+
+    /// The role that it was opened with.
+    pub fn role(&self) -> RoleId {
+        self.role
+    }
+
+    /// The wish to stop that ends its waits.
+    pub fn stop(&self) -> &Stop {
+        &self.stop
+    }
+
+    /// A reader of `T`'s channel. It gets the channel's history if the writer is there.
+    ///
+    /// # Errors
+    /// [`Error::NoSteward`], [`Error::LayoutMismatch`], [`Error::TooManyPorts`], [`Error::Stopped`],
+    /// [`Error::Transport`].
+    pub fn reader<T: Carried>(&self) -> Result<Reader<T>, Error> {
+        let services = self.services::<_, T>(T::CHANNEL)?;
+        self.retry(T::CHANNEL, || Reader::new(&services, self.role))
+    }
+
+    /// The writer of `T`'s channel, live: it never waits for its readers. If its predecessor was killed, this waits
+    /// until the steward has removed it.
+    ///
+    /// # Errors
+    /// As [`Node::reader`].
+    pub fn writer<T: Carried>(&self) -> Result<Writer<T>, Error> {
+        let services = self.services::<_, T>(T::CHANNEL)?;
+        self.retry(T::CHANNEL, || Writer::new(&services))
+    }
+
+    /// A reader of the channel `frame`.
+    ///
+    /// # Errors
+    /// As [`Node::reader`].
+    pub fn frame_reader(&self) -> Result<FrameReader, Error> {
+        let services = self.services::<_, FrameHeader>(Channel::Frame)?;
+        self.retry(Channel::Frame, || FrameReader::new(&services, self.role))
+    }
+
+    /// The writer of the channel `frame`, live, its memory touched.
+    ///
+    /// # Errors
+    /// As [`Node::reader`].
+    pub fn frame_writer(&self) -> Result<FrameWriter, Error> {
+        let services = self.services::<_, FrameHeader>(Channel::Frame)?;
+        self.retry(Channel::Frame, || FrameWriter::new(&services))
+    }
+
+    /// Blocks until one of the ports has something to say, `patience` is over or a stop is asked for. Writers belong
+    /// in here as well: this is when they answer readers that come up.
+    ///
+    /// # Errors
+    /// [`Error::TooManyToWaitFor`], [`Error::System`], [`Error::Transport`].
+    pub fn wait(&self, ports: &mut [&mut dyn Port], patience: Duration) -> Result<Wake, Error> {
+        wait(ports, patience, &self.stop)
+    }
+
+    /// Blocks until a paced writer may send one more: [`Wake::Room`], at once when it is live.
+    ///
+    /// # Errors
+    /// As [`Node::wait`].
+    pub fn wait_for_room(&self, writer: &mut impl Paced, patience: Duration) -> Result<Wake, Error> {
+        wait_for_room(writer, patience, &self.stop)
+    }
+
+    fn services<S: Provide, T: Layout>(&self, channel: Channel) -> Result<S, Error> {
+        self.retry(channel, || match S::open(&self.node, &self.station) {
+            Ok(services) => Ok(services),
+            // Half made is being made by the steward, or will be healed by it.
+            Err(Refusal::NotYet | Refusal::HalfMade(_)) => Err(Attempt::Again(None)),
+            Err(Refusal::OtherBuild) => {
+                Err(Attempt::Failed(other_build(&self.station, channel, layout_text::<T>())))
+            }
+            Err(Refusal::Broken(why)) => Err(Attempt::Failed(Error::transport(channel, "opening", why))),
+        })
+    }
+
+    fn retry<R>(
+        &self,
+        channel: Channel,
+        mut attempt: impl FnMut() -> Result<R, Attempt>,
+    ) -> Result<R, Error> {
+        let started = Instant::now();
+        loop {
+            match attempt() {
+                Ok(result) => return Ok(result),
+                Err(Attempt::Failed(error)) => return Err(error),
+                Err(Attempt::Again(Some(port))) if started.elapsed() >= self.patience => {
+                    return Err(Error::TooManyPorts { channel, port, members: self.station.members_text() });
+                }
+                Err(Attempt::Again(_)) => give_up(&self.station, channel, started, self.patience)?,
+            }
+            if self.stop.wait(TRY_AGAIN) {
+                return Err(Error::Stopped(channel));
+            }
+        }
+    }
+}
+
+fn give_up(station: &Station, channel: Channel, started: Instant, patience: Duration) -> Result<(), Error> {
+    let waited = started.elapsed();
+    if waited < patience {
+        return Ok(());
+    }
+    Err(Error::NoSteward { station: station.name().into(), channel, waited_ms: waited.as_millis() })
+}
+
+/// How an attempt to open something ended.
+pub(crate) enum Attempt {
+    /// Not now. If a kind of port is named, all of its kind are taken, perhaps by one that is dead.
+    Again(Option<&'static str>),
+    /// Never.
+    Failed(Error),
+}
+
+/// A service pair that ports are made from.
+pub(crate) type MessageServices<T> = Services<crate::service::Messages<T>>;

@@ -1,0 +1,237 @@
+//! A station: one bench, with a name and a directory of its own, so that several fit one PC.
+
+use crate::channel::{Channel, message_bytes};
+use crate::error::Error;
+use iceoryx2::node::{Node as IceNode, NodeState, NodeView};
+use iceoryx2::prelude::*;
+use rustix::fs::statvfs;
+use shm_schemas::STATION_BYTES;
+use std::fs;
+use std::io;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::path::{Path as StdPath, PathBuf};
+use std::time::Duration;
+
+/// Socket paths end at 107 bytes, and iceoryx2 appends up to 46 for prefix, id and suffix (DESIGN 2).
+const ROOT_BYTES: usize = 59;
+
+/// Where shared memory lives on Linux.
+const SHM: &str = "/dev/shm";
+
+/// What queues, services and events take beside the messages: measured 11 MiB with every port in use, rounded up.
+const MANAGEMENT_BYTES: u64 = 16 << 20;
+
+/// How long iceoryx2 waits for another process to finish creating a service. Creation takes under 1 ms; a creator that
+/// was killed never finishes.
+const CREATION_TIMEOUT: Duration = Duration::from_millis(300);
+
+/// Names a station. Cheap to clone; opens nothing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Station {
+    name: String,
+    root: PathBuf,
+}
+
+/// What the steward makes room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Most bytes of a frame, colour and depth together.
+    pub frame_bytes: usize,
+}
+
+impl Default for Limits {
+    /// 1920x1080 RGB and 1280x720 depth, the largest that a RealSense D4xx gives at 30 Hz.
+    fn default() -> Self {
+        Self { frame_bytes: 1920 * 1080 * 3 + 1280 * 720 * 2 }
+    }
+}
+
+/// A process that has joined a station.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Member {
+    /// Name of its role.
+    pub name: String,
+    /// Process id.
+    pub pid: u32,
+}
+
+impl std::fmt::Display for Member {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} (pid {})", self.name, self.pid)
+    }
+}
+
+impl Station {
+    /// The station `name` under `/run/andon/<name>`.
+    ///
+    /// # Errors
+    /// [`Error::StationName`] when the name is empty, too long or not made of `a-z`, `0-9`, `-`.
+    pub fn new(name: &str) -> Result<Self, Error> {
+        Self::under(name, &StdPath::new("/run/andon").join(name))
+    }
+
+    /// The station `name` under another root: for tests and demonstrations without root rights.
+    ///
+    /// # Errors
+    /// As [`Station::new`], and [`Error::RootTooLong`], [`Error::RootNotAbsolute`].
+    pub fn under(name: &str, root: &StdPath) -> Result<Self, Error> {
+        let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-';
+        if name.is_empty() || name.len() > STATION_BYTES || !name.bytes().all(allowed) {
+            return Err(Error::StationName { name: name.into(), most: STATION_BYTES });
+        }
+        let text = root.to_str().filter(|text| text.is_ascii() && root.is_absolute());
+        let Some(text) = text else {
+            return Err(Error::RootNotAbsolute { root: root.into() });
+        };
+        if text.len() > ROOT_BYTES {
+            return Err(Error::RootTooLong { root: root.into(), len: text.len(), most: ROOT_BYTES });
+        }
+        Ok(Self { name: name.into(), root: root.into() })
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Its directory.
+    pub fn root(&self) -> &StdPath {
+        &self.root
+    }
+
+    /// The processes that have joined and are alive. Empty when nothing can be read.
+    pub fn members(&self) -> Vec<Member> {
+        let mut members = Vec::new();
+        let Ok(config) = self.config() else { return members };
+        let _ = IceNode::<ipc::Service>::list(&config, |state| {
+            if let NodeState::Alive(node) = state {
+                members.extend(node.details().as_ref().map(member));
+            }
+            CallbackProgression::Continue
+        });
+        members
+    }
+
+    /// For error texts.
+    pub(crate) fn members_text(&self) -> String {
+        let members: Vec<String> = self.members().iter().map(Member::to_string).collect();
+        if members.is_empty() { "nobody".into() } else { members.join(", ") }
+    }
+
+    /// What the names of this station's files in /dev/shm begin with. The root is part of it, so that stations of the
+    /// same name under different roots never meet.
+    pub fn shm_prefix(&self) -> String {
+        // FNV-1a, as in the layouts: it only has to tell directories apart.
+        let fold = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
+        let hash = self.root.as_os_str().as_encoded_bytes().iter().copied().fold(0x811c_9dc5, fold);
+        format!("andon_{}_{hash:08x}_", self.name)
+    }
+
+    /// The settings of iceoryx2 for this station. Only the steward removes dead nodes: one cleaner, one report.
+    pub(crate) fn config(&self) -> Result<Config, Error> {
+        let refused = |why: String| Error::Join { station: self.name.clone(), root: self.root.clone(), why };
+        let root =
+            Path::new(self.root.as_os_str().as_encoded_bytes()).map_err(|e| refused(format!("{e:?}")))?;
+        let prefix = FileName::new(self.shm_prefix().as_bytes()).map_err(|e| refused(format!("{e:?}")))?;
+        let mut config = Config::default();
+        config.global.set_root_path(&root);
+        config.global.prefix = prefix;
+        config.global.creation_timeout = CREATION_TIMEOUT;
+        config.global.service.cleanup_dead_nodes_on_open = false;
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        Ok(config)
+    }
+
+    /// Makes the root and proves that this user can write to it.
+    pub(crate) fn make_root(&self) -> Result<(), Error> {
+        let probe = self.root.join(format!(".write-probe-{}", std::process::id()));
+        fs::DirBuilder::new()
+            .recursive(true)
+            .mode(0o700)
+            .create(&self.root)
+            .and_then(|()| fs::write(&probe, b""))
+            .and_then(|()| fs::remove_file(&probe))
+            .map_err(|source| Error::RootNotWritable { root: self.root.clone(), source })
+    }
+
+    /// Device and inode of the root: another one under the same path is another directory.
+    pub(crate) fn root_identity(&self) -> io::Result<(u64, u64)> {
+        fs::metadata(&self.root).map(|meta| (meta.dev(), meta.ino()))
+    }
+
+    /// Refuses when /dev/shm cannot hold every channel full. What this station holds already counts as free.
+    pub(crate) fn check_room(&self, limits: Limits) -> Result<(), Error> {
+        let needed = needed_bytes(limits);
+        let stat = statvfs(SHM).map_err(|e| Error::SharedMemory(e.into()))?;
+        let free = stat.f_bavail.saturating_mul(stat.f_frsize);
+        let held = self.held_bytes().map_err(Error::SharedMemory)?;
+        if free.saturating_add(held) < needed {
+            return Err(Error::NoRoom { free_mib: free >> 20, needed_mib: needed >> 20 });
+        }
+        Ok(())
+    }
+
+    fn held_bytes(&self) -> io::Result<u64> {
+        let prefix = self.shm_prefix();
+        let mut held = 0;
+        for entry in fs::read_dir(SHM)? {
+            let entry = entry?;
+            if entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
+                // Gone in between is nothing held. st_blocks counts 512 bytes whatever the file system's block is.
+                held += entry.metadata().map_or(0, |meta| meta.blocks() * 512);
+            }
+        }
+        Ok(held)
+    }
+}
+
+pub(crate) fn member(details: &iceoryx2::node::NodeDetails) -> Member {
+    Member {
+        name: details.name().as_str().to_owned(),
+        pid: u32::try_from(details.process_id().value()).unwrap_or(0),
+    }
+}
+
+/// All channels full, in bytes.
+fn needed_bytes(limits: Limits) -> u64 {
+    let channels = Channel::ALL.iter().map(|&channel| {
+        let qos = channel.qos();
+        // 64 covers iceoryx2's own header and alignment of each message.
+        let chunk = message_bytes(channel, limits.frame_bytes).saturating_add(64) as u64;
+        chunk.saturating_mul((qos.chunks() * qos.writers) as u64)
+    });
+    channels.fold(MANAGEMENT_BYTES, u64::saturating_add)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_name_that_cannot_be_a_unit_name_is_refused() {
+        for name in ["", "Bench", "a/b", "bench 1", "seventeen-letters"] {
+            assert!(matches!(Station::new(name), Err(Error::StationName { .. })), "{name:?}");
+        }
+        assert!(Station::new("sixteen-letters-").is_ok());
+    }
+
+    #[test]
+    fn a_root_that_leaves_no_space_for_socket_names_is_refused() {
+        let long = format!("/{}", "r".repeat(ROOT_BYTES));
+        assert!(matches!(
+            Station::under("bench", StdPath::new(&long)),
+            Err(Error::RootTooLong { len: 60, .. })
+        ));
+        assert!(Station::under("bench", StdPath::new(&long[..ROOT_BYTES])).is_ok());
+        assert!(matches!(Station::under("bench", StdPath::new("run")), Err(Error::RootNotAbsolute { .. })));
+    }
+
+    #[test]
+    fn the_same_name_under_another_root_is_another_station() {
+        let a = Station::under("bench", StdPath::new("/tmp/a")).unwrap();
+        let b = Station::under("bench", StdPath::new("/tmp/b")).unwrap();
+        assert_ne!(a.shm_prefix(), b.shm_prefix());
+    }
+}

@@ -1,0 +1,36 @@
+//! The elbow of a falling curve, by a stated rule.
+
+/// The place of the elbow of a curve of WCSS over k = 1, 2, ...: the point that lies furthest under the straight line from
+/// the first point to the last, both axes scaled to 0..1 (the "kneedle" rule, Satopää et al. 2011). Returns k; ties go to
+/// the smaller. A curve that does not fall has its elbow at 1.
+pub fn elbow(wcss: &[f64]) -> usize {
+    let (Some(first), Some(last)) = (wcss.first(), wcss.last()) else { return 1 };
+    let fall = first - last;
+    if wcss.len() < 3 || fall <= 0.0 {
+        return 1;
+    }
+    let under = |place: usize| {
+        let along = place as f64 / (wcss.len() - 1) as f64;
+        1.0 - along - (wcss[place] - last) / fall
+    };
+    let best = (0..wcss.len()).max_by(|&a, &b| under(a).total_cmp(&under(b)).then(b.cmp(&a)));
+    best.map_or(1, |place| place + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_elbow_is_where_the_curve_bends() {
+        assert_eq!(elbow(&[100.0, 60.0, 30.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0]), 4);
+        assert_eq!(elbow(&[100.0, 10.0, 9.0, 8.0]), 2);
+    }
+
+    #[test]
+    fn a_curve_that_does_not_fall_has_one_cluster() {
+        assert_eq!(elbow(&[5.0, 5.0, 5.0]), 1);
+        assert_eq!(elbow(&[5.0]), 1);
+        assert_eq!(elbow(&[]), 1);
+    }
+}

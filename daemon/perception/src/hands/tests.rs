@@ -1,0 +1,255 @@
+//! The tracker on scripted models: hands are where the script says, and every question is counted.
+
+#![allow(clippy::unwrap_used)]
+
+use super::models::{HandModels, Landmarks};
+use super::palm::{Palm, Palms};
+use super::region::Region;
+use super::tracker::{Tracked, Tracker};
+use crate::config::HandsConfig;
+use crate::detections::{LANDMARKS, Side, Spent};
+use crate::error::PerceptionError;
+use crate::image::{ImageView, PixelFormat};
+use std::cell::RefCell;
+use std::rc::Rc;
+
+const FRAME_NS: u64 = 33_333_333;
+
+/// A hand of the script: fingers up, 100 px from wrist to the middle knuckle.
+#[derive(Clone, Copy)]
+struct Scripted {
+    wrist: [f32; 2],
+    /// What the model says of its side.
+    right: f32,
+}
+
+#[derive(Default)]
+struct Script {
+    hands: Vec<Scripted>,
+    palm_questions: usize,
+    /// The next landmarks lie this far beside the hand.
+    slip: f32,
+}
+
+#[derive(Clone, Default)]
+struct Models(Rc<RefCell<Script>>);
+
+impl HandModels for Models {
+    fn palms(&mut self, _: &ImageView<'_>) -> Result<Palms, PerceptionError> {
+        let mut script = self.0.borrow_mut();
+        script.palm_questions += 1;
+        Ok(script.hands.iter().map(|hand| palm(hand.wrist)).collect())
+    }
+
+    /// The hand whose middle is nearest to the middle of the region, if it lies inside.
+    fn landmarks(&mut self, _: &ImageView<'_>, region: Region) -> Result<Landmarks, PerceptionError> {
+        let away = |hand: &Scripted| {
+            (hand.wrist[0] - region.centre[0]).hypot(hand.wrist[1] - 100.0 - region.centre[1])
+        };
+        let mut script = self.0.borrow_mut();
+        let slip = std::mem::take(&mut script.slip);
+        let nearest = script.hands.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+        Ok(match nearest.filter(|hand| away(hand) < region.side / 2.0) {
+            Some(hand) => Landmarks {
+                points: landmarks([hand.wrist[0] + slip, hand.wrist[1]]),
+                presence: 0.9,
+                right: hand.right,
+            },
+            None => Landmarks { points: landmarks(region.centre), presence: 0.1, right: 0.5 },
+        })
+    }
+}
+
+fn palm([x, y]: [f32; 2]) -> Palm {
+    let keypoints = [
+        [x, y],
+        [x - 20.0, y - 95.0],
+        [x, y - 100.0],
+        [x + 15.0, y - 95.0],
+        [x + 30.0, y - 85.0],
+        [x; 2],
+        [x; 2],
+    ];
+    Palm { score: 0.9, bounds: [x - 60.0, y - 110.0, x + 60.0, y + 10.0], keypoints }
+}
+
+fn landmarks([x, y]: [f32; 2]) -> [[f32; 2]; LANDMARKS] {
+    std::array::from_fn(|landmark| match landmark {
+        0 => [x, y],
+        1..=4 => [x - 30.0 - 10.0 * landmark as f32, y - 20.0 * landmark as f32],
+        finger => {
+            let (column, joint) = ((finger - 5) / 4, (finger - 5) % 4);
+            [x - 20.0 + 15.0 * column as f32, y - 100.0 - 25.0 * joint as f32]
+        }
+    })
+}
+
+/// A bench with a tracker over it and a clock.
+struct Bench {
+    script: Models,
+    tracker: Tracker<Models>,
+    now_ns: u64,
+}
+
+impl Bench {
+    fn wanting(sides: &[Side]) -> Self {
+        let script = Models::default();
+        let config = HandsConfig { sides: sides.to_vec(), ..HandsConfig::default() };
+        Self { tracker: Tracker::new(script.clone(), config), script, now_ns: 0 }
+    }
+
+    fn frame(&mut self, hands: &[Scripted]) -> Tracked {
+        self.frame_after(1, hands)
+    }
+
+    fn frame_after(&mut self, frames: u64, hands: &[Scripted]) -> Tracked {
+        self.now_ns += frames * FRAME_NS;
+        self.script.0.borrow_mut().hands = hands.to_vec();
+        let image = ImageView::new(1280, 720, 1280, PixelFormat::Gray8, &[0; 1280 * 720]).unwrap();
+        self.tracker.step(&image, self.now_ns, &mut Spent::default()).unwrap()
+    }
+
+    fn palm_questions(&self) -> usize {
+        self.script.0.borrow().palm_questions
+    }
+}
+
+fn hand(x: f32, right: f32) -> Scripted {
+    Scripted { wrist: [x, 500.0], right }
+}
+
+fn sides(tracked: &Tracked) -> Vec<Side> {
+    tracked.hands.iter().map(|hand| hand.side).collect()
+}
+
+#[test]
+fn a_hand_that_is_followed_needs_no_palm_detection() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    for frame in 0..50 {
+        let tracked = bench.frame(&[hand(300.0 + 5.0 * frame as f32, 0.9)]);
+        assert_eq!(tracked.hands[0].landmarks, landmarks([300.0 + 5.0 * frame as f32, 500.0]));
+    }
+    assert_eq!(bench.palm_questions(), 1);
+}
+
+#[test]
+fn a_lost_hand_is_looked_for_in_the_same_frame() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    bench.frame(&[hand(300.0, 0.9)]);
+    let tracked = bench.frame(&[hand(900.0, 0.9)]);
+    assert_eq!(tracked.hands[0].landmarks[0], [900.0, 500.0]);
+    assert_eq!(bench.palm_questions(), 2);
+}
+
+#[test]
+fn an_empty_bench_is_searched_on_every_frame() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    for _ in 0..7 {
+        assert!(bench.frame(&[]).hands.is_empty());
+    }
+    assert_eq!(bench.palm_questions(), 7);
+}
+
+#[test]
+fn wanting_two_hands_with_one_in_view_searches_every_tenth_frame() {
+    let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
+    for _ in 0..101 {
+        assert_eq!(sides(&bench.frame(&[hand(300.0, 0.9)])), [Side::Right]);
+    }
+    assert_eq!(bench.palm_questions(), 11);
+    let found = (0..10)
+        .map(|_| bench.frame(&[hand(300.0, 0.9), hand(900.0, 0.1)]))
+        .find(|tracked| tracked.hands.len() == 2);
+    assert_eq!(sides(&found.unwrap()), [Side::Right, Side::Left]);
+}
+
+#[test]
+fn a_hand_nobody_wants_is_not_reported_and_does_not_keep_palm_detection_busy() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    for _ in 0..40 {
+        assert!(bench.frame(&[hand(300.0, 0.1)]).hands.is_empty());
+    }
+    assert_eq!(bench.palm_questions(), 4);
+    assert!((0..10).any(|_| sides(&bench.frame(&[hand(300.0, 0.1), hand(900.0, 0.9)])) == [Side::Right]));
+}
+
+#[test]
+fn after_dropped_frames_palm_detection_runs_and_the_hand_keeps_its_side() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    for _ in 0..10 {
+        bench.frame(&[hand(300.0, 0.99)]);
+    }
+    let tracked = bench.frame_after(6, &[hand(380.0, 0.3)]);
+    assert!(tracked.after_gap && tracked.palm_detection_ran);
+    assert_eq!(sides(&tracked), [Side::Right]);
+    assert_eq!(tracked.hands[0].landmarks[0], [380.0, 500.0]);
+    assert!(!bench.frame(&[hand(380.0, 0.3)]).after_gap);
+}
+
+#[test]
+fn a_side_does_not_flicker_when_the_model_wavers() {
+    let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
+    // Three sure looks, then two of five say the contrary.
+    for frame in 0..200 {
+        let right = if frame >= 3 && frame % 5 < 2 { 0.05 } else { 0.95 };
+        assert_eq!(sides(&bench.frame(&[hand(300.0, right)])), [Side::Right], "frame {frame}");
+    }
+}
+
+#[test]
+fn a_side_that_was_wrong_is_mended() {
+    let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
+    for _ in 0..3 {
+        assert_eq!(sides(&bench.frame(&[hand(300.0, 0.1)])), [Side::Left]);
+    }
+    for _ in 0..10 {
+        bench.frame(&[hand(300.0, 0.95)]);
+    }
+    assert_eq!(sides(&bench.frame(&[hand(300.0, 0.95)])), [Side::Right]);
+}
+
+#[test]
+fn a_hand_whose_side_is_unclear_is_not_reported() {
+    let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
+    assert!(bench.frame(&[hand(300.0, 0.55)]).hands.is_empty());
+}
+
+#[test]
+fn two_hands_never_have_the_same_side() {
+    let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
+    for frame in 0..60 {
+        let tracked = bench.frame(&[hand(300.0, 0.7), hand(900.0, 0.99)]);
+        let mut seen: Vec<_> =
+            tracked.hands.iter().map(|hand| (hand.landmarks[0][0] as i32, hand.side)).collect();
+        seen.sort();
+        assert_eq!(seen, [(300, Side::Left), (900, Side::Right)], "frame {frame}");
+    }
+}
+
+#[test]
+fn two_tracks_on_one_hand_become_one() {
+    let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
+    bench.frame(&[hand(300.0, 0.9), hand(700.0, 0.1)]);
+    for x in [620.0, 540.0, 460.0, 380.0, 300.0] {
+        bench.frame(&[hand(300.0, 0.9), hand(x, 0.1)]);
+    }
+    assert_eq!(sides(&bench.frame(&[hand(300.0, 0.9)])), [Side::Right]);
+}
+
+#[test]
+fn landmarks_that_leap_are_looked_at_again() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    bench.frame(&[hand(300.0, 0.9)]);
+    bench.script.0.borrow_mut().slip = 200.0;
+    let tracked = bench.frame(&[hand(300.0, 0.9)]);
+    assert!(tracked.palm_detection_ran);
+    assert_eq!(tracked.hands[0].landmarks[0], [300.0, 500.0]);
+}
+
+#[test]
+fn a_model_that_answers_with_nan_loses_the_hand_and_nothing_else() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    bench.frame(&[hand(300.0, 0.9)]);
+    bench.frame(&[Scripted { wrist: [f32::NAN; 2], right: f32::NAN }]);
+    assert_eq!(sides(&bench.frame(&[hand(300.0, 0.9)])), [Side::Right]);
+}

@@ -1,0 +1,98 @@
+/* A soft PLC that reads verdicts on the same machine.
+ *
+ *   cc -Idaemon/plc/include soft_plc.c -landon_plc -o soft_plc
+ *   ./soft_plc STATION [COUNT [ROOT]]
+ *
+ * Prints every verdict; ends after COUNT of them (0: never) with the latencies from the judge's sending to here. */
+#define _POSIX_C_SOURCE 199309L
+#include "andon.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+/* One cycle of the PLC: when nothing has come for so long, it does its other work. */
+#define CYCLE_US 10000
+/* How long a station may take to start. */
+#define PATIENCE_MS 5000
+
+static uint64_t monotonic_ns(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+}
+
+static int by_size(const void *a, const void *b) {
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Anything that is not known to be right is not right. */
+static const char *outcome(uint8_t kind) {
+    switch (kind) {
+    case ANDON_KIND_IU_OK:
+    case ANDON_KIND_ACTIVITY_OK:
+    case ANDON_KIND_JOB_OK:
+        return "ok";
+    case ANDON_KIND_IU_ANOMALY:
+    case ANDON_KIND_ACTIVITY_ANOMALY:
+    case ANDON_KIND_JOB_ANOMALY:
+        return "nok";
+    default:
+        return "not-judged";
+    }
+}
+
+int main(int argc, char **argv) {
+    if (argc < 2) {
+        fprintf(stderr, "usage: %s STATION [COUNT [ROOT]]\n", argv[0]);
+        return 64;
+    }
+    size_t count = argc > 2 ? strtoul(argv[2], NULL, 10) : 0;
+    uint64_t *latency_ns = calloc(count ? count : 1, sizeof *latency_ns);
+    AndonReader *reader = NULL;
+    if (!latency_ns || andon_open(argc > 3 ? argv[3] : NULL, argv[1], PATIENCE_MS, &reader) < 0) {
+        fprintf(stderr, "cannot read verdicts: %s\n", andon_last_error());
+        free(latency_ns);
+        return 70;
+    }
+    printf("open\n");
+    fflush(stdout);
+
+    size_t received = 0;
+    int ready = 1, fault = 0;
+    while (!fault && (count == 0 || received < count)) {
+        AndonVerdict verdict;
+        switch (andon_next(reader, CYCLE_US, &verdict)) {
+        case ANDON_RESULT_VERDICT:
+            if (count)
+                latency_ns[received] = monotonic_ns() - verdict.sent_ns;
+            received++;
+            ready = 1;
+            printf("verdict %llu %s reason %u distance %g station %s\n", (unsigned long long)verdict.seq,
+                   outcome(verdict.kind), verdict.reason, (double)verdict.distance, verdict.station);
+            break;
+        case ANDON_RESULT_WRITER_GONE:
+            ready = 0; /* Silence is never OK. */
+            printf("judge gone, ready %d\n", ready);
+            fflush(stdout);
+            break;
+        case ANDON_RESULT_NOTHING:
+            break; /* The other work of a cycle. */
+        default:
+            fprintf(stderr, "%s\n", andon_last_error());
+            fault = 1;
+        }
+    }
+
+    AndonStatus status;
+    andon_status(reader, &status);
+    printf("received %llu lost %llu\n", (unsigned long long)status.received, (unsigned long long)status.lost);
+    if (count && received) {
+        qsort(latency_ns, received, sizeof *latency_ns, by_size);
+        printf("latency_us p50 %.1f p99 %.1f max %.1f\n", (double)latency_ns[received / 2] / 1e3,
+               (double)latency_ns[received * 99 / 100] / 1e3, (double)latency_ns[received - 1] / 1e3);
+    }
+    andon_close(reader);
+    free(latency_ns);
+    return fault ? 70 : 0;
+}

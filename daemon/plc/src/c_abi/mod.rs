@@ -1,0 +1,164 @@
+//! `libandon_plc`: the verdict channel for a soft PLC in C or C++ on the same machine. The header is `include/andon.h`.
+//!
+//! The only unsafe code of this crate. Every function takes null for what it is, catches a panic at the boundary, and
+//! answers with an [`AndonResult`]. A verdict is read as it is sent: before the journal has it; who must not act before the journal, uses Modbus.
+#![allow(unsafe_code)]
+
+mod reader;
+mod types;
+
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Duration;
+
+pub use reader::AndonReader;
+pub use types::{
+    ANDON_NO_INDEX, ANDON_STATION_BYTES, AndonHand, AndonKind, AndonReason, AndonResult, AndonStatus,
+    AndonVerdict,
+};
+
+use reader::{Next, code};
+
+thread_local! {
+    static LAST_ERROR: RefCell<CString> = RefCell::default();
+}
+
+/// Runs `call`; a fault is remembered as text and answered as a number, a panic as well.
+fn guarded(call: impl FnOnce() -> Result<AndonResult, (AndonResult, String)>) -> AndonResult {
+    let fault = match catch_unwind(AssertUnwindSafe(call)) {
+        Ok(Ok(result)) => return result,
+        Ok(Err(fault)) => fault,
+        Err(_) => (AndonResult::Internal, "a fault in libandon_plc: close this reader and report it".into()),
+    };
+    // A text with a zero in it is cut to nothing; ours have none.
+    let text = CString::new(fault.1).unwrap_or_default();
+    // Fails only while the thread ends, when nobody can ask any more.
+    let _ = LAST_ERROR.try_with(|last| *last.borrow_mut() = text);
+    fault.0
+}
+
+fn argument(what: &str) -> (AndonResult, String) {
+    (AndonResult::Argument, format!("{what} is null or not UTF-8"))
+}
+
+fn transport(error: &andon_ipc::Error) -> (AndonResult, String) {
+    (code(error), error.to_string())
+}
+
+/// # Safety
+/// `text` is null or points to a zero-terminated string that lives as long as `'a`.
+unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
+    if text.is_null() {
+        return None;
+    }
+    // SAFETY: not null, and the caller promises the rest.
+    unsafe { CStr::from_ptr(text) }.to_str().ok()
+}
+
+/// Opens the verdict channel of `station`. `root` is the station's directory, null for `/run/andon/STATION`. Waits for at most
+/// `patience_ms` for a station that is still starting. Gives ANDON_RESULT_NOTHING and `*out`, or a fault and null.
+///
+/// A reader belongs to one thread at a time. The newest 256 verdicts come first, as they were sent before.
+///
+/// # Safety
+/// `root` (or null) and `station` are zero-terminated; `out` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn andon_open(
+    root: *const c_char,
+    station: *const c_char,
+    patience_ms: u32,
+    out: *mut *mut AndonReader,
+) -> AndonResult {
+    guarded(|| {
+        if out.is_null() {
+            return Err(argument("out"));
+        }
+        // SAFETY: not null, and the caller promises that it can be written.
+        unsafe { out.write(std::ptr::null_mut()) };
+        // SAFETY: the caller promises zero-terminated strings, and they are not kept.
+        let (root_text, station) = unsafe { (text(root), text(station)) };
+        if root_text.is_none() && !root.is_null() {
+            return Err(argument("root"));
+        }
+        let station = station.ok_or_else(|| argument("station"))?;
+        let patience = Duration::from_millis(patience_ms.into());
+        let reader = AndonReader::open(root_text, station, patience).map_err(|e| transport(&e))?;
+        // SAFETY: as above. The box is given back in `andon_close`.
+        unsafe { out.write(Box::into_raw(Box::new(reader))) };
+        Ok(AndonResult::Nothing)
+    })
+}
+
+/// The next verdict into `*out`: ANDON_RESULT_VERDICT. A look at what is there takes no lock and waits for nobody; only where nothing
+/// is there, and `timeout_us` is not 0, it blocks, at most for so long: ANDON_RESULT_NOTHING. A judge that goes away ends the wait:
+/// ANDON_RESULT_WRITER_GONE.
+///
+/// # Safety
+/// `reader` is from `andon_open`, not closed, and not in use in another thread; `out` can be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn andon_next(
+    reader: *mut AndonReader,
+    timeout_us: u64,
+    out: *mut AndonVerdict,
+) -> AndonResult {
+    guarded(|| {
+        // SAFETY: null is None; otherwise the caller promises that it is ours and used by nobody else.
+        let reader = unsafe { reader.as_mut() }.ok_or_else(|| argument("reader"))?;
+        if out.is_null() {
+            return Err(argument("out"));
+        }
+        // A day is for ever, and cannot overflow the clock.
+        let timeout = Duration::from_micros(timeout_us).min(Duration::from_secs(86_400));
+        match reader.next(timeout).map_err(|e| transport(&e))? {
+            Next::Verdict(verdict) => {
+                // SAFETY: not null, and the caller promises that it can be written.
+                unsafe { out.write(AndonVerdict::from(&verdict)) };
+                Ok(AndonResult::Verdict)
+            }
+            Next::WriterGone => Ok(AndonResult::WriterGone),
+            Next::Nothing => Ok(AndonResult::Nothing),
+        }
+    })
+}
+
+/// What the reader has seen, into `*out`: ANDON_RESULT_NOTHING.
+///
+/// # Safety
+/// As `andon_next`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn andon_status(reader: *const AndonReader, out: *mut AndonStatus) -> AndonResult {
+    guarded(|| {
+        // SAFETY: null is None; otherwise the caller promises that it is ours and used by nobody else.
+        let reader = unsafe { reader.as_ref() }.ok_or_else(|| argument("reader"))?;
+        if out.is_null() {
+            return Err(argument("out"));
+        }
+        // SAFETY: not null, and the caller promises that it can be written.
+        unsafe { out.write(reader.status()) };
+        Ok(AndonResult::Nothing)
+    })
+}
+
+/// Closes a reader; null does nothing.
+///
+/// # Safety
+/// `reader` is null or from `andon_open`, and is not used any more.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn andon_close(reader: *mut AndonReader) {
+    if reader.is_null() {
+        return;
+    }
+    guarded(|| {
+        // SAFETY: from `Box::into_raw` in `andon_open`, and the caller promises that it is closed once.
+        drop(unsafe { Box::from_raw(reader) });
+        Ok(AndonResult::Nothing)
+    });
+}
+
+/// What was wrong in the last call of this thread that failed, with the remedy; empty at first. Valid until the next call that
+/// fails in this thread.
+#[unsafe(no_mangle)]
+pub extern "C" fn andon_last_error() -> *const c_char {
+    LAST_ERROR.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+}

@@ -1,0 +1,138 @@
+//! The C example, compiled against the header and the library of this build, reads what a Rust writer writes.
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use andon_plc::c_abi::*;
+use std::ffi::{CStr, CString};
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+use support::TestStation;
+
+/// Where cargo puts `libandon_plc.so` of this build: beside this test.
+fn library_dir() -> PathBuf {
+    std::env::current_exe().unwrap().parent().unwrap().to_path_buf()
+}
+
+fn compiled(out: &Path) -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let program = out.join("soft_plc");
+    let status = Command::new("cc")
+        .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"])
+        .arg(format!("-I{}", here.join("include").display()))
+        .arg(here.join("examples/soft_plc.c"))
+        .arg(format!("-L{}", library_dir().display()))
+        .arg(format!("-Wl,-rpath,{}", library_dir().display()))
+        .args(["-landon_plc", "-o"])
+        .arg(&program)
+        .status()
+        .unwrap();
+    assert!(status.success(), "the example does not compile");
+    program
+}
+
+fn started(program: &Path, station: &TestStation, count: &str) -> (Child, impl Iterator<Item = String>) {
+    let mut child = Command::new(program)
+        .args(["plctest", count])
+        .arg(station.station.root())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
+    assert_eq!(lines.next().as_deref(), Some("open"));
+    (child, lines)
+}
+
+#[test]
+fn a_c_program_reads_every_verdict_as_it_was_written_and_hears_that_the_judge_has_gone() {
+    let dir = tempfile::tempdir().unwrap();
+    let program = compiled(dir.path());
+    let station = TestStation::new();
+    let mut judge = station.judge();
+    let (mut child, mut lines) = started(&program, &station, "1000");
+    for number in 1..=500 {
+        judge.say(number);
+        judge.idle(Duration::from_millis(1));
+    }
+    drop(judge);
+    let first: Vec<String> = lines.by_ref().take(501).collect();
+    assert_eq!(first[0], "verdict 1 ok reason 0 distance 0.5 station plctest");
+    assert_eq!(first[2], "verdict 3 nok reason 3 distance 1.5 station plctest");
+    assert_eq!(first[500], "judge gone, ready 0");
+    let mut judge = station.judge();
+    for number in 1..=500 {
+        judge.say(number);
+        judge.idle(Duration::from_millis(1));
+    }
+    let rest: Vec<String> = lines.collect();
+    assert_eq!(rest[0], "verdict 1 ok reason 0 distance 0.5 station plctest");
+    assert_eq!(rest[500], "received 1000 lost 0");
+    println!("C reader: {}", rest[501]);
+    assert!(child.wait().unwrap().success());
+}
+
+#[test]
+fn a_program_in_cpp_can_include_the_header() {
+    let dir = tempfile::tempdir().unwrap();
+    let source = dir.path().join("a.cpp");
+    std::fs::write(
+        &source,
+        "#include \"andon.h\"\nint main() { AndonReader *r = 0; andon_close(r); return ANDON_KIND_IU_OK; }\n",
+    )
+    .unwrap();
+    let include = format!("-I{}/include", env!("CARGO_MANIFEST_DIR"));
+    let status =
+        Command::new("c++").args(["-Wall", "-Werror", "-fsyntax-only", &include]).arg(&source).status();
+    assert!(status.unwrap().success());
+}
+
+fn last_error() -> String {
+    // SAFETY: the text lives until the next failing call of this thread, and it is copied before that.
+    unsafe { CStr::from_ptr(andon_last_error()) }.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn bad_arguments_are_answered_with_a_number_and_a_text() {
+    let (mut reader, null) = (std::ptr::null_mut(), std::ptr::null());
+    let station = CString::new("Not A Name").unwrap();
+    let nowhere = CString::new("/nonexistent/andon").unwrap();
+    let bench = CString::new("bench").unwrap();
+    // SAFETY: every pointer is null or lives to the end of this function.
+    unsafe {
+        assert_eq!(andon_open(null, null, 0, &mut reader), AndonResult::Argument);
+        assert!(last_error().contains("station is null"));
+        assert_eq!(andon_open(null, bench.as_ptr(), 0, std::ptr::null_mut()), AndonResult::Argument);
+        assert_eq!(andon_open(null, station.as_ptr(), 0, &mut reader), AndonResult::Station);
+        assert!(last_error().contains("Not A Name"), "{}", last_error());
+        assert_eq!(andon_open(nowhere.as_ptr(), bench.as_ptr(), 0, &mut reader), AndonResult::NoSteward);
+        assert!(reader.is_null());
+        assert_eq!(andon_next(reader, 0, std::ptr::null_mut()), AndonResult::Argument);
+        assert_eq!(andon_status(reader, std::ptr::null_mut()), AndonResult::Argument);
+        andon_close(reader);
+    }
+}
+
+#[test]
+fn a_look_without_patience_does_not_wait_and_the_status_counts() {
+    let station = TestStation::new();
+    let mut judge = station.judge();
+    let root = CString::new(station.station.root().to_str().unwrap()).unwrap();
+    let name = CString::new("plctest").unwrap();
+    let mut reader = std::ptr::null_mut();
+    let mut verdict = std::mem::MaybeUninit::<AndonVerdict>::uninit();
+    let mut status = AndonStatus::default();
+    // SAFETY: every pointer lives to the end of this function; the reader is closed once, at the end.
+    unsafe {
+        assert_eq!(andon_open(root.as_ptr(), name.as_ptr(), 5000, &mut reader), AndonResult::Nothing);
+        assert_eq!(andon_next(reader, 0, verdict.as_mut_ptr()), AndonResult::Nothing);
+        judge.say(3);
+        assert_eq!(andon_next(reader, 5_000_000, verdict.as_mut_ptr()), AndonResult::Verdict);
+        let verdict = verdict.assume_init();
+        assert_eq!((verdict.seq, verdict.kind, verdict.distance), (1, AndonKind::IuAnomaly as u8, 1.5));
+        assert_eq!(andon_status(reader, &mut status), AndonResult::Nothing);
+        assert_eq!((status.received, status.lost, status.writer_gone), (1, 0, 0));
+        andon_close(reader);
+    }
+}

@@ -1,0 +1,74 @@
+//! A station with a judge that says what it is told, for the tests of readers.
+
+use andon_ipc::{Limits, Node, Station, Steward, Stop, TEND_PERIOD, Writer};
+use shm_schemas::{RoleId, Verdict, VerdictKind, VerdictReason};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// A station with its steward in a thread; its directory goes when it is dropped.
+pub(crate) struct TestStation {
+    pub(crate) station: Station,
+    stop: Arc<AtomicBool>,
+    steward: Option<thread::JoinHandle<()>>,
+    _dir: tempfile::TempDir,
+}
+
+impl TestStation {
+    pub(crate) fn new() -> Self {
+        let dir = tempfile::Builder::new().prefix("andon").tempdir().unwrap();
+        let station = Station::under("plctest", &dir.path().join("s")).unwrap();
+        let mut steward = Steward::create(&station, Limits { frame_bytes: 4096 }).unwrap();
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = Arc::clone(&stop);
+        let steward = thread::spawn(move || {
+            while !stopped.load(Ordering::Relaxed) {
+                steward.tend().unwrap();
+                thread::sleep(TEND_PERIOD);
+            }
+        });
+        Self { station, stop, steward: Some(steward), _dir: dir }
+    }
+
+    pub(crate) fn judge(&self) -> Judge {
+        let node = Node::open(&self.station, RoleId::Judge, PATIENCE, &Stop::new().unwrap()).unwrap();
+        Judge { verdicts: node.writer().unwrap(), node }
+    }
+}
+
+impl Drop for TestStation {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        let _ = self.steward.take().map(thread::JoinHandle::join);
+    }
+}
+
+/// Writes verdicts.
+pub(crate) struct Judge {
+    verdicts: Writer<Verdict>,
+    node: Node,
+}
+
+impl Judge {
+    /// Every third is an anomaly.
+    pub(crate) fn say(&mut self, number: u64) {
+        let mut verdict = self.verdicts.loan().unwrap();
+        let (kind, reason) = match number % 3 {
+            0 => (VerdictKind::IuAnomaly, VerdictReason::Motion),
+            _ => (VerdictKind::IuOk, VerdictReason::None),
+        };
+        verdict.kind = kind.code();
+        verdict.reason = reason.code();
+        verdict.distance = number as f32 / 2.0;
+        verdict.station[..7].copy_from_slice(b"plctest");
+        self.verdicts.send(verdict).unwrap();
+    }
+
+    /// Answers readers that come up, for so long.
+    pub(crate) fn idle(&mut self, time: Duration) {
+        self.node.wait(&mut [&mut self.verdicts], time).unwrap();
+    }
+}

@@ -1,0 +1,68 @@
+//! The recordings of the paper's two experiments.
+
+use super::job::{Flaw, Layout, Performance, perform, perform_activity};
+use super::movement::Truth;
+use super::noise::Noise;
+use andon_learn::recording::{self, Recording};
+use std::io;
+use std::path::Path;
+
+/// The activities of the first experiment, in the paper's order.
+pub const ACTIVITIES: [&str; 5] = ["boxing", "measuring", "assembly", "disassembly", "polishing"];
+
+/// One recording of an experiment.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// Its name without ending: `p<person>_<what>_r<repetition>`.
+    pub name: String,
+    /// What was seen.
+    pub recording: Recording,
+    /// What happened.
+    pub truth: Truth,
+}
+
+/// Experiment 1: 10 people, 5 activities, 4 repetitions, and drilling once in each of three layouts.
+pub fn experiment_1(seed: u64, noise: Noise) -> Vec<Recorded> {
+    let mut all = Vec::new();
+    for person in 1..=10 {
+        let at = |repetition| Performance { seed, person, repetition, noise };
+        for activity in ACTIVITIES {
+            for repetition in 1..=4 {
+                let (recording, truth) = perform_activity(&at(repetition), activity, Layout::Plan);
+                all.push(Recorded { name: format!("p{person}_{activity}_r{repetition}"), recording, truth });
+            }
+        }
+        for layout in 0..3 {
+            let (recording, truth) = perform_activity(&at(1), "drilling", Layout::Drilling(layout));
+            all.push(Recorded { name: format!("p{person}_drilling_C{}_r1", layout + 1), recording, truth });
+        }
+    }
+    all
+}
+
+/// Experiment 2: 7 people, the job 3 times correctly, once as `J1` and once as `J2`.
+pub fn experiment_2(seed: u64, noise: Noise) -> Vec<Recorded> {
+    let mut all = Vec::new();
+    for person in 1..=7 {
+        for (flaw, repetition) in
+            [(Flaw::None, 1), (Flaw::None, 2), (Flaw::None, 3), (Flaw::J1, 1), (Flaw::J2, 1)]
+        {
+            let (recording, truth) = perform(&Performance { seed, person, repetition, noise }, flaw);
+            all.push(Recorded { name: format!("p{person}_{}_r{repetition}", flaw.word()), recording, truth });
+        }
+    }
+    all
+}
+
+/// Writes recordings as track files into a folder.
+///
+/// # Errors
+/// When the folder cannot be written.
+pub fn save(folder: &Path, recorded: &[Recorded]) -> io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    for one in recorded {
+        let file = std::fs::File::create(folder.join(format!("{}.tracks.jsonl", one.name)))?;
+        recording::write(&mut io::BufWriter::new(file), &one.recording.header, &one.recording.frames)?;
+    }
+    Ok(())
+}

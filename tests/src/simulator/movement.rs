@@ -1,0 +1,378 @@
+//! From a script to where everything is at each instant, without noise.
+
+use super::bench::{Bench, Part, Pose};
+use super::{Person, Random, Vector, add, length, scale, subtract, turn};
+use andon_core::couple::Context;
+use andon_core::input::Side;
+
+/// One thing that a person does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Action {
+    /// Goes to a part and takes it.
+    Take(u16),
+    /// Brings the held part's tip to the work point of another part, coming from this direction in that part's frame.
+    Bring {
+        /// The other part.
+        to: u16,
+        /// Direction that the held part points in, in the frame of the other, in radians.
+        heading: f64,
+        /// How far from the work point it comes to lie, in metres.
+        gap_m: f64,
+    },
+    /// Pulls the held part away from what it touches, to a place relative to where it is, in the frame of the held part.
+    Pull(Vector),
+    /// Puts the held part down at a place on the bench.
+    Put(Pose),
+    /// Rubs to and fro along a direction in the frame of the part that is rubbed.
+    Stroke {
+        /// The part that is rubbed.
+        on: u16,
+        /// To-and-fro movements.
+        count: u32,
+        /// Direction in radians.
+        along: f64,
+    },
+    /// Holds still, in seconds.
+    Hold(f64),
+    /// Stops in the middle of the next movement for so many seconds.
+    Hesitate(f64),
+    /// Lets go.
+    Release,
+    /// Takes the hand to its rest.
+    Rest,
+    /// Takes the hand out of the picture, for so many seconds.
+    LeavePicture(f64),
+    /// From here on everything takes this share of the time.
+    Tempo(f64),
+}
+
+/// What is done, in order, and with which hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Script {
+    /// The hand.
+    pub side: Side,
+    /// What it does.
+    pub actions: Vec<Action>,
+}
+
+/// An IU as the script means it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrueIu {
+    /// Its context.
+    pub context: Context,
+    /// When the hand arrives, or the parts meet, in seconds: within about 0.3 s of the contact by distance.
+    pub began_s: f64,
+}
+
+/// The contexts that a script means, activity by activity. A part that is let go while it touches another goes on as
+/// `[0, 0, j, l]` for as long as nothing else is taken.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Labels {
+    /// The IUs of each activity.
+    pub activities: Vec<Vec<TrueIu>>,
+}
+
+impl Labels {
+    /// The contexts alone.
+    pub fn contexts(&self) -> Vec<Vec<Context>> {
+        self.activities.iter().map(|ius| ius.iter().map(|iu| iu.context).collect()).collect()
+    }
+}
+
+/// Where everything is at one instant.
+#[derive(Clone, Debug)]
+pub struct Instant {
+    /// Seconds.
+    pub t: f64,
+    /// Middle of the finger tips; `None` while the hand is out of the picture.
+    pub grip: Option<Vector>,
+    /// Direction of the fingers in radians.
+    pub hand_yaw: f64,
+    /// 0 open, 1 closed.
+    pub closed: f64,
+    /// The part that is held.
+    pub held: Option<u16>,
+    /// Each part's pose.
+    pub poses: Vec<(u16, Pose)>,
+}
+
+/// What really happened.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// Whose hand.
+    pub side: Side,
+    /// At each frame.
+    pub instants: Vec<Instant>,
+    /// What it means.
+    pub labels: Labels,
+}
+
+/// Carries out a script.
+pub(super) fn carry_out(
+    script: &Script,
+    person: &Person,
+    bench: &Bench,
+    rate_hz: f64,
+    random: &mut Random,
+) -> Truth {
+    let mut actor = Actor {
+        person,
+        random,
+        rate_hz,
+        bench: bench.clone(),
+        grip: Some(bench.rest),
+        side: script.side,
+        closed: 0.0,
+        held: None,
+        resting_at: Vec::new(),
+        tempo: 1.0,
+        hesitate_s: 0.0,
+        instants: Vec::new(),
+        labels: Labels::default(),
+    };
+    for (part, pose) in &bench.parts {
+        for (other, there) in &bench.parts {
+            if part.id != other.id && length(subtract(pose.point(part.tip), there.point(other.work))) < 0.012
+            {
+                actor.resting_at.push((part.id, other.id));
+            }
+        }
+    }
+    actor.hold(0.5);
+    for action in &script.actions {
+        actor.act(*action);
+    }
+    // The hand stays where it is, until the recording is stopped.
+    actor.hold(0.8);
+    Truth { side: script.side, instants: actor.instants, labels: actor.labels }
+}
+
+struct Actor<'a> {
+    person: &'a Person,
+    random: &'a mut Random,
+    rate_hz: f64,
+    bench: Bench,
+    grip: Option<Vector>,
+    side: Side,
+    closed: f64,
+    /// The part that is held, and where it is in the hand: grip point in the part's frame.
+    held: Option<(Part, Vector)>,
+    resting_at: Vec<(u16, u16)>,
+    tempo: f64,
+    hesitate_s: f64,
+    instants: Vec<Instant>,
+    labels: Labels,
+}
+
+/// Progress of a minimum-jerk movement, 0..1 over 0..1 (Flash and Hogan 1985).
+fn minimum_jerk(share: f64) -> f64 {
+    let share = share.clamp(0.0, 1.0);
+    share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share)
+}
+
+impl Actor<'_> {
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Take(id) => self.take(id),
+            Action::Bring { to, heading, gap_m } => self.bring(to, heading, gap_m),
+            Action::Pull(by) => self.pull(by),
+            Action::Put(pose) => self.put(pose),
+            Action::Stroke { on, count, along } => self.stroke(on, count, along),
+            Action::Hold(seconds) => self.hold(seconds),
+            Action::Hesitate(seconds) => self.hesitate_s = seconds,
+            Action::Release => self.release(),
+            Action::Rest => self.go(self.bench.rest, None, 0.0),
+            Action::LeavePicture(seconds) => self.leave_picture(seconds),
+            Action::Tempo(share) => self.tempo = share,
+        }
+    }
+
+    fn take(&mut self, id: u16) {
+        let part = Part::of(id);
+        let slack = [0.004 * self.random.normal(), 0.004 * self.random.normal()];
+        let own = add(add(part.grasp, self.person.grip_offset_m), slack);
+        self.go(self.pose(id).point(own), None, 0.0);
+        self.closed = 1.0;
+        self.held = Some((part, own));
+        let context = match self.resting_at.iter().find(|(j, _)| *j == id) {
+            Some((_, l)) => self.context(id, *l),
+            None => self.context(id, 0),
+        };
+        self.labels.activities.push(Vec::new());
+        self.label(context);
+        self.dwell();
+    }
+
+    fn bring(&mut self, to: u16, heading: f64, gap_m: f64) {
+        let Some((part, _)) = self.held else { return };
+        self.part_from(part.id);
+        let there = self.pose(to);
+        let yaw = there.yaw + heading + 0.03 * self.random.normal();
+        let slack = 0.003 * self.random.normal();
+        let tip = add(there.point(Part::of(to).work), turn([-gap_m - slack, slack], yaw));
+        let pose = Pose { at: subtract(tip, turn(part.tip, yaw)), yaw };
+        // It comes in along its heading, from 12 cm away.
+        let before = Pose { at: subtract(pose.at, turn([0.12, 0.0], yaw)), yaw };
+        self.carry(before, 0.6);
+        self.carry(pose, 0.0);
+        self.label(self.context(part.id, to));
+        self.resting_at.push((part.id, to));
+        self.dwell();
+    }
+
+    fn pull(&mut self, by: Vector) {
+        let Some((part, _)) = self.held else { return };
+        let pose = self.pose(part.id);
+        self.carry(Pose { at: pose.point(by), yaw: pose.yaw }, 0.0);
+        self.part_from(part.id);
+    }
+
+    fn put(&mut self, pose: Pose) {
+        let Some((part, _)) = self.held else { return };
+        self.part_from(part.id);
+        let slack = [0.008 * self.random.normal(), 0.008 * self.random.normal()];
+        let yaw = pose.yaw + 0.05 * self.random.normal();
+        self.carry(Pose { at: add(pose.at, slack), yaw }, 0.0);
+    }
+
+    fn stroke(&mut self, on: u16, count: u32, along: f64) {
+        let Some((part, _)) = self.held else { return };
+        let middle = self.pose(part.id);
+        let along = self.pose(on).yaw + along;
+        let reach = |share: f64| Pose { at: add(middle.at, turn([share, 0.0], along)), ..middle };
+        for half in 0..2 * count {
+            let stroke = 0.5 * self.person.stroke_m * self.random.factor(0.08);
+            let end = if half % 2 == 0 { stroke } else { -stroke };
+            let seconds = self.person.half_stroke_s * self.random.factor(0.06);
+            self.carry_in(reach(end), seconds * if half == 0 { 0.6 } else { 1.0 });
+        }
+        self.carry_in(middle, 0.6 * self.person.half_stroke_s);
+    }
+
+    fn release(&mut self) {
+        let Some((part, _)) = self.held.take() else { return };
+        self.dwell();
+        self.closed = 0.0;
+        if let Some((j, l)) = self.resting_at.iter().copied().find(|(j, _)| *j == part.id) {
+            self.label(Context([0, 0, j, l]));
+        }
+    }
+
+    fn leave_picture(&mut self, seconds: f64) {
+        let back = self.grip;
+        self.grip = None;
+        self.hold(seconds);
+        self.grip = back;
+    }
+
+    fn dwell(&mut self) {
+        let seconds = self.person.dwell_s * self.random.factor(0.2);
+        self.hold(seconds);
+    }
+
+    /// Carries the held part to a pose in the person's own time; `flow` is the share of the movement that is not
+    /// slowed down at its end, because the next one takes over.
+    fn carry(&mut self, pose: Pose, flow: f64) {
+        let Some((_, own)) = self.held else { return };
+        self.go(pose.point(own), Some(pose), flow);
+    }
+
+    fn carry_in(&mut self, pose: Pose, seconds: f64) {
+        let Some((_, own)) = self.held else { return };
+        self.move_hand(pose.point(own), Some(pose), seconds, 0.0, 0.0);
+    }
+
+    fn go(&mut self, to: Vector, part: Option<Pose>, flow: f64) {
+        let way = self.grip.map_or(0.0, |grip| length(subtract(to, grip)));
+        if way < 1e-4 {
+            return;
+        }
+        let seconds = self.person.movement_s(way) * self.random.factor(0.06);
+        let bow = (self.person.bow + 0.02 * self.random.normal()) * way;
+        self.move_hand(to, part, seconds, bow, flow);
+    }
+
+    fn move_hand(&mut self, to: Vector, part: Option<Pose>, seconds: f64, bow: f64, flow: f64) {
+        let Some(from) = self.grip else { return };
+        let way = subtract(to, from);
+        let aside = scale(turn(way, std::f64::consts::FRAC_PI_2), bow / length(way).max(1e-6));
+        let start = self.held.map(|(part, _)| self.pose(part.id));
+        let frames = (seconds * self.tempo * self.rate_hz).round().max(1.0) as usize;
+        let pause_at = (std::mem::take(&mut self.hesitate_s), frames / 2);
+        // A movement that flows into the next one is cut before it comes to rest.
+        let cut = 1.0 - 0.4 * flow;
+        let whole = minimum_jerk(cut);
+        for frame in 1..=frames {
+            let progress = minimum_jerk(cut * frame as f64 / frames as f64) / whole;
+            let bell = 16.0 * (progress * (1.0 - progress)).powi(2);
+            let grip = add(add(from, scale(way, progress)), scale(aside, bell));
+            self.grip = Some(grip);
+            if let (Some((held, own)), Some(start), Some(end)) = (self.held, start, part) {
+                let yaw = start.yaw + progress * (end.yaw - start.yaw);
+                self.set_pose(held.id, Pose { at: subtract(grip, turn(own, yaw)), yaw });
+            }
+            self.record();
+            if pause_at.0 > 0.0 && frame == pause_at.1 {
+                self.hold(pause_at.0);
+            }
+        }
+    }
+
+    fn hold(&mut self, seconds: f64) {
+        for _ in 0..(seconds * self.tempo * self.rate_hz).round() as usize {
+            self.record();
+        }
+    }
+
+    fn record(&mut self) {
+        self.instants.push(Instant {
+            t: self.instants.len() as f64 / self.rate_hz,
+            grip: self.grip,
+            hand_yaw: self.hand_yaw(),
+            closed: self.closed,
+            held: self.held.map(|(part, _)| part.id),
+            poses: self.bench.parts.iter().map(|(part, pose)| (part.id, *pose)).collect(),
+        });
+    }
+
+    /// The fingers point away from the shoulder, which is in front of the bench.
+    fn hand_yaw(&self) -> f64 {
+        let shoulder = match self.side {
+            Side::Right => [0.2, -0.55],
+            Side::Left => [-0.2, -0.55],
+        };
+        let away = subtract(self.grip.unwrap_or(self.bench.rest), shoulder);
+        away[1].atan2(away[0]) - std::f64::consts::FRAC_PI_2
+    }
+
+    fn part_from(&mut self, id: u16) {
+        let before = self.resting_at.len();
+        self.resting_at.retain(|(j, _)| *j != id);
+        if self.resting_at.len() < before {
+            self.label(self.context(id, 0));
+        }
+    }
+
+    fn context(&self, j: u16, l: u16) -> Context {
+        let hand = self.side as u16;
+        if l == 0 { Context([hand, j, 0, 0]) } else { Context([hand, j, j, l]) }
+    }
+
+    fn label(&mut self, context: Context) {
+        let began_s = self.instants.len() as f64 / self.rate_hz;
+        if let Some(activity) = self.labels.activities.last_mut() {
+            activity.push(TrueIu { context, began_s });
+        }
+    }
+
+    fn pose(&self, id: u16) -> Pose {
+        let found = self.bench.parts.iter().find(|(part, _)| part.id == id);
+        found.map_or(Pose { at: [0.0; 2], yaw: 0.0 }, |(_, pose)| *pose)
+    }
+
+    fn set_pose(&mut self, id: u16, pose: Pose) {
+        for (_, there) in self.bench.parts.iter_mut().filter(|(part, _)| part.id == id) {
+            *there = pose;
+        }
+    }
+}

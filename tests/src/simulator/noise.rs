@@ -1,0 +1,179 @@
+//! What a camera and a tracker take away from the truth.
+
+use super::bench::{Part, Pose};
+use super::movement::{Instant, Truth};
+use super::{Person, Random, Vector, add, turn};
+use andon_core::input::{Frame, Hand, Object, Point, Space};
+use andon_learn::recording::{Header, Landmarks, Recording};
+
+/// Measurement noise and losses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Frame rate of the camera.
+    pub rate_hz: f64,
+    /// Pixels a metre on the bench.
+    pub px_per_m: f64,
+    /// Deviation of a landmark in pixels.
+    pub landmark_px: f64,
+    /// How much of a landmark's error is still there one frame later.
+    pub landmark_memory: f64,
+    /// Share of a landmark's error (in variance) that all landmarks of the hand have in common.
+    pub landmark_common: f64,
+    /// Deviation of a marker's centre in pixels; its yaw follows from corners 18 mm away from it.
+    pub marker_px: f64,
+    /// Chance a frame that the marker of a held part begins to be hidden.
+    pub hidden_begins: f64,
+    /// Frames that it stays hidden, on average.
+    pub hidden_frames: f64,
+    /// Chance a frame that the hand begins to be lost.
+    pub lost_begins: f64,
+    /// Frames that it stays lost, on average.
+    pub lost_frames: f64,
+    /// Chance that the camera drops a frame.
+    pub dropped: f64,
+}
+
+impl Default for Noise {
+    /// Hand landmarks of MediaPipe and ArUco markers with refined corners, 640 x 480 over a bench 0.76 m below.
+    fn default() -> Self {
+        Self {
+            rate_hz: 30.0,
+            px_per_m: 800.0,
+            landmark_px: 2.5,
+            // A tracker crops the next picture around the last landmarks, so its errors change slowly.
+            landmark_memory: 0.85,
+            landmark_common: 0.5,
+            marker_px: 0.05,
+            hidden_begins: 0.01,
+            hidden_frames: 5.0,
+            lost_begins: 0.002,
+            lost_frames: 3.0,
+            dropped: 0.002,
+        }
+    }
+}
+
+impl Noise {
+    /// No noise and no loss.
+    pub fn none() -> Self {
+        Self {
+            landmark_px: 0.0,
+            marker_px: 0.0,
+            hidden_begins: 0.0,
+            lost_begins: 0.0,
+            dropped: 0.0,
+            ..Self::default()
+        }
+    }
+
+    /// What is seen of what happened.
+    pub fn see(&self, truth: &Truth, person: &Person, random: &mut Random) -> Recording {
+        let ids: Vec<u16> = truth
+            .instants
+            .first()
+            .map(|first| first.poses.iter().map(|(id, _)| *id).collect())
+            .unwrap_or_default();
+        let header = Header {
+            rate_hz: self.rate_hz as f32,
+            space: Space::Plane,
+            hands: vec![truth.side],
+            landmarks: Landmarks::Five,
+            objects: ids.iter().map(|id| Part::of(*id).named()).collect(),
+        };
+        let mut eye = Eye { noise: self, common: [0.0; 2], errors: [[0.0; 2]; 5], hidden: 0.0, lost: 0.0 };
+        for _ in 0..20 {
+            eye.drift(random);
+        }
+        let frames =
+            truth.instants.iter().filter_map(|instant| eye.look(truth, instant, person, random)).collect();
+        Recording { header, frames, truncation: None }
+    }
+}
+
+struct Eye<'a> {
+    noise: &'a Noise,
+    common: Vector,
+    errors: [Vector; 5],
+    /// Frames that the held part's marker stays hidden.
+    hidden: f64,
+    /// Frames that the hand stays lost.
+    lost: f64,
+}
+
+impl Eye<'_> {
+    /// Errors as a first-order autoregression of constant deviation.
+    fn drift(&mut self, random: &mut Random) {
+        let keep = self.noise.landmark_memory;
+        let deviation = self.noise.landmark_px / self.noise.px_per_m * (1.0 - keep * keep).sqrt();
+        let mut step = |error: &mut Vector, share: f64| {
+            for part in error {
+                *part = keep * *part + deviation * share.sqrt() * random.normal();
+            }
+        };
+        step(&mut self.common, self.noise.landmark_common);
+        for error in &mut self.errors {
+            step(error, 1.0 - self.noise.landmark_common);
+        }
+    }
+
+    fn look(
+        &mut self,
+        truth: &Truth,
+        instant: &Instant,
+        person: &Person,
+        random: &mut Random,
+    ) -> Option<Frame> {
+        self.drift(random);
+        begin(&mut self.hidden, self.noise.hidden_begins, self.noise.hidden_frames, random);
+        begin(&mut self.lost, self.noise.lost_begins, self.noise.lost_frames, random);
+        let dropped = random.uniform() < self.noise.dropped;
+        let mut frame = Frame { captured_ns: (instant.t * 1e9).round() as u64, ..Frame::default() };
+        if let Some(grip) = instant.grip.filter(|_| self.lost <= 0.0) {
+            // One hand fits.
+            let _ = frame.hands.push(self.hand(truth, grip, instant, person));
+        }
+        for (id, pose) in &instant.poses {
+            if instant.held != Some(*id) || self.hidden <= 0.0 {
+                // At most seven parts, and there is room for 32.
+                let _ = frame.objects.push(self.object(*id, pose, random));
+            }
+        }
+        (!dropped).then_some(frame)
+    }
+
+    fn hand(&self, truth: &Truth, grip: Vector, instant: &Instant, person: &Person) -> Hand {
+        let spread = person.grip_m + (1.0 - instant.closed) * 0.012;
+        let at = |own: Vector, place: usize| -> Point {
+            let seen = add(add(grip, turn(own, instant.hand_yaw)), add(self.common, self.errors[place]));
+            [seen[0] as f32, seen[1] as f32, 0.0]
+        };
+        let thumb_side = if truth.side == andon_core::input::Side::Right { -1.0 } else { 1.0 };
+        Hand {
+            side: truth.side,
+            score: 0.95,
+            wrist: at([0.0, -person.finger_m - 0.09], 0),
+            middle_knuckle: at([0.0, -person.finger_m], 1),
+            tips: [
+                at([thumb_side * spread, -0.004], 2),
+                at([0.0, 0.004], 3),
+                at([-thumb_side * spread, -0.004], 4),
+            ],
+        }
+    }
+
+    fn object(&self, id: u16, pose: &Pose, random: &mut Random) -> Object {
+        let deviation = self.noise.marker_px / self.noise.px_per_m;
+        let [x, y] = add(pose.at, [deviation * random.normal(), deviation * random.normal()]);
+        let half = 0.5 * (pose.yaw + deviation / 0.018 * random.normal());
+        let orientation = [half.cos() as f32, 0.0, 0.0, half.sin() as f32];
+        Object { id, position: [x as f32, y as f32, 0.0], orientation }
+    }
+}
+
+/// Counts a loss down; a new one begins by chance.
+fn begin(left: &mut f64, chance: f64, frames: f64, random: &mut Random) {
+    *left -= 1.0;
+    if *left <= 0.0 && random.uniform() < chance {
+        *left = (frames * -(1.0 - random.uniform()).ln()).max(1.0);
+    }
+}

@@ -1,0 +1,138 @@
+//! The units are well-formed and locked down, by systemd's own judgement.
+//!
+//! Skipped, with a word that says so, where systemd-analyze is not installed.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Greatest exposure of a unit, on systemd's scale from 0 (safe) to 10.
+const EXPOSURE: f32 = 1.0;
+
+fn shipped() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../systemd")
+}
+
+/// Runs a tool of systemd; `None` where it is not installed.
+fn run(tool: &str, arguments: &[&str]) -> Option<Output> {
+    let mut command = Command::new(tool);
+    command.args(arguments).env("SYSTEMD_COLORS", "0").env("SYSTEMD_EMOJI", "0").env("SYSTEMD_PAGER", "");
+    match command.output() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            println!("skipped: {tool} is not installed");
+            None
+        }
+        output => Some(output.unwrap()),
+    }
+}
+
+/// The units with their drop-ins, started by a program that is on every machine.
+fn installed() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    copy(&shipped(), folder.path());
+    folder
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        let target = to.join(path.file_name().unwrap());
+        if path.is_dir() {
+            copy(&path, &target);
+        } else {
+            let text = std::fs::read_to_string(&path).unwrap();
+            std::fs::write(target, text.replace("/usr/bin/andond", "/bin/true")).unwrap();
+        }
+    }
+}
+
+/// The units in `folder` with this ending.
+fn units(folder: &Path, ending: &str) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut units: Vec<String> = entries
+        .filter(|path| path.is_file())
+        .map(|path| path.to_str().unwrap().to_owned())
+        .filter(|path| path.ends_with(ending))
+        .collect();
+    units.sort();
+    units
+}
+
+#[test]
+fn systemd_finds_nothing_to_object_to_in_the_units() {
+    let folder = installed();
+    let mut arguments = vec!["verify".to_owned(), "--man=no".to_owned()];
+    arguments.extend(units(folder.path(), ".service"));
+    arguments.extend(units(folder.path(), ".target"));
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let Some(output) = run("systemd-analyze", &arguments) else { return };
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && said.is_empty(), "{said}");
+}
+
+#[test]
+fn no_unit_is_more_exposed_than_1_0() {
+    let folder = installed();
+    let services = units(folder.path(), ".service");
+    assert!(!services.is_empty());
+    for service in services {
+        let arguments = ["security", "--offline=true", "--no-pager", &service];
+        let Some(output) = run("systemd-analyze", &arguments) else { return };
+        let said = String::from_utf8_lossy(&output.stdout);
+        let overall = said.lines().find(|line| line.contains("Overall exposure level")).unwrap_or_default();
+        println!("{overall}");
+        let level =
+            overall.rsplit(": ").next().and_then(|level| level.split(' ').next()?.parse::<f32>().ok());
+        assert!(
+            level.is_some_and(|level| level <= EXPOSURE),
+            "{said}{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+}
+
+#[test]
+fn a_station_starts_every_role_that_has_a_unit() {
+    let target = std::fs::read_to_string(shipped().join("andon@.target")).unwrap();
+    let wanted = |unit: &str| {
+        let instance = unit.replace("@.", "@%i.");
+        target.lines().any(|line| line.starts_with("Wants=") && line.contains(&instance))
+    };
+    for path in units(&shipped(), ".service") {
+        let unit = Path::new(&path).file_name().unwrap().to_str().unwrap();
+        assert!(wanted(unit), "andon@.target does not want {unit}");
+    }
+}
+
+#[test]
+fn each_unit_runs_the_role_that_it_is_named_by() {
+    for path in units(&shipped(), ".service") {
+        let role = path.rsplit("andon-").next().unwrap().strip_suffix("@.service").unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(&format!("ExecStart=/usr/bin/andond run {role} ")), "{path}");
+    }
+}
+
+#[test]
+fn only_capture_sees_devices_and_only_plc_sees_the_network() {
+    for path in units(&shipped(), ".service") {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let has = |line: &str| text.lines().any(|found| found == line);
+        assert_eq!(has("PrivateDevices=yes"), !path.contains("andon-capture@"), "{path}");
+        assert_eq!(has("PrivateNetwork=yes"), !path.contains("andon-plc@"), "{path}");
+    }
+}
+
+#[test]
+fn sysusers_makes_the_user_that_the_units_run_as() {
+    let root = tempfile::tempdir().unwrap();
+    let declared = shipped().join("sysusers.d/andon.conf");
+    let root_argument = format!("--root={}", root.path().display());
+    let Some(output) = run("systemd-sysusers", &[&root_argument, declared.to_str().unwrap()]) else { return };
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let users = std::fs::read_to_string(root.path().join("etc/passwd")).unwrap();
+    let user = users.lines().find(|line| line.starts_with("andon:")).unwrap();
+    assert!(user.ends_with(":/var/lib/andon:/usr/sbin/nologin"), "{user}");
+}
