@@ -128,6 +128,7 @@ fn only_capture_sees_devices_and_only_plc_sees_the_network() {
 #[test]
 fn sysusers_makes_the_user_that_the_units_run_as() {
     let root = tempfile::tempdir().unwrap();
+    std::fs::create_dir(root.path().join("etc")).unwrap();
     let declared = shipped().join("sysusers.d/andon.conf");
     let root_argument = format!("--root={}", root.path().display());
     let Some(output) = run("systemd-sysusers", &[&root_argument, declared.to_str().unwrap()]) else { return };

@@ -35,6 +35,10 @@ pub fn exit_on_panic() {
         let place = panic.location().map(ToString::to_string).unwrap_or_default();
         let message = panic.payload_as_str().unwrap_or("no message");
         log!(code::PANIC, "{message}, at {place}");
+        // A tool has no log.
+        if !tracing::dispatcher::has_been_set() {
+            eprintln!("{} {message}, at {place}", code::PANIC.name);
+        }
         std::process::exit(i32::from(Code::Panic as u8));
     }));
 }

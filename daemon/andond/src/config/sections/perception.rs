@@ -1,7 +1,7 @@
 //! The section `[perception]`.
 
 use crate::config::keys::Keys;
-use crate::config::value::{several, words};
+use crate::config::value::{Value as _, several, words};
 use andon_core::capacity;
 use andon_core::input::Side;
 use std::path::PathBuf;
@@ -107,6 +107,12 @@ words!(Dictionary {
 });
 
 impl Dictionary {
+    /// OpenCV's name of it.
+    #[must_use]
+    pub fn name(self) -> String {
+        self.write().trim_matches('"').to_owned()
+    }
+
     /// How many markers it has: their ids are below this.
     #[must_use]
     pub fn markers(self) -> u16 {

@@ -1,0 +1,104 @@
+//! What a process says, and how it ends: this test starts itself again as the process that is looked at.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andond::log::{Level, code, index, last_error, log};
+use std::process::{Command, Output};
+
+/// Set in the process that is looked at.
+const INSIDE: &str = "ANDON_TEST_INSIDE";
+
+fn is_inside() -> bool {
+    std::env::var_os(INSIDE).is_some()
+}
+
+/// Runs one test of this file in a process of its own.
+fn again(test: &str, levels: &str) -> Output {
+    Command::new(std::env::current_exe().unwrap())
+        .args([test, "--exact", "--nocapture"])
+        .env(INSIDE, "1")
+        .env("ANDON_LOG", levels)
+        .env_remove("JOURNAL_STREAM")
+        .output()
+        .unwrap()
+}
+
+/// The lines of standard error that are log messages.
+fn logged(output: &Output) -> Vec<String> {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    text.lines().filter(|line| line.contains(" judge ")).map(str::to_owned).collect()
+}
+
+#[test]
+fn a_panic_in_any_thread_ends_the_process_with_72_and_a_line() {
+    if is_inside() {
+        andond::log::start("judge", "bench1", Level::Info).unwrap();
+        andond::exit::exit_on_panic();
+        let _ = std::thread::spawn(|| panic!("the table is on fire")).join();
+        return;
+    }
+    let output = again("a_panic_in_any_thread_ends_the_process_with_72_and_a_line", "info");
+    assert_eq!(output.status.code(), Some(72));
+    let lines = logged(&output);
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(lines[0].contains("ERROR judge    AND-614 the table is on fire, at "), "{lines:?}");
+}
+
+#[test]
+fn a_message_on_a_terminal_has_its_code_its_remedy_and_its_fields() {
+    if is_inside() {
+        andond::log::start("judge", "bench1", Level::Info).unwrap();
+        log!(code::MARKER_COVERED, { object = 5, hidden_ms = 900 }, "the polisher's marker is covered");
+        return;
+    }
+    let lines = logged(&again("a_message_on_a_terminal_has_its_code_its_remedy_and_its_fields", "info"));
+    let said = format!(
+        " WARN judge    AND-201 the polisher's marker is covered. {} object=5 hidden_ms=900",
+        code::MARKER_COVERED.remedy
+    );
+    assert!(lines.len() == 1 && lines[0].ends_with(&said), "{lines:?}");
+}
+
+#[test]
+fn the_variable_overrides_the_configured_level() {
+    if is_inside() {
+        andond::log::start("judge", "bench1", Level::Trace).unwrap();
+        log!(code::JOB_OK, "the job was done right");
+        log!(code::DISK_FULL, "seq 7 is not written");
+        return;
+    }
+    let lines = logged(&again("the_variable_overrides_the_configured_level", "error"));
+    assert!(lines.len() == 1 && lines[0].contains("AND-402"), "{lines:?}");
+}
+
+#[test]
+fn the_last_error_is_the_newest_code_that_is_not_good_news() {
+    if is_inside() {
+        log!(code::CAMERA_GONE, "/dev/video0 does not answer");
+        log!(code::CAMERA_BACK, "/dev/video0 answers again");
+        assert_eq!(last_error(), 104);
+        return;
+    }
+    assert!(again("the_last_error_is_the_newest_code_that_is_not_good_news", "info").status.success());
+}
+
+#[test]
+fn codes_ascend_have_a_meaning_and_say_what_to_do_unless_they_are_news() {
+    let numbers: Vec<u32> = code::ALL.iter().map(|code| code.number).collect();
+    assert!(numbers.is_sorted_by(|a, b| a < b), "{numbers:?}");
+    for code in code::ALL {
+        assert_eq!(code.name, format!("AND-{}", code.number));
+        assert!(!code.meaning.is_empty() && !code.meaning.ends_with('.'), "{code:?}");
+        assert_eq!(code.remedy.is_empty(), code.level == tracing::Level::INFO, "{code:?}");
+        assert!(!code.remedy.ends_with('.'), "{code:?}");
+    }
+}
+
+#[test]
+fn every_code_has_exactly_one_row_in_the_index() {
+    let index = index();
+    for code in code::ALL {
+        let rows = index.matches(&format!("| {} |", code.name)).count();
+        assert_eq!(rows, 1, "{} has {rows} rows: is its hundred in no group?", code.name);
+    }
+}
