@@ -1,15 +1,15 @@
 //! The C example, compiled against the header and the library of this build, reads what a Rust writer writes.
 #![allow(clippy::unwrap_used)]
 
-mod support;
+mod station;
 
 use andon_plc::c_abi::*;
+use station::TestStation;
 use std::ffi::{CStr, CString};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
-use support::TestStation;
 
 /// Where cargo puts `libandon_plc.so` of this build: beside this test.
 fn library_dir() -> PathBuf {
