@@ -1,0 +1,120 @@
+//! DTW against `dtw_rs` in the same process. `report.py` runs it, adds the peers from Python and prints the table.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use andon_core::couple::Motion;
+use andon_core::dtw::{Bank, LocalCosts, OnlineDtw, Scratch, distance};
+use andon_core::job::LocalCost;
+use criterion::{Criterion, criterion_group, criterion_main};
+use dtw_rs::{Solution, dtw_with_distance};
+use std::hint::black_box;
+use std::time::Duration;
+
+/// Frames of each sequence.
+const FRAMES: usize = 150;
+/// References of the bank.
+const REFERENCES: usize = 1000;
+
+/// The golden pair of this length, without elevation (5 dimensions that vary) or with it (7).
+fn golden_pair(elevated: bool) -> [Vec<Motion>; 2] {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/golden/dtw/vectors.json");
+    let vectors: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
+    let pairs = vectors["ordinal"].as_array().unwrap().iter().map(|pair| {
+        ["a", "b"].map(|key| {
+            let motions: Vec<[i8; 7]> = serde_json::from_value(pair[key].clone()).unwrap();
+            motions.into_iter().map(Motion).collect::<Vec<_>>()
+        })
+    });
+    let is_elevated = |motions: &[Motion]| motions.iter().any(|motion| motion.0[1] != 0);
+    let mut pairs =
+        pairs.filter(|[a, b]| a.len() == FRAMES && b.len() == FRAMES && is_elevated(a) == elevated);
+    pairs.next().unwrap()
+}
+
+fn vectors<const D: usize>(motions: &[Motion]) -> Vec<[f64; D]> {
+    // In plane mode without the elevations, which do not vary.
+    let places: &[usize] = if D == 5 { &[0, 2, 3, 5, 6] } else { &[0, 1, 2, 3, 4, 5, 6] };
+    motions.iter().map(|motion| std::array::from_fn(|k| f64::from(motion.0[places[k]]))).collect()
+}
+
+fn dtw_rs_sum<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
+    let squared = |x: &[f64; D], y: &[f64; D]| x.iter().zip(y).map(|(x, y)| (x - y) * (x - y)).sum::<f64>();
+    dtw_with_distance(a, b, squared).distance()
+}
+
+fn batch(c: &mut Criterion) {
+    let mut scratch = Box::<Scratch>::default();
+    for (dimensions, elevated) in [(5, false), (7, true)] {
+        let [a, b] = golden_pair(elevated);
+        for (name, local) in [("ordinal", LocalCost::Ordinal), ("circular", LocalCost::Circular { bins: 8 })]
+        {
+            for (way, costs) in [("", LocalCosts::new(local)), ("_portable", LocalCosts::portable(local))] {
+                c.bench_function(&format!("batch_{name}{way}_{dimensions}"), |bench| {
+                    bench.iter(|| distance(&costs, black_box(&a), black_box(&b), &mut scratch));
+                });
+            }
+        }
+        let costs = LocalCosts::new(LocalCost::Ordinal);
+        let own = distance(&costs, &a, &b, &mut scratch).unwrap();
+        let peer = if elevated {
+            dtw_rs_sum(&vectors::<7>(&a), &vectors::<7>(&b))
+        } else {
+            dtw_rs_sum(&vectors::<5>(&a), &vectors::<5>(&b))
+        };
+        assert!((own - peer.sqrt()).abs() < 1e-9, "the peer computes something else");
+    }
+    let [a, b] = golden_pair(false).map(|motions| vectors::<5>(&motions));
+    c.bench_function("dtw_rs_5", |bench| bench.iter(|| dtw_rs_sum(black_box(&a), black_box(&b))));
+    let [a, b] = golden_pair(true).map(|motions| vectors::<7>(&motions));
+    c.bench_function("dtw_rs_7", |bench| bench.iter(|| dtw_rs_sum(black_box(&a), black_box(&b))));
+}
+
+fn online(c: &mut Criterion) {
+    let [frames, reference] = golden_pair(true);
+    let costs = LocalCosts::new(LocalCost::Circular { bins: 8 });
+    let mut frame = frames.iter().cycle();
+    let mut online = Box::new(OnlineDtw::new(&costs, &reference).unwrap());
+    c.bench_function("append_7", |bench| {
+        bench.iter(|| {
+            if online.append(black_box(frame.next().unwrap())).is_err() {
+                online.begin(&reference).unwrap();
+            }
+            online.lower_bound()
+        });
+    });
+
+    // As many different references as there are: the golden one, begun at another place and with another direction.
+    let turned = |k: usize| {
+        let turn = move |motion: Motion| {
+            let turned = (motion.0[2] + (k / FRAMES) as i8) % 9;
+            Motion([motion.0[0], motion.0[1], turned, motion.0[3], motion.0[4], motion.0[5], motion.0[6]])
+        };
+        reference.iter().copied().cycle().skip(k % FRAMES).take(FRAMES).map(turn).collect::<Vec<_>>()
+    };
+    let references: Vec<Vec<Motion>> = (0..REFERENCES).map(turned).collect();
+    let references: Vec<&[Motion]> = references.iter().map(Vec::as_slice).collect();
+    let mut columns = vec![Default::default(); Bank::columns(&references)];
+    let mut groups = vec![Default::default(); Bank::groups(&references)];
+    let mut bank = Bank::new(&costs, &references, &mut columns, &mut groups).unwrap();
+    c.bench_function("bank_1000_7", |bench| {
+        bench.iter(|| {
+            if bank.append(black_box(frame.next().unwrap())).is_err() {
+                bank.begin();
+            }
+            bank.lower_bound(0)
+        });
+    });
+}
+
+/// The processor's clock: 1,000 multiplications that wait for each other, three cycles each.
+fn clock(c: &mut Criterion) {
+    c.bench_function("multiplications_1000", |bench| {
+        bench.iter(|| (0..1000).fold(black_box(3u64), |product, _| black_box(3u64).wrapping_mul(product)));
+    });
+}
+
+criterion_group! {
+    name = dtw;
+    config = Criterion::default().warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1)).without_plots();
+    targets = clock, batch, online
+}
+criterion_main!(dtw);

@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Measures DTW beside its peers on this machine: prints one table and writes target/bench/report.json.
+
+Needs cargo and python3 with venv; the Python peers go into target/bench/venv, once. All figures are medians, one core.
+A core step that `cargo bench --bench step` has left in target/bench/step.json ({"p50_us": ..., "p99_us": ...}) is reported, too.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+TARGET = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+BENCH = ROOT / "target" / "bench"
+PEERS = ["dtaidistance==2.5.1", "tslearn==0.10.0", "numpy"]
+CELLS = 150 * 150
+
+# What issue 6 asks for, in the unit of the row.
+MOST = {"batch": 0.5, "append": 0.25, "bank": 60.0, "step": 50.0}
+
+
+def own_figures():
+    """Median ns of every function of benches/dtw.rs."""
+    subprocess.run(["cargo", "bench", "--locked", "-p", "andon-tests", "--bench", "dtw", "--", "--noplot"], cwd=ROOT, check=True,
+                   stdout=sys.stderr)
+    names = [f"batch_{cost}{way}_{d}" for cost in ("ordinal", "circular") for way in ("", "_portable") for d in (5, 7)]
+    names += ["dtw_rs_5", "dtw_rs_7", "append_7", "bank_1000_7", "multiplications_1000"]
+    estimates = TARGET / "criterion"
+    return {name: json.loads((estimates / name / "new" / "estimates.json").read_text())["median"]["point_estimate"]
+            for name in names}
+
+
+def peer_figures():
+    """Median ns of the Python peers on the same pairs, from the virtual environment."""
+    python = BENCH / "venv" / "bin" / "python"
+    wanted, installed = "\n".join(PEERS), BENCH / "venv" / "installed"
+    if not (installed.exists() and installed.read_text() == wanted):
+        subprocess.run([sys.executable, "-m", "venv", "--clear", str(BENCH / "venv")], check=True)
+        subprocess.run([str(python), "-m", "pip", "install", "-q", *PEERS], check=True)
+        installed.write_text(wanted)
+    run = subprocess.run([str(python), __file__, "--peers"], check=True, stdout=subprocess.PIPE, text=True)
+    return json.loads(run.stdout.splitlines()[-1])
+
+
+def measure_peers():
+    import numpy
+    from dtaidistance import dtw_ndim
+    from tslearn.metrics import dtw as tslearn_dtw
+
+    def median(function):
+        function()
+        times = []
+        for _ in range(301):
+            began = time.perf_counter_ns()
+            function()
+            times.append(time.perf_counter_ns() - began)
+        return sorted(times)[150]
+
+    figures = {}
+    golden = json.loads((ROOT / "tests/golden/dtw/vectors.json").read_text())["ordinal"]
+    for pair in golden:
+        a, b = (numpy.array(pair[key], dtype=float) for key in "ab")
+        if a.shape[0] != 150 or b.shape[0] != 150:
+            continue
+        places = [0, 1, 2, 3, 4, 5, 6] if a[:, 1].any() else [0, 2, 3, 5, 6]
+        a, b = (numpy.ascontiguousarray(s[:, places]) for s in (a, b))
+        for name, function in (("dtaidistance", dtw_ndim.distance_fast), ("tslearn", tslearn_dtw)):
+            assert abs(function(a, b) - pair["distance"]) < 1e-9, name
+            figures[f"{name}_{len(places)}"] = median(lambda: function(a, b))
+    print(json.dumps(figures))
+
+
+def best(ghz, dimensions):
+    """What the arithmetic units could do at best with this instruction set, in ns a cell, and how that is counted.
+
+    Vector instructions for 32 cells: ordered features 1 exclusive or and 2 look-ups; each direction a difference, its absolute value, a
+    minimum, 2 look-ups and 2 additions; putting the digits together 4 multiply-adds, 2 additions, 4 masks or shifts; the matrix
+    2 minima and an addition for each of 4 vectors, and 2 to shift them by a row. Three units take one a cycle each.
+    A strip of 32 rows and 150 columns takes 181 steps; five strips, the last of 22 rows, 895 steps for 22,500 cells.
+    """
+    directions = 4 if dimensions == 7 else 2
+    instructions = 3 + 7 * directions + 10 + 14
+    steps = 4 * (150 + 31) + 150 + 21
+    return {
+        "instructions_32_cells": instructions,
+        "ns_cell_full_lanes": instructions / 3 / 32 / ghz,
+        "ns_cell_150x150": instructions / 3 * steps / CELLS / ghz,
+    }
+
+
+def main():
+    if "--peers" in sys.argv:
+        measure_peers()
+        return
+    BENCH.mkdir(parents=True, exist_ok=True)
+    own, peers = own_figures(), peer_figures()
+    ghz = 3000 / own["multiplications_1000"]
+    report = {"clock_ghz": ghz, "batch_ns_cell": {}, "peers_ns_cell": {}, "ratio_to_peer": {}, "best": {}}
+    rows = []
+    for dimensions in (5, 7):
+        report["best"][dimensions] = best(ghz, dimensions)
+        for cost in ("ordinal", "circular"):
+            for way in ("", "_portable"):
+                name = f"{cost}{way}_{dimensions}"
+                report["batch_ns_cell"][name] = own[f"batch_{name}"] / CELLS
+                most = MOST["batch"] if not way else None
+                rows.append((f"batch, {cost}{way.replace('_', ', ')}, {dimensions} dimensions", own[f"batch_{name}"] / CELLS, "ns a cell", most))
+        fastest = report["batch_ns_cell"][f"ordinal_{dimensions}"]
+        for peer in ("dtw_rs", "dtaidistance", "tslearn"):
+            name = f"{peer}_{dimensions}"
+            figure = {**own, **peers}[name] / CELLS
+            report["peers_ns_cell"][name] = figure
+            report["ratio_to_peer"][name] = figure / fastest
+            rows.append((f"{peer}, {dimensions} dimensions ({figure / fastest:.1f} times ours)", figure, "ns a cell", None))
+        limit = report["best"][dimensions]["ns_cell_150x150"]
+        report["best"][dimensions]["ratio"] = fastest / limit
+        rows.append((f"arithmetic units at best, {dimensions} dimensions (ours {fastest / limit:.2f} times)", limit, "ns a cell", None))
+    report["append_us"], report["bank_us"] = own["append_7"] / 1e3, own["bank_1000_7"] / 1e3
+    rows.append(("append, one reference of 150 x 7", report["append_us"], "us", MOST["append"]))
+    rows.append(("append, 1000 references of 150 x 7", report["bank_us"], "us", MOST["bank"]))
+    step = BENCH / "step.json"
+    if step.exists():
+        report["step"] = json.loads(step.read_text())
+        rows.append(("core step, p50", report["step"]["p50_us"], "us", None))
+        rows.append(("core step, p99", report["step"]["p99_us"], "us", MOST["step"]))
+    (BENCH / "report.json").write_text(json.dumps(report, indent=2) + "\n")
+    width = max(len(row[0]) for row in rows)
+    for name, figure, unit, most in rows:
+        goal = "" if most is None else f"at most {most:g}: {'met' if figure <= most else 'MISSED'}"
+        print(f"{name:<{width}}  {figure:9.3f} {unit:<10} {goal}".rstrip())
+    print(f"clock {ghz:.2f} GHz; all in {BENCH / 'report.json'}")
+
+
+main()
