@@ -1,7 +1,7 @@
 //! Perception as the configuration wants it.
 
 use andon_core::input::Side;
-use andon_perception::bench::Calibration;
+use andon_perception::bench::{Calibration, CalibrationError};
 use andon_perception::config::{BenchConfig, HandsConfig, MarkerObject, MarkersConfig, ModelSize};
 use andon_perception::detections;
 use andon_perception::markers::Dictionary;
@@ -9,21 +9,32 @@ use andon_perception::{Perceiver, PerceptionConfig, PerceptionError};
 
 use crate::config::{Config, HandModel};
 
+/// Why there is no perceiver.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// A model or the library that runs them.
+    #[error(transparent)]
+    Perception(#[from] PerceptionError),
+    /// The calibration of the bench.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+}
+
 /// A perceiver for one stream of frames.
 ///
 /// # Errors
 /// The model, the library or the calibration that is missing or damaged, and what to run.
-pub fn perceiver(config: &Config) -> Result<Perceiver, PerceptionError> {
+pub fn perceiver(config: &Config) -> Result<Perceiver, SetupError> {
     let bench = match &config.bench.calibration {
         Some(path) => BenchConfig::Calibrated(Calibration::load(path)?),
         None => BenchConfig::FromMarkers,
     };
-    Perceiver::new(&PerceptionConfig {
+    Ok(Perceiver::new(&PerceptionConfig {
         runtime: config.perception.models.clone(),
         hands: hands(config),
         markers: markers(config),
         bench,
-    })
+    })?)
 }
 
 fn hands(config: &Config) -> HandsConfig {
@@ -48,7 +59,7 @@ fn markers(config: &Config) -> MarkersConfig {
         config.objects.iter().map(|object| MarkerObject { id: object.id, side_m: object.marker_side_m });
     let default = MarkersConfig::default();
     MarkersConfig {
-        dictionary: Dictionary::named(config.perception.dictionary.word()).unwrap_or_default(),
+        dictionary: Dictionary::named(&config.perception.dictionary.name()).unwrap_or_default(),
         objects: objects.collect(),
         ..default
     }

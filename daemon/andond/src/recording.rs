@@ -37,6 +37,9 @@ pub enum RecordingError {
     /// Perception cannot work.
     #[error(transparent)]
     Perception(#[from] PerceptionError),
+    /// Perception cannot begin.
+    #[error(transparent)]
+    Setup(#[from] perception::SetupError),
     /// A film shows markers, and no object has one.
     #[error(
         "{path}: a film needs the objects that it shows, and the configuration has none: name a station with --config FILE"

@@ -23,3 +23,7 @@ pub const PERSIST_FRAMES: usize = 15;
 
 /// Longest window of the opening-closing filter: a second at 30 Hz, longer than any stroke that should survive it.
 pub const FILTER_FRAMES: usize = 31;
+
+/// Nominal IUs that one hand's IU is compared with at the same time where the memory for them lies inside the judge: variants of one
+/// activity and activities that begin with the same object. Both hands together take 170 kB, which fits the stack of any thread, copies included.
+pub const TRIALS: usize = 4;

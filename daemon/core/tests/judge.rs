@@ -33,8 +33,18 @@ fn polish_and_measure() -> Job<'static> {
     teach(&[&polish(6), &measure()])
 }
 
+/// Any motion is near enough: what is left are context and bounds.
+fn forgiving(job: Job<'static>) -> Job<'static> {
+    let ius = |nominal: &NominalActivity<'static>| -> &'static [NominalIu<'static>] {
+        nominal.ius.iter().map(|iu| NominalIu { threshold: 100.0, ..*iu }).collect::<Vec<_>>().leak()
+    };
+    let activities: Vec<_> =
+        job.activities.iter().map(|nominal| NominalActivity { ius: ius(nominal), ..*nominal }).collect();
+    Job { activities: activities.leak(), ..job }
+}
+
 fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
-    let mut judge = Judge::new(job, Method::default()).unwrap();
+    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
     let mut verdicts = Vec::new();
     for couples in couples {
         judge.step(couples, &mut |verdict| verdicts.push(verdict));
@@ -74,7 +84,7 @@ fn a_job_done_as_taught_is_right_and_said_at_once() {
 fn polishing_cut_short_is_too_short_although_dtw_forgives_it() {
     let right = [polish(3), measure()].concat();
     let verdicts = expect(
-        &polish_and_measure(),
+        &forgiving(polish_and_measure()),
         &right,
         &[
             "r0.0 IuOk",
@@ -218,7 +228,7 @@ fn what_lasts_too_long_is_said_when_it_does() {
 fn too_many_strokes_are_too_long_before_their_time_is_over() {
     let mut right = polish(6).to_vec();
     right[1].motions = Strokes(8);
-    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    let verdicts = judged(&forgiving(polish_and_measure()), &stream(&right, &[]));
     assert_eq!(short(&verdicts[1]), "r0.1 IuAnomaly TooLong!");
 }
 

@@ -73,7 +73,7 @@ pub use reader::{Reader, Sample};
 pub use station::{Limits, Member, Station};
 pub use steward::{Death, Steward, TEND_PERIOD};
 pub use stop::Stop;
-pub use wait::{Departure, Port, Wake};
+pub use wait::{Departure, Paced, Port, Wake};
 pub use writer::{Loan, Writer};
 
 /// Version of what the ports say to each other by events; part of what must match when a service is opened.

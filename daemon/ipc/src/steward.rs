@@ -4,11 +4,14 @@ use crate::channel::{Carried, Channel, layout_text};
 use crate::error::Error;
 use crate::service::{Frames, Messages, Provide, Refusal, Services, other_build, service_name};
 use crate::station::{Limits, Member, Station, member};
+use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::node::{Node as IceNode, NodeState, NodeView};
 use iceoryx2::prelude::*;
 use shm_schemas::{Command, Couples, Detections, FrameHeader, Health, Layout, Verdict};
 use std::fs::{self, File, TryLockError};
 use std::io;
+use std::os::unix::fs::MetadataExt;
+use std::path::Path as StdPath;
 use std::thread;
 use std::time::Duration;
 
@@ -19,7 +22,7 @@ pub const TEND_PERIOD: Duration = Duration::from_millis(100);
 const STEWARD_LOCK: &str = "steward.lock";
 
 /// Held shared by every member. Who gets it exclusively is alone in the station.
-pub(crate) const MEMBERS_LOCK: &str = "members.lock";
+const MEMBERS_LOCK: &str = "members.lock";
 
 /// Tries to create a channel: each heals one leftover, and a channel has three services.
 const ATTEMPTS: u32 = 8;
@@ -33,7 +36,8 @@ pub struct Death {
     pub removed: bool,
 }
 
-/// Owns the services of a station while it lives. Dropping it leaves the services to those who have them open.
+/// Owns the services of a station while it lives. Dropping it leaves them to those who have them open; if nobody has,
+/// everything is removed.
 #[derive(Debug)]
 pub struct Steward {
     // Declared in the order in which they must go: services, node, locks.
@@ -41,8 +45,24 @@ pub struct Steward {
     node: IceNode<ipc::Service>,
     station: Station,
     root_identity: (u64, u64),
-    _members_lock: File,
+    _last_one_out: LastOneOut,
     _steward_lock: File,
+}
+
+/// The steward's share of the members' lock. If nobody else has one when it goes, nothing is left behind.
+#[derive(Debug)]
+struct LastOneOut {
+    lock: File,
+    station: Station,
+}
+
+impl Drop for LastOneOut {
+    fn drop(&mut self) {
+        if self.lock.try_lock().is_ok() {
+            // What cannot be removed now is removed at the next start.
+            let _ = sweep(&self.station);
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -67,7 +87,7 @@ impl Steward {
         set_log_level(LogLevel::Error); // what matters of the rest comes back as an error
         station.make_root()?;
         let steward_lock = lock_as_steward(station)?;
-        let members_lock = enter(station, sweep)?;
+        let last_one_out = LastOneOut { lock: enter(station, sweep)?, station: station.clone() };
         station.check_room(limits)?;
         let root_identity = station.root_identity().map_err(|e| not_writable(station, e))?;
         let node = join(station, "steward")?;
@@ -85,7 +105,7 @@ impl Steward {
             node,
             station: station.clone(),
             root_identity,
-            _members_lock: members_lock,
+            _last_one_out: last_one_out,
             _steward_lock: steward_lock,
         })
     }
@@ -239,9 +259,26 @@ fn bury(node: &IceNode<ipc::Service>) -> Vec<Death> {
         CallbackProgression::Continue
     });
     dead.into_iter()
-        .map(|view| Death {
-            member: view.details().as_ref().map(member),
-            removed: view.try_remove_stale_resources().is_ok(),
+        .map(|view| {
+            remove_half_made_tags(node.config(), view.id());
+            Death {
+                member: view.details().as_ref().map(member),
+                removed: view.try_remove_stale_resources().is_ok(),
+            }
         })
         .collect()
+}
+
+/// Removes the tags that a dead node was just making when it was killed. iceoryx2 0.10.0 overlooks them, fails to remove
+/// the directory that they are in, forgets where the node belongs and reports it dead for ever. A node makes a tag before
+/// what the tag is for, so nothing else is lost with a half-made one.
+fn remove_half_made_tags(config: &Config, node: &UniqueNodeId) {
+    // iceoryx2 takes the right to write away when a tag is complete.
+    let half_made = |entry: &fs::DirEntry| entry.metadata().is_ok_and(|meta| meta.mode() & 0o200 != 0);
+    let directory = config.global.node_dir().to_string();
+    let Ok(entries) = fs::read_dir(StdPath::new(&directory).join(node.value().to_string())) else { return };
+    for entry in entries.flatten().filter(half_made) {
+        // What cannot be removed now is tried again at the next look.
+        let _ = fs::remove_file(entry.path());
+    }
 }

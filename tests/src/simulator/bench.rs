@@ -99,7 +99,7 @@ impl Bench {
     /// Parts at places: id, x, y in metres, yaw in radians.
     pub fn new(places: &[(u16, f64, f64, f64)]) -> Self {
         let parts = places.iter().map(|&(id, x, y, yaw)| (Part::of(id), Pose { at: [x, y], yaw })).collect();
-        Self { parts, rest: [0.3, -0.25] }
+        Self { parts, rest: [0.15, -0.28] }
     }
 
     /// Moves each part a little on its own: nobody puts things exactly where the plan says.

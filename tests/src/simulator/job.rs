@@ -170,7 +170,7 @@ impl Performance {
     }
 }
 
-const POLISHER: Pose = Pose { at: [0.1, -0.1], yaw: FRAC_PI_2 };
+const POLISHER: Pose = Pose { at: [-0.25, -0.1], yaw: FRAC_PI_2 };
 const BRICK: Pose = Pose { at: [-0.1, 0.08], yaw: 0.0 };
 const METER: Pose = Pose { at: [0.28, 0.13], yaw: 0.0 };
 

@@ -7,6 +7,7 @@ use andon_perception::PerceptionError;
 
 use crate::exit::Code;
 use crate::log::{code, log};
+use crate::perception::SetupError;
 
 /// Why a role cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -17,9 +18,12 @@ pub enum RoleError {
     /// The station's shared memory.
     #[error(transparent)]
     Ipc(#[from] Ipc),
-    /// A model, a library or a calibration.
+    /// A frame that cannot be looked at.
     #[error(transparent)]
     Perception(#[from] PerceptionError),
+    /// A model, a library or a calibration.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
     /// The camera or the recording.
     #[error("{0}")]
     Source(String),
@@ -60,17 +64,16 @@ impl RoleError {
             Self::Stopped => Code::Stopped,
             Self::Ipc(error) => report_ipc(error),
             Self::Perception(error) => {
+                log!(code::ROLE_FAILED, "{error}");
+                Code::Fault
+            }
+            Self::Setup(error) => {
                 match error {
-                    PerceptionError::Missing { what, .. } | PerceptionError::Corrupt { what, .. }
-                        if what.contains("ONNX Runtime") =>
-                    {
-                        log!(code::ONNXRUNTIME_MISSING, "{error}");
-                    }
-                    PerceptionError::Inference { .. } | PerceptionError::OpenCv { .. } => {
-                        log!(code::ROLE_FAILED, "{error}");
-                        return Code::Fault;
-                    }
-                    _ => log!(code::MODEL_MISSING, "{error}"),
+                    SetupError::Calibration(_) => log!(code::CALIBRATION_REFUSED, "{error}"),
+                    SetupError::Perception(
+                        PerceptionError::Missing { what, .. } | PerceptionError::Corrupt { what, .. },
+                    ) if what.contains("ONNX Runtime") => log!(code::ONNXRUNTIME_MISSING, "{error}"),
+                    SetupError::Perception(_) => log!(code::MODEL_MISSING, "{error}"),
                 }
                 Code::Configuration
             }

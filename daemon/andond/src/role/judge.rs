@@ -175,7 +175,7 @@ impl Session<'_, '_, '_> {
                 self.finish()?;
                 self.enabled = false;
             }
-            Command::Start => self.judge_with(|judge, emit| judge.start(emit))?,
+            Command::Start => self.judge_with(|judge, emit| judge.start(&mut |verdict| emit(verdict)))?,
             Command::Abort => self.finish()?,
             Command::LoadJob { job_id, model_hash } => {
                 self.finish()?;
@@ -199,7 +199,7 @@ impl Session<'_, '_, '_> {
             self.line.pulse.finished();
         } else if self.enabled {
             let couples = wire::couples::read(couples);
-            self.judge_with(|judge, emit| judge.step(&couples, emit))?;
+            self.judge_with(|judge, emit| judge.step(&couples, &mut |verdict| emit(verdict)))?;
         }
         self.line.pulse.stepped(began.elapsed());
         Ok(())
@@ -207,7 +207,7 @@ impl Session<'_, '_, '_> {
 
     /// Ends the job; what comes next belongs to a new one.
     fn finish(&mut self) -> Result<(), RoleError> {
-        self.judge_with(|judge, emit| judge.finish(emit))?;
+        self.judge_with(|judge, emit| judge.finish(&mut |verdict| emit(verdict)))?;
         self.judge = judge(self.job, self.file)?;
         Ok(())
     }

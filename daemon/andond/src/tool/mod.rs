@@ -47,7 +47,7 @@ impl fmt::Display for Failure {
 impl From<RecordingError> for Failure {
     fn from(error: RecordingError) -> Self {
         let code = match error {
-            RecordingError::Perception(_) => Code::Configuration,
+            RecordingError::Perception(_) | RecordingError::Setup(_) => Code::Configuration,
             _ => Code::Usage,
         };
         Self::new(code, error)

@@ -17,7 +17,8 @@ impl Alignment {
         Self { edits: core::array::from_fn(|left_out| left_out as u16) }
     }
 
-    /// Takes the context of the next IU and gives the place of the nominal IU that it is, if a least alignment says so.
+    /// Takes the context of the next IU and gives the place of the nominal IU that it is, if a least alignment says so; the last such
+    /// place, where more IUs are aligned than before the others.
     pub(super) fn step(&mut self, nominal: &[NominalIu<'_>], context: Context) -> Option<usize> {
         let edits = &mut self.edits[..=nominal.len().min(ACTIVITY_IUS)];
         let mut diagonal = edits[0];
@@ -31,7 +32,7 @@ impl Alignment {
             let shifted = diagonal.min(edits[place]).saturating_add(1);
             edits[place + 1] = aligned.min(shifted);
             least = least.min(edits[place + 1]);
-            if same && aligned <= shifted && matched.is_none_or(|(best, _)| aligned < best) {
+            if same && aligned <= shifted && matched.is_none_or(|(best, _)| aligned <= best) {
                 matched = Some((aligned, place));
             }
         }
@@ -88,6 +89,7 @@ mod tests {
     #[test]
     fn a_left_out_iu_does_not_condemn_what_follows() {
         assert_eq!(places("abcd", "acd"), [Some(0), Some(2), Some(3)]);
+        assert_eq!(places("gpg", "pg"), [Some(1), Some(2)]);
     }
 
     #[test]

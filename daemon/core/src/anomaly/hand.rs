@@ -2,10 +2,9 @@
 
 use super::alignment::Alignment;
 use super::progress::{Progress, Set};
-use super::trial::{Extent, Outcome, Trials};
+use super::trial::{Extent, Memory, Outcome, Trials};
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion};
-use crate::dtw::Refused;
 use crate::input::Side;
 use crate::job::{Job, NominalActivity};
 use crate::segment::{Iu, Segmenter};
@@ -63,9 +62,9 @@ struct OpenIu {
 
 /// Judges the activities of one hand.
 #[derive(Clone, Debug)]
-pub(super) struct HandJudge<'a> {
+pub(super) struct HandJudge<'a, M> {
     side: Side,
-    trials: Trials<'a>,
+    trials: Trials<'a, M>,
     activity: Option<OpenActivity>,
     iu: Option<OpenIu>,
 }
@@ -79,9 +78,9 @@ struct Finding {
     early: bool,
 }
 
-impl<'a> HandJudge<'a> {
-    pub(super) fn new(side: Side, job: &'a Job<'a>) -> Result<Self, Refused> {
-        Ok(Self { side, trials: Trials::new(job)?, activity: None, iu: None })
+impl<'a, M: Memory<'a>> HandJudge<'a, M> {
+    pub(super) fn new(side: Side, job: &'a Job<'a>) -> Self {
+        Self { side, trials: Trials::new(job, side), activity: None, iu: None }
     }
 
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {

@@ -5,9 +5,12 @@ mod hand;
 mod progress;
 mod trial;
 
-use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, HANDS, IU_FRAMES};
+pub use trial::Memory;
+
+use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, HANDS, IU_FRAMES, TRIALS};
 use crate::config::{Method, MethodFault};
 use crate::couple::{Context, Couples};
+use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Bounds, Job, NominalIu};
 use crate::segment::{Event, JobSegmenter};
@@ -41,6 +44,11 @@ pub enum Unusable {
         /// Place of the IU in the activity, from 0.
         iu: usize,
     },
+    /// So many nominal activities have an IU in the same context, more than [`TRIALS`].
+    Trials {
+        /// How many.
+        needed: usize,
+    },
 }
 
 impl core::fmt::Display for Unusable {
@@ -62,6 +70,11 @@ impl core::fmt::Display for Unusable {
                 "IU {iu} of nominal activity {nominal} is damaged (idle context, a reference of 0 or over {IU_FRAMES} \
                  frames, a threshold under 0, or bounds the wrong way round): teach the job anew"
             ),
+            Self::Trials { needed } => write!(
+                f,
+                "{needed} nominal activities have an IU in the same context, and {TRIALS} can be told apart at once: split the \
+                 job, or judge it with memory of its own"
+            ),
         }
     }
 }
@@ -78,30 +91,48 @@ impl core::error::Error for Unusable {}
 /// - A job when all its nominal activities are done, or at its end. Its reason is the first fault in it. Until all nominal activities
 ///   are done right a wrong one may be done again; the job stays an anomaly.
 #[derive(Clone, Debug)]
-pub struct Judge<'a> {
+pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, TRIALS>> {
     segmenter: JobSegmenter,
-    bench: Bench<'a>,
+    bench: Bench<'a, M>,
 }
 
 /// The judges of both hands, and the job that they share.
 #[derive(Clone, Debug)]
-struct Bench<'a> {
-    hands: [HandJudge<'a>; HANDS],
+struct Bench<'a, M> {
+    hands: [HandJudge<'a, M>; HANDS],
     progress: Progress<'a>,
 }
 
 impl<'a> Judge<'a> {
-    /// Starts before the first touch.
+    /// Starts before the first touch, with all memory inside: about 20 kB for each of [`TRIALS`] trials of each hand.
+    ///
+    /// # Errors
+    /// If a constant or a part of the job cannot be used, or it needs more trials.
+    pub fn new(job: &'a Job<'a>, method: Method) -> Result<Self, Unusable> {
+        check(job)?;
+        let needed = Side::ALL.map(|side| trial::needed(job, side)).into_iter().max().unwrap_or(0);
+        if needed > TRIALS {
+            return Err(Unusable::Trials { needed });
+        }
+        Self::with_memory(job, method)
+    }
+}
+
+impl<'a, M: Memory<'a>> Judge<'a, M> {
+    /// Starts before the first touch, with memory for as many trials as the job needs, of the caller's kind:
+    /// `Judge::<Vec<_>>::with_memory(&job, method)`.
     ///
     /// # Errors
     /// If a constant or a part of the job cannot be used.
-    pub fn new(job: &'a Job<'a>, method: Method) -> Result<Self, Unusable> {
+    pub fn with_memory(job: &'a Job<'a>, method: Method) -> Result<Self, Unusable> {
         check(job)?;
-        // `check` has found every reference comparable.
-        let hand = |side| HandJudge::new(side, job).map_err(|_| Unusable::Iu { nominal: 0, iu: 0 });
+        let segmenter = JobSegmenter::new(&method).map_err(Unusable::Method)?;
         Ok(Self {
-            segmenter: JobSegmenter::new(&method).map_err(Unusable::Method)?,
-            bench: Bench { hands: [hand(Side::Right)?, hand(Side::Left)?], progress: Progress::new(job) },
+            segmenter,
+            bench: Bench {
+                hands: [HandJudge::new(Side::Right, job), HandJudge::new(Side::Left, job)],
+                progress: Progress::new(job),
+            },
         })
     }
 
@@ -119,7 +150,7 @@ impl<'a> Judge<'a> {
             hand.settle(segmenter.hand(couple.side), progress, emit);
         }
         segmenter.job_matched(progress.is_matched());
-        if hands.iter().all(HandJudge::is_concluded) {
+        if hands.iter().all(|hand| hand.is_concluded()) {
             progress.conclude(false, emit);
         }
     }
@@ -137,7 +168,7 @@ impl<'a> Judge<'a> {
     }
 }
 
-impl<'a> Bench<'a> {
+impl<'a, M: Memory<'a>> Bench<'a, M> {
     /// Takes what the segmenter says about `couples`, or about a command.
     fn take(&mut self, event: &Event, couples: Option<&Couples>, emit: &mut impl FnMut(Verdict)) {
         let Self { hands, progress } = self;

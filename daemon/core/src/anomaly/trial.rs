@@ -1,9 +1,10 @@
 //! One IU against the nominal IUs that it can be, while it goes on.
 
 use crate::capacity::ACTIVITIES;
-use crate::couple::Motion;
+use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
-use crate::job::{Job, NominalIu};
+use crate::input::Side;
+use crate::job::{Job, NominalActivity, NominalIu};
 use crate::verdict::Reason;
 use heapless::Vec;
 
@@ -50,36 +51,50 @@ pub(super) struct Extent {
     pub(super) ended: bool,
 }
 
-/// All nominal IUs that one IU can be.
-#[derive(Clone, Debug)]
-pub(super) struct Trials<'a> {
-    trials: Vec<Trial<'a>, ACTIVITIES>,
-    /// One for each trial, in their order, and spare ones. Made once: their rows are long.
-    distances: Vec<OnlineDtw<'a>, ACTIVITIES>,
+/// Where the distances of one hand's trials are kept: `heapless::Vec`, or where there is a heap `Vec`.
+pub trait Memory<'a>: AsRef<[OnlineDtw<'a>]> + AsMut<[OnlineDtw<'a>]> + FromIterator<OnlineDtw<'a>> {}
+
+impl<'a, M> Memory<'a> for M where
+    M: AsRef<[OnlineDtw<'a>]> + AsMut<[OnlineDtw<'a>]> + FromIterator<OnlineDtw<'a>>
+{
 }
 
-impl<'a> Trials<'a> {
-    /// Room for as many trials as the job has nominal activities.
-    ///
-    /// # Errors
-    /// If a reference cannot be compared.
-    pub(super) fn new(job: &'a Job<'a>) -> Result<Self, Refused> {
+/// How many nominal activities of the job have an IU in the same context of this hand: the most trials it can have at once.
+pub(super) fn needed(job: &Job<'_>, side: Side) -> usize {
+    let contexts = job.activities.iter().flat_map(|nominal| nominal.ius).map(|iu| iu.context);
+    let of_hand = contexts.filter(|context| context.0[0] == side as u16);
+    let sharing = |context: Context| {
+        let has = |nominal: &&NominalActivity<'_>| nominal.ius.iter().any(|iu| iu.context == context);
+        job.activities.iter().filter(has).count()
+    };
+    of_hand.map(sharing).max().unwrap_or(0)
+}
+
+/// All nominal IUs that one IU can be.
+#[derive(Clone, Debug)]
+pub(super) struct Trials<'a, M> {
+    trials: Vec<Trial<'a>, ACTIVITIES>,
+    /// One for each trial, in their order, and spare ones. Made once: their rows are long.
+    distances: M,
+}
+
+impl<'a, M: Memory<'a>> Trials<'a, M> {
+    /// Room for as many trials as this hand can have at once. The references have been checked.
+    pub(super) fn new(job: &'a Job<'a>, side: Side) -> Self {
         let costs = LocalCosts::new(job.cost);
-        let mut distances = Vec::new();
-        for iu in job.activities.iter().take(ACTIVITIES).filter_map(|activity| activity.ius.first()) {
-            // As many as fit were taken.
-            let _ = distances.push(OnlineDtw::new(&costs, iu.reference)?);
-        }
-        Ok(Self { trials: Vec::new(), distances })
+        let touch = job.activities.iter().flat_map(|nominal| nominal.ius).find(|iu| iu.context.is_touch());
+        let spare = touch.and_then(|iu| OnlineDtw::new(&costs, iu.reference).ok());
+        let distances = spare.iter().cycle().take(needed(job, side)).cloned().collect();
+        Self { trials: Vec::new(), distances }
     }
 
     pub(super) fn clear(&mut self) {
         self.trials.clear();
     }
 
-    /// Adds a nominal IU. There is room for one of each nominal activity.
+    /// Adds a nominal IU in the context of this one: there is room for one of each nominal activity that has it.
     pub(super) fn add(&mut self, nominal: usize, iu: &'a NominalIu<'a>) {
-        if let Some(distance) = self.distances.get_mut(self.trials.len()) {
+        if let Some(distance) = self.distances.as_mut().get_mut(self.trials.len()) {
             // Lengths were checked when the judge was made.
             if distance.begin(iu.reference).is_ok() {
                 let _ = self.trials.push(Trial { nominal, iu, lost: false });
@@ -92,13 +107,13 @@ impl<'a> Trials<'a> {
     /// # Errors
     /// If the IU is longer than can be compared.
     pub(super) fn append(&mut self, motion: &Motion) -> Result<(), Refused> {
-        let going_on = self.trials.iter().zip(&mut self.distances).filter(|(trial, _)| !trial.lost);
+        let going_on = self.trials.iter().zip(self.distances.as_mut()).filter(|(trial, _)| !trial.lost);
         going_on.map(|(_, distance)| distance).try_for_each(|distance| distance.append(motion))
     }
 
     /// Gives up the trials that cannot come out right any more, and says whether all are.
     pub(super) fn all_lost(&mut self, extent: Extent) -> bool {
-        for (trial, distance) in self.trials.iter_mut().zip(&self.distances) {
+        for (trial, distance) in self.trials.iter_mut().zip(self.distances.as_ref()) {
             trial.lost |= outcome(trial, distance, extent).reason != Reason::None;
         }
         self.trials.iter().all(|trial| trial.lost)
@@ -106,7 +121,10 @@ impl<'a> Trials<'a> {
 
     /// How each trial came out.
     pub(super) fn outcomes(&self, extent: Extent) -> impl Iterator<Item = Outcome> {
-        self.trials.iter().zip(&self.distances).map(move |(trial, distance)| outcome(trial, distance, extent))
+        self.trials
+            .iter()
+            .zip(self.distances.as_ref())
+            .map(move |(trial, distance)| outcome(trial, distance, extent))
     }
 
     /// The nearest trial of those that came out right, or of all where none did.

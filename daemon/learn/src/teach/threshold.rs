@@ -14,6 +14,9 @@ const ALONE_PER_FRAME: f64 = 0.9;
 /// Least spread that is believed, as a share of the mean: the deviation of few demonstrations can be small by chance.
 const LEAST_SPREAD: f64 = 0.2;
 
+/// Least threshold: one frame in the opposite direction. Demonstrations that are all alike, as a part at rest is, would give 0.
+const LEAST: f64 = 2.0;
+
 /// What the demonstrations of one IU give.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learned {
@@ -37,23 +40,23 @@ pub fn learn(
 ) -> Result<Learned, Refused> {
     let distances = warp.matrix(demonstrations)?;
     let all: Vec<usize> = (0..demonstrations.len()).collect();
-    let reference = tables.of(warp, demonstrations, &distances, &all)?;
-    let own =
-        demonstrations.iter().map(|motion| warp.distance(motion, &reference)).collect::<Result<_, _>>()?;
-    let mut left_out = Vec::new();
-    if leave_out && demonstrations.len() > 1 {
-        for (place, motion) in demonstrations.iter().enumerate() {
-            let others: Vec<usize> = all.iter().copied().filter(|&other| other != place).collect();
-            let others = tables.of(warp, demonstrations, &distances, &others)?;
-            left_out.push(warp.distance(motion, &others)?);
-        }
-    }
+    let leave_out = leave_out && demonstrations.len() > 1;
+    let (reference, others) = tables.with_left_out(warp, demonstrations, &distances, &all, leave_out)?;
+    let mut to = |references: &[&[Motion]]| -> Result<Vec<f64>, Refused> {
+        demonstrations.iter().zip(references).map(|(motion, other)| warp.distance(motion, other)).collect()
+    };
+    let own = to(&vec![reference.as_slice(); demonstrations.len()])?;
+    let left_out = to(&others.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
     Ok(Learned { reference, own, left_out })
 }
 
 impl Learned {
     /// The threshold by a rule.
     pub fn threshold(&self, rule: ThresholdRule) -> f64 {
+        self.by_rule(rule).max(LEAST)
+    }
+
+    fn by_rule(&self, rule: ThresholdRule) -> f64 {
         if self.own.len() == 1 {
             return ALONE_PER_FRAME * (self.reference.len() as f64).sqrt();
         }

@@ -1,6 +1,7 @@
 //! A clip, decoded by ffmpeg, and its truth.
 
 use crate::Error;
+use andon_perception::{ImageView, PixelFormat};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -77,13 +78,18 @@ impl Clip {
         Ok(Self { truth, width, height, frame: vec![0; width * height * 3], pipe, children })
     }
 
-    /// The next frame, 3 bytes a pixel, blue first.
-    pub(crate) fn next_frame(&mut self) -> Result<Option<&[u8]>, Error> {
+    /// Decodes the next frame; false at the end.
+    pub(crate) fn advance(&mut self) -> Result<bool, Error> {
         match self.pipe.read_exact(&mut self.frame) {
-            Ok(()) => Ok(Some(&self.frame)),
-            Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => Ok(None),
+            Ok(()) => Ok(true),
+            Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => Ok(false),
             Err(error) => Err(error.into()),
         }
+    }
+
+    /// The frame, blue first.
+    pub(crate) fn image(&self) -> Result<ImageView<'_>, Error> {
+        Ok(ImageView::new(self.width, self.height, self.width * 3, PixelFormat::Bgr8, &self.frame)?)
     }
 }
 

@@ -8,7 +8,7 @@ mod score;
 
 use andon_perception::config::{MarkerObject, ModelSize};
 use andon_perception::detections::Side;
-use andon_perception::{ImageView, Perceiver, PerceptionConfig, PixelFormat};
+use andon_perception::{Perceiver, PerceptionConfig};
 use clap::Parser;
 use clip::{Change, Clip};
 use score::Score;
@@ -86,20 +86,19 @@ fn evaluate(arguments: &Arguments, path: &std::path::Path) -> Result<Score, Erro
     let mut perceiver = Perceiver::new(&config)?;
     let mut score = Score::default();
     let mut dump = arguments.dump.as_ref().map(std::fs::File::create).transpose()?;
-    let mut frame = 0;
-    while let Some(data) = clip.next_frame()? {
-        let truth = &clip.truth.frames[frame];
-        if frame % arguments.every == 0 {
-            let image = ImageView::new(clip.width, clip.height, clip.width * 3, PixelFormat::Bgr8, data)?;
-            let captured_ns = (frame as f64 / clip.truth.fps * 1e9) as u64;
+    let mut number = 0;
+    while clip.advance()? {
+        let truth = clip.truth.frames.get(number).ok_or("the clip is longer than its truth")?;
+        if number % arguments.every == 0 {
+            let captured_ns = (number as f64 / clip.truth.fps * 1e9) as u64;
             let begin = std::time::Instant::now();
-            let detections = perceiver.perceive(image, captured_ns, frame as u64)?;
+            let detections = perceiver.perceive(clip.image()?, captured_ns, number as u64)?;
             score.frame(truth, &detections, side, [clip.width, clip.height], begin.elapsed());
             if let Some(file) = &mut dump {
                 score::dump(file, &detections)?;
             }
         }
-        frame += 1;
+        number += 1;
     }
     Ok(score)
 }

@@ -65,7 +65,7 @@ impl Plane {
         let y = mean_step(bottom_left, top_left, bottom_right, top_right);
         // The turn that comes nearest to the pair of axes.
         let yaw = (x[1] - y[0]).atan2(x[0] + y[1]);
-        Square { centre: self.at(centre_of_corners(corners)), side: largest_stretch(x, y), yaw }
+        Square { centre: self.at(centre_of_corners(corners)), side: untilted_side(x, y), yaw }
     }
 }
 
@@ -74,12 +74,20 @@ fn centre_of(width: usize, height: usize) -> Point {
     [(width as f64 - 1.0) / 2.0, (height as f64 - 1.0) / 2.0]
 }
 
-/// The larger singular value of the matrix with columns `x` and `y`: a marker that is tilted while held is foreshortened
-/// across its axis of tilt, and keeps its length along it.
-fn largest_stretch(x: Point, y: Point) -> f64 {
+/// Sides of a marker that differ by less than this share differ by noise: corners to 0.2 px on a marker of 30 px.
+const ASPECT_NOISE: f64 = 0.02;
+
+/// The side of the square whose axes appear as `x` and `y`: a marker that is tilted while held is foreshortened across its
+/// axis of tilt and keeps its length along it. So it is the longer extent where they clearly differ, else their mean.
+fn untilted_side(x: Point, y: Point) -> f64 {
+    // The singular values of the matrix with these columns.
     let half_sum = (x[0] * x[0] + x[1] * x[1] + y[0] * y[0] + y[1] * y[1]) / 2.0;
     let determinant = x[0] * y[1] - x[1] * y[0];
-    (half_sum + (half_sum * half_sum - determinant * determinant).max(0.0).sqrt()).sqrt()
+    let half_difference = (half_sum * half_sum - determinant * determinant).max(0.0).sqrt();
+    let (longer, shorter) = ((half_sum + half_difference).sqrt(), (half_sum - half_difference).max(0.0).sqrt());
+    let mean = (longer + shorter) / 2.0;
+    let tilt = (1.0 - shorter / longer).powi(2);
+    mean + (longer - mean) * tilt / (tilt + ASPECT_NOISE * ASPECT_NOISE)
 }
 
 /// Where the diagonals meet: the centre of the square under any perspective.

@@ -27,40 +27,37 @@ impl Evidence {
         if !odds.is_nan() {
             self.right = (self.right + odds).clamp(-MOST_GATHERED, MOST_GATHERED);
         }
-        self.side = match self.side {
-            None if self.right.abs() < DECIDED => None,
-            None => Some(likelier(self.right)),
-            Some(Side::Right) if self.right < -TAKEN_BACK => Some(Side::Left),
-            Some(Side::Left) if self.right > TAKEN_BACK => Some(Side::Right),
-            kept => kept,
-        };
+    }
+
+    /// Decides the side of the only hand in a frame.
+    pub(crate) fn settle(&mut self) {
+        self.side = settled(self.side, self.right);
+    }
+
+    /// Decides the sides of the two hands in a frame: one is a right and one a left one, by which is the righter.
+    pub(crate) fn settle_pair(&mut self, other: &mut Self) {
+        let apart = matches!((self.side, other.side), (Some(a), Some(b)) if a != b);
+        let before = if apart { self.side } else { None };
+        // Where nothing tells them apart, the one that was decided first keeps its side.
+        let side = settled(before, self.right - other.right).or(self.side).or(other.side.map(Side::other));
+        self.side = side;
+        other.side = side.map(Side::other);
     }
 
     /// The side, once it is decided.
     pub(crate) fn side(&self) -> Option<Side> {
         self.side
     }
+}
 
-    /// Two hands in one frame are a right and a left one: the pair is decided together, by which is righter.
-    pub(crate) fn settle_pair(&mut self, other: &mut Self) {
-        let lead = self.right - other.right;
-        let apart = matches!((self.side, other.side), (Some(a), Some(b)) if a != b);
-        let contradicted = match self.side {
-            Some(Side::Right) => lead < -TAKEN_BACK,
-            Some(Side::Left) => lead > TAKEN_BACK,
-            None => true,
-        };
-        if (!apart || contradicted) && lead.abs() >= DECIDED {
-            self.side = Some(likelier(lead));
-            other.side = Some(likelier(-lead));
-        } else if !apart {
-            // Nothing tells them apart: the one that was decided first keeps its side, if there is such a one.
-            match (self.side, other.side) {
-                (Some(side), _) => other.side = Some(side.other()),
-                (None, Some(side)) => self.side = Some(side.other()),
-                (None, None) => {}
-            }
-        }
+/// The side after the log odds for the right one are `right`.
+fn settled(before: Option<Side>, right: f32) -> Option<Side> {
+    match before {
+        None if right.abs() < DECIDED => None,
+        None => Some(likelier(right)),
+        Some(Side::Right) if right < -TAKEN_BACK => Some(Side::Left),
+        Some(Side::Left) if right > TAKEN_BACK => Some(Side::Right),
+        kept => kept,
     }
 }
 

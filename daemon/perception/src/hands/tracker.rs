@@ -113,8 +113,9 @@ impl<M: HandModels> Tracker<M> {
         if palm_detection_ran {
             self.frames_since_search = 0;
         }
-        if let [first, second] = self.tracks.as_mut_slice() {
-            first.evidence.settle_pair(&mut second.evidence);
+        match self.tracks.as_mut_slice() {
+            [first, second] => first.evidence.settle_pair(&mut second.evidence),
+            tracks => tracks.iter_mut().for_each(|track| track.evidence.settle()),
         }
         self.drop_unwanted();
         Ok(Tracked { hands: self.found(), palm_detection_ran, after_gap })

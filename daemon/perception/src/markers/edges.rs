@@ -1,6 +1,7 @@
 //! Corners to a hundredth of a pixel: a line is fitted to each edge of a marker, corners are where lines meet.
 
 use crate::image::ImageView;
+use std::sync::LazyLock;
 
 /// A corner in pixels.
 pub(crate) type Point = [f64; 2];
@@ -97,30 +98,53 @@ fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64) -> Optio
 }
 
 /// Where along `outward` the picture gets brighter, relative to `base`, and how much: the centroid of the squared steps.
+///
+/// A lens blurs light, and the camera turns light into grey values after that: the middle of a blurred edge is where the
+/// light is half, not where the grey value is half. In grey values a marker of 30 px would come out 0.4 px too small.
 fn step_outward(gray: &ImageView<'_>, base: Point, outward: Point, reach: f64) -> Option<(f64, f64)> {
     let at = |offset: f64| sample(gray, [base[0] + offset * outward[0], base[1] + offset * outward[1]]);
     let steps = (reach / STEP) as i32;
-    let (mut sum, mut moment) = (0.0, 0.0);
+    let (mut contrast, mut sum, mut moment) = (0.0, 0.0, 0.0);
     for step in -steps..=steps {
         let offset = f64::from(step) * STEP;
-        let rise = (at(offset + 0.5)? - at(offset - 0.5)?).max(0.0);
-        sum += rise * rise;
-        moment += rise * rise * offset;
+        let (outer, inner) = (at(offset + 0.5)?, at(offset - 0.5)?);
+        let [grey, light] = [0, 1].map(|kind| (outer[kind] - inner[kind]).max(0.0));
+        contrast += grey * grey;
+        sum += light * light;
+        moment += light * light * offset;
     }
-    (sum >= LEAST_CONTRAST).then(|| (moment / sum, sum))
+    (contrast >= LEAST_CONTRAST).then(|| (moment / sum, contrast))
 }
 
-/// Bilinear grey value; None outside the picture.
-fn sample(gray: &ImageView<'_>, [x, y]: Point) -> Option<f64> {
+/// Light of a grey value, 0..1, by the transfer curve of sRGB, which cameras and video follow.
+static LIGHT: LazyLock<[f64; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|grey| {
+        let grey = grey as f64 / 255.0;
+        if grey <= 0.04045 { grey / 12.92 } else { ((grey + 0.055) / 1.055).powf(2.4) }
+    })
+});
+
+/// Grey value and light between four pixels; None outside the picture.
+fn sample(gray: &ImageView<'_>, [x, y]: Point) -> Option<[f64; 2]> {
     let (left, top) = (x.floor(), y.floor());
     if left < 0.0 || top < 0.0 || left as usize + 1 >= gray.width() || top as usize + 1 >= gray.height() {
         return None;
     }
     let (right_share, bottom_share) = (x - left, y - top);
     let first = top as usize * gray.stride() + left as usize;
-    let pixel = |index: usize| f64::from(gray.data()[index]);
-    let row = |index: usize| pixel(index) + right_share * (pixel(index + 1) - pixel(index));
-    Some(row(first) + bottom_share * (row(first + gray.stride()) - row(first)))
+    let shares = [
+        (0, (1.0 - right_share) * (1.0 - bottom_share)),
+        (1, right_share * (1.0 - bottom_share)),
+        (gray.stride(), (1.0 - right_share) * bottom_share),
+        (gray.stride() + 1, right_share * bottom_share),
+    ];
+    let mut sum = [0.0; 2];
+    for (offset, share) in shares {
+        let grey = gray.data()[first + offset];
+        sum[0] += share * f64::from(grey);
+        sum[1] += share * LIGHT[usize::from(grey)];
+    }
+    Some(sum)
 }
 
 fn total_least_squares(points: &[(Point, f64)]) -> Option<Line> {

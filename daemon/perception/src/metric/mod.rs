@@ -152,3 +152,6 @@ impl Metric {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

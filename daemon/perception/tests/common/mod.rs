@@ -1,6 +1,6 @@
 //! Pictures of markers, drawn by a renderer of its own: an oracle that shares nothing with the detector but the pattern.
 
-#![allow(clippy::unwrap_used, dead_code)]
+#![allow(clippy::unwrap_used, dead_code, unreachable_pub)]
 
 use andon_perception::markers::{Dictionary, draw};
 use andon_perception::{ImageView, PixelFormat};
@@ -27,7 +27,7 @@ impl Drawn {
     }
 }
 
-/// How the picture is taken.
+/// How the picture is taken; grey levels of 255.
 #[derive(Clone, Copy)]
 pub struct Light {
     pub black: f64,
@@ -62,34 +62,48 @@ pub fn picture(
     const SAMPLES: usize = 4;
     let bench_from_image = inverse(camera);
     let patterns: Vec<_> = markers.iter().map(|marker| pattern(marker.id, dictionary)).collect();
-    let (black, white) = (light.black, light.white);
-    let brightness = |pixel: [f64; 2]| {
-        let bench = apply(&bench_from_image, pixel);
-        let on =
-            markers.iter().zip(&patterns).find_map(|(marker, pattern)| marker_at(marker, pattern, bench));
-        match on {
+    // A pixel collects light; what it says of it is a grey value.
+    let (black, white) = (light_of(light.black), light_of(light.white));
+    let bench_light = (black + white) / 2.0;
+    let brightness = |bench: [f64; 2]| {
+        match markers.iter().zip(&patterns).find_map(|(marker, pattern)| marker_at(marker, pattern, bench)) {
             Some(true) => white,
             Some(false) => black,
-            None => (black + white) / 2.0,
+            None => bench_light,
         }
+    };
+    let near_a_marker = |[x, y]: [f64; 2]| {
+        markers.iter().any(|marker| {
+            let [dx, dy] = [x - marker.centre_m[0] * marker.enlarged, y - marker.centre_m[1] * marker.enlarged];
+            dx.hypot(dy) < 1.2 * marker.side_m * marker.enlarged
+        })
     };
     let mut noise = Noise(light.seed);
     let mut pixels = Vec::with_capacity(width * height);
     for row in 0..height {
         for column in 0..width {
-            let mut sum = 0.0;
-            for sample in 0..SAMPLES * SAMPLES {
+            let centre = [column as f64, row as f64];
+            let mut collected = bench_light;
+            if near_a_marker(apply(&bench_from_image, centre)) {
                 let offset = |place: usize| (place as f64 + 0.5) / SAMPLES as f64 - 0.5;
-                sum += brightness([
-                    column as f64 + offset(sample % SAMPLES),
-                    row as f64 + offset(sample / SAMPLES),
-                ]);
+                let sample = |place: usize| [centre[0] + offset(place % SAMPLES), centre[1] + offset(place / SAMPLES)];
+                let lights = (0..SAMPLES * SAMPLES).map(|place| brightness(apply(&bench_from_image, sample(place))));
+                collected = lights.sum::<f64>() / (SAMPLES * SAMPLES) as f64;
             }
-            let mean = sum / (SAMPLES * SAMPLES) as f64;
-            pixels.push((mean + light.noise * noise.next()).round().clamp(0.0, 255.0) as u8);
+            let grey = grey_of(collected) + light.noise * noise.next();
+            pixels.push(grey.round().clamp(0.0, 255.0) as u8);
         }
     }
     pixels
+}
+
+/// Light of a grey value and back, by the power law that displays are built for.
+fn light_of(grey: f64) -> f64 {
+    (grey / 255.0).powf(2.2)
+}
+
+fn grey_of(light: f64) -> f64 {
+    255.0 * light.powf(1.0 / 2.2)
 }
 
 pub fn gray(width: usize, height: usize, pixels: &[u8]) -> ImageView<'_> {

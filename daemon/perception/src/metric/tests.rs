@@ -1,0 +1,8 @@
+//! Oracles: librealsense's own numbers, OpenCV's, and scenes whose geometry is written down here.
+#![allow(clippy::unwrap_used)]
+
+mod lens;
+mod hand;
+mod pose;
+mod scene;
+mod surface;
