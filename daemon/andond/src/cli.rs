@@ -222,10 +222,6 @@ pub enum Role {
     Encode,
     /// Feature couples to verdicts
     Judge,
-    /// Verdicts to the journal
-    Journal,
-    /// Verdicts to the PLC
-    Plc,
 }
 
 /// `andond check`

@@ -110,7 +110,7 @@ impl Recording {
             rate_hz: film.format().rate_hz as f32,
             space: Space::Plane,
             hands: config.perception.hands.clone(),
-            landmarks: Landmarks::default(),
+            landmarks: Landmarks::All,
             objects: objects
                 .map(|(object, shape)| NamedObject { name: object.name.clone(), shape })
                 .collect(),

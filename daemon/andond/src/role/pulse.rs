@@ -82,8 +82,8 @@ impl Pulse {
                 self.heartbeat.state(RoleState::Waiting);
                 log!(code::DEADLINE_MISSED, "nothing came for {:?}", super::WAIT);
             }
-            Wake::WriterGone { channel, how } => {
-                log!(code::DEADLINE_MISSED, "the writer of the channel {channel} has gone ({how:?})");
+            Wake::WriterGone { channel, departure } => {
+                log!(code::DEADLINE_MISSED, "the writer of the channel {channel} has gone ({departure:?})");
                 self.silent = true;
                 self.heartbeat.state(RoleState::Waiting);
             }

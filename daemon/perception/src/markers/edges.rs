@@ -16,12 +16,23 @@ const LEAST_SAMPLES: usize = 6;
 const LEAST_CONTRAST: f64 = 60.0;
 /// Steps across the edge, in pixels.
 const STEP: f64 = 0.25;
+/// How far an edge is spread by lens and pixels, in pixels to either side.
+const BLUR: f64 = 1.5;
 /// A point further than this from the line is none of the edge, in pixels.
 const OUTLIER: f64 = 0.6;
 /// A corner that moves further than this was refined to something else, in pixels.
 const FARTHEST: f64 = 4.0;
 /// Shorter edges have no modules of a pixel each: nothing to be refined.
 const SHORTEST_EDGE: f64 = 6.0;
+
+/// The first pass finds the edge, the second one measures it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Pass {
+    /// Steps are squared, and only those to the bright side count: what else there is near the edge hardly matters.
+    Coarse,
+    /// Steps count as they are, near the edge: their centroid is where the edge is, wherever it cuts the pixels.
+    Fine,
+}
 
 /// `a x + b y + c = 0` with `a² + b² = 1`.
 type Line = [f64; 3];
@@ -33,13 +44,12 @@ type Line = [f64; 3];
 pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [Point; 4], modules: f64) -> f64 {
     let given = *corners;
     let mut found = 0;
-    // The second pass starts at the right places, so its samples lie where they should.
-    for _ in 0..2 {
+    for pass in [Pass::Coarse, Pass::Fine] {
         found = 0;
         let mut lines = [[0.0; 3]; 4];
         for (edge, line) in lines.iter_mut().enumerate() {
             let (from, to) = (corners[edge], corners[(edge + 1) % 4]);
-            *line = match fit_edge(gray, from, to, modules) {
+            *line = match fit_edge(gray, from, to, modules, pass) {
                 Some(fitted) => {
                     found += 1;
                     fitted
@@ -61,7 +71,7 @@ pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [Point; 4], modules: f6
 }
 
 /// The line along the step from dark (inside) to bright (outside) between two corners.
-fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64) -> Option<Line> {
+fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64, pass: Pass) -> Option<Line> {
     let length = distance(from, to);
     if length < SHORTEST_EDGE {
         return None;
@@ -70,7 +80,8 @@ fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64) -> Optio
     // Outward, for corners that run clockwise with y down.
     let outward = [along[1], -along[0]];
     // Half a module: further in begin the modules of the pattern.
-    let reach = (0.55 * length / modules).clamp(1.5, 6.0);
+    let half_module = (0.55 * length / modules).clamp(BLUR, 6.0);
+    let reach = if pass == Pass::Coarse { half_module } else { BLUR };
     let wanted = (length as usize).clamp(10, SAMPLES);
 
     let mut points = [(Point::default(), 0.0); SAMPLES];
@@ -78,7 +89,7 @@ fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64) -> Optio
     for sample in 0..wanted {
         let share = MARGIN + (1.0 - 2.0 * MARGIN) * (sample as f64 + 0.5) / wanted as f64;
         let base = [from[0] + share * length * along[0], from[1] + share * length * along[1]];
-        if let Some((offset, contrast)) = step_outward(gray, base, outward, reach) {
+        if let Some((offset, contrast)) = step_outward(gray, base, outward, reach, pass) {
             let point = [base[0] + offset * outward[0], base[1] + offset * outward[1]];
             points[count] = (point, contrast.sqrt());
             count += 1;
@@ -97,23 +108,25 @@ fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64) -> Optio
     total_least_squares(points)
 }
 
-/// Where along `outward` the picture gets brighter, relative to `base`, and how much: the centroid of the squared steps.
+/// Where along `outward` the picture gets brighter, relative to `base`, and how much: the centroid of the steps.
 ///
 /// A lens blurs light, and the camera turns light into grey values after that: the middle of a blurred edge is where the
 /// light is half, not where the grey value is half. In grey values a marker of 30 px would come out 0.4 px too small.
-fn step_outward(gray: &ImageView<'_>, base: Point, outward: Point, reach: f64) -> Option<(f64, f64)> {
+fn step_outward(gray: &ImageView<'_>, base: Point, outward: Point, reach: f64, pass: Pass) -> Option<(f64, f64)> {
     let at = |offset: f64| sample(gray, [base[0] + offset * outward[0], base[1] + offset * outward[1]]);
     let steps = (reach / STEP) as i32;
     let (mut contrast, mut sum, mut moment) = (0.0, 0.0, 0.0);
     for step in -steps..=steps {
         let offset = f64::from(step) * STEP;
         let (outer, inner) = (at(offset + 0.5)?, at(offset - 0.5)?);
-        let [grey, light] = [0, 1].map(|kind| (outer[kind] - inner[kind]).max(0.0));
-        contrast += grey * grey;
-        sum += light * light;
-        moment += light * light * offset;
+        contrast += (outer.grey - inner.grey).max(0.0).powi(2);
+        let rise = outer.light - inner.light;
+        let weight = if pass == Pass::Coarse { rise.max(0.0).powi(2) } else { rise };
+        sum += weight;
+        moment += weight * offset;
     }
-    (contrast >= LEAST_CONTRAST).then(|| (moment / sum, contrast))
+    let offset = moment / sum;
+    (contrast >= LEAST_CONTRAST && offset.abs() <= reach).then_some((offset, contrast))
 }
 
 /// Light of a grey value, 0..1, by the transfer curve of sRGB, which cameras and video follow.
@@ -124,8 +137,15 @@ static LIGHT: LazyLock<[f64; 256]> = LazyLock::new(|| {
     })
 });
 
-/// Grey value and light between four pixels; None outside the picture.
-fn sample(gray: &ImageView<'_>, [x, y]: Point) -> Option<[f64; 2]> {
+/// A place in the picture.
+#[derive(Clone, Copy, Default)]
+struct Sample {
+    grey: f64,
+    light: f64,
+}
+
+/// What is between four pixels; None outside the picture.
+fn sample(gray: &ImageView<'_>, [x, y]: Point) -> Option<Sample> {
     let (left, top) = (x.floor(), y.floor());
     if left < 0.0 || top < 0.0 || left as usize + 1 >= gray.width() || top as usize + 1 >= gray.height() {
         return None;
@@ -138,11 +158,11 @@ fn sample(gray: &ImageView<'_>, [x, y]: Point) -> Option<[f64; 2]> {
         (gray.stride(), (1.0 - right_share) * bottom_share),
         (gray.stride() + 1, right_share * bottom_share),
     ];
-    let mut sum = [0.0; 2];
+    let mut sum = Sample::default();
     for (offset, share) in shares {
         let grey = gray.data()[first + offset];
-        sum[0] += share * f64::from(grey);
-        sum[1] += share * LIGHT[usize::from(grey)];
+        sum.grey += share * f64::from(grey);
+        sum.light += share * LIGHT[usize::from(grey)];
     }
     Some(sum)
 }
