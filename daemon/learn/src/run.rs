@@ -122,7 +122,7 @@ impl Run {
     /// # Errors
     /// If the method or the job cannot be used.
     pub fn judge(&self, job: &Job<'_>, method: &Method) -> Result<Vec<Verdict>, anomaly::Unusable> {
-        let mut judge = Judge::new(job, *method)?;
+        let mut judge = Judge::<Vec<_>>::with_memory(job, *method)?;
         let mut verdicts = Vec::new();
         for couples in &self.couples {
             judge.step(couples, &mut |verdict| verdicts.push(verdict));

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use andon_core::anomaly;
+use andon_core::dtw::OnlineDtw;
 use andon_core::job::Job;
 use andon_core::verdict::{Kind, Verdict as CoreVerdict};
 use andon_ipc::{Node, Reader, Wake, Writer, utc_ns};
@@ -107,8 +108,11 @@ fn watch(line: &mut Line<'_>, config: &Config, path: &Path) -> Result<Next, Role
     })
 }
 
-fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<anomaly::Judge<'j>, RoleError> {
-    anomaly::Judge::new(job, file.method).map_err(|error| RoleError::Method(format!("{error:?}")))
+/// A judge with as much memory as its job needs.
+type Judge<'j> = anomaly::Judge<'j, Vec<OnlineDtw<'j>>>;
+
+fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<Judge<'j>, RoleError> {
+    Judge::with_memory(job, file.method).map_err(|error| RoleError::Method(format!("{error:?}")))
 }
 
 impl Line<'_> {
@@ -138,7 +142,7 @@ struct Session<'s, 'l, 'j> {
     file: &'s JobFile,
     sender: Sender,
     names: Names,
-    judge: anomaly::Judge<'j>,
+    judge: Judge<'j>,
     enabled: bool,
     newest: Stamp,
 }
@@ -215,7 +219,7 @@ impl Session<'_, '_, '_> {
     /// Lets the judge say something, and publishes it.
     fn judge_with(
         &mut self,
-        act: impl FnOnce(&mut anomaly::Judge<'_>, &mut dyn FnMut(CoreVerdict)),
+        act: impl FnOnce(&mut Judge<'_>, &mut dyn FnMut(CoreVerdict)),
     ) -> Result<(), RoleError> {
         let mut outcome = Ok(());
         let Self { line, judge, sender, names, newest, .. } = self;

@@ -91,7 +91,7 @@ fn replay(
     let mut annotator = annotator(arguments.annotate.as_deref(), recording, printer.names)?;
     let bar = progress(recording.count(), &arguments.recording);
     file.with_job(|job: &Job<'_>| -> Result<(), Failure> {
-        let mut judge = Judge::new(job, file.method).map_err(|error| unusable(&error))?;
+        let mut judge = Judge::<Vec<_>>::with_memory(job, file.method).map_err(|error| unusable(&error))?;
         let mut verdicts: Vec<Verdict> = Vec::new();
         let mut newest: Option<Couples> = None;
         loop {
