@@ -163,18 +163,16 @@ fn a_step_left_out_makes_activity_and_job_incomplete() {
     let verdicts = expect(
         &polish_and_measure(),
         &right,
-        &[&POLISH_OK[..], &["r1.0 IuOk", "r1 ActivityAnomaly NotCompleted", "JobAnomaly NotCompleted"]].concat(),
+        &[&POLISH_OK[..], &["r1.0 IuOk", "r1 ActivityAnomaly NotCompleted", "JobAnomaly NotCompleted"]]
+            .concat(),
     );
     assert_eq!(verdicts[5].nearest, Some(1));
 }
 
 #[test]
 fn an_activity_left_out_makes_the_job_incomplete_and_is_named() {
-    let verdicts = expect(
-        &polish_and_measure(),
-        &polish(6),
-        &[&POLISH_OK[..], &["JobAnomaly NotCompleted"]].concat(),
-    );
+    let verdicts =
+        expect(&polish_and_measure(), &polish(6), &[&POLISH_OK[..], &["JobAnomaly NotCompleted"]].concat());
     assert_eq!(verdicts[4].nearest, Some(1));
 }
 
@@ -325,6 +323,28 @@ fn both_hands_at_once_have_verdicts_of_their_own() {
 }
 
 #[test]
+fn what_the_other_hand_is_doing_has_come_where_order_matters() {
+    let hold = [part([2, 4, 0, 0], 60, Toward(1)), part([2, 4, 4, 8], 60, Still), idle(20)];
+    let job = Job { order_matters: true, ..teach(&[&polish(6), &hold]) };
+    let last = |right: &[Part], left: &[Part]| {
+        let verdicts = judged(&job, &stream(right, left));
+        short(verdicts.last().unwrap())
+    };
+    // Both begin in the same frame; then the second begins while the first goes on.
+    assert_eq!(last(&polish(6), &hold), "JobOk");
+    assert_eq!(last(&polish(6), &[&[idle(20)][..], &hold].concat()), "JobOk");
+    assert_eq!(last(&[&[idle(20)][..], &polish(6)].concat(), &hold), "JobAnomaly WrongOrder");
+}
+
+#[test]
+fn a_wrong_activity_may_be_done_again_at_once() {
+    let right = [&polish(3)[..], &polish(6), &measure()].concat();
+    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(said[3..8], ["r0.2 IuOk", "r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk", "r1 ActivityOk!"]);
+    assert_eq!(said.last().unwrap(), "JobAnomaly TooShort");
+}
+
+#[test]
 fn what_was_out_of_sight_is_not_judged_and_never_ok() {
     let mut right = [polish(6), measure()].concat();
     right[1].sighted = false;
@@ -352,7 +372,10 @@ fn what_may_have_happened_unseen_is_no_anomaly() {
     right[0].sighted = false;
     right.remove(1);
     let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
-    assert!(said[0].contains("NotJudged Blind") && said.iter().all(|said| !said.contains("Anomaly")), "{said:?}");
+    assert!(
+        said[0].contains("NotJudged Blind") && said.iter().all(|said| !said.contains("Anomaly")),
+        "{said:?}"
+    );
     assert_eq!(said.last().unwrap(), "NotJudged Blind");
 }
 
@@ -402,8 +425,11 @@ fn a_longer_nominal_activity_is_waited_for() {
 fn variants_of_an_activity_fulfil_the_same_one() {
     let other = [part([1, 5, 0, 0], 20, Toward(1)), part([1, 5, 5, 6], 40, Still), idle(20)];
     let taught = teach(&[&polish(6), &other, &measure()]);
-    let activities: Vec<NominalActivity<'_>> =
-        taught.activities.iter().map(|nominal| NominalActivity { activity: nominal.activity / 2, ..*nominal }).collect();
+    let activities: Vec<NominalActivity<'_>> = taught
+        .activities
+        .iter()
+        .map(|nominal| NominalActivity { activity: nominal.activity / 2, ..*nominal })
+        .collect();
     let job = Job { activities: &activities, order_matters: true, ..taught };
     let right = [&other[..], &measure()].concat();
     let verdicts = judged(&job, &stream(&right, &[]));
@@ -435,7 +461,8 @@ fn commands_start_and_end_a_job() {
 #[test]
 fn a_job_that_cannot_be_judged_against_is_refused_by_its_place() {
     let job = polish_and_measure();
-    let refusal = |activities: &[NominalActivity<'_>]| Judge::new(&Job { activities, ..job }, Method::default()).err();
+    let refusal =
+        |activities: &[NominalActivity<'_>]| Judge::new(&Job { activities, ..job }, Method::default()).err();
     assert_eq!(refusal(&[]), Some(Unusable::Activities { given: 0 }));
     assert_eq!(refusal(&vec![job.activities[0]; 33]), Some(Unusable::Activities { given: 33 }));
     let none = NominalActivity { activity: 1, ius: &[] };

@@ -1,6 +1,8 @@
 //! Couples in, verdicts out: Algorithm 1 of the paper (III-D) with the additions of DESIGN 4, "Anomaly".
 
+mod activity;
 mod alignment;
+mod conclude;
 mod hand;
 mod progress;
 mod trial;

@@ -28,6 +28,8 @@ pub(super) struct Progress<'a> {
     wrong: Set,
     /// Of each hand: matched to its end, but a longer nominal activity may go on.
     waiting: [Set; HANDS],
+    /// Of each hand: what the activity that goes on can be.
+    underway: [Set; HANDS],
     /// The first fault, and the number of the nominal activity near it.
     fault: Option<(Reason, Option<u16>)>,
     /// Why something was not judged.
@@ -48,6 +50,7 @@ impl<'a> Progress<'a> {
             unjudged: 0,
             wrong: 0,
             waiting: [0; HANDS],
+            underway: [0; HANDS],
             fault: None,
             unknown: None,
             open: false,
@@ -83,10 +86,23 @@ impl<'a> Progress<'a> {
         (0..self.job.activities.len()).fold(0, |set, nominal| set | self.bit(nominal))
     }
 
-    /// Whether a nominal activity may not come now: it was done already, or one that must come before has not come.
-    pub(super) fn is_out_of_place(&self, nominal: usize) -> bool {
-        let came =
-            self.done | self.unjudged | self.wrong | self.waiting.iter().fold(0, |set, hand| set | hand);
+    /// The activities that have been tried, however that ended.
+    fn came(&self) -> Set {
+        self.done | self.unjudged | self.wrong
+    }
+
+    /// The bit of the first activity that has not come, where the order matters.
+    fn next_in_order(&self) -> Set {
+        let underway = self.underway.iter().fold(0, |set, hand| set | hand);
+        let missing = self.all() & !(self.came() | underway);
+        if self.job.order_matters { missing & missing.wrapping_neg() } else { 0 }
+    }
+
+    /// Whether a nominal activity of this hand may not come now: it was done already, or one that must come before has not come and
+    /// cannot be what the other hand is doing.
+    pub(super) fn is_out_of_place(&self, side: Side, nominal: usize) -> bool {
+        let others = Side::ALL.into_iter().filter(|other| *other != side);
+        let came = others.fold(self.came(), |came, other| came | self.underway[other.place()]);
         let number = self.number(nominal);
         let earlier =
             self.job.activities.iter().enumerate().filter(|(_, other)| Some(other.activity) < number);
@@ -99,6 +115,12 @@ impl<'a> Progress<'a> {
         self.waiting[side.place()] = nominal.map_or(0, |nominal| self.bit(nominal));
     }
 
+    /// What the activity of a hand that goes on can be.
+    pub(super) fn set_underway(&mut self, side: Side, candidates: Set) {
+        self.underway[side.place()] =
+            super::activity::members(candidates).fold(0, |set, nominal| set | self.bit(nominal));
+    }
+
     pub(super) fn set_done(&mut self, nominal: usize) {
         self.done |= self.bit(nominal);
     }
@@ -108,8 +130,9 @@ impl<'a> Progress<'a> {
         self.unknown = self.unknown.or(Some(reason));
     }
 
+    /// Where nothing says what a wrong activity should have been and the order matters, it stood in the place of the next.
     pub(super) fn set_wrong(&mut self, nominal: Option<usize>, reason: Reason) {
-        self.wrong |= nominal.map_or(0, |nominal| self.bit(nominal));
+        self.wrong |= nominal.map_or_else(|| self.next_in_order(), |nominal| self.bit(nominal));
         let number = nominal.and_then(|nominal| self.number(nominal));
         self.fault = self.fault.or(Some((reason, number)));
     }
