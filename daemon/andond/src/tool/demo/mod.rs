@@ -44,7 +44,7 @@ pub fn run(arguments: &Demo) -> Result<Code, Failure> {
     let file = job::load(&arguments.job)?;
     let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
     let clips = clips(&arguments.clips)?;
-    let mut line = Line::start(arguments)?;
+    let mut line = Line::start(arguments, &clips[0])?;
     println!("watching the job {:?} with {} roles, one process each", file.name, ROLES.len() + 1);
     for clip in &clips {
         let Some(outcome) = line.play(clip, arguments, &names)? else { return Ok(Code::Stopped) };
@@ -90,7 +90,7 @@ struct Outcome {
 }
 
 impl Line {
-    fn start(arguments: &Demo) -> Result<Self, Failure> {
+    fn start(arguments: &Demo, clip: &Path) -> Result<Self, Failure> {
         let fault = |error: std::io::Error| Failure::new(Code::Fault, error);
         let folder = tempfile::Builder::new().prefix("andon-").tempdir().map_err(fault)?;
         let own = folder.path().join("demo.toml");
@@ -100,7 +100,7 @@ impl Line {
              [journal]\npath = {:?}\n",
             folder.path(),
             job,
-            job,
+            std::path::absolute(clip).map_err(fault)?,
             folder.path().join("journal.sqlite")
         );
         std::fs::write(&own, text).map_err(fault)?;
