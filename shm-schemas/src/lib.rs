@@ -6,6 +6,7 @@
 //! | `detections` | [`Detections`] |
 //! | `couple` | [`Couples`] |
 //! | `verdict` | [`Verdict`] |
+//! | `confirmed` | [`Confirmed`] |
 //! | `health` | [`Health`] |
 //! | `command` | [`Command`] |
 //!
@@ -21,6 +22,7 @@
 
 mod code;
 mod command;
+mod confirmed;
 mod couples;
 mod detections;
 mod frame;
@@ -31,6 +33,7 @@ mod verdict;
 
 pub use code::UnknownCode;
 pub use command::{Command, CommandKind, CommandSource};
+pub use confirmed::Confirmed;
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};

@@ -222,6 +222,10 @@ pub enum Role {
     Encode,
     /// Feature couples to verdicts
     Judge,
+    /// Verdicts to the database
+    Journal,
+    /// Verdicts to the PLC
+    Plc,
 }
 
 /// `andond check`

@@ -37,6 +37,13 @@ fn run(command: Command) -> Result<ExitCode, Failure> {
         Command::Run(arguments) => {
             Ok(role::run(arguments.role, &tool::load_config(&arguments.config)?).into())
         }
+        Command::Calibrate(arguments) => tool::calibrate::run(&arguments).map(ExitCode::from),
+        Command::Record(arguments) => tool::record::run(&arguments).map(ExitCode::from),
+        Command::Check(arguments) => tool::check::run(&arguments).map(ExitCode::from),
+        Command::Config(arguments) => tool::config::run(&arguments).map(ExitCode::from),
+        Command::Tail(arguments) => tool::tail::run(&arguments).map(ExitCode::from),
+        Command::Status(arguments) => tool::status::run(&arguments).map(ExitCode::from),
+        Command::History(arguments) => tool::history::run(&arguments).map(ExitCode::from),
         _ => Ok(Code::Usage.into()),
     }
 }

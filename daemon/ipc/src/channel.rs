@@ -1,6 +1,6 @@
 //! The channels of a station and their quality of service (DESIGN 2).
 
-use shm_schemas::{Command, Couples, Detections, FrameHeader, Health, Layout, Message, Verdict};
+use shm_schemas::{Command, Confirmed, Couples, Detections, FrameHeader, Health, Layout, Message, Verdict};
 use std::fmt;
 
 /// An arrow of DESIGN 2.
@@ -14,6 +14,8 @@ pub enum Channel {
     Couple,
     /// judge to plc, journal, board, tail.
     Verdict,
+    /// journal to plc: what is on disk.
+    Confirmed,
     /// every role to steward and board.
     Health,
     /// plc and tool to judge.
@@ -22,8 +24,15 @@ pub enum Channel {
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Self; 6] =
-        [Self::Frame, Self::Detections, Self::Couple, Self::Verdict, Self::Health, Self::Command];
+    pub const ALL: [Self; 7] = [
+        Self::Frame,
+        Self::Detections,
+        Self::Couple,
+        Self::Verdict,
+        Self::Confirmed,
+        Self::Health,
+        Self::Command,
+    ];
 
     /// As in service names and logs.
     pub const fn name(self) -> &'static str {
@@ -32,6 +41,7 @@ impl Channel {
             Self::Detections => "detections",
             Self::Couple => "couple",
             Self::Verdict => "verdict",
+            Self::Confirmed => "confirmed",
             Self::Health => "health",
             Self::Command => "command",
         }
@@ -56,6 +66,10 @@ impl Channel {
             // Some minutes of a busy bench, through any restart of the journal.
             Self::Verdict => {
                 Qos { buffer: 1024, history: 256, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 511 }
+            }
+            // Only the newest counts: it stands for all before it. 1 in the history, for a plc that starts later.
+            Self::Confirmed => {
+                Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 1 }
             }
             // Only the newest counts; 4 a writer so that a reader that looks once a second misses none at 2 Hz.
             // 16 writers: 8 roles and as many tools.
@@ -119,6 +133,9 @@ impl Carried for Couples {
 impl Carried for Verdict {
     const CHANNEL: Channel = Channel::Verdict;
 }
+impl Carried for Confirmed {
+    const CHANNEL: Channel = Channel::Confirmed;
+}
 impl Carried for Health {
     const CHANNEL: Channel = Channel::Health;
 }
@@ -133,6 +150,7 @@ pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
         Channel::Detections => size_of::<Detections>(),
         Channel::Couple => size_of::<Couples>(),
         Channel::Verdict => size_of::<Verdict>(),
+        Channel::Confirmed => size_of::<Confirmed>(),
         Channel::Health => size_of::<Health>(),
         Channel::Command => size_of::<Command>(),
     }

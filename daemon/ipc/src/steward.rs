@@ -7,7 +7,7 @@ use crate::station::{Limits, Member, Station, member};
 use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::node::{Node as IceNode, NodeState, NodeView};
 use iceoryx2::prelude::*;
-use shm_schemas::{Command, Couples, Detections, FrameHeader, Health, Layout, Verdict};
+use shm_schemas::{Command, Confirmed, Couples, Detections, FrameHeader, Health, Layout, Verdict};
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::os::unix::fs::MetadataExt;
@@ -71,6 +71,7 @@ struct AllServices {
     _detections: Services<Messages<Detections>>,
     _couple: Services<Messages<Couples>>,
     _verdict: Services<Messages<Verdict>>,
+    _confirmed: Services<Messages<Confirmed>>,
     _health: Services<Messages<Health>>,
     _command: Services<Messages<Command>>,
 }
@@ -97,6 +98,7 @@ impl Steward {
             _detections: create_messages(&node, station, limits)?,
             _couple: create_messages(&node, station, limits)?,
             _verdict: create_messages(&node, station, limits)?,
+            _confirmed: create_messages(&node, station, limits)?,
             _health: create_messages(&node, station, limits)?,
             _command: create_messages(&node, station, limits)?,
         };

@@ -17,6 +17,7 @@
 mod check;
 mod document;
 mod fault;
+mod in_force;
 mod keys;
 mod read;
 mod reference;
@@ -24,6 +25,7 @@ mod sections;
 mod value;
 
 pub use fault::{Fault, Faults};
+pub use in_force::in_force;
 pub use reference::reference;
 pub use sections::bench::{Bench, Object};
 pub use sections::camera::{Camera, Source, Speed};

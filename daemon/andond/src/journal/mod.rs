@@ -16,6 +16,7 @@ mod history;
 mod retention;
 mod row;
 mod schema;
+mod table;
 
 #[cfg(test)]
 mod tests;
@@ -56,6 +57,7 @@ pub struct Journal {
     retention: Retention,
     newest: Option<Confirmed>,
     waiting: VecDeque<Verdict>,
+    lost: u64,
     until_retention: u32,
 }
 
@@ -71,8 +73,15 @@ impl Journal {
         schema::prepare(&mut connection, path)?;
         let newest = row::newest(&connection).map_err(failed)?;
         let waiting = VecDeque::new();
-        let mut journal =
-            Self { connection, path: path.into(), retention, newest, waiting, until_retention: RETAIN_EVERY };
+        let mut journal = Self {
+            connection,
+            path: path.into(),
+            retention,
+            newest,
+            waiting,
+            lost: 0,
+            until_retention: RETAIN_EVERY,
+        };
         journal.retain();
         Ok(journal)
     }
@@ -82,12 +91,23 @@ impl Journal {
     /// # Errors
     /// [`JournalError`] where nothing could be written; the verdict waits and goes with the next call.
     pub fn append(&mut self, verdict: &Verdict) -> Result<Confirmed, JournalError> {
-        if self.waiting.len() == WAITING {
+        self.push(verdict);
+        self.flush()?;
+        Ok(Confirmed { epoch: verdict.stamp.epoch, seq: verdict.stamp.seq })
+    }
+
+    /// Lets a verdict wait for the next [`Journal::flush`]: many written at once cost one sync. Without room the oldest that
+    /// waits gives way, which becomes a gap.
+    pub fn push(&mut self, verdict: &Verdict) {
+        if !self.has_room() {
             self.waiting.pop_front();
         }
         self.waiting.push_back(*verdict);
-        self.flush()?;
-        Ok(Confirmed { epoch: verdict.stamp.epoch, seq: verdict.stamp.seq })
+    }
+
+    /// Whether one more can wait.
+    pub fn has_room(&self) -> bool {
+        self.waiting.len() < WAITING
     }
 
     /// Writes what waits. Call it from time to time while [`Journal::waiting`] is not 0.
@@ -95,8 +115,9 @@ impl Journal {
     /// # Errors
     /// As [`Journal::append`].
     pub fn flush(&mut self) -> Result<Option<Confirmed>, JournalError> {
-        let written = self.write_waiting().map_err(|source| self.failed(source))?;
-        self.newest = written;
+        let (newest, lost) = self.write_waiting().map_err(|source| self.failed(source))?;
+        self.newest = newest;
+        self.lost += lost;
         // At most WAITING.
         self.until_retention = self.until_retention.saturating_sub(self.waiting.len() as u32);
         self.waiting.clear();
@@ -112,24 +133,30 @@ impl Journal {
         self.newest
     }
 
+    /// How many verdicts the gaps stand for that this writer has recorded.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
     /// How many verdicts could not be written yet.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
     }
 
-    /// One transaction: all or nothing.
-    fn write_waiting(&mut self) -> rusqlite::Result<Option<Confirmed>> {
+    /// One transaction: all or nothing. Returns the newest verdict on disk and how many the new gaps stand for.
+    fn write_waiting(&mut self) -> rusqlite::Result<(Option<Confirmed>, u64)> {
+        let mut lost = 0;
         if self.waiting.is_empty() {
-            return Ok(self.newest);
+            return Ok((self.newest, lost));
         }
         // Immediate: who waits for the lock waits here, and not in the middle.
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let mut newest = self.newest;
         for verdict in &self.waiting {
-            newest = Some(row::insert(&transaction, verdict, newest)?);
+            newest = Some(row::insert(&transaction, verdict, newest, &mut lost)?);
         }
         transaction.commit()?;
-        Ok(newest)
+        Ok((newest, lost))
     }
 
     /// One that fails is tried again later: writing goes before tidying up.

@@ -14,11 +14,12 @@ pub(super) fn newest(connection: &Connection) -> rusqlite::Result<Option<Confirm
         .optional()
 }
 
-/// Writes the verdict and the gaps that its number shows; returns the newest one now.
+/// Writes the verdict and the gaps that its number shows; returns the newest one now, and counts in `lost` what is not there.
 pub(super) fn insert(
     connection: &Connection,
     verdict: &Verdict,
     newest: Option<Confirmed>,
+    lost: &mut u64,
 ) -> rusqlite::Result<Confirmed> {
     let stamp = &verdict.stamp;
     let missing_from = match newest {
@@ -36,6 +37,7 @@ pub(super) fn insert(
         None => 1,
     };
     if missing_from < stamp.seq {
+        *lost += stamp.seq - missing_from;
         insert_gap(connection, verdict, "lost", (stamp.epoch, missing_from), Some(stamp.seq - 1))?;
     }
     insert_verdict(connection, verdict)?;

@@ -92,7 +92,7 @@ table! {
         "If it goes on, look at the camera's driver and the load of the machine";
 
     INFO 401 JOURNAL_OPENED: "the journal is open", "";
-    ERROR 402 DISK_FULL: "a verdict cannot be written: the disk is full",
+    ERROR 402 DISK_FULL: "the journal cannot be written",
         "Make room on the disk, or lower journal.keep_mb; until then the PLC is told `error`";
     ERROR 403 JOURNAL_LOCKED: "another program holds the journal's lock",
         "Close what has the database open: `fuser -v` on the file names it";
@@ -119,6 +119,8 @@ table! {
     INFO 509 PLC_READY: "ready is raised", "";
     WARN 510 PLC_NOT_READY: "ready has dropped",
         "Look at the messages before this one for the reason";
+
+    INFO 511 PLC_OFF: "the configuration has no PLC", "";
 
     INFO 601 ROLE_READY: "the role's first step has gone through", "";
     INFO 602 ROLE_STOPPING: "the role was asked to stop", "";

@@ -6,6 +6,7 @@ use andon_learn::recording::TrackError;
 use andon_perception::PerceptionError;
 
 use crate::exit::Code;
+use crate::journal::JournalError;
 use crate::log::{code, log};
 use crate::perception::SetupError;
 
@@ -41,6 +42,12 @@ pub enum RoleError {
         /// Why.
         reason: String,
     },
+    /// The database.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// The Modbus server.
+    #[error(transparent)]
+    Plc(#[from] andon_plc::modbus::ServeError),
     /// The constants of the method or the objects.
     #[error("the method cannot work with this configuration: {0}")]
     Method(String),
@@ -89,6 +96,11 @@ impl RoleError {
                 log!(code::JOB_REFUSED, "{self}");
                 Code::Configuration
             }
+            Self::Journal(error) => report_journal(error),
+            Self::Plc(_) => {
+                log!(code::PLC_PORT_TAKEN, "{self}");
+                Code::Fault
+            }
             Self::Method(_) => {
                 log!(code::CONFIGURATION_REFUSED, "{self}");
                 Code::Configuration
@@ -103,6 +115,19 @@ impl RoleError {
             }
         }
     }
+}
+
+/// Logs what is wrong with the journal. What needs a person's hand at the file is not tried again.
+pub(super) fn report_journal(error: &JournalError) -> Code {
+    match error {
+        JournalError::Locked { .. } => log!(code::JOURNAL_LOCKED, "{error}"),
+        JournalError::Damaged { .. } | JournalError::Newer { .. } => {
+            log!(code::JOURNAL_DAMAGED, "{error}");
+            return Code::Configuration;
+        }
+        _ => log!(code::DISK_FULL, "{error}"),
+    }
+    Code::Fault
 }
 
 fn report_ipc(error: &Ipc) -> Code {

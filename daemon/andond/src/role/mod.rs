@@ -3,12 +3,16 @@
 pub mod capture;
 mod encode;
 mod error;
+mod journal;
 mod judge;
 mod perceive;
+mod plc;
 mod pulse;
 mod steward;
 
 use std::time::Duration;
+
+use clap::ValueEnum as _;
 
 use andon_ipc::{Node, Station, Stop, Wake};
 use shm_schemas::RoleId;
@@ -16,7 +20,7 @@ use shm_schemas::RoleId;
 use crate::cli::Role;
 use crate::config::Config;
 use crate::exit::Code;
-use crate::log::{code, log};
+use crate::log::{self, code, log};
 
 pub use error::RoleError;
 pub use pulse::Pulse;
@@ -29,6 +33,7 @@ const WAIT: Duration = andon_ipc::Heartbeat::PERIOD;
 
 /// Runs a role until it is asked to stop, and says how it ended.
 pub fn run(role: Role, config: &Config) -> Code {
+    start_log(role, config);
     match role {
         Role::Steward => finish(
             Stop::on_signals()
@@ -39,7 +44,16 @@ pub fn run(role: Role, config: &Config) -> Code {
         Role::Perceive => run_with(config, RoleId::Perceive, |node| perceive::run(node, config)),
         Role::Encode => run_with(config, RoleId::Encode, |node| encode::run(node, config)),
         Role::Judge => run_with(config, RoleId::Judge, |node| judge::run(node, config)),
+        Role::Journal => run_with(config, RoleId::Journal, |node| journal::run(node, config)),
+        Role::Plc => run_with(config, RoleId::Plc, |node| plc::run(node, config)),
     }
+}
+
+/// Starts the log of a role's process.
+pub fn start_log(role: Role, config: &Config) {
+    let name = role.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
+    // It fails where a test or a tool has started one: then that one is used.
+    let _ = log::start(&name, &config.station.name, config.log.level);
 }
 
 /// Joins the station and runs a role's loop until it is asked to stop.

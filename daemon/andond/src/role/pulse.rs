@@ -57,6 +57,11 @@ impl Pulse {
         }
     }
 
+    /// It goes on, and what it is there for does not work: the log says what. The next step ends it.
+    pub fn failing(&mut self) {
+        self.heartbeat.state(RoleState::Fault);
+    }
+
     /// Everything that follows from the source has been sent.
     pub fn finished(&mut self) {
         self.heartbeat.state(RoleState::Finished);

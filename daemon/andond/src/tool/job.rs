@@ -11,7 +11,7 @@ use crate::exit::Code;
 ///
 /// # Errors
 /// That it is not there, damaged or of another version.
-pub fn load(path: &Path) -> Result<JobFile, Failure> {
+pub(super) fn load(path: &Path) -> Result<JobFile, Failure> {
     let bytes = std::fs::read(path).map_err(|error| {
         Failure::new(
             Code::Configuration,

@@ -1,9 +1,17 @@
 //! What a person runs, one file a command.
 
+pub mod calibrate;
+pub mod check;
+pub mod config;
 pub mod demo;
+pub mod history;
 mod job;
+mod join;
+pub mod record;
 pub mod replay;
 pub mod segment;
+pub mod status;
+pub mod tail;
 pub mod teach;
 
 use std::fmt;

@@ -19,7 +19,7 @@ mod writer;
 
 pub use error::{TrackError, TrackFault};
 pub use reader::{TrackReader, Truncation, read};
-pub use writer::write;
+pub use writer::{TrackWriter, write};
 
 use andon_core::input::{Frame, ObjectShape, Side, Space};
 

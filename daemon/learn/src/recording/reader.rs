@@ -274,6 +274,8 @@ fn object_of(entry: &ObjectEntry, header: &Header) -> Result<Object, TrackFault>
     if !(0.99..=1.01).contains(&length) {
         return Err(TrackFault::Quaternion(entry.id, length as f32));
     }
+    // What is a rotation already, as far as `f32` can tell, is kept bit for bit: a recording replays as it was seen.
+    let length = if (length - 1.0).abs() < f64::from(f32::EPSILON) { 1.0 } else { length };
     Ok(Object { id: entry.id, position, orientation: entry.q.map(|part| (part / length) as f32) })
 }
 

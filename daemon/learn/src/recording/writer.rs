@@ -18,9 +18,65 @@ pub fn write<'a>(
 ) -> io::Result<()> {
     line(sink, &header_line(header))?;
     for frame in frames {
-        line(sink, &frame_line(frame))?;
+        line(sink, &frame_line(frame, &Numbers::Rounded))?;
     }
     Ok(())
+}
+
+/// Writes a track file frame by frame, with every bit of its numbers: read again, each frame is the one that was written,
+/// as long as its time is under a month.
+#[derive(Debug)]
+pub struct TrackWriter<W> {
+    sink: W,
+}
+
+impl<W: Write> TrackWriter<W> {
+    /// Writes the header; see [`write`].
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn new(mut sink: W, header: &Header) -> io::Result<Self> {
+        line(&mut sink, &header_line(header))?;
+        Ok(Self { sink })
+    }
+
+    /// Writes a frame. Its time must be later than the one before it.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn frame(&mut self, frame: &Frame) -> io::Result<()> {
+        line(&mut self.sink, &frame_line(frame, &Numbers::Exact))
+    }
+
+    /// Hands on what is buffered.
+    ///
+    /// # Errors
+    /// When the sink fails.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.sink.flush()
+    }
+}
+
+/// How much of a number is written.
+enum Numbers {
+    Rounded,
+    Exact,
+}
+
+impl Numbers {
+    fn time_s(&self, ns: u64) -> f64 {
+        match self {
+            Self::Rounded => (ns as f64 * 1e-3).round() / 1e6,
+            Self::Exact => ns as f64 / 1e9,
+        }
+    }
+
+    fn of<const N: usize>(&self, values: &[f32; N]) -> [f64; N] {
+        match self {
+            Self::Rounded => rounded(values),
+            Self::Exact => values.map(f64::from),
+        }
+    }
 }
 
 fn line(sink: &mut impl Write, value: &impl serde::Serialize) -> io::Result<()> {
@@ -51,28 +107,30 @@ fn header_line(header: &Header) -> HeaderLine {
     }
 }
 
-fn frame_line(frame: &Frame) -> FrameLine {
+fn frame_line(frame: &Frame, numbers: &Numbers) -> FrameLine {
     FrameLine {
-        t: (frame.captured_ns as f64 * 1e-3).round() / 1e6,
-        hands: frame.hands.iter().map(hand_entry).collect(),
+        t: numbers.time_s(frame.captured_ns),
+        hands: frame.hands.iter().map(|hand| hand_entry(hand, numbers)).collect(),
         objects: frame
             .objects
             .iter()
             .map(|object| ObjectEntry {
                 id: object.id,
-                p: rounded(&object.position),
-                q: rounded(&object.orientation),
+                p: numbers.of(&object.position),
+                q: numbers.of(&object.orientation),
             })
             .collect(),
     }
 }
 
-fn hand_entry(hand: &Hand) -> HandEntry {
+fn hand_entry(hand: &Hand, numbers: &Numbers) -> HandEntry {
     let [index, middle, ring] = &hand.tips;
     HandEntry {
         id: hand.side.into(),
         score: f64::from(hand.score),
-        landmarks: [&hand.wrist, index, &hand.middle_knuckle, middle, ring].map(rounded).to_vec(),
+        landmarks: [&hand.wrist, index, &hand.middle_knuckle, middle, ring]
+            .map(|point| numbers.of(point))
+            .to_vec(),
     }
 }
 

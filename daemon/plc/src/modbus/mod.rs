@@ -31,7 +31,7 @@ pub use config::Config;
 pub use counters::Counters;
 
 use crate::handshake::{Ask, Handshake, Line, Settings};
-use crate::registers::WordOrder;
+use crate::registers::{Image, WordOrder};
 use gate::Gate;
 use service::Service;
 
@@ -58,6 +58,9 @@ pub enum Event {
 pub trait VerdictSource {
     /// The next event; `None` when nothing came within `wait`. An error is reported as a line fault, as an event.
     fn next(&mut self, wait: Duration) -> Option<Event>;
+
+    /// The loop has turned, and this is what the registers show now: for logs.
+    fn turned(&mut self, _image: &Image) {}
 }
 
 /// Where commands go.
@@ -193,6 +196,9 @@ impl ModbusServer {
                 handshake = self.shared.handshake();
                 handshake.asked(&ask, told);
             }
+            let image = handshake.image(now_ns);
+            drop(handshake);
+            source.turned(&image);
         }
     }
 }

@@ -42,6 +42,7 @@ fn main() -> ExitCode {
 fn capture(run: &cli::Run) -> ExitCode {
     match andond::tool::load_config(&run.config) {
         Ok(config) if run.role == Role::Capture => {
+            role::start_log(run.role, &config);
             role::run_with(&config, shm_schemas::RoleId::Capture, |node| {
                 role::capture::run(node, &config, open)
             })

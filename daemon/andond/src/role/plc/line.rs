@@ -1,0 +1,191 @@
+//! How the line is, by the health of its roles. Silence is never ready.
+
+use std::time::Duration;
+
+use andon_ipc::Heartbeat;
+use andon_plc::handshake::{Fault, Line};
+use shm_schemas::{Health, RoleId, RoleState};
+
+use crate::config::{Config, Source};
+use crate::log::code;
+
+/// The newest health of each role that the line needs, in the order of the data path: the first that is not well is
+/// the cause.
+pub(super) struct Watch {
+    roles: Vec<Seen>,
+    /// When a writer was last found gone. Who it was shows by who is not heard from then on.
+    gone_ns: u64,
+    was_ready: bool,
+}
+
+struct Seen {
+    role: RoleId,
+    deadline_ns: u64,
+    newest: Option<Health>,
+}
+
+impl Watch {
+    /// Expects every role that the configuration needs.
+    pub(super) fn new(config: &Config) -> Self {
+        let health = &config.health;
+        // Without pictures there is nothing to capture.
+        let capture = config.camera.source != Source::Tracks;
+        let expected = [
+            (capture, RoleId::Capture, health.capture_deadline_ms),
+            (true, RoleId::Perceive, health.perceive_deadline_ms),
+            (true, RoleId::Encode, health.encode_deadline_ms),
+            (true, RoleId::Judge, health.judge_deadline_ms),
+            (true, RoleId::Journal, health.journal_deadline_ms),
+            // It looks after its neighbours ten times a second, and moves no data that a deadline could be set by.
+            (true, RoleId::Steward, health.plc_deadline_ms),
+        ];
+        let seen = |(_, role, deadline_ms): (bool, RoleId, u32)| Seen {
+            role,
+            // One beat may be late.
+            deadline_ns: nanoseconds(Duration::from_millis(deadline_ms.into()).max(2 * Heartbeat::PERIOD)),
+            newest: None,
+        };
+        let roles = expected.into_iter().filter(|(expected, ..)| *expected).map(seen).collect();
+        Self { roles, gone_ns: 0, was_ready: false }
+    }
+
+    /// A role told how it is.
+    pub(super) fn heard(&mut self, health: &Health) {
+        if let Some(seen) = self.roles.iter_mut().find(|seen| seen.role.code() == health.role) {
+            seen.newest = Some(*health);
+        }
+    }
+
+    /// Some role has gone.
+    pub(super) fn gone(&mut self, now_ns: u64) {
+        self.gone_ns = now_ns;
+    }
+
+    /// How the line is now.
+    pub(super) fn line(&mut self, now_ns: u64) -> Line {
+        let line =
+            self.roles.iter().map(|seen| seen.line(now_ns, self.gone_ns)).find(|line| *line != Line::Ready);
+        match line {
+            None => {
+                self.was_ready = true;
+                Line::Ready
+            }
+            // Before everything has been there once, what is missing is still coming.
+            Some(Line::Fault { fault: Fault::Role, .. }) if !self.was_ready => Line::Starting,
+            Some(line) => line,
+        }
+    }
+}
+
+impl Seen {
+    fn line(&self, now_ns: u64, gone_ns: u64) -> Line {
+        let missing = Line::Fault { fault: Fault::Role, detail: code::ROLE_DIED.number };
+        let Some(health) = &self.newest else { return missing };
+        let sent_ns = health.stamp.sent_ns;
+        if sent_ns < gone_ns || now_ns.saturating_sub(sent_ns) > self.deadline_ns {
+            return missing;
+        }
+        let detail = health.last_error;
+        match RoleState::try_from(health.state) {
+            Ok(RoleState::Running) => Line::Ready,
+            Ok(RoleState::Starting | RoleState::Finished) => Line::Starting,
+            Ok(RoleState::Waiting) if self.role == RoleId::Perceive => {
+                Line::Fault { fault: Fault::Camera, detail: code::CAMERA_GONE.number }
+            }
+            Ok(RoleState::Fault) if self.role == RoleId::Journal => {
+                Line::Fault { fault: Fault::Journal, detail }
+            }
+            Ok(RoleState::Waiting | RoleState::Fault) | Err(_) => Line::Fault { fault: Fault::Role, detail },
+        }
+    }
+}
+
+fn nanoseconds(duration: Duration) -> u64 {
+    // The configuration allows a minute.
+    duration.as_nanos() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: u64 = 1_000_000_000;
+
+    fn health(role: RoleId, state: RoleState, sent_ns: u64) -> Health {
+        let mut health = Health { role: role.code(), state: state.code(), ..Health::default() };
+        health.stamp.sent_ns = sent_ns;
+        health
+    }
+
+    /// Everyone is well at 10 s.
+    fn well() -> Watch {
+        let mut watch = Watch::new(&Config::default());
+        for role in [
+            RoleId::Capture,
+            RoleId::Perceive,
+            RoleId::Encode,
+            RoleId::Judge,
+            RoleId::Journal,
+            RoleId::Steward,
+        ] {
+            watch.heard(&health(role, RoleState::Running, 10 * S));
+        }
+        watch
+    }
+
+    fn fault_of(line: Line) -> Option<Fault> {
+        match line {
+            Line::Fault { fault, .. } => Some(fault),
+            Line::Starting | Line::Ready => None,
+        }
+    }
+
+    #[test]
+    fn a_line_is_ready_when_every_role_has_said_so_and_starting_before() {
+        let mut watch = Watch::new(&Config::default());
+        assert_eq!(watch.line(S), Line::Starting);
+        assert_eq!(well().line(10 * S), Line::Ready);
+    }
+
+    #[test]
+    fn a_role_that_falls_silent_is_a_fault() {
+        let mut watch = well();
+        assert_eq!(watch.line(10 * S), Line::Ready);
+        assert_eq!(fault_of(watch.line(12 * S)), Some(Fault::Role));
+    }
+
+    #[test]
+    fn after_a_departure_everyone_must_be_heard_again() {
+        let mut watch = well();
+        assert_eq!(watch.line(10 * S), Line::Ready);
+        watch.gone(10 * S + 1);
+        assert_eq!(fault_of(watch.line(10 * S + 2)), Some(Fault::Role));
+        for role in RoleId::ALL {
+            watch.heard(&health(*role, RoleState::Running, 10 * S + 3));
+        }
+        assert_eq!(watch.line(10 * S + 4), Line::Ready);
+    }
+
+    #[test]
+    fn the_first_role_of_the_data_path_that_is_not_well_is_named() {
+        let mut watch = well();
+        assert_eq!(watch.line(10 * S), Line::Ready);
+        watch.heard(&health(RoleId::Perceive, RoleState::Waiting, 10 * S));
+        watch.heard(&health(RoleId::Encode, RoleState::Waiting, 10 * S));
+        assert_eq!(fault_of(watch.line(10 * S)), Some(Fault::Camera));
+    }
+
+    #[test]
+    fn a_journal_that_cannot_write_is_a_fault_of_the_journal() {
+        let mut watch = well();
+        watch.heard(&health(RoleId::Journal, RoleState::Fault, 10 * S));
+        assert_eq!(fault_of(watch.line(10 * S)), Some(Fault::Journal));
+    }
+
+    #[test]
+    fn a_recording_that_has_ended_is_no_fault_and_not_ready() {
+        let mut watch = well();
+        watch.heard(&health(RoleId::Perceive, RoleState::Finished, 10 * S));
+        assert_eq!(watch.line(10 * S), Line::Starting);
+    }
+}

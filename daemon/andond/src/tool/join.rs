@@ -1,0 +1,30 @@
+//! Joining a running station, for the tools that only look.
+
+use std::time::Duration;
+
+use andon_ipc::{Node, Stop};
+use shm_schemas::RoleId;
+
+use super::Failure;
+use crate::config::Config;
+use crate::exit::Code;
+use crate::role;
+
+/// How long a tool waits for a station that may just be starting.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Joins the station that the configuration names; Ctrl-C ends the waits.
+///
+/// # Errors
+/// That no steward runs there, or that the station is of another version.
+pub(super) fn join(config: &Config) -> Result<Node, Failure> {
+    let station = role::station(config).map_err(|error| Failure::new(Code::Configuration, error))?;
+    let stop = Stop::on_signals()?;
+    Ok(Node::open(&station, RoleId::Tool, PATIENCE, &stop)?)
+}
+
+impl From<andon_ipc::Error> for Failure {
+    fn from(error: andon_ipc::Error) -> Self {
+        Self::new(Code::Fault, error)
+    }
+}

@@ -1,0 +1,154 @@
+//! `andond status`: how every role of a running station is doing.
+
+use std::time::{Duration, Instant};
+
+use andon_ipc::{Heartbeat, Node, Reader, Wake, monotonic_ns};
+use serde::Serialize;
+use shm_schemas::{Health, RoleId, RoleState};
+
+use super::join::join;
+use super::{Failure, load_config};
+use crate::cli::Status;
+use crate::config::{Config, Source};
+use crate::exit::Code;
+use crate::log::code;
+
+/// A role that lives is heard in this time: three beats.
+const LISTEN: Duration = Duration::from_millis(3 * Heartbeat::PERIOD.as_millis() as u64);
+
+/// Exit code: some role is not healthy.
+const UNHEALTHY: u8 = 1;
+
+/// Runs the command; the exit code says whether all is well.
+///
+/// # Errors
+/// A configuration with faults, or that the station cannot be joined.
+pub fn run(arguments: &Status) -> Result<u8, Failure> {
+    let config = load_config(&arguments.config)?;
+    let newest = listen(&join(&config)?, &expected(&config))?;
+    let lines: Vec<RoleLine> =
+        expected(&config).into_iter().map(|role| RoleLine::new(role, newest_of(&newest, role))).collect();
+    let healthy = lines.iter().all(|line| line.healthy);
+    if arguments.json {
+        let station = StationLine { station: &config.station.name, healthy, roles: &lines };
+        println!("{}", serde_json::to_string(&station).map_err(|error| Failure::new(Code::Fault, error))?);
+    } else {
+        print(&lines);
+    }
+    Ok(if healthy { 0 } else { UNHEALTHY })
+}
+
+/// The roles that this station needs, in the order of the data path.
+fn expected(config: &Config) -> Vec<RoleId> {
+    let mut roles = vec![RoleId::Steward, RoleId::Capture, RoleId::Perceive, RoleId::Encode];
+    roles.extend([RoleId::Judge, RoleId::Journal, RoleId::Plc]);
+    // Without pictures there is nothing to capture; without a PLC its role may be left out.
+    roles.retain(|role| match role {
+        RoleId::Capture => config.camera.source != Source::Tracks,
+        RoleId::Plc => config.plc.enable,
+        _ => true,
+    });
+    roles
+}
+
+fn newest_of(newest: &[Health], role: RoleId) -> Option<&Health> {
+    newest.iter().find(|health| health.role == role.code())
+}
+
+/// The newest health of every role that was sent while this listened; ends early once everyone was heard.
+fn listen(node: &Node, roles: &[RoleId]) -> Result<Vec<Health>, Failure> {
+    let mut reader: Reader<Health> = node.reader()?;
+    let mut newest: Vec<Health> = Vec::new();
+    let (began, began_ns) = (Instant::now(), monotonic_ns());
+    let all = |newest: &[Health]| roles.iter().all(|role| newest_of(newest, *role).is_some());
+    while began.elapsed() < LISTEN && !all(&newest) {
+        if node.wait(&mut [&mut reader], Heartbeat::PERIOD)? == Wake::Stop {
+            break;
+        }
+        while let Some(health) = reader.take()? {
+            // The history may hold the last words of the dead.
+            if health.stamp.sent_ns < began_ns {
+                continue;
+            }
+            newest.retain(|known| known.role != health.role);
+            newest.push(*health);
+        }
+    }
+    Ok(newest)
+}
+
+/// All of it, as JSON. The names are an interface: programs outside read them.
+#[derive(Serialize)]
+struct StationLine<'a> {
+    station: &'a str,
+    healthy: bool,
+    roles: &'a [RoleLine],
+}
+
+/// One role. What is not known of one that was not heard is null.
+#[derive(Serialize)]
+struct RoleLine {
+    role: String,
+    healthy: bool,
+    /// A word of [`RoleState`], or `Silent`.
+    state: &'static str,
+    pid: Option<u32>,
+    rate_hz: Option<f32>,
+    p50_us: Option<u32>,
+    p99_us: Option<u32>,
+    lateness_us: Option<u32>,
+    received: Option<u64>,
+    sent: Option<u64>,
+    losses: Option<u64>,
+    refused: Option<u64>,
+    restarts_seen: Option<u32>,
+    /// The last code of level WARN or ERROR, as `AND-104`.
+    last_code: Option<&'static str>,
+}
+
+impl RoleLine {
+    fn new(role: RoleId, health: Option<&Health>) -> Self {
+        let state = health.and_then(|health| RoleState::try_from(health.state).ok());
+        let number = |of: fn(&Health) -> u64| health.map(of);
+        let short = |of: fn(&Health) -> u32| health.map(of);
+        Self {
+            role: role.name().to_lowercase(),
+            healthy: matches!(state, Some(RoleState::Running | RoleState::Finished)),
+            state: state.map_or("Silent", RoleState::name),
+            pid: short(|health| health.pid),
+            rate_hz: health.map(|health| health.rate_hz),
+            p50_us: short(|health| health.p50_us),
+            p99_us: short(|health| health.p99_us),
+            lateness_us: short(|health| health.lateness_us),
+            received: number(|health| health.received),
+            sent: number(|health| health.sent),
+            losses: number(|health| health.losses),
+            refused: number(|health| health.refused),
+            restarts_seen: short(|health| health.restarts_seen),
+            last_code: health.and_then(|health| code_name(health.last_error)),
+        }
+    }
+}
+
+fn code_name(number: u32) -> Option<&'static str> {
+    code::ALL.iter().find(|code| code.number == number).map(|code| code.name)
+}
+
+fn print(lines: &[RoleLine]) {
+    println!("role      state         rate      p50        p99   received       sent  losses  last code");
+    for line in lines {
+        let mark = if line.healthy { "" } else { "  <- look here" };
+        println!(
+            "{:9} {:8} {:7.1} Hz {:5.1} ms {:7.1} ms {:10} {:10} {:7}  {}{mark}",
+            line.role,
+            line.state,
+            line.rate_hz.unwrap_or_default(),
+            f64::from(line.p50_us.unwrap_or_default()) / 1e3,
+            f64::from(line.p99_us.unwrap_or_default()) / 1e3,
+            line.received.unwrap_or_default(),
+            line.sent.unwrap_or_default(),
+            line.losses.unwrap_or_default(),
+            line.last_code.unwrap_or("-"),
+        );
+    }
+}

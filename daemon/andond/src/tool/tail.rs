@@ -1,0 +1,93 @@
+//! `andond tail`: follows the verdicts of a running station.
+
+use std::io::{ErrorKind, IsTerminal, Write, stdout};
+use std::time::Duration;
+
+use andon_core::verdict::{Kind, Verdict};
+use andon_ipc::{Reader, Wake};
+use shm_schemas::Verdict as Message;
+
+use super::join::join;
+use super::{Failure, load_config};
+use crate::cli::{Level, Tail};
+use crate::config::Config;
+use crate::exit::Code;
+use crate::report::{Names, VerdictLine, is_anomaly, verdict_sentence};
+use crate::wire;
+
+/// Nothing is due between two verdicts: this is only how often the wait begins anew.
+const WAIT: Duration = Duration::from_secs(10);
+
+/// Runs the command until it is interrupted or its reader is gone. It begins with the newest verdicts that the channel
+/// still has.
+///
+/// # Errors
+/// What is missing, or that the station cannot be joined.
+pub fn run(arguments: &Tail) -> Result<Code, Failure> {
+    let config = load_config(&arguments.config)?;
+    let node = join(&config)?;
+    let mut verdicts: Reader<Message> = node.reader()?;
+    let names = names(&config);
+    let mut lost = 0;
+    loop {
+        match node.wait(&mut [&mut verdicts], WAIT)? {
+            Wake::Stop => return Ok(Code::Stopped),
+            Wake::WriterGone { .. } => eprintln!("the judge has gone; waiting for the next one"),
+            _ => (),
+        }
+        while let Some(message) = verdicts.take()? {
+            if let Err(error) = print(arguments, &message, &names) {
+                // Whoever read this has seen enough, as `head` does.
+                let ended = error.kind() == ErrorKind::BrokenPipe;
+                return if ended { Ok(Code::Stopped) } else { Err(Failure::new(Code::Fault, error)) };
+            }
+        }
+        if verdicts.lost() > lost {
+            eprintln!("{} verdicts were not shown; `andond history` has them", verdicts.lost() - lost);
+            lost = verdicts.lost();
+        }
+    }
+}
+
+/// What the configuration calls the objects.
+pub(super) fn names(config: &Config) -> Names {
+    Names::new(config.objects.iter().map(|object| (object.id, object.name.clone())))
+}
+
+fn print(arguments: &Tail, message: &Message, names: &Names) -> std::io::Result<()> {
+    let Some(verdict) = wire::verdict::read(message).filter(|verdict| is_wanted(arguments, verdict)) else {
+        return Ok(());
+    };
+    let mut out = stdout().lock();
+    if arguments.json {
+        serde_json::to_writer(&mut out, &VerdictLine::new(message.stamp.seq, &verdict))?;
+        writeln!(out)?;
+    } else {
+        let sentence = verdict_sentence(&verdict, names);
+        match colour(&verdict).filter(|_| out.is_terminal()) {
+            Some(colour) => writeln!(out, "\x1b[{colour}m{sentence}\x1b[0m")?,
+            None => writeln!(out, "{sentence}")?,
+        }
+    }
+    out.flush()
+}
+
+fn is_wanted(arguments: &Tail, verdict: &Verdict) -> bool {
+    let level = match verdict {
+        Verdict { iu: Some(_), .. } => Level::Iu,
+        Verdict { side: Some(_), .. } => Level::Activity,
+        _ => Level::Job,
+    };
+    let nok = is_anomaly(verdict) || verdict.kind == Kind::NotJudged;
+    (nok || !arguments.nok) && arguments.level.is_none_or(|wanted| wanted == level)
+}
+
+/// Red for an anomaly, yellow for what could not be judged, green for a job that is right.
+fn colour(verdict: &Verdict) -> Option<u8> {
+    match verdict.kind {
+        Kind::IuAnomaly | Kind::ActivityAnomaly | Kind::JobAnomaly => Some(31),
+        Kind::NotJudged => Some(33),
+        Kind::JobOk => Some(32),
+        Kind::IuOk | Kind::ActivityOk => None,
+    }
+}
