@@ -14,6 +14,8 @@ pub struct Pulse {
     heartbeat: Heartbeat,
     ready: bool,
     silent: bool,
+    /// The source is at its end; only the next message changes that.
+    finished: bool,
 }
 
 impl Pulse {
@@ -22,11 +24,12 @@ impl Pulse {
     /// # Errors
     /// That the channel `health` cannot be opened.
     pub fn new(node: &Node) -> Result<Self, Error> {
-        Ok(Self { heartbeat: Heartbeat::new(node)?, ready: false, silent: false })
+        Ok(Self { heartbeat: Heartbeat::new(node)?, ready: false, silent: false, finished: false })
     }
 
     /// A message was taken.
     pub fn received(&mut self, stamp: &Stamp) {
+        self.finished = false;
         self.heartbeat.received(stamp);
     }
 
@@ -48,7 +51,9 @@ impl Pulse {
     /// A step has gone through. The first one makes the role ready.
     pub fn stepped(&mut self, took: Duration) {
         self.heartbeat.stepped(took);
-        self.heartbeat.state(RoleState::Running);
+        if !self.finished {
+            self.heartbeat.state(RoleState::Running);
+        }
         if !self.ready {
             self.ready = true;
             // Without systemd there is nobody to tell.
@@ -64,6 +69,7 @@ impl Pulse {
 
     /// Everything that follows from the source has been sent.
     pub fn finished(&mut self) {
+        self.finished = true;
         self.heartbeat.state(RoleState::Finished);
     }
 
@@ -82,6 +88,8 @@ impl Pulse {
 
     fn note(&mut self, wake: &Wake) {
         match wake {
+            // Silence is what follows the end.
+            Wake::DeadlineMissed | Wake::WriterGone { .. } if self.finished => (),
             Wake::DeadlineMissed if self.ready && !self.silent => {
                 self.silent = true;
                 self.heartbeat.state(RoleState::Waiting);

@@ -1,0 +1,207 @@
+//! The tools on the shipped clips, against their truth and against what a person can see in them.
+//!
+//! The shipped job was taught from repetitions 1 and 2 of both persons: every clip that is judged here was kept back from it,
+//! except where a test says so.
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
+}
+
+/// Runs `andond` where a user would run it: at the top of the repository.
+fn andond(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_andond")).args(arguments).current_dir(root()).output().unwrap()
+}
+
+fn clip(name: &str) -> String {
+    format!("tests/footage/{name}.mp4")
+}
+
+fn lines(output: &Output) -> Vec<Value> {
+    let text = String::from_utf8(output.stdout.clone()).unwrap();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+struct Judged {
+    exit: Option<i32>,
+    verdicts: Vec<Value>,
+}
+
+fn replay(name: &str) -> Judged {
+    let output =
+        andond(&["replay", "--json", "--job", "config/jobs/polish-and-measure.toml", &clip(name)]);
+    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    Judged { exit: output.status.code(), verdicts: lines(&output) }
+}
+
+impl Judged {
+    /// Kind, reason and activity of every verdict on an activity or the job.
+    fn activities_and_job(&self) -> Vec<(&str, &str, Option<u64>)> {
+        let of_interest = self.verdicts.iter().filter(|verdict| verdict["iu"].is_null());
+        of_interest
+            .map(|verdict| {
+                (
+                    verdict["kind"].as_str().unwrap(),
+                    verdict["reason"].as_str().unwrap(),
+                    verdict["activity"].as_u64(),
+                )
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn a_correct_run_that_was_not_taught_is_correct() {
+    for name in ["p1_none_r3", "p2_none_r3"] {
+        let judged = replay(name);
+        assert_eq!(
+            judged.activities_and_job(),
+            [("ActivityOk", "None", Some(0)), ("ActivityOk", "None", Some(1)), ("JobOk", "None", None)],
+            "{name}"
+        );
+        assert_eq!(judged.exit, Some(0), "{name}");
+    }
+}
+
+#[test]
+fn half_the_strokes_are_cut_short_and_the_rest_is_right() {
+    for name in ["p1_J1_r1", "p2_J1_r1"] {
+        let judged = replay(name);
+        assert_eq!(
+            judged.activities_and_job(),
+            [
+                ("ActivityAnomaly", "TooShort", Some(0)),
+                ("ActivityOk", "None", Some(1)),
+                ("JobAnomaly", "TooShort", None)
+            ],
+            "{name}"
+        );
+        assert_eq!(judged.exit, Some(1), "{name}");
+    }
+}
+
+#[test]
+fn a_brick_that_never_reaches_the_meter_is_an_anomaly_of_the_second_activity() {
+    for name in ["p1_J2_r1", "p2_J2_r1"] {
+        let judged = replay(name);
+        let told = judged.activities_and_job();
+        assert_eq!(told[0], ("ActivityOk", "None", Some(0)), "{name}");
+        assert_eq!((told[1].0, told[1].2), ("ActivityAnomaly", Some(1)), "{name}");
+        assert_eq!(told[2].0, "JobAnomaly", "{name}");
+        assert_eq!(judged.exit, Some(1), "{name}");
+    }
+}
+
+#[test]
+fn another_order_is_said_when_the_activity_begins() {
+    let judged = replay("p1_order_r1");
+    assert_eq!(
+        judged.activities_and_job(),
+        [
+            ("ActivityAnomaly", "WrongOrder", Some(0)),
+            ("ActivityOk", "None", Some(1)),
+            ("JobAnomaly", "WrongOrder", None)
+        ]
+    );
+    let first = &judged.verdicts[0];
+    assert_eq!(first["early"], Value::Bool(true));
+    // The brick is grasped in frame 52 and reaches the meter in frame 88 (30 frames a second).
+    assert!(first["decided_s"].as_f64().unwrap() < 88.0 / 30.0, "{first}");
+}
+
+#[test]
+fn the_wrong_object_is_said_when_it_is_touched_and_what_follows_is_right() {
+    let judged = replay("p1_wrong_object_r1");
+    assert_eq!(
+        judged.activities_and_job(),
+        [
+            ("ActivityAnomaly", "WrongObject", Some(0)),
+            ("ActivityOk", "None", Some(1)),
+            ("JobAnomaly", "WrongObject", None)
+        ]
+    );
+    // The meter is grasped in frame 59: the cord is pulled before anything is rubbed with it, in frame 107.
+    assert!(judged.verdicts[0]["decided_s"].as_f64().unwrap() < 107.0 / 30.0);
+}
+
+#[test]
+fn the_same_film_gives_the_same_verdicts_to_the_byte() {
+    let run = || {
+        andond(&[
+            "replay",
+            "--json",
+            "--job",
+            "config/jobs/polish-and-measure.toml",
+            &clip("p1_none_r3"),
+        ])
+    };
+    assert_eq!(run().stdout, run().stdout);
+}
+
+/// What the hand holds and what touches what, in every frame, as couples' contexts: `[1, o_j, o_j, o_l]`.
+fn true_contexts(name: &str) -> Vec<([u64; 4], f64)> {
+    let text = std::fs::read_to_string(root().join(format!("tests/footage/{name}.truth.jsonl"))).unwrap();
+    let mut changes: Vec<([u64; 4], f64)> = Vec::new();
+    for frame in text.lines().skip(1) {
+        let frame: Value = serde_json::from_str(frame).unwrap();
+        let pairs: Vec<[Value; 2]> = serde_json::from_value(frame["touching"].clone()).unwrap();
+        let held = pairs.iter().find(|pair| pair[0] == "right").and_then(|pair| pair[1].as_u64());
+        let parts = pairs.iter().find_map(|pair| Some((pair[0].as_u64()?, pair[1].as_u64()?)));
+        let context = match (held, parts) {
+            (Some(held), Some((a, b))) if a == held => [1, held, held, b],
+            (Some(held), Some((a, b))) if b == held => [1, held, held, a],
+            (Some(held), _) => [1, held, 0, 0],
+            (None, Some((a, b))) => [0, 0, a, b],
+            (None, None) => [0; 4],
+        };
+        if changes.last().is_none_or(|(last, _)| *last != context) {
+            changes.push((context, frame["t"].as_f64().unwrap()));
+        }
+    }
+    changes.retain(|(context, _)| *context != [0; 4]);
+    changes
+}
+
+#[test]
+fn the_ius_of_a_film_are_those_of_its_truth() {
+    for name in ["p1_none_r1", "p1_J1_r1"] {
+        let output = andond(&["segment", "--json", &clip(name)]);
+        let events = lines(&output);
+        let ius: Vec<([u64; 4], f64)> = events
+            .iter()
+            .filter(|event| event["level"] == "iu")
+            .map(|iu| {
+                (serde_json::from_value(iu["context"].clone()).unwrap(), iu["began_s"].as_f64().unwrap())
+            })
+            .collect();
+        let truth = true_contexts(name);
+        let contexts = |of: &[([u64; 4], f64)]| of.iter().map(|(context, _)| *context).collect::<Vec<_>>();
+        assert_eq!(contexts(&ius), contexts(&truth), "{name}");
+        for ((context, began_s), (_, true_s)) in ius.iter().zip(&truth) {
+            // The truth's hand touches when it grasps; seen from above it is over the part while it comes down and goes up,
+            // about a second. Parts meet in the plane: the 3 cm of `object_contact_on_m` are passed in a third of a second.
+            let allowed_s = if context[2] == 0 || context[1] == 0 { 1.2 } else { 0.34 };
+            assert!((began_s - true_s).abs() < allowed_s, "{name} {context:?}: {began_s} for {true_s}");
+        }
+    }
+}
+
+#[test]
+fn an_annotated_film_has_every_frame_of_the_film() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out.mp4");
+    let job = "config/jobs/polish-and-measure.toml";
+    let output =
+        andond(&["replay", "--job", job, "--annotate", out.to_str().unwrap(), &clip("p1_J1_r1")]);
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    let frames = |path: &Path| {
+        let film = andond::video::Film::open(path).unwrap();
+        film.format().count
+    };
+    assert_eq!(frames(&out), frames(&root().join(clip("p1_J1_r1"))));
+}
