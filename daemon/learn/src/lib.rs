@@ -6,6 +6,7 @@
 //! activities, barycentres, thresholds, bounds → [`job_file`] the job as it is kept.
 #![forbid(unsafe_code)]
 
+pub mod analysis;
 pub mod barycentre;
 pub mod cluster;
 pub mod experiment;

@@ -54,6 +54,25 @@ pub fn experiment_2(seed: u64, noise: Noise) -> Vec<Recorded> {
     all
 }
 
+/// The shop floor: five people show the job correctly once each (`taught`), then three others do it with every flaw, and
+/// with everything that looks like one and is none.
+pub fn floor(seed: u64, noise: Noise) -> Vec<Recorded> {
+    let mut all = Vec::new();
+    let mut record = |person, what: &str, flaw| {
+        let (recording, truth) = perform(&Performance { seed, person, repetition: 1, noise }, flaw);
+        all.push(Recorded { name: format!("p{person}_{what}_r1"), recording, truth });
+    };
+    for person in 1..=5 {
+        record(person, "taught", Flaw::None);
+    }
+    for person in 6..=8 {
+        for flaw in Flaw::ALL {
+            record(person, flaw.word(), flaw);
+        }
+    }
+    all
+}
+
 /// Writes recordings as track files into a folder.
 ///
 /// # Errors

@@ -166,7 +166,8 @@ impl Performance {
         random: &mut Random,
     ) -> (Recording, Truth) {
         let truth = carry_out(script, person, bench, self.noise.rate_hz, random);
-        (self.noise.see(&truth, person, random), truth)
+        let mut habit = Random::new(self.seed, &[4, self.person]);
+        (self.noise.see(&truth, person, &mut habit, random), truth)
     }
 }
 

@@ -15,7 +15,7 @@ mod noise;
 mod person;
 
 pub use bench::{Bench, Part, Pose};
-pub use experiment::{ACTIVITIES, Recorded, experiment_1, experiment_2, save};
+pub use experiment::{ACTIVITIES, Recorded, experiment_1, experiment_2, floor, save};
 pub use job::{Expected, Flaw, Layout, Performance, perform, perform_activity};
 pub use movement::{Action, Instant, Labels, Script, TrueIu, Truth};
 pub use noise::Noise;

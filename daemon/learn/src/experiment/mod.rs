@@ -1,12 +1,16 @@
 //! The paper's two experiments (IV), on recordings.
 
 mod confusion;
+mod one;
 mod score;
+mod table;
 mod two;
 mod variation;
 
 pub use confusion::{Confusion, Rounds};
+pub use one::{Drilling, One, Segmentation, run as experiment_1};
 pub use score::{Score, score};
+pub use table::Table;
 pub use two::{Outcome, Split, run as experiment_2};
 pub use variation::Variation;
 

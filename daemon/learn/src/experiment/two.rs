@@ -8,6 +8,7 @@ use crate::folder::Labelled;
 use crate::run::Run;
 use crate::teach::{TeachOptions, teach};
 use andon_core::config::Method;
+use andon_core::verdict::Kind;
 use oorandom::Rand64;
 
 /// Correct executions in a training set, of the paper's 21.
@@ -45,7 +46,7 @@ pub struct Outcome {
     /// Of the falsely accused IUs those that are in a `J2`, where the hand puts the brick down again: by the paper's protocol
     /// only the IU that never comes is wrong.
     pub accused_in_j2: u32,
-    /// Correct executions with no accusation at all, and all correct executions tested.
+    /// Correct executions whose job verdict is `JobOk`, and all correct executions tested.
     pub jobs: (u32, u32),
 }
 
@@ -148,8 +149,8 @@ fn outcome(
             let flaw = FLAWS.iter().find(|(word, ..)| *word == one.what);
             let score = score(&job, &verdicts);
             outcome.jobs.1 += u32::from(flaw.is_none());
-            outcome.jobs.0 +=
-                u32::from(flaw.is_none() && score.activities.iter().all(|(accused, _)| !accused));
+            let right = verdicts.iter().any(|verdict| verdict.kind == Kind::JobOk);
+            outcome.jobs.0 += u32::from(flaw.is_none() && right);
             for (number, (accused, said)) in score.activities.iter().enumerate() {
                 activities.count(flaw.is_some_and(|(_, activity, _)| *activity == number), *accused);
                 for (place, accused) in said.iter().enumerate() {

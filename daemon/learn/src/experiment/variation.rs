@@ -34,17 +34,22 @@ impl Variation {
         let still = BoundsRule { fewest: 0.0, most: bounds.most, ..BoundsRule::NONE };
         let left_out = Self {
             name: "+ leave one out",
-            rule: ThresholdRule::LeaveOneOut { sigmas: 2.0 },
+            rule: ThresholdRule::LeaveOneOut { sigmas: 2.0, border_frames: 0.0 },
             ..paper.clone()
         };
         let circular = Self { name: "+ circular cost", circular: true, ..left_out.clone() };
-        let wider = Self { name: "+ wider threshold", rule: ThresholdRule::default(), ..circular.clone() };
+        let wider = Self {
+            name: "+ 4 sigmas",
+            rule: ThresholdRule::LeaveOneOut { sigmas: 4.0, border_frames: 0.0 },
+            ..circular.clone()
+        };
+        let borders = Self { name: "+ slack at borders", rule: ThresholdRule::default(), ..wider.clone() };
         let reversals = Self {
             name: "+ bounds of reversals",
             bounds: BoundsRule { fewest: bounds.fewest, ..still },
-            ..wider.clone()
+            ..borders.clone()
         };
         let default = Self { name: "+ bounds of duration (default)", bounds, ..reversals.clone() };
-        vec![paper, left_out, circular, wider, reversals, default]
+        vec![paper, left_out, circular, wider, borders, reversals, default]
     }
 }

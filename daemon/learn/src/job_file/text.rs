@@ -52,8 +52,11 @@ impl JobFile {
             ThresholdRule::Paper { sigmas } => {
                 line!(text, "rule = {{ name = \"paper\", sigmas = {sigmas:?} }}")
             }
-            ThresholdRule::LeaveOneOut { sigmas } => {
-                line!(text, "rule = {{ name = \"leave_one_out\", sigmas = {sigmas:?} }}");
+            ThresholdRule::LeaveOneOut { sigmas, border_frames } => {
+                line!(
+                    text,
+                    "rule = {{ name = \"leave_one_out\", sigmas = {sigmas:?}, border_frames = {border_frames:?} }}"
+                );
             }
             ThresholdRule::Conformal { false_alarms } => {
                 line!(text, "rule = {{ name = \"conformal\", false_alarms = {false_alarms:?} }}");

@@ -165,8 +165,13 @@ fn check(options: &TeachOptions) -> Result<(), TeachError> {
         if kept { Ok(()) } else { Err(TeachError::Option { name, value, range }) }
     };
     match options.rule {
-        ThresholdRule::Paper { sigmas } | ThresholdRule::LeaveOneOut { sigmas } => {
+        ThresholdRule::Paper { sigmas } => {
             option("sigmas", sigmas, "0 or more", sigmas >= 0.0 && sigmas.is_finite())?;
+        }
+        ThresholdRule::LeaveOneOut { sigmas, border_frames } => {
+            for (name, value) in [("sigmas", sigmas), ("border_frames", border_frames)] {
+                option(name, value, "0 or more", value >= 0.0 && value.is_finite())?;
+            }
         }
         ThresholdRule::Conformal { false_alarms } => {
             option(

@@ -1,0 +1,312 @@
+//! The report: one page that holds everything, and each picture and table as a file.
+
+use super::picture::{LEGEND, Shown, elbow, escaped, heat, warping};
+use super::{Analysis, AnalysisError};
+use crate::cluster::Table;
+use crate::experiment::Drilling;
+use crate::warp::Warp;
+use andon_core::couple::Motion;
+use std::fmt::Write as _;
+use std::io;
+use std::path::Path;
+
+/// The person whose matrix the paper shows.
+const PERSON_OF_PAPER: u32 = 5;
+
+/// A report.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// One self-contained HTML page.
+    pub page: String,
+    /// Names and contents of the pictures (SVG) and tables (CSV).
+    pub files: Vec<(String, String)>,
+}
+
+impl Report {
+    /// Writes the page as `index.html` and the files beside it.
+    ///
+    /// # Errors
+    /// When the folder cannot be written.
+    pub fn save(&self, folder: &Path) -> io::Result<()> {
+        std::fs::create_dir_all(folder)?;
+        std::fs::write(folder.join("index.html"), &self.page)?;
+        self.files.iter().try_for_each(|(name, text)| std::fs::write(folder.join(name), text))
+    }
+}
+
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:980px;margin:2rem auto;padding:0 1rem;color:#1f2328;background:#fff}\
+h1{font-size:1.6rem}h2{font-size:1.2rem;margin:2.2rem 0 .4rem}h3{font-size:1rem;margin:1.4rem 0 .3rem}\
+figure{margin:.6rem 0}figcaption{color:#57606a;font-size:.92rem;max-width:46rem}svg{max-width:100%;height:auto}\
+table{border-collapse:collapse;margin:.5rem 0;font-variant-numeric:tabular-nums}th,td{padding:.22rem .7rem;border-bottom:1px solid #d0d7de;text-align:right}\
+th:first-child,td:first-child{text-align:left}.l{text-align:left}.z{color:#8b949e}.f{font-weight:600;background:#ddf0ff}.scroll{overflow-x:auto}\
+@media(prefers-color-scheme:dark){body{color:#e6edf3;background:#0d1117}figcaption{color:#9da7b3}th,td{border-color:#30363d}.z{color:#6e7681}.f{background:#12324f}}";
+
+/// Draws an analysis. `source` says what was analysed; `drilling` is shown where there is one.
+///
+/// # Errors
+/// If an IU is longer than can be compared.
+pub fn report(
+    analysis: &Analysis,
+    drilling: Option<&Drilling>,
+    source: &str,
+) -> Result<Report, AnalysisError> {
+    let mut page = Page { html: String::new(), files: Vec::new() };
+    page.head(analysis, source);
+    page.matrices(analysis);
+    page.clusters(analysis);
+    if let Some(drilling) = drilling {
+        page.drilling(drilling);
+    }
+    page.traces(analysis)?;
+    Ok(Report {
+        page: format!(
+            "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
+             <meta name=\"color-scheme\" content=\"light dark\"><title>{0}</title><style>{STYLE}</style>\
+             <body>{1}</body></html>\n",
+            escaped(&format!("Analysis of {source}")),
+            page.html
+        ),
+        files: page.files,
+    })
+}
+
+struct Page {
+    html: String,
+    files: Vec<(String, String)>,
+}
+
+impl Page {
+    fn add(&mut self, html: &str) {
+        self.html += html;
+        self.html.push('\n');
+    }
+
+    fn heading(&mut self, text: &str) {
+        self.add(&format!("<h2>{}</h2>", escaped(text)));
+    }
+
+    fn figure(&mut self, file: &str, svg: String, how_to_read: &str) {
+        self.add(&format!("<figure>{svg}<figcaption>{}</figcaption></figure>", escaped(how_to_read)));
+        self.files.push((format!("{file}.svg"), svg));
+    }
+
+    fn head(&mut self, analysis: &Analysis, source: &str) {
+        self.add(&format!(
+            "<h1>Which interactions are alike</h1><p>{}: {} Interaction Units (IUs) of {} kinds by {} people, compared by DTW of their motion features \
+             and by their context.</p>",
+            escaped(source),
+            analysis.samples.len(),
+            analysis.kinds.len(),
+            analysis.people().len()
+        ));
+        let mut rows = String::from(
+            "<table><tr><th>IU</th><th class=\"l\">what</th><th>runs named</th><th>executions</th><th>frames of the barycentre</th></tr>",
+        );
+        let mut csv = String::from("iu,what,runs named,executions,frames of the barycentre\n");
+        for (place, kind) in analysis.kinds.iter().enumerate() {
+            let count = analysis.samples.iter().filter(|sample| sample.kind == place).count();
+            let frames = analysis.barycentres[place].len();
+            // Writing to a string cannot fail.
+            let _ = write!(
+                rows,
+                "<tr><td>u{}</td><td class=\"l\">{}</td><td>{}</td><td>{count}</td><td>{frames}</td></tr>",
+                place + 1,
+                escaped(&kind.label),
+                escaped(&kind.what)
+            );
+            let _ = writeln!(
+                csv,
+                "u{},{},{},{count},{frames}",
+                place + 1,
+                quoted(&kind.label),
+                quoted(&kind.what)
+            );
+        }
+        self.add(&format!("<div class=\"scroll\">{rows}</table></div>"));
+        self.files.push(("kinds.csv".to_owned(), csv));
+    }
+
+    fn matrices(&mut self, analysis: &Analysis) {
+        let people = analysis.people();
+        let group = |kind: usize| format!("u{}", kind + 1);
+        let chosen =
+            people.iter().copied().find(|person| *person == PERSON_OF_PAPER).or(people.first().copied());
+        if let Some(person) = chosen {
+            let matrix = analysis.single_subject(person);
+            self.heading(&format!("Single-subject confidence matrix, person {person}"));
+            self.figure(
+                "single_subject",
+                heat(&matrix, "single-subject confidence matrix", group),
+                &format!(
+                    "How to read it: each cell compares two executions (kind u, repetition r) by person {person}; {LEGEND}. Dark blocks on the diagonal \
+                     mean that the person repeats a kind alike; a dark block beside it means that two kinds are one motion."
+                ),
+            );
+            self.files.push(("single_subject.csv".to_owned(), matrix.csv()));
+        }
+        for &person in people.iter().filter(|person| Some(**person) != chosen) {
+            let name = format!("single_subject_{person}");
+            let matrix = analysis.single_subject(person);
+            self.files
+                .push((format!("{name}.svg"), heat(&matrix, "single-subject confidence matrix", group)));
+            self.files.push((format!("{name}.csv"), matrix.csv()));
+        }
+        let matrix = analysis.multi_subject();
+        self.heading("Multi-subject confidence matrix");
+        self.figure(
+            "multi_subject",
+            heat(&matrix, "multi-subject confidence matrix", group),
+            &format!(
+                "How to read it: each cell is the mean distance between all repetitions of one kind by one person and of another by another (people \
+                 {} in order within each block); {LEGEND}. Blocks of one shade mean that it does not matter who did it; a light stripe through a block is a person \
+                 who does it another way.",
+                people.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+            ),
+        );
+        self.files.push(("multi_subject.csv".to_owned(), matrix.csv()));
+    }
+
+    fn clusters(&mut self, analysis: &Analysis) {
+        let motion = &analysis.motion;
+        self.heading("Number of clusters of motions");
+        self.figure(
+            "elbow",
+            elbow(&motion.wcss, motion.k),
+            "How to read it: the sum of squared distances to the nearest centroid (WCSS) always falls with more clusters; beyond the elbow more clusters \
+             gain little. The elbow is the point that lies furthest under the straight line from the first to the last.",
+        );
+        let mut csv = String::from("k,wcss\n");
+        for (place, wcss) in motion.wcss.iter().enumerate() {
+            let _ = writeln!(csv, "{},{wcss:.3}", place + 1);
+        }
+        self.files.push(("elbow.csv".to_owned(), csv));
+        self.heading("Clusters");
+        let pairs: Vec<(usize, usize)> =
+            motion.labels.iter().copied().zip(analysis.context.iter().copied()).collect();
+        let mut distinct = pairs.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
+        let place =
+            |pair: &(usize, usize)| distinct.iter().position(|other| other == pair).unwrap_or_default();
+        let kinds: Vec<usize> = analysis.samples.iter().map(|sample| sample.kind).collect();
+        let both = Table::new(&kinds, &pairs.iter().map(place).collect::<Vec<_>>());
+        let tables = [
+            (
+                "By motion (k-means with DTW)",
+                analysis.motion_table(),
+                (0..motion.k).map(|label| format!("m{}", label + 1)).collect::<Vec<_>>(),
+                "How to read it: how many executions of a kind fell into each cluster of motions. Kinds that share a column move alike, whatever they touch.",
+            ),
+            (
+                "By context (DBSCAN, ε = 1)",
+                analysis.context_table(),
+                (0..=analysis.context.iter().copied().max().unwrap_or(0))
+                    .map(|label| format!("c{}", label + 1))
+                    .collect(),
+                "How to read it: kinds that share a column touch the same objects, however they move.",
+            ),
+            (
+                "By both",
+                both,
+                distinct.iter().map(|(m, c)| format!("(m{}, c{})", m + 1, c + 1)).collect(),
+                "How to read it: two kinds are told apart by motion and context together where they share no column.",
+            ),
+        ];
+        for (title, table, columns, how_to_read) in tables {
+            self.table(analysis, title, &table, &columns, how_to_read);
+        }
+        let mut csv = String::from("run,iu,person,repetition,motion cluster,context cluster\n");
+        for (sample, (m, c)) in analysis.samples.iter().zip(&pairs) {
+            let _ = writeln!(
+                csv,
+                "{},u{},{},{},m{},c{}",
+                quoted(&sample.run),
+                sample.kind + 1,
+                sample.person,
+                sample.repetition,
+                m + 1,
+                c + 1
+            );
+        }
+        self.files.push(("clusters.csv".to_owned(), csv));
+    }
+
+    fn table(
+        &mut self,
+        analysis: &Analysis,
+        title: &str,
+        table: &Table,
+        columns: &[String],
+        how_to_read: &str,
+    ) {
+        let mut html = format!("<h3>{}</h3><div class=\"scroll\"><table><tr><th>IU</th>", escaped(title));
+        for column in columns {
+            html += &format!("<th>{column}</th>");
+        }
+        html += "</tr>";
+        for (place, (kind, counts)) in analysis.kinds.iter().zip(&table.counts).enumerate() {
+            html += &format!("<tr><td>u{} {}</td>", place + 1, escaped(&kind.label));
+            for (column, count) in counts.iter().enumerate() {
+                let class = match count {
+                    0 => " class=\"z\"",
+                    _ if table.home(place) == Some(column) => " class=\"f\"",
+                    _ => "",
+                };
+                html += &format!("<td{class}>{count}</td>");
+            }
+            html += "</tr>";
+        }
+        self.add(&format!("{html}</table></div><figcaption>{}</figcaption>", escaped(how_to_read)));
+    }
+
+    fn drilling(&mut self, drilling: &Drilling) {
+        self.heading("Drilling in three layouts");
+        self.figure(
+            "drilling",
+            heat(&drilling.matrix, "drilling in three layouts", |layout| format!("C{}", layout + 1)),
+            &format!(
+                "How to read it: each cell compares the drilling of two people in two layouts; {LEGEND}. There should be no blocks: where the parts lie must not matter. Mean \
+                 distance {:.2} in the same layout, {:.2} between layouts, {:.2} to the other kinds of IU.",
+                drilling.same_layout, drilling.other_layout, drilling.other_kinds
+            ),
+        );
+        self.files.push(("drilling.csv".to_owned(), drilling.matrix.csv()));
+    }
+
+    fn traces(&mut self, analysis: &Analysis) -> Result<(), AnalysisError> {
+        self.heading("Executions against their barycentre");
+        let mut warp = Warp::new(analysis.cost);
+        for (kind, barycentre) in analysis.barycentres.iter().enumerate() {
+            let samples: Vec<_> = analysis.samples.iter().filter(|sample| sample.kind == kind).collect();
+            let mut executions: Vec<(&[Motion], Vec<(usize, usize)>)> = Vec::new();
+            let mut order: Vec<(f64, usize)> = Vec::new();
+            for (place, sample) in samples.iter().enumerate() {
+                let mut path = Vec::new();
+                warp.align(&sample.motion, barycentre, |pair| path.push(pair))?;
+                executions.push((&sample.motion, path));
+                order.push((warp.distance(&sample.motion, barycentre)?, place));
+            }
+            order.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let Some(&(distance, typical)) = order.get(order.len() / 2) else { continue };
+            let sample = samples[typical];
+            let title = format!("u{} {}", kind + 1, analysis.kinds[kind].label);
+            self.add(&format!("<h3>{}</h3>", escaped(&title)));
+            let name = format!("person {}, repetition {}", sample.person, sample.repetition);
+            self.figure(
+                &format!("traces_u{}", kind + 1),
+                warping(&Shown { barycentre, executions, typical, name }, &title),
+                &format!(
+                    "How to read it: the orange line is the barycentre; the more executions have a value at the aligned moment, the fuller the blue behind it. Directions are numbered around \
+                     the circle, 0 is rest; a_h is 1 while the hand speeds up and -1 while it slows down. Below, grey lines join the moments that DTW takes for the same: slanted lines mean another pace. \
+                     This execution has the middle distance of all, {distance:.2}."
+                ),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// A field of comma-separated values.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}

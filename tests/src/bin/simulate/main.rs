@@ -1,0 +1,46 @@
+//! Writes the simulated recordings of the paper's experiments and of a shop floor, and measures the rules on them.
+//!
+//! ```text
+//! simulate 1|2|floor SEED FOLDER       write track files: experiment 1, experiment 2, every flaw of the floor
+//! simulate measure FIRST LAST          experiment 2 on the seeds FIRST to LAST, without files
+//! simulate measure-1 FIRST LAST FOLDER experiment 1 on these seeds, with a report of each in the folder
+//! simulate floor-measure FIRST LAST N  the default rules on every flaw, taught by 1 to 5 runs
+//! ```
+
+mod measure;
+
+use andon_tests::simulator::{Noise, experiment_1, experiment_2, floor, save};
+use std::path::Path;
+use std::process::ExitCode;
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+const USAGE: &str = "simulate 1|2|floor SEED FOLDER\nsimulate measure FIRST LAST\n\
+     simulate measure-1 FIRST LAST FOLDER\nsimulate floor-measure FIRST LAST RUNS";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    match run(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("simulate: {error}\n{USAGE}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &[&str]) -> Outcome {
+    let noise = Noise::default();
+    match *arguments {
+        ["1", seed, folder] => Ok(save(Path::new(folder), &experiment_1(seed.parse()?, noise))?),
+        ["2", seed, folder] => Ok(save(Path::new(folder), &experiment_2(seed.parse()?, noise))?),
+        ["floor", seed, folder] => Ok(save(Path::new(folder), &floor(seed.parse()?, noise))?),
+        ["measure", first, last] => measure::experiments(first.parse()?..=last.parse()?),
+        ["measure-1", first, last, folder] => {
+            measure::experiment_1(first.parse()?..=last.parse()?, Path::new(folder))
+        }
+        ["floor-measure", first, last, runs] => measure::floor(first.parse()?..=last.parse()?, runs.parse()?),
+        _ => Err("these arguments make no sense".into()),
+    }
+}
