@@ -8,15 +8,21 @@ use shm_schemas::{Detections, HandDetection};
 
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, RED, WHITE};
 use crate::recording::View;
-use crate::report::{Names, is_anomaly, verdict_sentence};
+use crate::report::{Names, is_anomaly, side_name, verdict_sentence};
 use crate::video::pipe::PictureFormat;
 use crate::video::{FilmWriter, VideoError};
 
 /// Rows below the picture: the running IU and the newest verdicts.
-const PANEL: u32 = 100;
+const PANEL: u32 = 124;
 
-/// How many verdicts stay on the panel.
-const VERDICTS: usize = 3;
+/// How many lines of verdicts stay on the panel.
+const LINES: usize = 4;
+
+/// Width of a letter of the verdicts, in pixels: OpenCV's plain font at the scale below, the widest letters of a sentence.
+const LETTER_PX: usize = 8;
+
+/// Scale of the verdicts' letters.
+const LETTER_SCALE: f64 = 0.42;
 
 /// For how long the red frame stays after the cord was pulled, in nanoseconds.
 const ALARM_NS: u64 = 2_000_000_000;
@@ -161,18 +167,49 @@ impl Annotator {
             .iter()
             .filter(|couple| couple.context.0 != [0; 4])
             .map(|couple| {
-                format!("{:?} {:?} {}", couple.side, couple.context.0, self.names.context(couple.context))
+                format!(
+                    "{} {:?} {}",
+                    side_name(couple.side),
+                    couple.context.0,
+                    self.names.context(couple.context)
+                )
             })
             .collect();
         let running = if running.is_empty() { "idle".to_string() } else { running.join("   ") };
         self.canvas.words([8.0, top + 20.0], &format!("IU: {running}"), 0.5, WHITE)?;
-        let newest = self.verdicts.len().saturating_sub(VERDICTS);
-        for (line, verdict) in self.verdicts[newest..].iter().enumerate() {
-            let at = [8.0, top + 44.0 + 22.0 * line as f32];
-            self.canvas.words(at, &verdict_sentence(verdict, &self.names), 0.42, colour(verdict))?;
+        let letters = self.canvas.width() / LETTER_PX;
+        // A verdict has a line at least: older ones cannot be among the newest lines.
+        let oldest = self.verdicts.len().saturating_sub(LINES);
+        let lines: Vec<(Colour, String)> = self.verdicts[oldest..]
+            .iter()
+            .flat_map(|verdict| {
+                let sentence = verdict_sentence(verdict, &self.names);
+                wrap(&sentence, letters).into_iter().map(|line| (colour(verdict), line))
+            })
+            .collect();
+        for (place, (colour, line)) in lines[lines.len().saturating_sub(LINES)..].iter().enumerate() {
+            let at = [8.0, top + 44.0 + 22.0 * place as f32];
+            self.canvas.words(at, line, LETTER_SCALE, *colour)?;
         }
         Ok(())
     }
+}
+
+/// Breaks a sentence between words; what goes on is indented.
+fn wrap(sentence: &str, letters: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in sentence.split(' ') {
+        let full =
+            lines.last().is_some_and(|line| line.len() + word.len() > letters && !line.trim().is_empty());
+        if full {
+            lines.push("           ".into());
+        }
+        if let Some(line) = lines.last_mut() {
+            line.push_str(word);
+            line.push(' ');
+        }
+    }
+    lines
 }
 
 fn centre(seen: &Detections, id: u16) -> Option<[f32; 2]> {
@@ -186,5 +223,19 @@ fn colour(verdict: &Verdict) -> Colour {
         Kind::NotJudged => AMBER,
         _ if is_anomaly(verdict) => RED,
         _ => GREEN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::wrap;
+
+    #[test]
+    fn a_long_sentence_loses_no_word_and_no_line_is_wider_than_the_picture() {
+        let sentence = "5.57 s  right  ANOMALY  activity 1 IU 2: cut short against the demonstrations";
+        let lines = wrap(sentence, 40);
+        assert!(lines.len() > 1 && lines.iter().all(|line| line.trim_end().len() <= 40), "{lines:?}");
+        let words = |text: &str| text.split_whitespace().map(str::to_string).collect::<Vec<_>>();
+        assert_eq!(words(&lines.join(" ")), words(sentence));
     }
 }

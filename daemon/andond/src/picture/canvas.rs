@@ -29,6 +29,10 @@ impl Canvas {
         &self.pixels
     }
 
+    pub(super) fn width(&self) -> usize {
+        self.width as usize
+    }
+
     /// Lays a picture of the same width on top and darkens what is below it.
     pub(super) fn show(&mut self, picture: &[u8]) {
         let (above, below) =

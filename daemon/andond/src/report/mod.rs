@@ -4,5 +4,6 @@ mod json;
 pub mod plot;
 mod words;
 
+pub(crate) use json::side_name;
 pub use json::{EventLine, VerdictLine};
 pub use words::{Names, is_anomaly, verdict_sentence};

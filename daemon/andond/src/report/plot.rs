@@ -52,8 +52,8 @@ const FEATURES: [(&str, f64, f64); 7] = [
 
 /// Ten colours that stay apart for colour-blind eyes (Okabe and Ito, and two greys).
 const COLOURS: [&str; 10] = [
-    "#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7", "#999999", "#66aa55",
-    "#8888cc",
+    "#f3c15d", "#8fcdf0", "#7fcfb4", "#f5ee8e", "#9db8e8", "#efa27a", "#e3b0cd", "#cccccc", "#b3d9a6",
+    "#c4c4ea",
 ];
 
 struct Axis {
