@@ -60,9 +60,9 @@ table! {
     ERROR 205 MODEL_MISSING: "a hand model is missing or damaged",
         "Install the package again, or run `make setup`, and check perception.models";
     ERROR 206 ONNXRUNTIME_MISSING: "the ONNX Runtime library is missing or does not fit",
-        "Install the package again, or run `make setup`, and check perception.onnxruntime";
+        "Install the package again, or run `make setup`, and check perception.models";
     WARN 207 PICTURE_DARK: "the picture is too dark or too bright to find markers in",
-        "Light the bench evenly; perception.dim_light helps a little";
+        "Light the bench evenly";
     ERROR 208 CALIBRATION_REFUSED: "the calibration cannot be used",
         "Calibrate again with `andond calibrate`";
     WARN 209 MARKER_UNKNOWN: "a marker is seen that no object in the configuration has",

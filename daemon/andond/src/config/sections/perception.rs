@@ -21,37 +21,30 @@ words!(Side { Side::Right = "right", Side::Left = "left" });
 /// `[perception]`: how hands and objects are found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Perception {
-    /// Directory of the hand models.
+    /// Directory of the hand models and the ONNX Runtime library.
     pub models: PathBuf,
-    /// The ONNX Runtime library.
-    pub onnxruntime: PathBuf,
     /// The weight of the hand models.
     pub hand_model: HandModel,
     /// The hands that work here.
     pub hands: Vec<Side>,
     /// The ArUco dictionary of the markers.
     pub dictionary: Dictionary,
-    /// Finds markers in dim light, at the price of more false candidates.
-    pub dim_light: bool,
 }
 
 impl Default for Perception {
     fn default() -> Self {
         Self {
-            models: "/usr/share/andon/models".into(),
-            onnxruntime: "/usr/lib/andon/libonnxruntime.so".into(),
+            models: "/usr/lib/andon/models".into(),
             hand_model: HandModel::Full,
             hands: vec![Side::Right, Side::Left],
             dictionary: Dictionary::Dict4x4_50,
-            dim_light: false,
         }
     }
 }
 
 impl Perception {
     pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
-        k.key("models", &mut self.models, (), "Directory of the hand models.");
-        k.key("onnxruntime", &mut self.onnxruntime, (), "The ONNX Runtime library.");
+        k.key("models", &mut self.models, (), "Directory of the hand models and of libonnxruntime.so.");
         k.key(
             "hand_model",
             &mut self.hand_model,
@@ -65,12 +58,6 @@ impl Perception {
             "The hands that work here. A hand that is not listed is not looked for, which saves time.",
         );
         k.key("dictionary", &mut self.dictionary, (), "The ArUco dictionary of the markers.");
-        k.key(
-            "dim_light",
-            &mut self.dim_light,
-            (),
-            "Finds markers in dim light too, at the price of more candidates to look at.",
-        );
     }
 }
 
