@@ -172,7 +172,8 @@ impl<'a> Progress<'a> {
             threshold: None,
             early: false,
             began_ns: self.began_ns,
-            ended_ns: self.now_ns,
+            // A job that a command began may end before the frame that it was to begin with.
+            ended_ns: self.now_ns.max(self.began_ns),
             decided_ns: self.known_ns,
         });
     }

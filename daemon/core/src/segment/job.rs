@@ -110,7 +110,8 @@ impl JobSegmenter {
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {
         self.hands.iter_mut().for_each(|hand| hand.finish(now_ns, emit));
         if let Some(OpenJob { began_ns, ended_ns, .. }) = self.job.take() {
-            emit(Event::JobEnded { began_ns, ended_ns: ended_ns.min(now_ns) });
+            // A job that a command began may end before the frame that it was to begin with.
+            emit(Event::JobEnded { began_ns, ended_ns: ended_ns.min(now_ns).max(began_ns) });
         }
     }
 }

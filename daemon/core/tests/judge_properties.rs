@@ -1,0 +1,276 @@
+//! The judge, which sees one frame after the other, against Algorithm 1 on whole IUs; and what must hold of any work.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use andon_core::anomaly::Judge;
+use andon_core::config::Method;
+use andon_core::couple::{Context, Couples, Motion};
+use andon_core::input::Side;
+use andon_core::job::{Job, NominalActivity, NominalIu};
+use andon_core::verdict::{Kind, Reason, Verdict};
+use common::script::{Motions, Part, Still, Strokes, Toward, idle, ius, part, stream, teach};
+use proptest::prelude::*;
+
+/// Three activities; two of them begin alike.
+fn nominal() -> [Vec<Part>; 3] {
+    [
+        vec![
+            part([1, 5, 0, 0], 30, Toward(3)),
+            part([1, 5, 5, 6], 64, Strokes(4)),
+            part([1, 5, 0, 0], 30, Toward(7)),
+        ],
+        vec![part([1, 5, 0, 0], 30, Toward(3)), part([1, 5, 5, 7], 40, Still), part([0, 0, 5, 7], 10, Still)],
+        vec![part([1, 6, 0, 0], 30, Toward(5)), part([1, 6, 6, 3], 40, Toward(1))],
+    ]
+}
+
+fn job() -> Job<'static> {
+    let taught = teach(&nominal().each_ref().map(Vec::as_slice));
+    // No sum of costs is the square of this one: rounding decides nothing.
+    let iu = |iu: &NominalIu<'static>| NominalIu { threshold: 2.9317, ..*iu };
+    let activities: Vec<NominalActivity<'static>> = taught
+        .activities
+        .iter()
+        .map(|nominal| NominalActivity {
+            ius: nominal.ius.iter().map(iu).collect::<Vec<_>>().leak(),
+            ..*nominal
+        })
+        .collect();
+    Job { activities: activities.leak(), ..taught }
+}
+
+/// What can go wrong in an activity. Numbers are taken modulo what there is.
+#[derive(Clone, Debug)]
+enum Flaw {
+    None,
+    LeftOut(usize),
+    Twice(usize),
+    Object(usize, u16),
+    Motion(usize, Motions),
+    /// So many tenths of the time.
+    Tempo(usize, usize),
+    /// Cut off after so many parts.
+    Cut(usize),
+}
+
+fn flaw() -> impl Strategy<Value = Flaw> {
+    let place = 0..3usize;
+    prop_oneof![
+        3 => Just(Flaw::None),
+        1 => place.clone().prop_map(Flaw::LeftOut),
+        1 => place.clone().prop_map(Flaw::Twice),
+        1 => (place.clone(), 5..10u16).prop_map(|(place, object)| Flaw::Object(place, object)),
+        1 => (place.clone(), 1..9i8).prop_map(|(place, bin)| Flaw::Motion(place, Toward(bin))),
+        1 => (place.clone(), 1..7usize).prop_map(|(place, strokes)| Flaw::Motion(place, Strokes(strokes))),
+        2 => (place.clone(), 3..18usize).prop_map(|(place, tenths)| Flaw::Tempo(place, tenths)),
+        1 => place.prop_map(Flaw::Cut),
+    ]
+}
+
+/// One activity after the other, each with a flaw, and the hand free in between.
+fn work() -> impl Strategy<Value = Vec<Part>> {
+    let done = |(which, flaw): (usize, Flaw)| {
+        let mut parts = nominal()[which].clone();
+        let count = parts.len();
+        match flaw {
+            Flaw::None => {}
+            Flaw::LeftOut(place) => drop(parts.remove(place % count)),
+            Flaw::Twice(place) => parts.insert(place % count, parts[place % count]),
+            Flaw::Object(place, object) => {
+                let context = &mut parts[place % count].context;
+                context[if context[3] == 0 { 1 } else { 3 }] = object;
+            }
+            Flaw::Motion(place, motions) => parts[place % count].motions = motions,
+            Flaw::Tempo(place, tenths) => {
+                let frames = &mut parts[place % count].frames;
+                *frames = *frames * tenths / 10;
+            }
+            Flaw::Cut(place) => parts.truncate(1 + place),
+        }
+        parts.push(idle(10));
+        parts
+    };
+    prop::collection::vec((0..3usize, flaw()), 1..5)
+        .prop_map(move |all| all.into_iter().flat_map(done).collect())
+}
+
+fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
+    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
+    let mut verdicts = Vec::new();
+    couples.iter().for_each(|couples| judge.step(couples, &mut |verdict| verdicts.push(verdict)));
+    judge.finish(&mut |verdict| verdicts.push(verdict));
+    verdicts
+}
+
+/// The paper's algorithm with everything known: naive DTW in `f64` over whole IUs.
+mod oracle {
+    use super::*;
+
+    fn cost(a: &Motion, b: &Motion) -> f64 {
+        let point = |bin: i8| match bin {
+            0 => [0.0, 0.0],
+            bin => [
+                (f64::from(bin) * std::f64::consts::TAU / 8.0).cos(),
+                (f64::from(bin) * std::f64::consts::TAU / 8.0).sin(),
+            ],
+        };
+        let directions = [1, 2, 4, 5].map(|f| {
+            let ([ax, ay], [bx, by]) = (point(a.0[f]), point(b.0[f]));
+            (ax - bx).powi(2) + (ay - by).powi(2)
+        });
+        let numbers = [0, 3, 6].map(|f| (f64::from(a.0[f]) - f64::from(b.0[f])).powi(2));
+        directions.iter().chain(&numbers).sum()
+    }
+
+    pub(super) fn dtw(a: &[Motion], b: &[Motion]) -> f64 {
+        let mut sums = vec![vec![f64::INFINITY; b.len() + 1]; a.len() + 1];
+        sums[0][0] = 0.0;
+        for i in 1..=a.len() {
+            for j in 1..=b.len() {
+                let before = sums[i - 1][j - 1].min(sums[i - 1][j]).min(sums[i][j - 1]);
+                sums[i][j] = before + cost(&a[i - 1], &b[j - 1]);
+            }
+        }
+        sums[a.len()][b.len()].sqrt()
+    }
+
+    /// An IU that has ended, as far as it is compared.
+    pub(super) struct Seen {
+        pub(super) context: Context,
+        pub(super) motions: Vec<Motion>,
+        pub(super) reversals: u32,
+    }
+
+    pub(super) fn is_similar(seen: &Seen, nominal: &NominalIu<'_>) -> bool {
+        let frames = seen.motions.len() as u32;
+        let within = (nominal.frames.least..=nominal.frames.most).contains(&frames)
+            && (nominal.reversals.least..=nominal.reversals.most).contains(&seen.reversals);
+        let motion = || within && dtw(&seen.motions, nominal.reference) <= f64::from(nominal.threshold);
+        // The release state has no motion of a hand.
+        seen.context == nominal.context && (seen.context.0[0] == 0 || motion())
+    }
+
+    /// How many IUs are right from the first on, and which nominal activities equal all of them.
+    pub(super) fn algorithm_1<'a>(job: &Job<'a>, ius: &[Seen]) -> (usize, Vec<NominalActivity<'a>>) {
+        let mut candidates: Vec<NominalActivity<'a>> = job.activities.to_vec();
+        for (i, seen) in ius.iter().enumerate() {
+            candidates.retain(|nominal| nominal.ius.get(i).is_some_and(|nominal| is_similar(seen, nominal)));
+            if candidates.is_empty() {
+                return (i, candidates);
+            }
+        }
+        candidates.retain(|nominal| nominal.ius.len() == ius.len());
+        (ius.len(), candidates)
+    }
+}
+
+/// The verdicts of each activity: on itself, and on its IUs in their order.
+fn by_activity(verdicts: &[Verdict]) -> Vec<(Verdict, Vec<Verdict>)> {
+    let activities = verdicts.iter().filter(|verdict| verdict.side.is_some() && verdict.iu.is_none());
+    let mut activities: Vec<Verdict> = activities.copied().collect();
+    activities.sort_by_key(|activity| activity.began_ns);
+    let next = |place: usize| activities.get(place + 1).map_or(u64::MAX, |next: &Verdict| next.began_ns);
+    let ius = |place: usize, activity: &Verdict| {
+        let of_it = verdicts
+            .iter()
+            .filter(|iu| iu.iu.is_some() && (activity.began_ns..next(place)).contains(&iu.began_ns));
+        let mut ius: Vec<Verdict> = of_it.copied().collect();
+        ius.sort_by_key(|iu| iu.iu);
+        ius
+    };
+    activities.iter().enumerate().map(|(place, activity)| (*activity, ius(place, activity))).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(128) })]
+
+    /// The judge speaks as soon as it can; with all IUs known to their ends, Algorithm 1 says the same.
+    #[test]
+    fn no_early_verdict_is_contradicted_by_algorithm_1_on_whole_ius(work in work()) {
+        let job = job();
+        let verdicts = judged(&job, &stream(&work, &[]));
+        let mut seen = ius(Side::Right, &work).into_iter().peekable();
+        let mut done = Vec::new();
+        for (activity, said) in by_activity(&verdicts) {
+            if activity.activity == 0 {
+                // Another job begins.
+                done.clear();
+            }
+            let mut whole = Vec::new();
+            for verdict in &said {
+                let (iu, motions) = seen.next().unwrap();
+                prop_assert_eq!((verdict.began_ns, verdict.context), (iu.began_ns, iu.context));
+                whole.push(oracle::Seen { context: iu.context, motions, reversals: iu.reversals });
+            }
+            let (right, equal) = oracle::algorithm_1(&job, &whole);
+            let ok: Vec<bool> = said.iter().map(|verdict| verdict.kind == Kind::IuOk).collect();
+            prop_assert!(ok[..right].iter().all(|ok| *ok), "{:?}", said);
+            prop_assert!(right == said.len() || !ok[right], "{:?}", said);
+            let repeated = equal.iter().all(|nominal| done.contains(&nominal.activity));
+            let expected = if equal.is_empty() || repeated { Kind::ActivityAnomaly } else { Kind::ActivityOk };
+            prop_assert_eq!(activity.kind, expected, "{:?}", said);
+            done.extend(equal.iter().map(|nominal| nominal.activity));
+        }
+        prop_assert!(seen.next().is_none(), "every IU has a verdict");
+    }
+
+    #[test]
+    fn a_distance_that_is_said_is_that_to_the_nearest_nominal(work in work()) {
+        let job = job();
+        let whole = ius(Side::Right, &work);
+        for verdict in judged(&job, &stream(&work, &[])) {
+            let (Some(distance), Kind::IuOk) = (verdict.distance, verdict.kind) else { continue };
+            let (_, motions) = whole.iter().find(|(iu, _)| iu.began_ns == verdict.began_ns).unwrap();
+            let of_nearest = job.activities.iter().filter(|nominal| Some(nominal.activity) == verdict.nearest);
+            let distances: Vec<f64> = of_nearest
+                .flat_map(|nominal| nominal.ius)
+                .filter(|iu| iu.context == verdict.context)
+                .map(|iu| oracle::dtw(motions, iu.reference))
+                .collect();
+            let near = |exact: &f64| (f64::from(distance) - exact).abs() <= 1e-5 * exact + 1e-6;
+            prop_assert!(distances.iter().any(near), "{} {:?}", distance, distances);
+        }
+    }
+
+    /// However much of an IU was not sighted, and wherever: it is not OK unless it was decided before, nor is what it belongs to.
+    #[test]
+    fn nothing_is_ok_that_was_not_seen(work in work(), blind in prop::collection::vec(0..600usize, 1..4), frames in 1..20usize) {
+        let mut couples = stream(&work, &[]);
+        for from in blind {
+            for couples in couples.iter_mut().skip(from).take(frames) {
+                couples.hands[0].sighted = false;
+            }
+        }
+        let verdicts = judged(&job(), &couples);
+        // The release state is decided in its first frame: what it hides after that is another matter.
+        let unseen = |verdict: &Verdict| {
+            let its = couples.iter().filter(|couples| (verdict.began_ns..verdict.ended_ns).contains(&couples.captured_ns));
+            its.map(|couples| couples.hands[0]).any(|couple| !couple.sighted && couple.context.is_touch())
+        };
+        for verdict in &verdicts {
+            match verdict.kind {
+                Kind::IuOk | Kind::ActivityOk | Kind::JobOk => prop_assert!(!unseen(verdict), "{:?}", verdict),
+                Kind::NotJudged => prop_assert_eq!(verdict.reason, Reason::Blind, "{:?}", verdict),
+                _ => {}
+            }
+        }
+    }
+
+    /// Kept for a while and judged then, or by a judge that was copied in the middle: all is said the same, at the same time.
+    #[test]
+    fn another_chunking_changes_nothing(work in work(), at in 0..400usize) {
+        let (job, couples) = (job(), stream(&work, &[]));
+        let whole = judged(&job, &couples);
+        let (before, after) = couples.split_at(at.min(couples.len()));
+        let mut said = Vec::new();
+        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+        before.iter().for_each(|couples| judge.step(couples, &mut |verdict| said.push(verdict)));
+        let mut copy = judge.clone();
+        let mut lost = Vec::new();
+        judge.finish(&mut |verdict| lost.push(verdict));
+        after.iter().for_each(|couples| copy.step(couples, &mut |verdict| said.push(verdict)));
+        copy.finish(&mut |verdict| said.push(verdict));
+        prop_assert_eq!(said, whole);
+    }
+}

@@ -1,0 +1,260 @@
+//! Bytes as a worker: frames for the encoder, or couples past it, and a job to judge them by.
+
+use super::Input;
+use super::ledger::Ledger;
+use andon_core::anomaly::Judge;
+use andon_core::capacity::OBJECTS;
+use andon_core::config::Method;
+use andon_core::couple::{Context, Couple, Couples, Encoder, Motion};
+use andon_core::dtw::OnlineDtw;
+use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
+use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
+
+/// Objects that the bytes can speak of.
+const KNOWN: u8 = 6;
+
+/// Contexts that the bytes can speak of: grasp, place, release, of either hand.
+const CONTEXTS: [[u16; 4]; 8] = [
+    [0, 0, 0, 0],
+    [1, 1, 0, 0],
+    [1, 1, 1, 2],
+    [0, 0, 1, 2],
+    [2, 3, 0, 0],
+    [2, 3, 3, 4],
+    [1, 5, 0, 0],
+    [1, 5, 5, 1],
+];
+
+/// Runs the whole core on a worker made of `bytes`.
+pub fn couple_stream(bytes: &[u8]) {
+    let mut input = Input(bytes);
+    let method = method(&mut input);
+    let taught: Vec<Vec<Taught>> = (0..1 + input.below(4)).map(|_| activity(&mut input)).collect();
+    let lent: Vec<Vec<NominalIu<'_>>> =
+        taught.iter().map(|ius| ius.iter().map(Taught::lend).collect()).collect();
+    // Two sequences each fulfil the same activity.
+    let activities: Vec<NominalActivity<'_>> =
+        (0u16..).zip(&lent).map(|(place, ius)| NominalActivity { activity: place / 2, ius }).collect();
+    let cost = match input.below(4) {
+        0 => LocalCost::Ordinal,
+        _ => LocalCost::Circular { bins: method.bins },
+    };
+    let job = Job { activities: &activities, order_matters: input.below(2) == 0, cost };
+    let Ok(judge) = Judge::with_memory(&job, method) else { return };
+    let mut line = Line { judge, ledger: Ledger::default() };
+    if input.below(3) == 0 {
+        line.take_couples(&mut input);
+    } else {
+        line.take_frames(&mut input, method);
+    }
+    line.judge.finish(&mut |verdict| line.ledger.say(verdict));
+    line.ledger.check();
+}
+
+fn method(input: &mut Input<'_>) -> Method {
+    let default = Method::default();
+    Method {
+        space: if input.below(2) == 0 { Space::Plane } else { Space::Metric },
+        rate_hz: [1.0, 15.0, 30.0, 240.0][usize::from(input.below(4))],
+        bins: [4, 7, 8, 12, 120][usize::from(input.below(5))],
+        persist_frames: 1 + input.below(15),
+        filter_frames: 1 + 2 * input.below(16),
+        blind_ms: 10 * u32::from(input.byte()),
+        // 0 ends a job in the first frame without a hand.
+        idle_end_ms: 20 * u32::from(input.byte()),
+        ..default
+    }
+}
+
+/// One nominal IU, owned.
+struct Taught {
+    context: Context,
+    reference: Vec<Motion>,
+    threshold: f32,
+    frames: Bounds,
+    reversals: Bounds,
+}
+
+impl Taught {
+    fn lend(&self) -> NominalIu<'_> {
+        let Self { context, threshold, frames, reversals, .. } = *self;
+        NominalIu { context, reference: &self.reference, threshold, frames, reversals }
+    }
+}
+
+fn activity(input: &mut Input<'_>) -> Vec<Taught> {
+    (0..1 + input.below(4)).map(|_| taught(input)).collect()
+}
+
+fn taught(input: &mut Input<'_>) -> Taught {
+    let bounds = |input: &mut Input<'_>| Bounds {
+        least: u32::from(input.below(8)),
+        most: 4 * u32::from(input.byte()),
+    };
+    Taught {
+        context: Context(CONTEXTS[usize::from(input.below(8))]),
+        reference: vec![motion(input); usize::from(input.byte())],
+        threshold: f32::from(input.byte()),
+        frames: bounds(input),
+        reversals: bounds(input),
+    }
+}
+
+/// Any motion, in range or not.
+fn motion(input: &mut Input<'_>) -> Motion {
+    let directions = [input.below(10) as i8 - 1, input.below(10) as i8];
+    match input.below(4) {
+        0 => Motion(std::array::from_fn(|_| input.byte() as i8)),
+        _ => Motion([0, 0, directions[0], 1, 0, directions[1], 1]),
+    }
+}
+
+/// The judge, and what it has said.
+struct Line<'a> {
+    judge: Judge<'a, Vec<OnlineDtw<'a>>>,
+    ledger: Ledger,
+}
+
+impl Line<'_> {
+    fn step(&mut self, couples: &Couples) {
+        self.ledger.see(couples);
+        self.judge.step(couples, &mut |verdict| self.ledger.say(verdict));
+    }
+
+    fn command(&mut self) {
+        self.ledger.command();
+        self.judge.start(&mut |verdict| self.ledger.say(verdict));
+    }
+
+    /// Couples that no encoder has checked: any sequence of contexts, for any number of frames.
+    fn take_couples(&mut self, input: &mut Input<'_>) {
+        self.ledger.expect_anything();
+        let mut captured_ns = 0;
+        while !input.is_empty() {
+            if input.byte() == 0 {
+                self.command();
+            }
+            let contexts = Side::ALL.map(|_| Context(CONTEXTS[usize::from(input.below(8))]));
+            let (sighted, seen) = (input.below(8) != 0, input.below(8) != 0);
+            // Long enough, now and then, for an IU that is longer than can be compared.
+            let frames = match input.byte() {
+                255 => 2100,
+                frames => usize::from(frames % 64),
+            };
+            for _ in 0..frames {
+                captured_ns += 1 + u64::from(input.byte()) * 1_000_000;
+                let hand = |side: Side| Couple {
+                    context: contexts[side.place()],
+                    sighted,
+                    seen,
+                    ..Couple::idle(side, captured_ns)
+                };
+                let mut hands = Side::ALL.map(hand);
+                for hand in &mut hands {
+                    hand.motion = motion(input);
+                }
+                self.step(&Couples { captured_ns, known_ns: captured_ns, hands });
+            }
+        }
+    }
+
+    fn take_frames(&mut self, input: &mut Input<'_>, method: Method) {
+        let shapes: Vec<ObjectShape> = (1..=u16::from(KNOWN)).map(shape).collect();
+        let Ok(mut encoder) = Encoder::new(method, &shapes) else { return };
+        // What the encoder promises of one step.
+        let most = (f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0).ceil() as usize
+            + usize::from(method.persist_frames)
+            + 2;
+        let mut worker = Worker { captured_ns: input.word() >> input.below(64), ..Worker::default() };
+        let mut made = Vec::new();
+        let (mut taken, mut refused) = (0, 0);
+        while !input.is_empty() {
+            if input.byte() == 0 {
+                self.command();
+            }
+            let frame = worker.frame(input);
+            match encoder.step(&frame, &mut |couples| made.push(couples)) {
+                Ok(()) => taken += 1,
+                Err(_) => refused += 1,
+            }
+            assert!(made.len() <= most, "{} couples in one step, at most {most} are promised", made.len());
+            made.drain(..).for_each(|couples| self.step(&couples));
+        }
+        encoder.flush(&mut |couples| made.push(couples));
+        made.drain(..).for_each(|couples| self.step(&couples));
+        let counts = encoder.counts();
+        assert_eq!((counts.taken + counts.surplus, counts.late + counts.repeated), (taken, refused));
+    }
+}
+
+fn shape(id: u16) -> ObjectShape {
+    let points = [[0.0; 3], [0.04, 0.0, 0.01]];
+    ObjectShape { id, interaction_points: points.into_iter().take(1 + usize::from(id) % 2).collect() }
+}
+
+/// Where everything is, in centimetres.
+#[derive(Default)]
+struct Worker {
+    captured_ns: u64,
+    hands: [[i8; 3]; 2],
+    objects: [[i8; 3]; KNOWN as usize],
+}
+
+impl Worker {
+    /// Moves what the bytes say, for a time that they say.
+    fn frame(&mut self, input: &mut Input<'_>) -> Frame {
+        const PERIOD_NS: u64 = 33_333_333;
+        self.captured_ns = match input.byte() {
+            0 => input.word(),
+            1 => self.captured_ns.saturating_sub(1),
+            2 => self.captured_ns,
+            3 => self.captured_ns.saturating_add(PERIOD_NS << input.below(12)),
+            jitter => self.captured_ns.saturating_add(PERIOD_NS + u64::from(jitter) * 20_000),
+        };
+        let step = |input: &mut Input<'_>| [0; 3].map(|_: i8| input.below(9) as i8 - 4);
+        let what = input.byte();
+        for hand in &mut self.hands {
+            let step = step(input);
+            *hand = std::array::from_fn(|axis| hand[axis].wrapping_add(step[axis]));
+        }
+        // An object comes to the right hand, which is how contacts begin.
+        let object = usize::from(input.below(KNOWN));
+        if what & 4 != 0 {
+            self.objects[object] = self.hands[0];
+        }
+        let mut frame = Frame { captured_ns: self.captured_ns, ..Frame::default() };
+        for (side, at) in Side::ALL.into_iter().zip(self.hands) {
+            if what >> side.place() & 1 == 0 {
+                // One too many, or one that is no number, is part of it.
+                let at = metres(at, what == 255);
+                let hand = Hand {
+                    side,
+                    score: 1.0,
+                    wrist: [at[0], at[1] - 0.17, at[2]],
+                    middle_knuckle: [at[0], at[1] - 0.08, at[2]],
+                    tips: [at; 3],
+                };
+                let _ = frame.hands.push(hand);
+            }
+        }
+        for (place, at) in self.objects.into_iter().enumerate() {
+            if what & 8 == 0 || place != object {
+                let orientation = [f32::from(what), 1.0, 0.0, f32::from(what >> 4)];
+                let position = metres(at, what == 254);
+                let _ = frame.objects.push(Object {
+                    id: place as u16 + u16::from(what != 253),
+                    position,
+                    orientation,
+                });
+            }
+        }
+        while what == 252 && frame.objects.len() < OBJECTS {
+            let _ = frame.objects.push(Object { id: 9, position: [0.0; 3], orientation: [0.0; 4] });
+        }
+        frame
+    }
+}
+
+fn metres(centimetres: [i8; 3], nonsense: bool) -> [f32; 3] {
+    if nonsense { [f32::NAN, f32::INFINITY, f32::MAX] } else { centimetres.map(|at| f32::from(at) / 100.0) }
+}
