@@ -18,7 +18,7 @@ pub struct Cli {
 pub struct ConfigArgs {
     /// Configuration files; a later one overrides an earlier one. [default: $ANDON_CONFIG, config/stations/demo.toml
     /// below here, or /etc/andon/andon.toml]
-    #[arg(short, long = "config", value_name = "FILE")]
+    #[arg(short = 'c', long = "config", value_name = "FILE")]
     pub files: Vec<PathBuf>,
 }
 

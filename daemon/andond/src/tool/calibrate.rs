@@ -4,9 +4,8 @@ use andon_perception::bench::{BenchMarker, calibrate};
 use andon_perception::markers::Dictionary;
 use andon_perception::{ImageView, PixelFormat};
 
-use super::{Failure, config_files};
+use super::{Failure, load_config_to_learn};
 use crate::cli::Calibrate;
-use crate::config::Config;
 use crate::exit::Code;
 use crate::video::Film;
 
@@ -15,7 +14,7 @@ use crate::video::Film;
 /// # Errors
 /// A place that cannot be read, a picture that shows too little, markers that do not fit their places.
 pub fn run(arguments: &Calibrate) -> Result<Code, Failure> {
-    let config = Config::load_to_learn(&config_files(&arguments.config))?;
+    let config = load_config_to_learn(&arguments.config)?;
     let side_m = f64::from(arguments.side);
     let markers = arguments.markers.iter().map(|text| marker(text, side_m)).collect::<Result<Vec<_>, _>>()?;
     let unusable = |error: &dyn std::fmt::Display| {

@@ -76,6 +76,14 @@ pub fn load_config(arguments: &ConfigArgs) -> Result<Config, Failure> {
     Ok(Config::load(&config_files(arguments))?)
 }
 
+/// As [`load_config`], for the commands that make the job and the calibration: these need not be there yet.
+///
+/// # Errors
+/// Every fault in it.
+pub fn load_config_to_learn(arguments: &ConfigArgs) -> Result<Config, Failure> {
+    Ok(Config::load_to_learn(&config_files(arguments))?)
+}
+
 /// The configuration files that are in force.
 pub fn config_files(arguments: &ConfigArgs) -> Vec<PathBuf> {
     if !arguments.files.is_empty() {

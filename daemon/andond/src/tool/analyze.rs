@@ -1,0 +1,37 @@
+//! `andond analyze`: which interactions of a folder are alike, as a report.
+
+use andon_learn::analysis::{Analysis, Kind, report};
+use andon_learn::folder::Labelled;
+use andon_learn::experiment::experiment_1;
+use andon_learn::teach::TeachOptions;
+
+use super::experiment::{SEED, failure, is_experiment_1, method, read, share};
+use super::Failure;
+use crate::cli::Analyze;
+use crate::exit::Code;
+
+/// Runs the command.
+///
+/// # Errors
+/// A folder without recordings, a damaged one, or a report that cannot be written.
+pub fn run(arguments: &Analyze) -> Result<Code, Failure> {
+    let method = method(&arguments.recordings)?;
+    let all: Vec<Labelled> = read(&arguments.recordings, &method)?;
+    let cost = TeachOptions::new("", "", method).cost;
+    let bar = share("clustering");
+    let mut progress = |done| bar.set_position((100.0 * done) as u64);
+    // The first experiment compares six kinds of its own, and has drilling beside them.
+    let (analysis, drilling) = if is_experiment_1(&all) {
+        let one = experiment_1(&all, &method, cost, SEED, &mut progress).map_err(failure)?;
+        (one.analysis, one.drilling)
+    } else {
+        let kinds = Kind::of(&all);
+        (Analysis::new(&all, kinds, &method, cost, SEED, &mut progress).map_err(failure)?, None)
+    };
+    bar.finish_and_clear();
+    let source = arguments.recordings.display().to_string();
+    let report = report(&analysis, drilling.as_ref(), &source).map_err(failure)?;
+    report.save(&arguments.out).map_err(|error| failure(format!("{}: {error}", arguments.out.display())))?;
+    println!("written: {}", arguments.out.join("index.html").display());
+    Ok(Code::Stopped)
+}
