@@ -1,0 +1,118 @@
+//! The real binary: its roles as processes, its commands as runs.
+
+use rustix::process::{Pid, Signal, kill_process};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// What a unit grants a role to stop in.
+const GRACE: Duration = Duration::from_secs(5);
+
+/// The binary, beside the program or the test that runs.
+pub fn andond() -> PathBuf {
+    let own = std::env::current_exe().unwrap();
+    let folders = own.ancestors().skip(1).take(2);
+    let found = folders.map(|folder| folder.join("andond")).find(|path| path.is_file());
+    found.unwrap_or_else(|| {
+        panic!("andond is not beside {}: build it first with `cargo build -p andond --bins`", own.display())
+    })
+}
+
+/// Runs a command of `andond` to its end.
+pub(super) fn run(command: &str, config: &Path, arguments: &[&str]) -> Output {
+    Command::new(andond())
+        .args([command, "--config"])
+        .arg(config)
+        .args(arguments)
+        .env_remove("JOURNAL_STREAM")
+        .output()
+        .unwrap()
+}
+
+/// A role that runs. Dropped, it is killed.
+pub struct Process {
+    /// Its name.
+    pub role: &'static str,
+    /// When it was started.
+    pub started: Instant,
+    child: Child,
+}
+
+impl Process {
+    pub(super) fn start(role: &'static str, config: &Path, log: &Path) -> Self {
+        let log = File::options().create(true).append(true).open(log).unwrap();
+        let child = Command::new(andond())
+            .args(["run", role, "--config"])
+            .arg(config)
+            .env_remove("JOURNAL_STREAM")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(log)
+            .spawn()
+            .unwrap();
+        Self { role, started: Instant::now(), child }
+    }
+
+    /// Its process id.
+    pub fn pid(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// Sends a signal.
+    pub fn signal(&self, signal: Signal) {
+        let pid = Pid::from_raw(i32::try_from(self.child.id()).unwrap()).unwrap();
+        // One that has ended by itself needs no signal.
+        let _ = kill_process(pid, signal);
+    }
+
+    /// SIGKILL, and gone.
+    pub fn kill(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+
+    /// How it ended, if it has.
+    pub fn ended(&mut self) -> Option<ExitStatus> {
+        self.child.try_wait().unwrap()
+    }
+
+    /// How it ends; panics after a minute, which no role takes.
+    pub fn wait(&mut self) -> ExitStatus {
+        let until = Instant::now() + Duration::from_secs(60);
+        loop {
+            if let Some(status) = self.ended() {
+                return status;
+            }
+            assert!(Instant::now() < until, "{} does not end", self.role);
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    /// SIGTERM, and how it did not end well.
+    pub(super) fn stop(mut self) -> Result<(), String> {
+        self.signal(Signal::TERM);
+        let until = Instant::now() + GRACE;
+        while Instant::now() < until {
+            match self.ended() {
+                Some(status) if status.success() => return Ok(()),
+                Some(status) => return Err(status.to_string()),
+                None => std::thread::sleep(Duration::from_millis(5)),
+            }
+        }
+        Err("did not stop in time".into())
+    }
+}
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        self.kill();
+    }
+}
+
+/// Memory of a process that is its own, in KiB: without files and shared memory.
+pub fn own_memory_kib(pid: u32) -> Option<u64> {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:"))?;
+    line.trim().strip_suffix(" kB")?.parse().ok()
+}

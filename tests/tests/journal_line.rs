@@ -1,0 +1,105 @@
+//! A whole line over a simulated worker: what is judged, what is in the journal, and what the tools say are the same.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_tests::line::{Line, Settings, Watcher};
+use andon_tests::simulator::Flaw;
+use shm_schemas::{RoleId, RoleState};
+use std::process::{Command, Output, Stdio};
+
+fn text(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Epoch and `seq` of every verdict in the journal, in the order of the rows, by the real command.
+fn in_journal(line: &Line) -> Vec<(u64, u64)> {
+    let csv = text(&line.command("history", &["--csv"]));
+    let rows = csv.lines().skip(1).map(|row| row.split(',').collect::<Vec<_>>());
+    let verdicts = rows.filter(|row| row[1] == "verdict");
+    verdicts.map(|row| (row[21].parse().unwrap(), row[22].parse().unwrap())).collect()
+}
+
+/// Runs the line over its track file until everything that follows from it is on disk.
+fn play(line: &mut Line) -> Watcher {
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start_all_but(&["steward"]);
+    watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
+    let sent = watcher.health(RoleId::Judge).unwrap().sent;
+    watcher.until("all verdicts", |watcher| watcher.heard.len() as u64 == sent);
+    watcher.until("the journal", |watcher| {
+        watcher.health(RoleId::Journal).is_some_and(|journal| journal.received == sent)
+    });
+    assert_eq!(line.stop(), [""; 0]);
+    watcher
+}
+
+#[test]
+fn every_verdict_that_was_sent_is_in_the_journal_once_and_in_order() {
+    let mut line = Line::new(Settings::default());
+    let watcher = play(&mut line);
+    let sent: Vec<_> = watcher.heard.iter().map(|verdict| (verdict.stamp.epoch, verdict.stamp.seq)).collect();
+    assert!(sent.len() > 5, "the worker was judged: {}", sent.len());
+    assert_eq!(in_journal(&line), sent);
+    let table = text(&line.command("history", &[]));
+    assert_eq!(table.lines().count(), sent.len() + 1);
+}
+
+#[test]
+fn history_shows_on_request_only_what_is_not_right() {
+    let mut line = Line::new(Settings { flaw: Flaw::WrongOrder, ..Settings::default() });
+    let watcher = play(&mut line);
+    let wrong = watcher.heard.iter().filter(|verdict| [2, 4, 6, 7].contains(&verdict.kind)).count();
+    assert!(wrong > 0, "the worker did something wrong");
+    let table = text(&line.command("history", &["--nok"]));
+    assert_eq!(table.lines().count(), wrong + 1, "{table}");
+    let other_job = text(&line.command("history", &["--job", "99", "--csv"]));
+    assert_eq!(other_job.lines().count(), 1, "{other_job}");
+    let refused = line.command("history", &["--since", "yesterday"]);
+    assert_eq!(refused.status.code(), Some(64));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("8h"));
+}
+
+/// What `andond replay` says of a recording, with this line's job.
+fn replayed(line: &Line, recording: &str) -> String {
+    let job = line.path("job.toml");
+    let output = line.command("replay", &["--json", "--job", job.to_str().unwrap(), recording]);
+    // The exit code is the verdict: 1 is an anomaly.
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn tail_says_what_a_replay_of_the_same_tracks_and_of_the_line_s_own_recording_say_byte_for_byte() {
+    let mut line = Line::new(Settings { flaw: Flaw::CutShort, ..Settings::default() });
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    let recording = line.path("recorded.tracks.jsonl");
+    let spawn = |command: &str, arguments: &[&str]| {
+        let mut tool = Command::new(andon_tests::line::andond());
+        tool.args([command, "--config"]).arg(line.config()).args(arguments);
+        tool.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let tail = spawn("tail", &["--json"]);
+    let record = spawn("record", &["--out", recording.to_str().unwrap()]);
+    // Both must be there before the first frame.
+    while line.station.members().iter().filter(|member| member.name == "tool").count() < 3 {
+        watcher.listen(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    line.start_all_but(&["steward"]);
+    watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
+    let sent = watcher.health(RoleId::Judge).unwrap().sent;
+    watcher.until("all verdicts", |watcher| watcher.heard.len() as u64 == sent);
+    let record = record.wait_with_output().unwrap();
+    assert!(record.status.success(), "{}", String::from_utf8_lossy(&record.stderr));
+    rustix::process::kill_process(
+        rustix::process::Pid::from_raw(i32::try_from(tail.id()).unwrap()).unwrap(),
+        rustix::process::Signal::TERM,
+    )
+    .unwrap();
+    let said = text(&tail.wait_with_output().unwrap());
+    assert_eq!(said.lines().count() as u64, sent);
+    assert_eq!(said, replayed(&line, line.tracks().to_str().unwrap()));
+    assert_eq!(said, replayed(&line, recording.to_str().unwrap()));
+}
