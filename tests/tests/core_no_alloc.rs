@@ -1,0 +1,42 @@
+//! The core links into a program that has no allocator: nothing in it, nor in what it depends on, can allocate.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::process::Command;
+
+/// A program without the standard library, which the compiler refuses where any crate of it needs an allocator.
+const PROGRAM: &str = "#![no_std]
+    use andon_core as _;
+    #[panic_handler]
+    fn panic(_: &core::panic::PanicInfo<'_>) -> ! { loop {} }
+";
+
+/// Builds the core alone, so that no other crate's features are mixed in, and says whether the compiler takes `program`.
+fn links(program: &str, folder: &Path) -> Result<(), String> {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
+    let built = Command::new(env!("CARGO"))
+        .args(["build", "--quiet", "--locked", "--package", "andon-core", "--lib", "--target-dir"])
+        .arg(folder.join("target"))
+        .current_dir(root)
+        .status();
+    assert!(built.unwrap().success(), "the core does not build");
+    let debug = folder.join("target/debug");
+    std::fs::write(folder.join("program.rs"), program).unwrap();
+    let compiled = Command::new("rustc")
+        .args(["--edition=2024", "--crate-type=staticlib", "-Cpanic=abort", "program.rs", "--out-dir=."])
+        .arg(format!("--extern=andon_core={}", debug.join("libandon_core.rlib").display()))
+        .arg(format!("-Ldependency={}", debug.join("deps").display()))
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    if compiled.status.success() { Ok(()) } else { Err(String::from_utf8(compiled.stderr).unwrap()) }
+}
+
+#[test]
+fn core_links_without_an_allocator() {
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(links(PROGRAM, folder.path()), Ok(()));
+    // The same with something that allocates is refused: the check can fail.
+    let refused = links(&PROGRAM.replace("use ", "extern crate alloc; use "), folder.path()).unwrap_err();
+    assert!(refused.contains("no global memory allocator"), "{refused}");
+}
