@@ -220,7 +220,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Says that the activity comes at the wrong time as soon as that holds for every candidate.
     fn check_place(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        let Some(OpenActivity { against: Against::Candidates(candidates), .. }) = self.activity else {
+        let Some(OpenActivity { against: Against::Candidates(candidates), concluded: false, .. }) =
+            self.activity
+        else {
             return;
         };
         if members(candidates).all(|nominal| progress.is_out_of_place(self.side, nominal)) {
