@@ -33,8 +33,7 @@ struct Judged {
 }
 
 fn replay(name: &str) -> Judged {
-    let output =
-        andond(&["replay", "--json", "--job", "config/jobs/polish-and-measure.toml", &clip(name)]);
+    let output = andond(&["replay", "--json", "--job", "config/jobs/polish-and-measure.toml", &clip(name)]);
     assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
     Judged { exit: output.status.code(), verdicts: lines(&output) }
 }
@@ -131,15 +130,8 @@ fn the_wrong_object_is_said_when_it_is_touched_and_what_follows_is_right() {
 
 #[test]
 fn the_same_film_gives_the_same_verdicts_to_the_byte() {
-    let run = || {
-        andond(&[
-            "replay",
-            "--json",
-            "--job",
-            "config/jobs/polish-and-measure.toml",
-            &clip("p1_none_r3"),
-        ])
-    };
+    let run =
+        || andond(&["replay", "--json", "--job", "config/jobs/polish-and-measure.toml", &clip("p1_none_r3")]);
     assert_eq!(run().stdout, run().stdout);
 }
 
@@ -196,12 +188,32 @@ fn an_annotated_film_has_every_frame_of_the_film() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out.mp4");
     let job = "config/jobs/polish-and-measure.toml";
-    let output =
-        andond(&["replay", "--job", job, "--annotate", out.to_str().unwrap(), &clip("p1_J1_r1")]);
+    let output = andond(&["replay", "--job", job, "--annotate", out.to_str().unwrap(), &clip("p1_J1_r1")]);
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
     let frames = |path: &Path| {
         let film = andond::video::Film::open(path).unwrap();
         film.format().count
     };
     assert_eq!(frames(&out), frames(&root().join(clip("p1_J1_r1"))));
+}
+
+#[test]
+fn the_line_of_processes_says_what_replay_says() {
+    let clips = tempfile::tempdir().unwrap();
+    let clip = clip("p2_none_r3");
+    std::os::unix::fs::symlink(root().join(&clip), clips.path().join("clip.mp4")).unwrap();
+    let demo = andond(&["demo", "--speed", "max", "--clips", clips.path().to_str().unwrap()]);
+    assert_eq!(demo.status.code(), Some(0), "{}", String::from_utf8_lossy(&demo.stderr));
+    let replay = andond(&["replay", "--job", "config/jobs/polish-and-measure.toml", &clip]);
+    let verdicts = |output: &Output| -> Vec<String> {
+        let text = String::from_utf8(output.stdout.clone()).unwrap();
+        text.lines()
+            .filter(|line| line.contains(" s  right  ") || line.contains("job"))
+            .map(String::from)
+            .collect()
+    };
+    let (live, offline) = (verdicts(&demo), verdicts(&replay));
+    // The demo's first line says which job it watches.
+    assert_eq!(live[1..], offline[..]);
+    assert_eq!(offline.len(), 9, "{offline:?}");
 }

@@ -44,6 +44,7 @@ impl Roles {
 #[derive(Debug)]
 pub(crate) struct Pace {
     follows: Roles,
+    /// Readers whose queue was empty after the last burst; while live, after the last message.
     caught_up: Roles,
     burst: usize,
     sent: usize,
@@ -55,9 +56,14 @@ impl Pace {
         Self { follows: Roles::default(), caught_up: Roles::default(), burst: 0, sent: 0 }
     }
 
-    /// Follows these readers. The first burst waits for them as well: until then they may not be there.
-    pub(crate) fn following(readers: &[RoleId], burst: usize) -> Self {
-        Self { follows: Roles::of(readers), caught_up: Roles::default(), burst, sent: burst }
+    /// From now on follows these readers; none of them makes it live again. The first burst waits for them as well: until
+    /// then they may not be there. What they have said while the writer was live counts: they owe it no second time.
+    pub(crate) fn follow(&mut self, readers: &[RoleId], burst: usize) {
+        (self.follows, self.burst, self.sent) = (Roles::of(readers), burst, burst);
+    }
+
+    fn is_live(&self) -> bool {
+        self.follows == Roles::default()
     }
 
     /// A reader has found its queue empty.
@@ -78,11 +84,14 @@ impl Pace {
 
     /// One more may be sent now.
     pub(crate) fn has_room(&self) -> bool {
-        self.follows == Roles::default() || self.sent < self.burst
+        self.is_live() || self.sent < self.burst
     }
 
     /// One was sent.
     pub(crate) fn sent(&mut self) {
+        if self.is_live() {
+            self.caught_up = Roles::default();
+        }
         self.sent = self.sent.saturating_add(1);
     }
 }
@@ -90,6 +99,31 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn following(readers: &[RoleId], burst: usize) -> Pace {
+        let mut pace = Pace::live();
+        pace.follow(readers, burst);
+        pace
+    }
+
+    #[test]
+    fn a_reader_that_came_up_before_the_writer_followed_it_is_not_waited_for_again() {
+        let mut pace = Pace::live();
+        pace.caught_up(RoleId::Encode);
+        pace.follow(&[RoleId::Encode], 2);
+        assert!(pace.may_begin());
+    }
+
+    #[test]
+    fn a_reader_that_has_not_taken_the_last_live_message_is_waited_for() {
+        let mut pace = Pace::live();
+        pace.caught_up(RoleId::Encode);
+        pace.sent();
+        pace.follow(&[RoleId::Encode], 2);
+        assert!(!pace.may_begin());
+        pace.caught_up(RoleId::Encode);
+        assert!(pace.may_begin());
+    }
 
     /// The worst that asynchronous events can do, enumerated: a writer, a reader with a queue, and events that the
     /// writer sees late. Every interleaving of their steps up to a depth; the queue must never exceed the buffer.
@@ -111,7 +145,7 @@ mod tests {
             if depth == 0 {
                 return;
             }
-            let mut pace = Pace::following(&[RoleId::Encode], BURST);
+            let mut pace = following(&[RoleId::Encode], BURST);
             pace.sent = world.sent_in_burst;
             // The writer: sends if it has room, else looks for the event and begins the next burst.
             if pace.has_room() {
@@ -153,7 +187,7 @@ mod tests {
 
     #[test]
     fn a_writer_waits_for_every_reader_that_it_follows() {
-        let mut pace = Pace::following(&[RoleId::Journal, RoleId::Plc], 1);
+        let mut pace = following(&[RoleId::Journal, RoleId::Plc], 1);
         pace.caught_up(RoleId::Journal);
         pace.caught_up(RoleId::Board);
         assert!(!pace.may_begin());

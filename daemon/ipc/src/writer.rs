@@ -42,7 +42,7 @@ impl Outbound {
     }
 
     pub(crate) fn follow(&mut self, readers: &[RoleId]) {
-        self.pace = Pace::following(readers, self.channel.qos().burst);
+        self.pace.follow(readers, self.channel.qos().burst);
     }
 
     /// Numbers the next message.

@@ -5,6 +5,7 @@ mod supervisor;
 mod usage;
 mod watch;
 
+use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -23,11 +24,13 @@ use supervisor::Running;
 use watch::{Channels, Heard};
 
 /// The roles that stay up from clip to clip, in the order of the data path.
-const ROLES: [(&str, RoleId); 4] = [
+const ROLES: [(&str, RoleId); 6] = [
     ("steward", RoleId::Steward),
     ("perceive", RoleId::Perceive),
     ("encode", RoleId::Encode),
     ("judge", RoleId::Judge),
+    ("journal", RoleId::Journal),
+    ("plc", RoleId::Plc),
 ];
 
 /// How long the roles may take to come up: the models are loaded from a cold disk.
@@ -71,6 +74,11 @@ fn clips(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(clips)
 }
 
+/// A port that nobody listens on now: a demo may run beside a station.
+fn free_port() -> std::io::Result<u16> {
+    Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
+}
+
 /// The running line.
 struct Line {
     // Declared in the order in which they must go: the reader, the roles, their directory.
@@ -97,11 +105,12 @@ impl Line {
         let job = std::path::absolute(&arguments.job).map_err(fault)?;
         let text = format!(
             "[station]\nname = \"demo\"\nroot = {:?}\njob = {:?}\n[camera]\nsource = \"video\"\npath = {:?}\n\
-             [journal]\npath = {:?}\n",
+             [journal]\npath = {:?}\n[plc]\nenable = true\nport = {}\n",
             folder.path(),
             job,
             std::path::absolute(clip).map_err(fault)?,
-            folder.path().join("journal.sqlite")
+            folder.path().join("journal.sqlite"),
+            free_port().map_err(fault)?
         );
         std::fs::write(&own, text).map_err(fault)?;
         let mut configs = config_files(&arguments.config);
