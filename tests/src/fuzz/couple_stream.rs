@@ -55,11 +55,12 @@ fn method(input: &mut Input<'_>) -> Method {
     let default = Method::default();
     Method {
         space: if input.below(2) == 0 { Space::Plane } else { Space::Metric },
-        rate_hz: [1.0, 15.0, 30.0, 240.0][usize::from(input.below(4))],
-        bins: [4, 7, 8, 12, 120][usize::from(input.below(5))],
+        rate_hz: [1.0, 15.0, 30.0, 60.0][usize::from(input.below(4))],
+        // Mostly the default: most others have no scale that is exact enough, and to find the best one takes longer than all the rest.
+        bins: [4, 7, 12].get(usize::from(input.below(32))).copied().unwrap_or(default.bins),
         persist_frames: 1 + input.below(15),
         filter_frames: 1 + 2 * input.below(16),
-        blind_ms: 10 * u32::from(input.byte()),
+        blind_ms: 4 * u32::from(input.byte()),
         // 0 ends a job in the first frame without a hand.
         idle_end_ms: 20 * u32::from(input.byte()),
         ..default

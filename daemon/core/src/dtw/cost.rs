@@ -169,12 +169,13 @@ fn exact_chord(apart: u8, bins: u8) -> f64 {
     2.0 - 2.0 * libm::cos(TAU * f64::from(apart) / f64::from(bins))
 }
 
-/// Greatest relative error of the costs of `N` direction bins that are rounded at this scale. `chords` are the exact ones,
-/// of half the circle: the other half has the same.
-fn rounding_error(chords: &[f64], scale: i32) -> f64 {
-    chords.iter().fold(0.0, |worst, chord| {
+/// Greatest relative error of the costs of `N` direction bins that are rounded at this scale, if it is under `limit`. `chords` are the
+/// exact ones, of half the circle: the other half has the same.
+fn rounding_error(chords: &[f64], scale: i32, limit: f64) -> Option<f64> {
+    chords.iter().try_fold(0.0, |worst, chord| {
         let exact = chord * f64::from(scale);
-        f64::max(worst, (libm::round(exact) - exact).abs() / exact)
+        let worst = f64::max(worst, (libm::round(exact) - exact).abs() / exact);
+        (worst < limit).then_some(worst)
     })
 }
 
@@ -187,12 +188,11 @@ fn choose_scale(bins: u8) -> (i32, f64) {
     }
     let mut best = (1, f64::INFINITY);
     for scale in 1..=SCALE_MOST {
-        let error = rounding_error(&chords[..usize::from(half)], scale);
-        if error < best.1 {
+        if let Some(error) = rounding_error(&chords[..usize::from(half)], scale, best.1) {
             best = (scale, error);
-        }
-        if error <= ERROR_ENOUGH {
-            break;
+            if error <= ERROR_ENOUGH {
+                break;
+            }
         }
     }
     best
