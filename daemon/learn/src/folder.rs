@@ -1,7 +1,9 @@
 //! A folder of recordings, whose names say who did what: `p<person>_<what>_r<repetition>.tracks.jsonl`.
 
+use crate::recording::TrackReader;
 use crate::run::{Run, RunError};
 use andon_core::config::Method;
+use andon_core::input::Space;
 use std::path::{Path, PathBuf};
 
 /// The ending of a track file.
@@ -49,13 +51,41 @@ pub fn read(
     method: &Method,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Vec<Labelled>, FolderError> {
-    let io = |path: &Path| {
-        let path = path.to_owned();
-        move |source| FolderError::Io { path, source }
-    };
+    let files = files(folder)?;
+    let count = files.len() as f64;
+    let mut runs = Vec::with_capacity(files.len());
+    for (place, (path, (person, what, repetition))) in files.into_iter().enumerate() {
+        let bytes = std::fs::read(&path).map_err(|source| FolderError::Io { path: path.clone(), source })?;
+        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        runs.push(Labelled { person, what, repetition, run: Run::read(&name, &bytes, method)? });
+        progress((place + 1) as f64 / count);
+    }
+    Ok(runs)
+}
+
+/// The space that the first recording of a folder is in.
+///
+/// # Errors
+/// If it cannot be read, or there is none.
+pub fn space(folder: &Path) -> Result<Space, FolderError> {
+    let files = files(folder)?;
+    // `files` is never empty.
+    let (path, _) = files.first().ok_or_else(|| FolderError::Empty(folder.to_owned()))?;
+    let io = |source| FolderError::Io { path: path.clone(), source };
+    let bytes = std::fs::read(path).map_err(io)?;
+    let reader = TrackReader::new(&path.to_string_lossy(), bytes.as_slice()).map_err(RunError::from)?;
+    Ok(reader.header().space)
+}
+
+/// Person, what and repetition.
+pub type Label = (u32, String, u32);
+
+/// The recordings of a folder with what their names say, in the order of that.
+fn files(folder: &Path) -> Result<Vec<(PathBuf, Label)>, FolderError> {
+    let io = |source| FolderError::Io { path: folder.to_owned(), source };
     let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(io(folder))? {
-        let path = entry.map_err(io(folder))?.path();
+    for entry in std::fs::read_dir(folder).map_err(io)? {
+        let path = entry.map_err(io)?.path();
         if let Some(label) = path.file_name().and_then(|name| label(name.to_str()?)) {
             files.push((path, label));
         }
@@ -64,19 +94,11 @@ pub fn read(
         return Err(FolderError::Empty(folder.to_owned()));
     }
     files.sort_by(|a, b| a.1.cmp(&b.1));
-    let count = files.len() as f64;
-    let mut runs = Vec::with_capacity(files.len());
-    for (place, (path, (person, what, repetition))) in files.into_iter().enumerate() {
-        let bytes = std::fs::read(&path).map_err(io(&path))?;
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        runs.push(Labelled { person, what, repetition, run: Run::read(&name, &bytes, method)? });
-        progress((place + 1) as f64 / count);
-    }
-    Ok(runs)
+    Ok(files)
 }
 
 /// Person, what and repetition of a file's name.
-pub fn label(file: &str) -> Option<(u32, String, u32)> {
+pub fn label(file: &str) -> Option<Label> {
     let (person, rest) = file.strip_suffix(ENDING)?.strip_prefix('p')?.split_once('_')?;
     let (what, repetition) = rest.rsplit_once("_r")?;
     Some((person.parse().ok()?, what.to_owned(), repetition.parse().ok()?))

@@ -1,11 +1,10 @@
 //! The report: one page that holds everything, and each picture and table as a file.
 
-use super::picture::{LEGEND, Shown, elbow, escaped, heat, warping};
+use super::picture::{Execution, LEGEND, Shown, elbow, escaped, heat, warping};
 use super::{Analysis, AnalysisError};
 use crate::cluster::Table;
 use crate::experiment::Drilling;
 use crate::warp::Warp;
-use andon_core::couple::Motion;
 use std::fmt::Write as _;
 use std::io;
 use std::path::Path;
@@ -278,7 +277,7 @@ impl Page {
         let mut warp = Warp::new(analysis.cost);
         for (kind, barycentre) in analysis.barycentres.iter().enumerate() {
             let samples: Vec<_> = analysis.samples.iter().filter(|sample| sample.kind == kind).collect();
-            let mut executions: Vec<(&[Motion], Vec<(usize, usize)>)> = Vec::new();
+            let mut executions: Vec<Execution<'_>> = Vec::new();
             let mut order: Vec<(f64, usize)> = Vec::new();
             for (place, sample) in samples.iter().enumerate() {
                 let mut path = Vec::new();

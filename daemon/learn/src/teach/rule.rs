@@ -18,6 +18,8 @@ pub enum ThresholdRule {
         sigmas: f64,
         /// Frames of a neighbouring IU, in the opposite direction, that an IU may begin or end with: contacts begin and end by distance, and
         /// where in a movement that happens differs. It widens the thresholds of short IUs, and hardly those of long ones.
+        /// A job file that does not say was taught with none.
+        #[serde(default)]
         border_frames: f64,
     },
     /// The leave-one-out distance that at most this share of correct executions exceeds, by rank and without any

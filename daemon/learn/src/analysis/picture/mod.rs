@@ -6,7 +6,7 @@ mod warping;
 
 pub(super) use elbow::elbow;
 pub(super) use heat::{LEGEND, heat};
-pub(super) use warping::{Shown, warping};
+pub(super) use warping::{Execution, Shown, warping};
 
 use std::fmt::Write as _;
 

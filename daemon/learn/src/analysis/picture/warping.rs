@@ -21,12 +21,15 @@ const LINES: usize = 90;
 const FEATURES: [(&str, usize, i8); 5] =
     [("a hand", 0, -1), ("θ hand→oj", 1, 0), ("φ hand→oj", 2, 0), ("θ oj→ol", 4, 0), ("φ oj→ol", 5, 0)];
 
+/// An execution, and its warping path: places in it and in the barycentre, from the last to the first.
+pub(crate) type Execution<'a> = (&'a [Motion], Vec<(usize, usize)>);
+
 /// What is drawn.
 pub(crate) struct Shown<'a> {
     /// The barycentre.
     pub(crate) barycentre: &'a [Motion],
-    /// Each execution, and its warping path: places in the execution and in the barycentre, from the last to the first.
-    pub(crate) executions: Vec<(&'a [Motion], Vec<(usize, usize)>)>,
+    /// All executions.
+    pub(crate) executions: Vec<Execution<'a>>,
     /// The execution whose warping is drawn.
     pub(crate) typical: usize,
     /// Its name.
