@@ -454,8 +454,10 @@ fn commands_start_and_end_a_job() {
         ["r0.0 IuOk", "r0.1 IuAnomaly TooShort", "r0 ActivityAnomaly TooShort!", "JobAnomaly TooShort"]
     );
     let mut ended = Vec::new();
-    judge.finish(&mut |verdict| ended.push(short(&verdict)));
-    assert_eq!(ended, ["JobAnomaly NotCompleted"]);
+    judge.finish(&mut |verdict| ended.push(verdict));
+    assert_eq!(ended.iter().map(short).collect::<Vec<_>>(), ["JobAnomaly NotCompleted"]);
+    // It was to begin with the next frame, and ended before that came.
+    assert_eq!((ended[0].began_ns, ended[0].ended_ns), (60 * PERIOD_NS, 60 * PERIOD_NS));
 }
 
 #[test]
