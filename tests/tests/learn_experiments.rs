@@ -1,0 +1,94 @@
+//! The paper's two experiments on simulated people: the method finds what the paper found, and the default rules accuse less.
+#![allow(clippy::unwrap_used)]
+
+use andon_core::config::Method;
+use andon_core::job::LocalCost;
+use andon_learn::analysis::report;
+use andon_learn::experiment::{Confusion, Outcome, Split, Variation, experiment_1, experiment_2};
+use andon_learn::folder::{self, Labelled};
+use andon_tests::simulator::{self, Noise, Recorded, save};
+
+/// A seed on which no rule was chosen.
+const SEED: u64 = 2001;
+
+/// People of the first experiment: a few are enough to see the clusters, and take a tenth of the time of all ten.
+const PEOPLE: u32 = 4;
+
+/// Writes recordings as track files and reads them as a user's folder is read.
+fn through_files(recorded: &[Recorded]) -> Vec<Labelled> {
+    let folder = tempfile::tempdir().unwrap();
+    save(folder.path(), recorded).unwrap();
+    folder::read(folder.path(), &Method::default(), &mut |_| {}).unwrap()
+}
+
+fn outcome(variation: Variation, split: Split) -> Outcome {
+    let all = through_files(&simulator::experiment_2(SEED, Noise::default()));
+    let method = Method::default();
+    experiment_2(&all, &method, &[variation], &[split], SEED, &mut |_| {}).unwrap().remove(0)
+}
+
+fn default_rules() -> Variation {
+    Variation::ladder().pop().unwrap()
+}
+
+#[test]
+fn simulated_executions_are_segmented_as_their_scripts_mean() {
+    let recorded = simulator::experiment_2(SEED, Noise::default());
+    let meant: Vec<_> = recorded
+        .iter()
+        .map(|one| (format!("{}.tracks.jsonl", one.name), one.truth.labels.contexts()))
+        .collect();
+    for one in through_files(&recorded) {
+        let found: Vec<_> = one.run.activities.iter().map(|activity| activity.contexts()).collect();
+        let (_, meant) = meant.iter().find(|(name, _)| *name == one.run.name).unwrap();
+        assert_eq!(found, *meant, "{}", one.run.name);
+    }
+}
+
+#[test]
+fn the_protocol_counts_1050_ius_and_420_activities_of_which_140_are_wrong() {
+    let outcome = outcome(Variation::paper(), Split::Random);
+    let count = |Confusion { true_negative, false_positive, false_negative, true_positive }| {
+        (true_negative + false_positive, false_negative + true_positive)
+    };
+    assert_eq!(count(outcome.ius.sum()), (910, 140));
+    assert_eq!(count(outcome.activities.sum()), (280, 140));
+}
+
+#[test]
+fn the_default_rules_miss_nothing_and_reach_the_target_with_new_people_and_with_known_ones() {
+    for split in [Split::Random, Split::LeavePersonOut] {
+        let outcome = outcome(default_rules(), split);
+        assert_eq!(outcome.ius.sum().false_negative + outcome.activities.sum().false_negative, 0);
+        assert!(outcome.ius.accuracy().0 >= 0.99, "{split:?}: {:?}", outcome.ius.sum());
+        assert!(outcome.activities.accuracy().0 >= 0.98, "{split:?}: {:?}", outcome.activities.sum());
+    }
+}
+
+#[test]
+fn boxing_measuring_and_assembly_are_one_motion_in_three_of_five_contexts() {
+    let mut recorded = simulator::experiment_1(SEED, Noise::default());
+    recorded.retain(|one| folder::label(&format!("{}.tracks.jsonl", one.name)).unwrap().0 <= PEOPLE);
+    let all = through_files(&recorded);
+    let method = Method::default();
+    let cost = LocalCost::Circular { bins: method.bins };
+    let one = experiment_1(&all, &method, cost, SEED, &mut |_| {}).unwrap();
+    for found in &one.segmentation {
+        assert_eq!(found.wrong, Vec::<String>::new(), "{}", found.what);
+    }
+    let (motion, context) = (one.analysis.motion_table(), one.analysis.context_table());
+    let homes = |table: &andon_learn::cluster::Table| {
+        (0..6).map(|kind| table.home(kind).unwrap()).collect::<Vec<_>>()
+    };
+    assert_eq!((one.analysis.motion.k, motion.purity()), (4, 1.0));
+    assert_eq!(homes(&motion), [0, 1, 1, 1, 2, 3]);
+    assert_eq!((homes(&context), context.purity()), (vec![0, 1, 2, 3, 3, 4], 1.0));
+    // Where drill and brick lie makes no difference, next to what tells other interactions apart.
+    let drilling = one.drilling.as_ref().unwrap();
+    assert!((drilling.other_layout - drilling.same_layout).abs() < 0.1 * drilling.other_kinds);
+    let report = report(&one.analysis, one.drilling.as_ref(), "four people").unwrap();
+    // Nothing is fetched from anywhere: the only address in it is the name of SVG.
+    let page = report.page.replace("http://www.w3.org/2000/svg", "");
+    assert!(!page.contains("://") && !page.contains("src=") && !page.contains("href="));
+    assert_eq!(report.page.matches("<svg").count(), 10, "two matrices, the elbow, drilling, and six kinds");
+}

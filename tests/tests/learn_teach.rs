@@ -1,0 +1,104 @@
+//! From runs to a job file that can be trusted: what teaching keeps, says and refuses.
+#![allow(clippy::unwrap_used)]
+
+use andon_core::config::Method;
+use andon_core::verdict::{Kind, Verdict};
+use andon_learn::job_file::{JobFault, JobFile};
+use andon_learn::run::Run;
+use andon_learn::teach::{TeachError, TeachOptions, TeachReport, ThresholdRule, teach};
+use andon_tests::simulator::{Expected, Flaw, Noise, Performance, perform};
+
+/// A seed on which no rule was chosen.
+const SEED: u64 = 2002;
+
+fn run(person: u64, repetition: u64, flaw: Flaw) -> Run {
+    let performance = Performance { seed: SEED, person, repetition, noise: Noise::default() };
+    let (recording, _) = perform(&performance, flaw);
+    Run::new(&format!("p{person}_r{repetition}"), "", &recording, &Method::default()).unwrap()
+}
+
+fn correct(count: u64) -> Vec<Run> {
+    (1..=count).map(|person| run(person, 1, Flaw::None)).collect()
+}
+
+fn options() -> TeachOptions {
+    TeachOptions::new("polish and measure", "2025-01-01", Method::default())
+}
+
+fn taught(runs: &[Run]) -> (JobFile, TeachReport) {
+    teach(runs, &options()).unwrap()
+}
+
+fn judged(job: &JobFile, run: &Run) -> Vec<Verdict> {
+    job.with_job(|lent| run.judge(lent, &Method::default())).unwrap()
+}
+
+fn has(verdicts: &[Verdict], kind: Kind) -> bool {
+    verdicts.iter().any(|verdict| verdict.kind == kind)
+}
+
+#[test]
+fn the_same_runs_give_the_same_bytes() {
+    assert_eq!(taught(&correct(3)).0.to_toml(), taught(&correct(3)).0.to_toml());
+}
+
+#[test]
+fn a_job_file_is_read_as_it_was_written() {
+    for rule in
+        [ThresholdRule::PAPER, ThresholdRule::default(), ThresholdRule::Conformal { false_alarms: 0.05 }]
+    {
+        let (job, _) = teach(&correct(3), &TeachOptions { rule, ..options() }).unwrap();
+        assert_eq!(JobFile::parse("job.toml", job.to_toml().as_bytes()).unwrap(), job);
+    }
+}
+
+#[test]
+fn a_changed_digit_is_noticed() {
+    let text = taught(&correct(3)).0.to_toml();
+    let place = text.find("threshold = ").unwrap() + "threshold = ".len();
+    let mut bytes = text.into_bytes();
+    bytes[place] = if bytes[place] == b'9' { b'8' } else { bytes[place] + 1 };
+    let error = JobFile::parse("job.toml", &bytes).unwrap_err();
+    assert!(matches!(error.fault, JobFault::Checksum { .. }), "{error}");
+}
+
+#[test]
+fn one_run_is_enough_with_a_warning() {
+    let (job, report) = taught(&correct(1));
+    assert!(report.warnings().iter().any(|warning| warning.contains("taught from one run")));
+    assert!(has(&judged(&job, &run(5, 1, Flaw::None)), Kind::JobOk));
+    assert!(has(&judged(&job, &run(5, 1, Flaw::J1)), Kind::JobAnomaly));
+}
+
+#[test]
+fn a_run_that_disagrees_is_named_with_the_place_where_it_does() {
+    let mut runs = correct(4);
+    runs.insert(2, run(7, 1, Flaw::J2));
+    let (job, report) = taught(&runs);
+    let warning = report.warnings().into_iter().find(|warning| warning.starts_with("p7_r1")).unwrap();
+    assert!(warning.contains("activity 2, IU 2"), "{warning}");
+    assert!(warning.contains("meter"), "{warning}");
+    let left_out: Vec<bool> = job.provenance.sources.iter().map(|source| source.left_out).collect();
+    assert_eq!(left_out, [false, false, true, false, false]);
+}
+
+#[test]
+fn nothing_can_be_taught_from_nothing() {
+    assert!(matches!(teach(&[], &options()), Err(TeachError::NoRun)));
+}
+
+/// What is expected stands with the flaw, and shares nothing with the method.
+#[test]
+fn five_runs_tell_every_flaw_of_a_shop_floor_from_what_is_none() {
+    let (job, _) = taught(&correct(5));
+    for flaw in Flaw::ALL {
+        let verdicts = judged(&job, &run(6, 1, flaw));
+        let (ok, wrong) = (has(&verdicts, Kind::JobOk), has(&verdicts, Kind::JobAnomaly));
+        let as_expected = match flaw.expected() {
+            Expected::Right => ok && !wrong,
+            Expected::Anomaly => wrong,
+            Expected::NotOk => !ok,
+        };
+        assert!(as_expected, "{}: {verdicts:#?}", flaw.word());
+    }
+}

@@ -1,0 +1,174 @@
+//! Runs of the recording as motion capture saw them, and what can be composed of them.
+
+use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side, Space};
+use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
+use std::path::PathBuf;
+
+/// Frames a second.
+pub const RATE_HZ: f32 = 60.0;
+
+/// Markers in the order of the columns: hand top, right, left, thumb, index, middle, box back, left.
+const MARKERS: usize = 8;
+
+/// What stands on the bench.
+pub const BOX: u16 = 1;
+pub const TABLE: u16 = 2;
+pub const SHELF: u16 = 3;
+
+/// Where the hand takes the box, in its frame: the middle of the finger tips while it moves, in the middle of the runs.
+const GRASP: Point = [0.01, 0.115, 0.0];
+
+/// Where the box rests: on the table, and on the shelf, where its place differs by 6 cm to both sides.
+const TABLE_AT: Point = [-0.05, 0.12, -0.345];
+const SHELF_AT: Point = [0.50, -0.775, 0.19];
+
+/// One frame: each marker in metres, or `None` where it was not seen.
+#[derive(Clone, Debug)]
+struct Instant {
+    number: i64,
+    markers: [Option<Point>; MARKERS],
+}
+
+/// One run.
+#[derive(Clone, Debug)]
+pub struct Capture {
+    instants: Vec<Instant>,
+    labels: Vec<(String, i64, i64)>,
+    /// Turn of everything about the vertical, in radians.
+    yaw: f32,
+}
+
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/vmci_pickplace")
+}
+
+impl Capture {
+    /// Reads a run, 1 to 9.
+    pub fn read(run: u32) -> Self {
+        let text = std::fs::read_to_string(folder().join(format!("tracks/subject1_run{run}.csv"))).unwrap();
+        let labels = std::fs::read_to_string(
+            folder().join(format!("labels/subject1_run{run}_manually_segmented.json")),
+        );
+        let labels: serde_json::Value = serde_json::from_str(&labels.unwrap()).unwrap();
+        let label = |label: &serde_json::Value| {
+            let frame = |key: &str| label[key].as_i64().unwrap();
+            (label["label"].as_str().unwrap().to_owned(), frame("start index"), frame("end index"))
+        };
+        Self {
+            instants: text.lines().skip(1).map(instant).collect(),
+            labels: labels.as_array().unwrap().iter().map(label).collect(),
+            yaw: 0.0,
+        }
+    }
+
+    /// First and last frame of a label.
+    fn label(&self, name: &str) -> (i64, i64) {
+        let (_, from, to) = self.labels.iter().find(|(label, ..)| label == name).unwrap();
+        (*from, *to)
+    }
+
+    fn keep(mut self, keep: impl Fn(i64) -> bool) -> Self {
+        self.instants.retain(|instant| keep(instant.number));
+        self
+    }
+
+    /// Ends after the box has been brought to the table.
+    pub fn without_second_half(self) -> Self {
+        let last = self.label("move_to_rest_right").1;
+        self.keep(|number| number <= last)
+    }
+
+    /// First back to the shelf, then to the table.
+    pub fn halves_swapped(self) -> Self {
+        let middle = self.label("move_to_rest_right").1;
+        let mut second = self.clone().keep(|number| number > middle);
+        second.instants.extend(self.keep(|number| number <= middle).instants);
+        second
+    }
+
+    /// Ends in the middle of the way back to the shelf.
+    pub fn cut_short(self) -> Self {
+        let (from, to) = self.label("move_obj_shelf");
+        self.keep(|number| number <= (from + to) / 2)
+    }
+
+    /// With the whole bench turned by 30 degrees about the vertical.
+    pub fn turned(mut self) -> Self {
+        self.yaw = 30_f32.to_radians();
+        self
+    }
+
+    /// As a tracker would have it.
+    pub fn recording(&self) -> Recording {
+        let frames = self.instants.iter().enumerate().map(|(place, instant)| self.frame(place, instant));
+        Recording { header: header(), frames: frames.collect(), truncation: None }
+    }
+
+    fn frame(&self, place: usize, instant: &Instant) -> Frame {
+        let captured_ns = (place as f64 / f64::from(RATE_HZ) * 1e9).round() as u64;
+        let mut frame = Frame { captured_ns, ..Frame::default() };
+        let turned = instant.markers.map(|marker| marker.map(|point| turn(point, self.yaw)));
+        let [top, right, left, thumb, index, middle, back, side] = turned;
+        // A tip that was not seen is where the others are.
+        let tips = [thumb, index, middle];
+        if let (Some(hand), Some(seen)) = (mean(&[top, right, left]), mean(&tips)) {
+            let tips = tips.map(|tip| tip.unwrap_or(seen));
+            let hand = Hand { side: Side::Right, score: 1.0, wrist: hand, middle_knuckle: hand, tips };
+            frame.hands.push(hand).unwrap();
+        }
+        if let (Some(back), Some(side)) = (back, side) {
+            let yaw = (side[1] - back[1]).atan2(side[0] - back[0]);
+            let middle = mean(&[Some(back), Some(side)]).unwrap();
+            frame.objects.push(object(BOX, middle, yaw)).unwrap();
+        }
+        for (id, at) in [(TABLE, TABLE_AT), (SHELF, SHELF_AT)] {
+            frame.objects.push(object(id, turn(at, self.yaw), self.yaw)).unwrap();
+        }
+        frame
+    }
+}
+
+fn instant(line: &str) -> Instant {
+    let mut fields = line.split(',');
+    let number = fields.next().unwrap().parse().unwrap();
+    // Seconds are the number over the rate.
+    let values: Vec<Option<f32>> =
+        fields.skip(1).map(|field| field.parse().ok().map(|mm: f32| 0.001 * mm)).collect();
+    let point = |marker: usize| Some([values[3 * marker]?, values[3 * marker + 1]?, values[3 * marker + 2]?]);
+    Instant { number, markers: std::array::from_fn(point) }
+}
+
+fn header() -> Header {
+    let object = |id, name: &str, points: &[Point]| NamedObject {
+        name: name.to_owned(),
+        shape: ObjectShape { id, interaction_points: points.iter().copied().collect() },
+    };
+    Header {
+        rate_hz: RATE_HZ,
+        space: Space::Metric,
+        hands: vec![Side::Right],
+        landmarks: Landmarks::Five,
+        objects: vec![
+            object(BOX, "box", &[GRASP, [0.0; 3]]),
+            object(TABLE, "table", &[[0.0; 3]]),
+            object(SHELF, "shelf", &[[-0.05, 0.0, 0.0], [0.0; 3], [0.05, 0.0, 0.0]]),
+        ],
+    }
+}
+
+fn object(id: u16, position: Point, yaw: f32) -> Object {
+    Object { id, position, orientation: [(0.5 * yaw).cos(), 0.0, 0.0, (0.5 * yaw).sin()] }
+}
+
+fn turn([x, y, z]: Point, yaw: f32) -> Point {
+    let (sin, cos) = yaw.sin_cos();
+    [cos * x - sin * y, sin * x + cos * y, z]
+}
+
+/// The mean of what was seen.
+fn mean(points: &[Option<Point>]) -> Option<Point> {
+    let seen: Vec<Point> = points.iter().copied().flatten().collect();
+    let count = seen.len() as f32;
+    (!seen.is_empty())
+        .then(|| [0, 1, 2].map(|axis| seen.iter().map(|point| point[axis]).sum::<f32>() / count))
+}
