@@ -84,7 +84,8 @@ fn untilted_side(x: Point, y: Point) -> f64 {
     let half_sum = (x[0] * x[0] + x[1] * x[1] + y[0] * y[0] + y[1] * y[1]) / 2.0;
     let determinant = x[0] * y[1] - x[1] * y[0];
     let half_difference = (half_sum * half_sum - determinant * determinant).max(0.0).sqrt();
-    let (longer, shorter) = ((half_sum + half_difference).sqrt(), (half_sum - half_difference).max(0.0).sqrt());
+    let (longer, shorter) =
+        ((half_sum + half_difference).sqrt(), (half_sum - half_difference).max(0.0).sqrt());
     let mean = (longer + shorter) / 2.0;
     let tilt = (1.0 - shorter / longer).powi(2);
     mean + (longer - mean) * tilt / (tilt + ASPECT_NOISE * ASPECT_NOISE)

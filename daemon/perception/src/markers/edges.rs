@@ -112,7 +112,13 @@ fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64, pass: Pa
 ///
 /// A lens blurs light, and the camera turns light into grey values after that: the middle of a blurred edge is where the
 /// light is half, not where the grey value is half. In grey values a marker of 30 px would come out 0.4 px too small.
-fn step_outward(gray: &ImageView<'_>, base: Point, outward: Point, reach: f64, pass: Pass) -> Option<(f64, f64)> {
+fn step_outward(
+    gray: &ImageView<'_>,
+    base: Point,
+    outward: Point,
+    reach: f64,
+    pass: Pass,
+) -> Option<(f64, f64)> {
     let at = |offset: f64| sample(gray, [base[0] + offset * outward[0], base[1] + offset * outward[1]]);
     let steps = (reach / STEP) as i32;
     let (mut contrast, mut sum, mut moment) = (0.0, 0.0, 0.0);

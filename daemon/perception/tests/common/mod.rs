@@ -65,16 +65,19 @@ pub fn picture(
     // A pixel collects light; what it says of it is a grey value.
     let (black, white) = (light_of(light.black), light_of(light.white));
     let bench_light = (black + white) / 2.0;
-    let brightness = |bench: [f64; 2]| {
-        match markers.iter().zip(&patterns).find_map(|(marker, pattern)| marker_at(marker, pattern, bench)) {
-            Some(true) => white,
-            Some(false) => black,
-            None => bench_light,
-        }
+    let brightness = |bench: [f64; 2]| match markers
+        .iter()
+        .zip(&patterns)
+        .find_map(|(marker, pattern)| marker_at(marker, pattern, bench))
+    {
+        Some(true) => white,
+        Some(false) => black,
+        None => bench_light,
     };
     let near_a_marker = |[x, y]: [f64; 2]| {
         markers.iter().any(|marker| {
-            let [dx, dy] = [x - marker.centre_m[0] * marker.enlarged, y - marker.centre_m[1] * marker.enlarged];
+            let [dx, dy] =
+                [x - marker.centre_m[0] * marker.enlarged, y - marker.centre_m[1] * marker.enlarged];
             dx.hypot(dy) < 1.2 * marker.side_m * marker.enlarged
         })
     };
@@ -86,8 +89,10 @@ pub fn picture(
             let mut collected = bench_light;
             if near_a_marker(apply(&bench_from_image, centre)) {
                 let offset = |place: usize| (place as f64 + 0.5) / SAMPLES as f64 - 0.5;
-                let sample = |place: usize| [centre[0] + offset(place % SAMPLES), centre[1] + offset(place / SAMPLES)];
-                let lights = (0..SAMPLES * SAMPLES).map(|place| brightness(apply(&bench_from_image, sample(place))));
+                let sample =
+                    |place: usize| [centre[0] + offset(place % SAMPLES), centre[1] + offset(place / SAMPLES)];
+                let lights =
+                    (0..SAMPLES * SAMPLES).map(|place| brightness(apply(&bench_from_image, sample(place))));
                 collected = lights.sum::<f64>() / (SAMPLES * SAMPLES) as f64;
             }
             let grey = grey_of(collected) + light.noise * noise.next();

@@ -17,13 +17,19 @@ fn pixels_are_those_of_librealsense() {
     let oracle = [
         (Distortion::None, [[742.46667, 156.86667], [186.04999, 644.15002], [972.39087, 606.40454]]),
         (Distortion::BrownConrady, [[743.01257, 155.76639], [178.41153, 649.18024], [977.21643, 610.33844]]),
-        (Distortion::InverseBrownConrady, [[743.01166, 155.76819], [178.39166, 649.19263], [977.21790, 610.33954]]),
+        (
+            Distortion::InverseBrownConrady,
+            [[743.01166, 155.76819], [178.39166, 649.19263], [977.21790, 610.33954]],
+        ),
     ];
     for (distortion, wanted) in oracle {
         for (point, wanted) in POINTS.iter().zip(wanted) {
             let seen = bent(distortion).project(&Point3::from(*point)).unwrap();
             // It computes in f32.
-            assert!((seen[0] - wanted[0]).hypot(seen[1] - wanted[1]) < 2e-4, "{distortion:?} {point:?}: {seen:?}");
+            assert!(
+                (seen[0] - wanted[0]).hypot(seen[1] - wanted[1]) < 2e-4,
+                "{distortion:?} {point:?}: {seen:?}"
+            );
         }
     }
 }
@@ -54,7 +60,10 @@ fn deprojection_undoes_projection() {
             for v in (0..720).step_by(60) {
                 let pixel = [f64::from(u), f64::from(v)];
                 let back = lens.project(&lens.deproject(pixel, 0.7)).unwrap();
-                assert!((back[0] - pixel[0]).hypot(back[1] - pixel[1]) < 1e-6, "{distortion:?} {pixel:?}: {back:?}");
+                assert!(
+                    (back[0] - pixel[0]).hypot(back[1] - pixel[1]) < 1e-6,
+                    "{distortion:?} {pixel:?}: {back:?}"
+                );
             }
         }
     }

@@ -6,7 +6,10 @@ const SIDE: f64 = 0.036;
 
 /// A marker 0.7 m under the camera, tilted by `degrees` about an axis of its plane. Its z points at the camera.
 fn marker(degrees: f64, axis: f64) -> Isometry3<f64> {
-    let facing = UnitQuaternion::from_rotation_matrix(&Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+    let facing = UnitQuaternion::from_rotation_matrix(&Rotation3::from_axis_angle(
+        &Vector3::x_axis(),
+        std::f64::consts::PI,
+    ));
     let axis = nalgebra::Unit::new_normalize(Vector3::new(axis.cos(), axis.sin(), 0.0));
     let tilt = UnitQuaternion::from_axis_angle(&axis, degrees.to_radians());
     Isometry3::from_parts(Translation3::new(0.05, -0.04, 0.7), facing * tilt)
@@ -36,7 +39,10 @@ fn one_of_the_two_poses_is_the_marker_s_own() {
             let pose = marker(degrees, axis);
             let found = candidates(&corners(&pose), SIDE, &scene::rig().colour).unwrap();
             assert_eq!(found.len(), 2);
-            let best = found.iter().map(|each| each.camera_from_marker.rotation.angle_to(&pose.rotation)).fold(9.0, f64::min);
+            let best = found
+                .iter()
+                .map(|each| each.camera_from_marker.rotation.angle_to(&pose.rotation))
+                .fold(9.0, f64::min);
             assert!(best < 0.01, "{degrees} degrees about {axis}: {best} rad off");
         }
     }
@@ -66,9 +72,10 @@ fn depth_on_the_marker_tells_the_two_poses_apart() {
 fn without_depth_the_pose_of_a_moment_ago_tells() {
     let pose = marker(12.0, 0.7);
     let found = candidates(&noisy(&pose), SIDE, &scene::rig().colour).unwrap();
-    let other = found.iter().map(|each| each.camera_from_marker).max_by(|one, two| {
-        tilt_between(one, &pose).total_cmp(&tilt_between(two, &pose))
-    });
+    let other = found
+        .iter()
+        .map(|each| each.camera_from_marker)
+        .max_by(|one, two| tilt_between(one, &pose).total_cmp(&tilt_between(two, &pose)));
     for wanted in [pose, other.unwrap()] {
         let before = Before { camera_from_marker: wanted, ago_ns: 33_000_000 };
         let chosen = choose(&found, None, Some(&before)).unwrap();

@@ -55,7 +55,8 @@ pub(super) fn depth(scene: &[Rectangle]) -> Vec<u8> {
             // At depth 1, so that lengths along the ray are depths.
             let ray = rig.depth.deproject([column as f64, row as f64], 1.0).coords;
             let along = rig.colour_from_depth.rotation * ray;
-            let nearest = scene.iter().filter_map(|part| part.meet(&origin, &along)).fold(f64::INFINITY, f64::min);
+            let nearest =
+                scene.iter().filter_map(|part| part.meet(&origin, &along)).fold(f64::INFINITY, f64::min);
             let steps = if nearest.is_finite() { (nearest / UNIT_M).round() as u16 } else { 0 };
             bytes.extend(steps.to_le_bytes());
         }

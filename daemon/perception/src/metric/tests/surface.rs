@@ -88,8 +88,10 @@ fn the_bench_is_found_under_a_tilted_camera_and_behind_what_lies_on_it() {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 15_f64.to_radians());
     let bench = Isometry3::from_parts(Translation3::new(0.0, 0.0, 0.8), turn);
     let on_it = bench * Isometry3::translation(0.05, 0.05, -0.05);
-    let bytes =
-        scene::depth(&[Rectangle { pose: bench, half: [5.0, 5.0] }, Rectangle { pose: on_it, half: [0.25, 0.25] }]);
+    let bytes = scene::depth(&[
+        Rectangle { pose: bench, half: [5.0, 5.0] },
+        Rectangle { pose: on_it, half: [0.25, 0.25] },
+    ]);
     let found = sampled(&bytes, |depth| BenchFrame::from_depth(depth)).unwrap();
     for place in [[0.0, 0.0], [0.2, -0.1], [-0.3, 0.2]] {
         let seen = found.bench_from_camera * (bench * Point3::new(place[0], place[1], 0.0));
@@ -122,13 +124,18 @@ fn four_markers_at_known_places_give_the_bench_without_depth() {
         .iter()
         .map(|&[x, y]| {
             let corners = [[-0.02, 0.02], [0.02, 0.02], [0.02, -0.02], [-0.02, -0.02]];
-            let seen = |[dx, dy]: [f64; 2]| lens.project(&(camera_from_bench * Point3::new(x + dx, y + dy, 0.0))).unwrap();
+            let seen = |[dx, dy]: [f64; 2]| {
+                lens.project(&(camera_from_bench * Point3::new(x + dx, y + dy, 0.0))).unwrap()
+            };
             ([x, y], corners.map(seen))
         })
         .collect();
     let found = BenchFrame::from_markers(&markers, &lens).unwrap();
     let difference = found.bench_from_camera * camera_from_bench;
-    assert!(difference.translation.vector.norm() < 1e-4 && difference.rotation.angle() < 1e-3, "{difference}");
+    assert!(
+        difference.translation.vector.norm() < 1e-4 && difference.rotation.angle() < 1e-3,
+        "{difference}"
+    );
     assert!(BenchFrame::from_markers(&markers[..3], &lens).is_err());
     let mut wrong = markers;
     wrong[0].0 = [-0.25, -0.15];
