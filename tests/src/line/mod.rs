@@ -5,10 +5,12 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod client;
+mod journalled;
 mod process;
 mod watcher;
 
 pub use client::{Modbus, status};
+pub use journalled::Journalled;
 pub use process::{Process, andond, own_memory_kib};
 pub use watcher::{Watcher, role_id};
 
@@ -123,16 +125,35 @@ impl Line {
         process::run(command, &self.config(), arguments)
     }
 
-    /// Stops every role, the steward last, as a target does; says which did not end well.
+    /// As [`Line::stop`], without the steward: it cleans up only after those who left before it.
+    pub fn stop_all_but_steward(&mut self) -> Vec<String> {
+        self.stop_these(&ROLES[1..])
+    }
+
+    /// Stops every role along the data path, so that each takes what the one before it has sent, and the steward last;
+    /// says which did not end well.
     pub fn stop(&mut self) -> Vec<String> {
+        let mut bad = self.stop_all_but_steward();
+        bad.extend(self.stop_these(&ROLES[..1]));
+        bad
+    }
+
+    fn stop_these(&mut self, names: &[&str]) -> Vec<String> {
         let mut bad = Vec::new();
-        while let Some(role) = self.roles.pop_if(|_| true) {
-            let name = role.role;
-            if let Err(how) = role.stop() {
+        for &name in names {
+            let Some(place) = self.roles.iter().position(|role| role.role == name) else { continue };
+            if let Err(how) = self.roles.remove(place).stop() {
                 bad.push(format!("{name}: {how}"));
             }
         }
         bad
+    }
+
+    /// What the journal holds, by the real command.
+    pub fn journal(&self) -> Journalled {
+        let output = self.command("history", &["--csv"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Journalled::read(&String::from_utf8(output.stdout).unwrap())
     }
 
     /// Files of this station in /dev/shm.

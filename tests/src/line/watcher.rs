@@ -66,6 +66,17 @@ impl Watcher {
         })
     }
 
+    /// Epoch and `seq` of the newest verdict.
+    pub fn heard_newest(&self) -> Option<(u64, u64)> {
+        self.heard.last().map(|verdict| (verdict.stamp.epoch, verdict.stamp.seq))
+    }
+
+    /// For whoever listens for hours.
+    pub fn forget_all_but_newest(&mut self) {
+        let from = self.heard.len().saturating_sub(1);
+        self.heard.drain(..from);
+    }
+
     fn words(&self) -> Vec<String> {
         let word = |health: &Health| {
             let state = RoleState::try_from(health.state).map_or("?", RoleState::name);

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use andon_ipc::{Node, Reader, Wake, Writer};
 use shm_schemas::{Confirmed as Message, Verdict};
 
+use super::clock::ClockWatch;
 use super::{Pulse, RoleError, WAIT};
 use crate::config::Config;
 use crate::journal::{Confirmed, Journal, JournalError, Retention};
@@ -16,6 +17,7 @@ const TRY_AGAIN: Duration = Duration::from_millis(250);
 /// Runs until it is asked to stop. What is on the channel then is written first.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut keeper = Keeper::open(node, config)?;
+    let mut clock = ClockWatch::new();
     loop {
         let wake = keeper.wait()?;
         keeper.take()?;
@@ -23,6 +25,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         if wake == Wake::Stop {
             return Ok(());
         }
+        clock.look();
         keeper.pulse.losses(keeper.verdicts.lost(), keeper.verdicts.restarts());
         // On a bench where nobody works there are no verdicts; the judge's own health tells whether it lives.
         keeper.pulse.beat(if wake == Wake::DeadlineMissed { &Wake::Room } else { &wake })?;

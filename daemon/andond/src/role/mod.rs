@@ -1,6 +1,7 @@
 //! The processes of the line, one file a role, in the order of the data path. Each receives, steps and publishes.
 
 pub mod capture;
+mod clock;
 mod encode;
 mod error;
 mod journal;

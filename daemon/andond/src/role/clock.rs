@@ -1,0 +1,51 @@
+//! Finds steps of the machine's clock: verdicts carry UTC times, and whoever reads them must know when these jumped.
+
+use andon_ipc::{monotonic_ns, utc_ns};
+
+use crate::log::{code, log};
+
+/// A time service that slews moves the clock by half a millisecond a second; a second at once is a step.
+const STEP_NS: i128 = 1_000_000_000;
+
+/// Looks at UTC beside the monotonic clock, which nobody can set.
+pub(super) struct ClockWatch {
+    /// UTC minus monotonic, nanoseconds.
+    offset_ns: i128,
+}
+
+impl ClockWatch {
+    pub(super) fn new() -> Self {
+        Self { offset_ns: offset_ns() }
+    }
+
+    /// Looks again, and logs a step.
+    pub(super) fn look(&mut self) {
+        if let Some(step_ns) = self.step(offset_ns()) {
+            log!(code::CLOCK_STEPPED, "the clock was stepped by {:+.1} s", step_ns as f64 / 1e9);
+        }
+    }
+
+    /// How far the clock was stepped since the last look. What it drifts in between is followed.
+    fn step(&mut self, offset_ns: i128) -> Option<i128> {
+        let step_ns = offset_ns - std::mem::replace(&mut self.offset_ns, offset_ns);
+        (step_ns.abs() >= STEP_NS).then_some(step_ns)
+    }
+}
+
+fn offset_ns() -> i128 {
+    i128::from(utc_ns()) - i128::from(monotonic_ns())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_forth_and_back_is_told_once_each_and_drift_is_not() {
+        let mut watch = ClockWatch { offset_ns: 0 };
+        assert_eq!(watch.step(400_000_000), None, "drift");
+        assert_eq!(watch.step(3_600_400_000_000), Some(3_600_000_000_000));
+        assert_eq!(watch.step(3_600_400_000_000), None);
+        assert_eq!(watch.step(400_000_000), Some(-3_600_000_000_000));
+    }
+}

@@ -1,0 +1,68 @@
+//! A PLC that polls: what it could know of the line at any time.
+
+use andon_ipc::monotonic_ns;
+use andon_tests::line::{Modbus, status};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// A scan of a PLC.
+const SCAN: Duration = Duration::from_millis(5);
+/// An answer that takes longer is none: the PLC's own timeout.
+const TIMEOUT: Duration = Duration::from_millis(500);
+
+/// Polls the status word until it is stopped.
+pub(crate) struct Plc {
+    /// When it last saw the line ready, and when not.
+    ready_ns: Arc<AtomicU64>,
+    not_ready_ns: Arc<AtomicU64>,
+    end: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Plc {
+    pub(crate) fn watch(port: u16) -> Self {
+        let (ready_ns, not_ready_ns) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicU64::new(0)));
+        let end = Arc::new(AtomicBool::new(false));
+        let (ready, not_ready, stop) = (Arc::clone(&ready_ns), Arc::clone(&not_ready_ns), Arc::clone(&end));
+        let poll = move || {
+            let mut client = None;
+            while !stop.load(Ordering::Relaxed) {
+                let asked = Instant::now();
+                client = client.or_else(|| Modbus::connect(port).ok());
+                let answer = client.as_mut().map(Modbus::status);
+                let well = matches!(answer, Some(Ok(word)) if word & status::READY != 0);
+                if !matches!(answer, Some(Ok(_))) {
+                    client = None;
+                }
+                let seen = if well && asked.elapsed() < TIMEOUT { &ready } else { &not_ready };
+                seen.store(monotonic_ns(), Ordering::Relaxed);
+                std::thread::sleep(SCAN);
+            }
+        };
+        Self { ready_ns, not_ready_ns, end, thread: Some(std::thread::spawn(poll)) }
+    }
+
+    /// Waits until the line is ready; panics after a minute.
+    pub(crate) fn until_ready(&self) {
+        let began_ns = monotonic_ns();
+        let until = Instant::now() + Duration::from_secs(60);
+        while self.ready_ns.load(Ordering::Relaxed) < began_ns {
+            assert!(Instant::now() < until, "the PLC does not see the line ready again");
+            std::thread::sleep(SCAN);
+        }
+    }
+
+    /// Whether it saw the line not ready since then.
+    pub(crate) fn dropped_since(&self, ns: u64) -> bool {
+        self.not_ready_ns.load(Ordering::Relaxed) > ns
+    }
+
+    pub(crate) fn stop(&mut self) {
+        self.end.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().unwrap();
+        }
+    }
+}

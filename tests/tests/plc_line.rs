@@ -1,0 +1,157 @@
+//! The PLC's view of a whole line: results only after the journal has them, by clients that others wrote too.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_tests::line::{Line, Modbus, Settings, Watcher, status};
+use rustix::process::Signal;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Duration;
+
+const ENABLE: u16 = 1;
+const ACKNOWLEDGE: u16 = 16;
+
+/// A line at the worker's own pace, ready.
+fn ready(writes: bool) -> (Line, Watcher, Modbus) {
+    let mut line = Line::new(Settings { at_full_speed: false, repeat: true, writes, ..Settings::default() });
+    line.start("steward");
+    let watcher = Watcher::join(&line.station);
+    line.start_all_but(&["steward"]);
+    let mut plc = Modbus::wait(line.port);
+    if writes {
+        plc.write(100, ENABLE).unwrap();
+    }
+    plc.wait_for(status::ONLINE | status::READY);
+    (line, watcher, plc)
+}
+
+/// Epoch and `seq` of the result on the registers, which the map puts at 38 and 42.
+fn offered(plc: &mut Modbus) -> (u64, u64) {
+    let words = plc.read(38, 8).unwrap();
+    let number = |words: &[u16]| words.iter().fold(0, |number, word| number << 16 | u64::from(*word));
+    (number(&words[..4]), number(&words[4..]))
+}
+
+#[test]
+fn a_result_is_offered_only_once_the_journal_has_it() {
+    let (mut line, mut watcher, mut plc) = ready(false);
+    line.role("journal").signal(Signal::STOP);
+    let before = watcher.heard.len();
+    watcher.until("a verdict that the journal cannot take", |watcher| watcher.heard.len() > before + 1);
+    let unwritten = watcher.heard_newest().unwrap();
+    for _ in 0..20 {
+        assert!(offered(&mut plc) < unwritten, "a result is offered that is not on disk");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    line.role("journal").signal(Signal::CONT);
+    let until = std::time::Instant::now() + Duration::from_secs(60);
+    while offered(&mut plc) < unwritten {
+        assert!(std::time::Instant::now() < until, "the result is never offered");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(line.journal().verdicts().contains(&unwritten));
+}
+
+#[test]
+fn each_acknowledged_result_is_the_next_verdict_of_the_journal() {
+    let (line, _watcher, mut plc) = ready(true);
+    let mut taken = Vec::new();
+    for _ in 0..4 {
+        plc.wait_for(status::DONE);
+        taken.push(offered(&mut plc));
+        plc.write(100, ENABLE | ACKNOWLEDGE).unwrap();
+        plc.write(100, ENABLE).unwrap();
+    }
+    let rows = line.journal().verdicts();
+    let from = rows.iter().position(|row| *row == taken[0]).unwrap();
+    assert_eq!(&rows[from..from + taken.len()], taken);
+}
+
+#[test]
+fn ready_drops_when_a_role_is_killed_and_comes_back_with_it() {
+    let (mut line, _watcher, mut plc) = ready(false);
+    for role in ["perceive", "encode", "judge", "journal", "steward"] {
+        line.role(role).kill();
+        let until = std::time::Instant::now() + Duration::from_secs(60);
+        while plc.status().unwrap() & status::READY != 0 {
+            assert!(std::time::Instant::now() < until, "{role} is gone and the line is ready");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        line.start(role);
+        plc.wait_for(status::READY);
+    }
+    let log = line.log("plc");
+    assert!(log.contains("AND-510") && log.contains("AND-509"), "{log}");
+}
+
+fn said(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+#[test]
+fn mbpoll_reads_the_status_word_of_a_ready_line() {
+    if Command::new("mbpoll").arg("-h").output().is_err() {
+        println!("SKIPPED: mbpoll is not installed (apt install mbpoll)");
+        return;
+    }
+    let (line, _watcher, _plc) = ready(false);
+    let port = line.port.to_string();
+    let output = Command::new("mbpoll")
+        .args(["-m", "tcp", "-p", &port, "-t", "4", "-0", "-r", "0", "-c", "1", "-1", "127.0.0.1"])
+        .output()
+        .unwrap();
+    let text = said(&output);
+    let word = text.lines().find_map(|row| row.strip_prefix("[0]:")).map(|word| word.trim().parse::<u16>());
+    assert!(matches!(word, Some(Ok(word)) if word & status::READY != 0), "{text}");
+}
+
+/// A Python with pymodbus, made once under `target`. `None`, and a word why, where no registry can be reached.
+fn python() -> Option<PathBuf> {
+    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("line-venv");
+    let python = venv.join("bin/python");
+    let has =
+        || Command::new(&python).args(["-c", "import pymodbus"]).output().is_ok_and(|o| o.status.success());
+    if has() {
+        return Some(python);
+    }
+    let made = Command::new("python3").args(["-m", "venv", "--clear"]).arg(&venv).output().unwrap();
+    assert!(made.status.success(), "python3 -m venv failed (apt install python3-venv?): {}", said(&made));
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "pymodbus==3.16.1"];
+    let pip = Command::new(&python).args(pip).output().unwrap();
+    if !pip.status.success() {
+        println!("SKIPPED: pip cannot install pymodbus: {}", said(&pip));
+        return None;
+    }
+    has().then_some(python)
+}
+
+/// Reads results and acknowledges them, after the register map alone.
+const PYMODBUS: &str = r#"
+import sys, time
+from pymodbus.client import ModbusTcpClient
+client = ModbusTcpClient("127.0.0.1", port=int(sys.argv[1]))
+assert client.connect()
+client.write_register(100, 1)
+numbers = []
+until = time.monotonic() + 60
+while len(numbers) < 3:
+    assert time.monotonic() < until, "no result"
+    words = client.read_holding_registers(0, count=48).registers
+    if not words[0] & 8:
+        time.sleep(0.01)
+        continue
+    first, again = words[11:13], words[46:48]
+    assert first == again, "torn"
+    numbers.append(first[0] << 16 | first[1])
+    client.write_register(100, 1 | 16)
+    client.write_register(100, 1)
+assert numbers == list(range(numbers[0], numbers[0] + 3)), numbers
+print("taken", numbers)
+"#;
+
+#[test]
+fn pymodbus_takes_results_in_order() {
+    let Some(python) = python() else { return };
+    let (line, _watcher, _plc) = ready(true);
+    let output = Command::new(python).args(["-c", PYMODBUS, &line.port.to_string()]).output().unwrap();
+    assert!(output.status.success() && said(&output).contains("taken"), "{}", said(&output));
+}
