@@ -32,3 +32,15 @@ deny:
 test: setup test-packages lint
 	cargo build --locked --workspace --bins
 	cargo test --locked --workspace
+
+# Kills, stops and restarts every role at random, 1,000 kills; writes target/chaos/report.json.
+chaos: line
+	target/release/chaos
+
+# Plays 2.6 million frames, a day at 30 Hz, at full speed; writes target/soak/report.json.
+soak: line
+	target/release/soak
+
+.PHONY: line chaos soak
+line: packages
+	cargo build --release --locked -p andond -p andon-tests --bins
