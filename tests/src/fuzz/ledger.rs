@@ -65,6 +65,8 @@ impl Ledger {
         }
     }
 
+    // A check that fails ends the run, as the assertions around it do.
+    #[allow(clippy::panic)]
     fn check_iu(&self, iu: &Verdict, stretches: &[Stretch], activities: &[&Verdict]) {
         let its = |activity: &&&Verdict| activity.activity == iu.activity && activity.began_ns <= iu.began_ns;
         assert!(activities.iter().any(|activity| its(&activity)), "an IU without an activity: {iu:?}");

@@ -5,15 +5,15 @@ use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
 use std::path::PathBuf;
 
 /// Frames a second.
-pub const RATE_HZ: f32 = 60.0;
+pub(crate) const RATE_HZ: f32 = 60.0;
 
 /// Markers in the order of the columns: hand top, right, left, thumb, index, middle, box back, left.
 const MARKERS: usize = 8;
 
 /// What stands on the bench.
-pub const BOX: u16 = 1;
-pub const TABLE: u16 = 2;
-pub const SHELF: u16 = 3;
+pub(crate) const BOX: u16 = 1;
+pub(crate) const TABLE: u16 = 2;
+pub(crate) const SHELF: u16 = 3;
 
 /// Where the hand takes the box, in its frame: the middle of the finger tips while it moves, in the middle of the runs.
 const GRASP: Point = [0.01, 0.115, 0.0];
@@ -31,7 +31,7 @@ struct Instant {
 
 /// One run.
 #[derive(Clone, Debug)]
-pub struct Capture {
+pub(crate) struct Capture {
     instants: Vec<Instant>,
     labels: Vec<(String, i64, i64)>,
     /// Turn of everything about the vertical, in radians.
@@ -44,7 +44,7 @@ fn folder() -> PathBuf {
 
 impl Capture {
     /// Reads a run, 1 to 9.
-    pub fn read(run: u32) -> Self {
+    pub(crate) fn read(run: u32) -> Self {
         let text = std::fs::read_to_string(folder().join(format!("tracks/subject1_run{run}.csv"))).unwrap();
         let labels = std::fs::read_to_string(
             folder().join(format!("labels/subject1_run{run}_manually_segmented.json")),
@@ -73,13 +73,13 @@ impl Capture {
     }
 
     /// Ends after the box has been brought to the table.
-    pub fn without_second_half(self) -> Self {
+    pub(crate) fn without_second_half(self) -> Self {
         let last = self.label("move_to_rest_right").1;
         self.keep(|number| number <= last)
     }
 
     /// First back to the shelf, then to the table.
-    pub fn halves_swapped(self) -> Self {
+    pub(crate) fn halves_swapped(self) -> Self {
         let middle = self.label("move_to_rest_right").1;
         let mut second = self.clone().keep(|number| number > middle);
         second.instants.extend(self.keep(|number| number <= middle).instants);
@@ -87,19 +87,19 @@ impl Capture {
     }
 
     /// Ends in the middle of the way back to the shelf.
-    pub fn cut_short(self) -> Self {
+    pub(crate) fn cut_short(self) -> Self {
         let (from, to) = self.label("move_obj_shelf");
         self.keep(|number| number <= (from + to) / 2)
     }
 
     /// With the whole bench turned by 30 degrees about the vertical.
-    pub fn turned(mut self) -> Self {
+    pub(crate) fn turned(mut self) -> Self {
         self.yaw = 30_f32.to_radians();
         self
     }
 
     /// As a tracker would have it.
-    pub fn recording(&self) -> Recording {
+    pub(crate) fn recording(&self) -> Recording {
         let frames = self.instants.iter().enumerate().map(|(place, instant)| self.frame(place, instant));
         Recording { header: header(), frames: frames.collect(), truncation: None }
     }
