@@ -180,7 +180,8 @@ fn strangers_and_one_connection_too_many_are_refused() {
 
     let server = TestServer::start(Config { connections: 2, ..config() });
     let (mut first, mut second) = (server.client(), server.client());
-    (first.read(0, 1), second.read(0, 1));
+    first.read(0, 1);
+    second.read(0, 1);
     assert_eq!(ask_or_closed(server.client()), None);
     drop(second);
     let until = std::time::Instant::now() + PATIENCE;
