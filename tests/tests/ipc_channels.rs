@@ -1,4 +1,5 @@
 //! What ports promise each other, in one process.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod ipc_support;
 

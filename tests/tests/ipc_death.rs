@@ -1,4 +1,5 @@
 //! Processes that are killed, at work and while starting.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod ipc_support;
 

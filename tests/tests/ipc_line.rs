@@ -1,4 +1,5 @@
 //! The whole line, each stage in a process of its own.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod ipc_support;
 
