@@ -44,6 +44,7 @@ fn run(command: Command) -> Result<ExitCode, Failure> {
         Command::Tail(arguments) => tool::tail::run(&arguments).map(ExitCode::from),
         Command::Status(arguments) => tool::status::run(&arguments).map(ExitCode::from),
         Command::History(arguments) => tool::history::run(&arguments).map(ExitCode::from),
-        _ => Ok(Code::Usage.into()),
+        Command::Analyze(arguments) => tool::analyze::run(&arguments).map(ExitCode::from),
+        Command::Experiment(arguments) => tool::experiment::run(&arguments).map(ExitCode::from),
     }
 }

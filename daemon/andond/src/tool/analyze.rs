@@ -1,12 +1,12 @@
 //! `andond analyze`: which interactions of a folder are alike, as a report.
 
 use andon_learn::analysis::{Analysis, Kind, report};
-use andon_learn::folder::Labelled;
 use andon_learn::experiment::experiment_1;
+use andon_learn::folder::Labelled;
 use andon_learn::teach::TeachOptions;
 
-use super::experiment::{SEED, failure, is_experiment_1, method, read, share};
 use super::Failure;
+use super::experiment::{SEED, failure, is_experiment_1, method, read, share};
 use crate::cli::Analyze;
 use crate::exit::Code;
 
@@ -19,7 +19,7 @@ pub fn run(arguments: &Analyze) -> Result<Code, Failure> {
     let all: Vec<Labelled> = read(&arguments.recordings, &method)?;
     let cost = TeachOptions::new("", "", method).cost;
     let bar = share("clustering");
-    let mut progress = |done| bar.set_position((100.0 * done) as u64);
+    let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
     // The first experiment compares six kinds of its own, and has drilling beside them.
     let (analysis, drilling) = if is_experiment_1(&all) {
         let one = experiment_1(&all, &method, cost, SEED, &mut progress).map_err(failure)?;

@@ -24,14 +24,14 @@ pub fn run(arguments: &Experiment) -> Result<Code, Failure> {
     let method = method(&arguments.recordings)?;
     let all = read(&arguments.recordings, &method)?;
     let bar = share("computing");
-    let mut progress = |done| bar.set_position((100.0 * done) as u64);
+    let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
     let text = if arguments.number == 1 {
         let cost = TeachOptions::new("", "", method).cost;
         experiment_1(&all, &method, cost, SEED, &mut progress).map_err(failure)?.to_string()
     } else {
         let splits = [Split::Random, Split::LeavePersonOut];
-        let outcomes =
-            experiment_2(&all, &method, &Variation::ladder(), &splits, SEED, &mut progress).map_err(failure)?;
+        let outcomes = experiment_2(&all, &method, &Variation::ladder(), &splits, SEED, &mut progress)
+            .map_err(failure)?;
         Table::new(&outcomes).to_string()
     };
     bar.finish_and_clear();

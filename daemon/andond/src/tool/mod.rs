@@ -1,9 +1,11 @@
 //! What a person runs, one file a command.
 
+pub mod analyze;
 pub mod calibrate;
 pub mod check;
 pub mod config;
 pub mod demo;
+pub mod experiment;
 pub mod history;
 mod job;
 mod join;
