@@ -33,6 +33,10 @@ test: setup test-packages lint
 	cargo build --locked --workspace --bins
 	cargo test --locked --workspace
 
+# Prints one table and writes target/bench/report.json. The Python peers are fetched once, into target/bench/venv.
+bench: test-packages
+	python3 tests/benches/report.py
+
 # Kills, stops and restarts every role at random, 1,000 kills; writes target/chaos/report.json.
 chaos: line
 	target/release/chaos

@@ -105,6 +105,40 @@ fn online(c: &mut Criterion) {
     });
 }
 
+/// All distances between 240 IUs, as clustering needs them. The IUs and the sum of the distances are left for the peer in `report.py`.
+fn matrix(c: &mut Criterion) {
+    let mut random = oorandom::Rand32::new(240);
+    let ius: Vec<Vec<Motion>> = (0..240).map(|_| iu(&mut random)).collect();
+    let costs = LocalCosts::new(LocalCost::Ordinal);
+    let mut scratch = Box::<Scratch>::default();
+    let mut sum = || -> f64 {
+        let pairs =
+            ius.iter().enumerate().flat_map(|(place, a)| ius[place + 1..].iter().map(move |b| (a, b)));
+        pairs.map(|(a, b)| distance(&costs, a, b, &mut scratch).unwrap()).sum()
+    };
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/bench");
+    std::fs::create_dir_all(folder).unwrap();
+    let plain: Vec<Vec<[i8; 7]>> = ius.iter().map(|iu| iu.iter().map(|motion| motion.0).collect()).collect();
+    let left = serde_json::json!({ "ius": plain, "sum": sum() });
+    std::fs::write(format!("{folder}/matrix.json"), left.to_string()).unwrap();
+    let mut group = c.benchmark_group("matrix");
+    group.sample_size(10).bench_function("240", |bench| bench.iter(&mut sum));
+    group.finish();
+}
+
+/// 60 to 180 frames of plane motion, each kept for 1 to 12 frames.
+fn iu(random: &mut oorandom::Rand32) -> Vec<Motion> {
+    let frames = random.rand_range(60..181) as usize;
+    let mut motions = Vec::new();
+    while motions.len() < frames {
+        let mut below = |count: u32| random.rand_range(0..count) as i8;
+        let motion = Motion([below(3) - 1, 0, below(9), below(2), 0, below(9), below(2)]);
+        motions.extend(std::iter::repeat_n(motion, 1 + below(12) as usize));
+    }
+    motions.truncate(frames);
+    motions
+}
+
 /// The processor's clock: 1,000 multiplications that wait for each other, three cycles each.
 fn clock(c: &mut Criterion) {
     c.bench_function("multiplications_1000", |bench| {
@@ -115,6 +149,6 @@ fn clock(c: &mut Criterion) {
 criterion_group! {
     name = dtw;
     config = Criterion::default().warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1)).without_plots();
-    targets = clock, batch, online
+    targets = clock, batch, online, matrix
 }
 criterion_main!(dtw);

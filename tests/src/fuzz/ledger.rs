@@ -71,7 +71,9 @@ impl Ledger {
         let its = |activity: &&&Verdict| activity.activity == iu.activity && activity.began_ns <= iu.began_ns;
         assert!(activities.iter().any(|activity| its(&activity)), "an IU without an activity: {iu:?}");
         let at = |stretch: &&Stretch| stretch.began_ns <= iu.began_ns && iu.began_ns <= stretch.newest_ns;
-        let Some(stretch) = stretches.iter().find(at) else { panic!("an IU that was not seen: {iu:?}") };
+        let stretch = stretches.iter().find(at);
+        assert!(stretch.is_some(), "an IU that was not seen: {iu:?}");
+        let Some(stretch) = stretch else { return };
         assert_eq!(stretch.context, iu.context, "{iu:?}");
         assert!(stretch.began_ns == iu.began_ns || self.commanded, "an IU begins with its context: {iu:?}");
         if iu.kind == Kind::IuOk && stretch.began_ns == iu.began_ns {
