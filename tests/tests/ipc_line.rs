@@ -26,7 +26,9 @@ fn a_slow_journal_holds_back_the_film_and_nothing_is_lost_anywhere() {
         assert_eq!(stage.number("lost"), 0);
         assert_eq!(stage.number("received"), FRAMES);
     }
-    stages.map(|stage| stage.stop());
+    for stage in stages {
+        stage.stop();
+    }
     steward.stop();
 }
 
