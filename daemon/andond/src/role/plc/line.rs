@@ -52,6 +52,10 @@ impl Watch {
     /// A role told how it is.
     pub(super) fn heard(&mut self, health: &Health) {
         if let Some(seen) = self.roles.iter_mut().find(|seen| seen.role.code() == health.role) {
+            // One that came back at once has been gone all the same.
+            if seen.newest.is_some_and(|known| known.stamp.epoch != health.stamp.epoch) {
+                self.gone_ns = self.gone_ns.max(health.stamp.sent_ns);
+            }
             seen.newest = Some(*health);
         }
     }
@@ -164,6 +168,16 @@ mod tests {
             watch.heard(&health(*role, RoleState::Running, 10 * S + 3));
         }
         assert_eq!(watch.line(10 * S + 4), Line::Ready);
+    }
+
+    #[test]
+    fn a_role_that_comes_back_unnoticed_has_been_gone() {
+        let mut watch = well();
+        assert_eq!(watch.line(10 * S), Line::Ready);
+        let mut again = health(RoleId::Steward, RoleState::Running, 10 * S + 1);
+        again.stamp.epoch = 7;
+        watch.heard(&again);
+        assert_eq!(fault_of(watch.line(10 * S + 2)), Some(Fault::Role));
     }
 
     #[test]
