@@ -1,6 +1,6 @@
 //! Markers, from drawn pictures to metres on the bench. No hand is wanted, so no model is needed.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 

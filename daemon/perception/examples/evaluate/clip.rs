@@ -15,10 +15,13 @@ pub(crate) struct Change {
     pub(crate) jpeg: Option<u8>,
 }
 
+/// Landmarks in MediaPipe's order.
+pub(crate) type Landmarks = [[f64; 2]; 21];
+
 /// What is true of a frame, in the changed picture.
 pub(crate) struct TruthFrame {
     /// Landmarks in pixels and in metres.
-    pub(crate) hand: Option<([[f64; 2]; 21], [[f64; 2]; 21])>,
+    pub(crate) hand: Option<(Landmarks, Landmarks)>,
     pub(crate) objects: Vec<TruthObject>,
 }
 

@@ -92,7 +92,7 @@ fn the_bench_is_found_under_a_tilted_camera_and_behind_what_lies_on_it() {
         Rectangle { pose: bench, half: [5.0, 5.0] },
         Rectangle { pose: on_it, half: [0.25, 0.25] },
     ]);
-    let found = sampled(&bytes, |depth| BenchFrame::from_depth(depth)).unwrap();
+    let found = sampled(&bytes, BenchFrame::from_depth).unwrap();
     for place in [[0.0, 0.0], [0.2, -0.1], [-0.3, 0.2]] {
         let seen = found.bench_from_camera * (bench * Point3::new(place[0], place[1], 0.0));
         assert!(seen.z.abs() < 0.001, "{place:?}: {seen}");
@@ -111,7 +111,7 @@ fn a_wall_is_no_bench() {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 70_f64.to_radians());
     let wall = Isometry3::from_parts(Translation3::new(0.0, 0.0, 1.0), turn);
     let bytes = scene::depth(&[Rectangle { pose: wall, half: [5.0, 5.0] }]);
-    assert!(sampled(&bytes, |depth| BenchFrame::from_depth(depth)).is_err());
+    assert!(sampled(&bytes, BenchFrame::from_depth).is_err());
 }
 
 #[test]
