@@ -27,6 +27,7 @@ lint:
 
 deny:
 	@command -v cargo-deny >/dev/null || cargo install --locked cargo-deny
+	cargo fetch --locked
 	cargo deny --offline --locked check bans licenses sources
 
 test: setup test-packages lint
