@@ -1,4 +1,5 @@
 //! Tests that need more than one crate, and their equipment.
+#![forbid(unsafe_code)]
 
 pub mod fuzz;
 pub mod line;

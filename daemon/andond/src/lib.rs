@@ -3,6 +3,7 @@
 //! Along the data path: [`video`] pictures in → [`perception`] as configured → [`role`] one process each → [`wire`] what
 //! crosses shared memory → [`report`] verdicts for people and programs. [`recording`] and [`tool`] run the same code over
 //! files, and [`picture`] draws it. [`cli`], [`config`], [`exit`] and [`log`] serve them all.
+#![forbid(unsafe_code)]
 
 pub mod cli;
 pub mod config;

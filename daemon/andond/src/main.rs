@@ -1,4 +1,5 @@
 //! `andond`: one binary, one role a process, one file a command.
+#![forbid(unsafe_code)]
 
 use std::process::ExitCode;
 

@@ -2,6 +2,7 @@
 //!
 //! `andond-video decode FILE` and `andond-video encode FILE` serve the tools over a pipe (see [`andond::video`]);
 //! `andond-video run capture` is that role, into which `andond run capture` turns itself.
+#![forbid(unsafe_code)]
 
 mod sources;
 
