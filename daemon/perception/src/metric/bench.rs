@@ -11,8 +11,8 @@ use super::pose;
 /// Every so many pixels of the depth picture are enough: 4800 points of 640 x 480.
 const STEP: usize = 8;
 
-/// The bench must be this share of what the depth camera sees.
-const LEAST_SHARE: f64 = 0.4;
+/// The bench must be this share of what the depth camera sees: a plane under less of it is not found for certain.
+const LEAST_SHARE: f64 = 0.5;
 
 /// A bench is flat to this, in metres: the noise of a D435i at 1 m.
 const MOST_RMS_M: f64 = 0.006;

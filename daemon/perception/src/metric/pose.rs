@@ -12,7 +12,8 @@ use super::depth::Patch;
 use super::lens::Lens;
 use crate::error::{PerceptionError, while_doing};
 
-/// Corners are found to this, in pixels (DESIGN 7).
+/// Standard deviation of a corner along each axis of the picture, in pixels: 0.02 where it is sharp (DESIGN 7), more in
+/// motion and in noise.
 const CORNER_PX: f64 = 0.1;
 
 /// How well the corners tell the tilt of a marker of 30 px, in radians: 4 degrees, from `CORNER_PX` and the perspective
@@ -25,8 +26,9 @@ const TURN_RATE: f64 = 4.0;
 /// An older pose tells nothing, in nanoseconds.
 const REMEMBERED_NS: u64 = 500_000_000;
 
-/// Where the two poses cost as little as this more than one another, which is right is not known.
-const CLEAR: f64 = 2.0;
+/// Where the two poses cost as little as this more than one another, which is right is not known: the cost is -2 ln of a
+/// likelihood, and this is 99 to 1, 2 ln 99.
+const CLEAR: f64 = 9.2;
 
 /// A pose that fits the corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,8 +96,10 @@ fn cost(candidate: &Candidate, patch: Option<&Patch>, before: Option<&Before>) -
         patch.map_or(0.0, |patch| (normal.angle(&patch.normal) / tilt_of(patch).hypot(CORNERS_TILT)).powi(2));
     let time = before.map_or(0.0, |before| {
         let turned = candidate.camera_from_marker.rotation.angle_to(&before.camera_from_marker.rotation);
-        let may_turn = CORNERS_TILT + TURN_RATE * before.ago_ns as f64 * 1e-9;
-        (turned / may_turn).powi(2)
+        // Both poses are measured. Any turn up to the greatest is as likely: its deviation is that over the root of 3.
+        let measured = CORNERS_TILT * f64::sqrt(2.0);
+        let turn = TURN_RATE * before.ago_ns as f64 * 1e-9 / f64::sqrt(3.0);
+        (turned / measured.hypot(turn)).powi(2)
     });
     corners + depth + time
 }
