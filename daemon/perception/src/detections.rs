@@ -1,5 +1,6 @@
 //! What was seen in one frame.
 
+use crate::held::PlacedObject;
 use heapless::Vec;
 
 /// Hands in one frame: one worker, two hands.
@@ -91,6 +92,8 @@ pub struct Detections {
     pub hands: Vec<HandDetection, HANDS>,
     /// At most one an id, only ids that are configured, in order of their ids.
     pub objects: Vec<ObjectDetection, OBJECTS>,
+    /// Carried objects whose markers are hidden, placed by the motion of the hand: none of them is in `objects`.
+    pub held: Vec<PlacedObject, OBJECTS>,
     /// What else there is to know.
     pub flags: Flags,
     /// Where the time went.

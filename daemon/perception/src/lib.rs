@@ -3,7 +3,8 @@
 //! The data path, in the order of the modules:
 //!
 //! [`image`] a frame, read in place → [`markers`] corners in pixels, [`hands`] landmarks in pixels →
-//! [`bench`] metres in the bench frame → [`detections`], all of it put together by the [`Perceiver`].
+//! [`bench`] metres in the bench frame → [`held`] what a hand carries and hides → [`detections`], all of it put together by
+//! the [`Perceiver`].
 //!
 //! Bench frame: metres, x right in the picture, y up in the picture (away from the worker), z towards the camera.
 //! Pixels: x right, y down, the centre of the first pixel at (0, 0).
@@ -17,6 +18,7 @@ pub mod config;
 pub mod detections;
 pub mod error;
 pub mod hands;
+pub mod held;
 pub mod image;
 pub mod markers;
 pub mod metric;

@@ -2,9 +2,10 @@
 
 use crate::bench::Bench;
 use crate::config::{HandsConfig, PerceptionConfig};
-use crate::detections::{Detections, Flags, HandDetection, OBJECTS, ObjectDetection, Side, Spent};
+use crate::detections::{Detections, Flags, HANDS, HandDetection, OBJECTS, ObjectDetection, Side, Spent};
 use crate::error::PerceptionError;
 use crate::hands::{OnnxModels, Tracker};
+use crate::held::{Held, PlacedHand, PlacedObject};
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
 use std::time::Instant;
@@ -18,6 +19,7 @@ pub struct Perceiver {
     /// None where no hand is wanted.
     hands: Option<Tracker<OnnxModels>>,
     bench: Bench,
+    held: Held,
 }
 
 impl Perceiver {
@@ -39,6 +41,7 @@ impl Perceiver {
             markers: Markers::new(&config.markers)?,
             hands,
             bench: Bench::new(&config.bench, &config.markers.objects),
+            held: Held::default(),
         })
     }
 
@@ -56,7 +59,23 @@ impl Perceiver {
         let mut detections = Detections { frame_seq, captured_ns, ..Detections::default() };
         self.perceive_objects(&image, &mut detections)?;
         self.perceive_hands(&image, &mut detections)?;
+        self.follow_what_is_held(&mut detections);
         Ok(detections)
+    }
+
+    fn follow_what_is_held(&mut self, detections: &mut Detections) {
+        let hand = |hand: &HandDetection| PlacedHand {
+            side: hand.side,
+            landmarks_m: hand.landmarks_m.map(|[x, y]| [x, y, 0.0]),
+        };
+        let object = |object: &ObjectDetection| PlacedObject {
+            id: object.id,
+            position_m: object.position_m,
+            orientation: object.orientation,
+        };
+        let hands: heapless::Vec<_, HANDS> = detections.hands.iter().map(hand).collect();
+        let objects: heapless::Vec<_, OBJECTS> = detections.objects.iter().map(object).collect();
+        detections.held = self.held.step(detections.captured_ns, &hands, &objects);
     }
 
     fn perceive_objects(

@@ -1,0 +1,99 @@
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+
+const FRAME_NS: u64 = 33_333_333;
+
+/// A hand that points away from the worker, as it lies when `pose` has moved it.
+fn hand(pose: &Isometry3<f64>) -> PlacedHand {
+    let landmarks_m = std::array::from_fn(|k| {
+        let (finger, joint) = (k.saturating_sub(1) / 4, k.saturating_sub(1) % 4);
+        let at = Point3::new(0.02 * finger as f64 - 0.04, 0.08 + 0.025 * joint as f64, 0.01 * joint as f64);
+        (pose * if k == 0 { Point3::origin() } else { at }).coords.map(|value| value as f32).into()
+    });
+    PlacedHand { side: Side::Right, landmarks_m }
+}
+
+/// An object before the fingers, moved by `pose`.
+fn object(pose: &Isometry3<f64>) -> PlacedObject {
+    let own = Isometry3::from_parts(
+        Translation3::new(0.03, 0.2, 0.02),
+        UnitQuaternion::from_euler_angles(0.1, 0.0, 0.5),
+    );
+    let Isometry3 { rotation, translation } = pose * own;
+    let [x, y, z, w] = rotation.coords.into();
+    let orientation = [w, x, y, z].map(|value: f64| value as f32);
+    PlacedObject { id: 5, position_m: translation.vector.map(|value| value as f32).into(), orientation }
+}
+
+/// A curve over the bench, turning: where the hand is in a frame.
+fn way(frame: u64) -> Isometry3<f64> {
+    let t = frame as f64 / 30.0;
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.8 * t);
+    Isometry3::from_parts(Translation3::new(0.3 * t, 0.1 * (3.0 * t).sin(), 0.05 * t), turn)
+}
+
+/// Hand and object go along `way` for the first 30 frames.
+fn carried() -> Held {
+    let mut held = Held::default();
+    for frame in 0..30 {
+        assert!(held.step(frame * FRAME_NS, &[hand(&way(frame))], &[object(&way(frame))]).is_empty());
+    }
+    held
+}
+
+#[test]
+fn a_carried_object_whose_marker_is_hidden_moves_and_turns_with_the_hand() {
+    let mut held = carried();
+    for frame in 30..55 {
+        let found = held.step(frame * FRAME_NS, &[hand(&way(frame))], &[]);
+        let wanted = object(&way(frame));
+        assert_eq!(found.len(), 1);
+        assert!(distance(found[0].position_m, wanted.position_m) < 1e-5, "{found:?} is not {wanted:?}");
+        let along: f32 = (0..4).map(|k| found[0].orientation[k] * wanted.orientation[k]).sum();
+        assert!(along.abs() > 1.0 - 1e-6, "{found:?} is not {wanted:?}");
+    }
+}
+
+#[test]
+fn an_object_at_rest_does_not_go_with_a_hand_that_passes_over_it() {
+    let mut held = Held::default();
+    let rest = object(&way(15));
+    for frame in 0..15 {
+        held.step(frame * FRAME_NS, &[hand(&way(frame))], &[rest]);
+    }
+    for frame in 15..30 {
+        assert!(held.step(frame * FRAME_NS, &[hand(&way(frame))], &[]).is_empty());
+    }
+}
+
+#[test]
+fn an_object_that_was_put_down_stays_when_the_hand_has_gone() {
+    let mut held = carried();
+    let down = object(&way(29));
+    for frame in 30..40 {
+        held.step(frame * FRAME_NS, &[hand(&way(frame))], &[down]);
+    }
+    assert!(held.step(40 * FRAME_NS, &[hand(&way(40))], &[]).is_empty());
+}
+
+#[test]
+fn a_pose_follows_the_hand_for_a_bounded_time() {
+    let mut held = carried();
+    let last_ns = 29 * FRAME_NS;
+    assert_eq!(held.step(last_ns + HELD_NS, &[hand(&way(59))], &[]).len(), 1);
+    assert!(held.step(last_ns + HELD_NS + 1, &[hand(&way(59))], &[]).is_empty());
+}
+
+#[test]
+fn without_the_hand_there_is_nothing_to_follow() {
+    let mut held = carried();
+    assert!(held.step(30 * FRAME_NS, &[], &[]).is_empty());
+    let mut unplaced = hand(&way(31));
+    unplaced.landmarks_m[9] = [f32::NAN; 3];
+    assert!(held.step(31 * FRAME_NS, &[unplaced], &[]).is_empty());
+    let left = PlacedHand { side: Side::Left, ..hand(&way(32)) };
+    assert!(held.step(32 * FRAME_NS, &[left], &[]).is_empty());
+    assert_eq!(held.step(33 * FRAME_NS, &[hand(&way(33))], &[]).len(), 1);
+}
