@@ -64,7 +64,7 @@ pub struct Demo {
     /// Folder with the clips
     #[arg(long, default_value = "tests/footage")]
     pub clips: PathBuf,
-    /// Job to watch; taught from the correct clips when the file is not there
+    /// Job to watch
     #[arg(long, default_value = "config/jobs/polish-and-measure.toml")]
     pub job: PathBuf,
     /// Play as fast as the line goes, or at the clips' own rate

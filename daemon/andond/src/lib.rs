@@ -2,12 +2,13 @@
 //!
 //! Along the data path: [`video`] pictures in → [`perception`] as configured → [`role`] one process each → [`wire`] what
 //! crosses shared memory → [`report`] verdicts for people and programs. [`recording`] and [`tool`] run the same code over
-//! files, and [`picture`] draws it. [`cli`], [`config`], [`exit`] and [`log`] serve them all.
+//! files, and [`picture`] draws it. [`cli`], [`config`], [`exit`], [`fit`] and [`log`] serve them all.
 #![forbid(unsafe_code)]
 
 pub mod cli;
 pub mod config;
 pub mod exit;
+pub mod fit;
 pub mod journal;
 pub mod log;
 pub mod perception;

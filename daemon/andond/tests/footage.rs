@@ -184,7 +184,7 @@ fn the_ius_of_a_film_are_those_of_its_truth() {
 }
 
 #[test]
-fn an_annotated_film_has_every_frame_of_the_film() {
+fn an_annotated_film_has_every_frame_of_the_film_and_shows_the_end_for_a_while() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out.mp4");
     let job = "config/jobs/polish-and-measure.toml";
@@ -194,7 +194,8 @@ fn an_annotated_film_has_every_frame_of_the_film() {
         let film = andond::video::Film::open(path).unwrap();
         film.format().count
     };
-    assert_eq!(frames(&out), frames(&root().join(clip("p1_J1_r1"))));
+    let at_end = (andond::picture::END_S * 30.0) as u64;
+    assert_eq!(frames(&out), frames(&root().join(clip("p1_J1_r1"))) + at_end);
 }
 
 #[test]
@@ -216,4 +217,36 @@ fn the_line_of_processes_says_what_replay_says() {
     // The demo's first line says which job it watches.
     assert_eq!(live[1..], offline[..]);
     assert_eq!(offline.len(), 9, "{offline:?}");
+}
+
+#[test]
+fn a_film_that_is_cut_short_is_not_judged_as_a_shorter_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let cut = folder.path().join("cut.mp4");
+    let film = std::fs::read(root().join(clip("p1_none_r3"))).unwrap();
+    std::fs::write(&cut, &film[..film.len() / 2]).unwrap();
+    let job = "config/jobs/polish-and-measure.toml";
+    let output = andond(&["replay", "--job", job, cut.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(64));
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert!(words.contains("it breaks off after") && words.contains("cut.mp4"), "{words}");
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("job"), "no verdict on the job");
+}
+
+#[test]
+fn a_job_is_not_judged_with_a_station_that_lacks_one_of_its_objects() {
+    let folder = tempfile::tempdir().unwrap();
+    let station = folder.path().join("station.toml");
+    let only_two = "[[objects]]\nid = 5\nname = \"polisher\"\nmarker_side_m = 0.036\n\
+                    interaction_points = [[0.0, 0.0, 0.0]]\n\
+                    [[objects]]\nid = 3\nname = \"meter\"\nmarker_side_m = 0.036\n\
+                    interaction_points = [[0.0, 0.0, 0.0]]\n";
+    std::fs::write(&station, only_two).unwrap();
+    let station = station.to_str().unwrap();
+    let job = "config/jobs/polish-and-measure.toml";
+    let demo = "config/stations/demo.toml";
+    let output = andond(&["replay", "-c", demo, "-c", station, "--job", job, &clip("p1_none_r3")]);
+    assert_eq!(output.status.code(), Some(78));
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert!(words.contains("object 6 (brick)"), "{words}");
 }

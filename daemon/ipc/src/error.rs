@@ -72,7 +72,7 @@ pub enum Error {
     },
     /// No steward, or it is not ready.
     #[error(
-        "station {station}: no channel {channel} after {waited_ms} ms; start the steward (andond steward) and look at its log"
+        "station {station}: no channel {channel} after {waited_ms} ms; start the steward (`andond run steward`) and look at its log"
     )]
     NoSteward {
         /// The station.
@@ -110,7 +110,7 @@ pub enum Error {
     },
     /// A frame is larger than the steward made room for.
     #[error(
-        "a frame of {bytes} bytes is larger than the {most} that the steward made room for: raise its frame size"
+        "a frame of {bytes} bytes is larger than the {most} that the steward made room for: raise camera.width and camera.height and start the station again"
     )]
     FrameTooLarge {
         /// The frame.

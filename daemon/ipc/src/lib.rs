@@ -70,7 +70,7 @@ pub use frame::{FrameLoan, FrameReader, FrameSample, FrameWriter};
 pub use health::Heartbeat;
 pub use node::Node;
 pub use reader::{Reader, Sample};
-pub use station::{Limits, Member, Station};
+pub use station::{Limits, Member, Station, is_station_name};
 pub use steward::{Death, Steward, TEND_PERIOD};
 pub use stop::Stop;
 pub use wait::{Departure, Paced, Port, Wake};

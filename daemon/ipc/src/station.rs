@@ -32,6 +32,12 @@ pub struct Station {
     root: PathBuf,
 }
 
+/// Whether a station may be called so: 1 to [`STATION_BYTES`] of a-z, 0-9 and '-'.
+pub fn is_station_name(name: &str) -> bool {
+    let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-';
+    (1..=STATION_BYTES).contains(&name.len()) && name.bytes().all(allowed)
+}
+
 /// What the steward makes room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
@@ -75,8 +81,7 @@ impl Station {
     /// # Errors
     /// As [`Station::new`], and [`Error::RootTooLong`], [`Error::RootNotAbsolute`].
     pub fn under(name: &str, root: &StdPath) -> Result<Self, Error> {
-        let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-';
-        if name.is_empty() || name.len() > STATION_BYTES || !name.bytes().all(allowed) {
+        if !is_station_name(name) {
             return Err(Error::StationName { name: name.into(), most: STATION_BYTES });
         }
         let text = root.to_str().filter(|text| text.is_ascii() && root.is_absolute());

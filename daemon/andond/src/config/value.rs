@@ -3,6 +3,9 @@
 use std::fmt::{Debug, Display};
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
+
+use andon_ipc::is_station_name;
+use shm_schemas::STATION_BYTES;
 use toml::de::DeValue;
 
 /// A kind of value.
@@ -114,8 +117,7 @@ pub(super) enum Text {
     Line,
 }
 
-/// Longest text, in characters: a station's name is part of paths that must stay under
-/// [`super::check::ROOT_CHARACTERS`].
+/// Longest text, in characters.
 const TEXT_CHARACTERS: usize = 32;
 
 impl Value for String {
@@ -124,7 +126,7 @@ impl Value for String {
     fn allowed(limit: &Text) -> String {
         match limit {
             Text::Name => {
-                format!("1 to {TEXT_CHARACTERS} of the characters a-z, A-Z, 0-9, '-' and '_', in quotes")
+                format!("1 to {STATION_BYTES} of the characters a-z, 0-9 and '-', in quotes")
             }
             Text::Line => format!("1 to {TEXT_CHARACTERS} characters on one line, in quotes"),
         }
@@ -132,12 +134,13 @@ impl Value for String {
 
     fn read(raw: &DeValue<'_>, limit: &Text, _: &Path) -> Option<Self> {
         let text = raw.as_str()?;
-        let fits = |c: char| match limit {
-            Text::Name => c.is_ascii_alphanumeric() || c == '-' || c == '_',
-            Text::Line => !c.is_control(),
+        let fits = match limit {
+            Text::Name => is_station_name(text),
+            Text::Line => {
+                (1..=TEXT_CHARACTERS).contains(&text.chars().count()) && !text.contains(char::is_control)
+            }
         };
-        let length = text.chars().count();
-        ((1..=TEXT_CHARACTERS).contains(&length) && text.chars().all(fits)).then(|| text.to_owned())
+        fits.then(|| text.to_owned())
     }
 
     fn write(&self) -> String {

@@ -27,6 +27,9 @@ const LETTER_SCALE: f64 = 0.42;
 /// For how long the red frame stays after the cord was pulled, in nanoseconds.
 const ALARM_NS: u64 = 2_000_000_000;
 
+/// For how long the last picture stays, in seconds: time to read three lines.
+pub const END_S: f64 = 2.0;
+
 /// The bones of a hand, as pairs of landmarks in MediaPipe's order.
 const BONES: [(usize, usize); 21] = [
     (0, 1),
@@ -114,6 +117,18 @@ impl Annotator {
             self.canvas.frame(RED, 10)?;
         }
         Ok(self.film.write(now_ns, self.canvas.pixels())?)
+    }
+
+    /// Shows the last picture for [`END_S`] more, with the verdicts that came when there was no more to see.
+    ///
+    /// # Errors
+    /// As [`Annotator::draw`].
+    pub fn draw_end(&mut self, view: View<'_>, verdicts: &[Verdict]) -> Result<(), AnnotateError> {
+        self.draw(view, &[], verdicts)?;
+        for _ in 1..(END_S * view.format.rate_hz) as u64 {
+            self.draw(view, &[], &[])?;
+        }
+        Ok(())
     }
 
     /// Ends the film.

@@ -13,6 +13,7 @@ use shm_schemas::{Command as CommandMessage, Couples, RoleId, Stamp, Verdict, fl
 
 use super::{Pulse, RoleError, WAIT};
 use crate::config::Config;
+use crate::fit;
 use crate::log::{code, log};
 use crate::report::{Names, verdict_sentence};
 use crate::wire::command::Command;
@@ -68,17 +69,24 @@ fn load(path: &Path) -> Result<JobFile, RoleError> {
     Ok(JobFile::parse(&name, &bytes)?)
 }
 
-/// Looks for the job that the PLC names beside the configured one. What does not fit leaves the old one in force.
+/// Looks for the job that the PLC names. What does not fit leaves the old one in force.
 fn select(config: &Config, job_id: u32, model_hash: u64, running: Option<PathBuf>) -> Option<PathBuf> {
-    let folder = config.station.job.as_deref().and_then(Path::parent).unwrap_or(Path::new("/etc/andon/jobs"));
+    let folder = &config.station.jobs;
     let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let fits = |path: &PathBuf| {
-        load(path).is_ok_and(|file| file.id == job_id && (model_hash == 0 || file.model_hash() == model_hash))
+        load(path).is_ok_and(|file| {
+            let wanted = file.id == job_id && (model_hash == 0 || file.model_hash() == model_hash);
+            wanted && fit::station(&file, config).is_ok()
+        })
     };
     match files.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).find(fits) {
         Some(path) => Some(path),
         None => {
-            log!(code::JOB_REFUSED, "no job {job_id} of the wanted version in {}", folder.display());
+            log!(
+                code::JOB_REFUSED,
+                "no job {job_id} of the wanted version that fits this station in {}",
+                folder.display()
+            );
             running
         }
     }
@@ -86,6 +94,8 @@ fn select(config: &Config, job_id: u32, model_hash: u64, running: Option<PathBuf
 
 fn watch(line: &mut Line<'_>, config: &Config, path: &Path) -> Result<Next, RoleError> {
     let file = load(path)?;
+    fit::station(&file, config)
+        .map_err(|reason| RoleError::Job { path: path.display().to_string(), reason })?;
     let sender = Sender {
         job_id: file.id,
         model_hash: file.model_hash(),

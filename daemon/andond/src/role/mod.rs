@@ -39,7 +39,7 @@ pub fn run(role: Role, config: &Config) -> Code {
         Role::Steward => finish(
             Stop::on_signals()
                 .map_err(RoleError::from)
-                .and_then(|stop| steward::run(&station(config)?, &stop)),
+                .and_then(|stop| steward::run(&station(config)?, config, &stop)),
         ),
         Role::Capture => finish(capture::replace_this_process()),
         Role::Perceive => run_with(config, RoleId::Perceive, |node| perceive::run(node, config)),

@@ -39,7 +39,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         while let Some(frame) = role.take()? {
             role.step(&frame, config)?;
         }
-        role.pulse.losses(role.frames.lost(), role.frames.restarts());
+        role.pulse.losses(role.frames.lost() + role.frames.skipped(), role.frames.restarts());
         role.pulse.beat(&wake)?;
     }
 }

@@ -6,11 +6,12 @@ use andon_ipc::{Limits, Node, Station, Steward, Stop, TEND_PERIOD, Wake};
 use shm_schemas::RoleId;
 
 use super::{Pulse, RoleError};
+use crate::config::Config;
 use crate::log::{code, log};
 
 /// Runs until it is asked to stop.
-pub(super) fn run(station: &Station, stop: &Stop) -> Result<(), RoleError> {
-    let mut steward = Steward::create(station, Limits::default())?;
+pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(), RoleError> {
+    let mut steward = Steward::create(station, limits(config))?;
     let node = Node::open(station, RoleId::Steward, Duration::ZERO, stop)?;
     let mut pulse = Pulse::new(&node)?;
     loop {
@@ -29,4 +30,10 @@ pub(super) fn run(station: &Station, stop: &Stop) -> Result<(), RoleError> {
             return Ok(());
         }
     }
+}
+
+/// Room for the frames of the configured camera, three bytes a pixel and two of depth; a film may be larger than that.
+fn limits(config: &Config) -> Limits {
+    let pixels = config.camera.width as usize * config.camera.height as usize;
+    Limits { frame_bytes: Limits::default().frame_bytes.max(5 * pixels) }
 }

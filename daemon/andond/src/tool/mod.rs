@@ -75,7 +75,7 @@ impl From<Faults> for Failure {
 /// # Errors
 /// Every fault in it.
 pub fn load_config(arguments: &ConfigArgs) -> Result<Config, Failure> {
-    Ok(Config::load(&config_files(arguments))?)
+    Ok(Config::load(&existing_config_files(arguments)?)?)
 }
 
 /// As [`load_config`], for the commands that make the job and the calibration: these need not be there yet.
@@ -83,7 +83,19 @@ pub fn load_config(arguments: &ConfigArgs) -> Result<Config, Failure> {
 /// # Errors
 /// Every fault in it.
 pub fn load_config_to_learn(arguments: &ConfigArgs) -> Result<Config, Failure> {
-    Ok(Config::load_to_learn(&config_files(arguments))?)
+    Ok(Config::load_to_learn(&existing_config_files(arguments)?)?)
+}
+
+fn existing_config_files(arguments: &ConfigArgs) -> Result<Vec<PathBuf>, Failure> {
+    let files = config_files(arguments);
+    if files.is_empty() {
+        let looked = DEFAULT_CONFIGS.join(" and ");
+        let message = format!(
+            "no configuration: name a station with --config FILE or $ANDON_CONFIG; there is none at {looked}"
+        );
+        return Err(Failure::new(Code::Configuration, message));
+    }
+    Ok(files)
 }
 
 /// The configuration files that are in force.

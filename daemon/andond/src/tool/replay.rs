@@ -11,8 +11,8 @@ use andon_learn::job_file::JobFile;
 
 use super::{Failure, job, load_config, progress};
 use crate::cli::Replay;
-use crate::config::Config;
 use crate::exit::Code;
+use crate::fit;
 use crate::picture::Annotator;
 use crate::recording::Recording;
 use crate::report::{Names, VerdictLine, is_anomaly, verdict_sentence};
@@ -30,6 +30,9 @@ pub fn run(arguments: &Replay) -> Result<u8, Failure> {
     let file = job::load(&arguments.job)?;
     let config = load_config(&arguments.config)?;
     let mut recording = Recording::open(&arguments.recording, &config)?;
+    fit::recording(&file, recording.header()).map_err(|reason| {
+        Failure::new(Code::Configuration, format!("job {}: {reason}", arguments.job.display()))
+    })?;
     let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
     let mut printer = Printer {
         names: &names,
@@ -39,7 +42,13 @@ pub fn run(arguments: &Replay) -> Result<u8, Failure> {
         not_judged: false,
         judged: false,
     };
-    replay(&mut recording, &file, &config, arguments, &mut printer)?;
+    replay(&mut recording, &file, arguments, &mut printer)?;
+    if printer.seq == 0 {
+        eprintln!(
+            "nothing was judged: in {} no hand touched an object of the job",
+            arguments.recording.display()
+        );
+    }
     Ok(printer.exit_code())
 }
 
@@ -79,7 +88,6 @@ impl Printer<'_> {
 fn replay(
     recording: &mut Recording,
     file: &JobFile,
-    _config: &Config,
     arguments: &Replay,
     printer: &mut Printer<'_>,
 ) -> Result<(), Failure> {
@@ -110,9 +118,13 @@ fn replay(
             }
             bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
                 .map_err(|error| Failure::new(Code::Fault, error))?;
-            if let (Some(annotator), Some(_), Some(view)) = (annotator.as_mut(), &frame, recording.view()) {
+            if let (Some(annotator), Some(view)) = (annotator.as_mut(), recording.view()) {
                 let couples: &[Couple] = newest.as_ref().map_or(&[], |couples| &couples.hands);
-                annotator.draw(view, couples, &verdicts).map_err(|error| Failure::new(Code::Usage, error))?;
+                let drawn = match &frame {
+                    Some(_) => annotator.draw(view, couples, &verdicts),
+                    None => annotator.draw_end(view, &verdicts),
+                };
+                drawn.map_err(|error| Failure::new(Code::Usage, error))?;
             }
             verdicts.clear();
             if frame.is_none() {

@@ -7,6 +7,8 @@ pub mod pipe;
 pub mod source;
 
 use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, Read as _, Seek as _};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -53,32 +55,53 @@ pub fn helper_path() -> PathBuf {
     if beside.exists() { beside } else { above.filter(|path| path.exists()).unwrap_or(beside) }
 }
 
-fn spawn(arguments: &[OsString], stdin: Stdio, stdout: Stdio) -> Result<Child, VideoError> {
-    let path = helper_path();
-    Command::new(&path)
-        .args(arguments)
-        .stdin(stdin)
-        .stdout(stdout)
-        .stderr(Stdio::piped())
-        .spawn()
-        .map_err(|source| VideoError::Helper { path, source })
+/// A running `andond-video`. It is stopped when this is dropped.
+struct Helper {
+    child: Child,
+    /// What it writes to standard error: a file, which never fills up as a pipe does that nobody reads meanwhile.
+    words: File,
 }
 
-/// What the helper said before it ended, without the newline; reaps it.
-fn last_words(child: &mut Child) -> String {
-    let mut words = String::new();
-    if let Some(stderr) = child.stderr.as_mut() {
-        // What cannot be read cannot be reported: the words stay short.
-        let _ = std::io::Read::read_to_string(stderr, &mut words);
+impl Helper {
+    fn spawn(arguments: &[OsString], stdin: Stdio, stdout: Stdio) -> Result<Self, VideoError> {
+        let path = helper_path();
+        let start = || -> io::Result<Self> {
+            let words = tempfile::tempfile()?;
+            let child = Command::new(&path)
+                .args(arguments)
+                // The decoders' own complaints have no remedy; the helper's last line has.
+                .envs([("OPENCV_LOG_LEVEL", "OFF"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")])
+                .stdin(stdin)
+                .stdout(stdout)
+                .stderr(words.try_clone()?)
+                .spawn()?;
+            Ok(Self { child, words })
+        };
+        start().map_err(|source| VideoError::Helper { path: path.clone(), source })
     }
-    let _ = child.wait();
-    let words = words.trim();
-    if words.is_empty() { "andond-video ended without a word".into() } else { words.into() }
+
+    /// What it said before it ended; waits for the end.
+    fn last_words(&mut self) -> String {
+        let _ = self.child.wait();
+        let mut words = String::new();
+        // What cannot be read cannot be reported: the words stay short.
+        let _ = self.words.rewind().and_then(|()| self.words.read_to_string(&mut words));
+        let words = words.trim();
+        if words.is_empty() { "andond-video ended without a word".into() } else { words.into() }
+    }
+}
+
+impl Drop for Helper {
+    fn drop(&mut self) {
+        // A film that is not read to its end leaves a decoder that waits for us.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
 }
 
 /// A film that is decoded by `andond-video`, one picture at a time.
 pub struct Film {
-    child: Child,
+    helper: Helper,
     pictures: PipeReader<std::process::ChildStdout>,
     file: PathBuf,
 }
@@ -86,12 +109,12 @@ pub struct Film {
 impl Film {
     /// Starts decoding `file` (a film, or a folder of pictures).
     pub fn open(file: &Path) -> Result<Self, VideoError> {
-        let mut child = spawn(&["decode".into(), file.into()], Stdio::null(), Stdio::piped())?;
+        let mut helper = Helper::spawn(&["decode".into(), file.into()], Stdio::null(), Stdio::piped())?;
         // `piped` above: the handle is there.
-        let Some(stdout) = child.stdout.take() else { unreachable!("standard output is piped") };
+        let Some(stdout) = helper.child.stdout.take() else { unreachable!("standard output is piped") };
         match PipeReader::new(stdout) {
-            Ok(pictures) => Ok(Self { child, pictures, file: file.into() }),
-            Err(_) => Err(VideoError::Film { file: file.into(), message: last_words(&mut child) }),
+            Ok(pictures) => Ok(Self { helper, pictures, file: file.into() }),
+            Err(_) => Err(VideoError::Film { file: file.into(), message: helper.last_words() }),
         }
     }
 
@@ -104,7 +127,7 @@ impl Film {
     pub fn advance(&mut self) -> Result<Option<u64>, VideoError> {
         self.pictures
             .advance()
-            .map_err(|_| VideoError::Film { file: self.file.clone(), message: last_words(&mut self.child) })
+            .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.last_words() })
     }
 
     /// The picture that [`Film::advance`] went on to.
@@ -113,29 +136,22 @@ impl Film {
     }
 }
 
-impl Drop for Film {
-    fn drop(&mut self) {
-        // A film that is not read to its end leaves a decoder that waits for us.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
-}
-
 /// A film that is being written by `andond-video`.
 pub struct FilmWriter {
-    child: Child,
+    // Before the helper: its end closes the pipe, and the helper ends by itself.
     pictures: Option<PipeWriter<std::process::ChildStdin>>,
+    helper: Helper,
     file: PathBuf,
 }
 
 impl FilmWriter {
     /// Starts an MP4 of pictures of this format.
     pub fn create(file: &Path, format: PictureFormat) -> Result<Self, VideoError> {
-        let mut child = spawn(&["encode".into(), file.into()], Stdio::piped(), Stdio::null())?;
-        let Some(stdin) = child.stdin.take() else { unreachable!("standard input is piped") };
+        let mut helper = Helper::spawn(&["encode".into(), file.into()], Stdio::piped(), Stdio::null())?;
+        let Some(stdin) = helper.child.stdin.take() else { unreachable!("standard input is piped") };
         match PipeWriter::new(stdin, format) {
-            Ok(pictures) => Ok(Self { child, pictures: Some(pictures), file: file.into() }),
-            Err(_) => Err(VideoError::Film { file: file.into(), message: last_words(&mut child) }),
+            Ok(pictures) => Ok(Self { helper, pictures: Some(pictures), file: file.into() }),
+            Err(_) => Err(VideoError::Film { file: file.into(), message: helper.last_words() }),
         }
     }
 
@@ -145,18 +161,21 @@ impl FilmWriter {
         let Some(pictures) = self.pictures.as_mut() else { unreachable!("the film is not finished") };
         pictures
             .write_picture(pts_ns, picture)
-            .map_err(|_| VideoError::Film { file: self.file.clone(), message: last_words(&mut self.child) })
+            .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.last_words() })
     }
 
     /// Ends the film and waits until it is on the disk.
     pub fn finish(mut self) -> Result<(), VideoError> {
         drop(self.pictures.take());
-        let status =
-            self.child.wait().map_err(|source| VideoError::Pipe { file: self.file.clone(), source })?;
+        let status = self
+            .helper
+            .child
+            .wait()
+            .map_err(|source| VideoError::Pipe { file: self.file.clone(), source })?;
         if status.success() {
             Ok(())
         } else {
-            Err(VideoError::Film { file: self.file, message: last_words(&mut self.child) })
+            Err(VideoError::Film { file: self.file, message: self.helper.last_words() })
         }
     }
 }

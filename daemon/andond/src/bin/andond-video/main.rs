@@ -17,7 +17,7 @@ use andond::video::pipe::{PipeReader, PipeWriter};
 use andond::video::source::Source;
 use clap::Parser as _;
 use opencv::core::{Mat, Size, Vec3b};
-use opencv::videoio::{VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
+use opencv::videoio::{self, VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
 
 fn main() -> ExitCode {
     andond::exit::exit_on_panic();
@@ -102,7 +102,9 @@ fn encode(file: &Path) -> Result<(), String> {
     let size = Size::new(format.width as i32, format.height as i32);
     let said = |error: opencv::Error| error.to_string();
     let codec = VideoWriter::fourcc('a', 'v', 'c', '1').map_err(said)?;
-    let mut film = VideoWriter::new(file, codec, format.rate_hz, size, true).map_err(said)?;
+    let mut film =
+        VideoWriter::new_with_backend(file, videoio::CAP_FFMPEG, codec, format.rate_hz, size, true)
+            .map_err(said)?;
     if !film.is_opened().map_err(said)? {
         return Err("cannot be written: does the folder exist, and does the name end in .mp4?".into());
     }

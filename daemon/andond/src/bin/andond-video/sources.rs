@@ -69,7 +69,8 @@ struct Film {
 
 impl Film {
     fn open(path: &Path) -> Result<Self, String> {
-        let capture = VideoCapture::from_file(path, videoio::CAP_ANY).map_err(|error| error.to_string())?;
+        let capture =
+            VideoCapture::from_file(path, videoio::CAP_FFMPEG).map_err(|error| error.to_string())?;
         if !capture.is_opened().unwrap_or(false) {
             return Err("it is not a film that this machine can decode; H.264 in MP4 always is".into());
         }
@@ -85,12 +86,25 @@ impl Source for Film {
 
     fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
         if !read_in_place(&mut self.capture, self.format, picture)? {
-            return Ok(None);
+            return self.end();
         }
         // Containers round their time stamps; the rate is exact, and the same on every machine.
         let pts_ns = (self.shown as f64 * 1e9 / self.format.rate_hz).round() as u64;
         self.shown += 1;
         Ok(Some(pts_ns))
+    }
+}
+
+impl Film {
+    /// A decoder that meets damage says that the film has ended. Containers round their length: a second is forgiven.
+    fn end(&self) -> Result<Option<u64>, String> {
+        if self.shown as f64 + self.format.rate_hz < self.format.count as f64 {
+            return Err(format!(
+                "it breaks off after {} of {} pictures: it is damaged or was cut short, copy it again",
+                self.shown, self.format.count
+            ));
+        }
+        Ok(None)
     }
 }
 

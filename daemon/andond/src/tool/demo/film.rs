@@ -28,16 +28,24 @@ pub(super) fn write(clip: &Path, folder: &Path, heard: &Heard, names: &Names) ->
         .filter_map(|message| Some((message.stamp.frame_seq, wire::verdict::read(message)?)))
         .collect();
     let mut shown = 0;
+    let mut newest = None;
     while film.advance().map_err(|error| usage(&error))?.is_some() {
         shown += 1;
         let Some(seen) = heard.detections.iter().find(|seen| seen.stamp.frame_seq == shown) else { continue };
-        let newest = heard.couples.iter().rev().find(|couples| couples.stamp.frame_seq <= shown);
+        newest = Some(seen);
+        let couples = heard.couples.iter().rev().find(|couples| couples.stamp.frame_seq <= shown);
         let couples: Vec<Couple> =
-            newest.map(|couples| wire::couples::read(couples).hands.into()).unwrap_or_default();
+            couples.map(|couples| wire::couples::read(couples).hands.into()).unwrap_or_default();
         let now: Vec<Verdict> =
             verdicts.iter().filter(|(frame, _)| *frame == shown).map(|(_, verdict)| *verdict).collect();
         let view = View { format, picture: film.picture(), seen };
         annotator.draw(view, &couples, &now).map_err(|error| usage(&error))?;
+    }
+    if let Some(seen) = newest {
+        let late: Vec<Verdict> =
+            verdicts.iter().filter(|(frame, _)| *frame > shown).map(|(_, verdict)| *verdict).collect();
+        let view = View { format, picture: film.picture(), seen };
+        annotator.draw_end(view, &late).map_err(|error| usage(&error))?;
     }
     annotator.finish().map_err(|error| usage(&error))?;
     println!("written: {}", out.display());

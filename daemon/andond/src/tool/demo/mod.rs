@@ -21,6 +21,7 @@ use crate::exit::Code;
 use crate::report::{Names, verdict_sentence};
 use crate::wire;
 use supervisor::Running;
+use usage::Usage;
 use watch::{Channels, Heard};
 
 /// The roles that stay up from clip to clip, in the order of the data path.
@@ -49,14 +50,19 @@ pub fn run(arguments: &Demo) -> Result<Code, Failure> {
     let clips = clips(&arguments.clips)?;
     let mut line = Line::start(arguments, &clips[0])?;
     println!("watching the job {:?} with {} roles, one process each", file.name, ROLES.len() + 1);
+    let mut played = Vec::new();
     for clip in &clips {
         let Some(outcome) = line.play(clip, arguments, &names)? else { return Ok(Code::Stopped) };
         outcome.print();
-        if let Some(folder) = &arguments.annotate {
-            film::write(clip, folder, &outcome.heard, &names)?;
-        }
+        played.push(outcome.heard);
     }
     line.print_usage();
+    // Afterwards: drawing would take the processor from the line.
+    if let Some(folder) = &arguments.annotate {
+        for (clip, heard) in clips.iter().zip(&played) {
+            film::write(clip, folder, heard, &names)?;
+        }
+    }
     Ok(Code::Stopped)
 }
 
@@ -88,6 +94,8 @@ struct Line {
     folder: tempfile::TempDir,
     configs: Vec<PathBuf>,
     began: Instant,
+    /// Of all captures together, one a clip.
+    capture: Usage,
 }
 
 /// What one clip gave.
@@ -132,7 +140,7 @@ impl Line {
         if !missing.is_empty() {
             return Err(Failure::new(Code::Fault, format!("these roles did not come up: {missing:?}")));
         }
-        Ok(Self { channels, node, roles, folder, configs, began: Instant::now() })
+        Ok(Self { channels, node, roles, folder, configs, began: Instant::now(), capture: Usage::default() })
     }
 
     /// Plays one clip to its end; `None` when a stop was asked for.
@@ -168,6 +176,7 @@ impl Line {
             }
         }
         bar.finish_and_clear();
+        self.capture.add(usage::of(capture.pid()));
         let losses = heard.health.iter().map(|health| health.losses).sum();
         Ok(Some(Outcome { heard, took: began.elapsed(), losses }))
     }
@@ -188,11 +197,10 @@ impl Line {
     fn print_usage(&self) {
         let up_s = self.began.elapsed().as_secs_f64();
         println!("\nrole        processor   own memory   shared memory");
-        for role in &self.roles {
-            let usage = usage::of(role.pid());
+        let capture = [("capture", self.capture)].into_iter();
+        for (name, usage) in capture.chain(self.roles.iter().map(|role| (role.name, usage::of(role.pid())))) {
             println!(
-                "{:10}  {:7.1} %   {:6.1} MiB   {:6.1} MiB",
-                role.name,
+                "{name:10}  {:7.1} %   {:6.1} MiB   {:6.1} MiB",
                 100.0 * usage.cpu_s / up_s,
                 usage.own_mib,
                 usage.shared_mib

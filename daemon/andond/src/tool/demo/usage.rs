@@ -13,6 +13,15 @@ pub(super) struct Usage {
     pub(super) shared_mib: f64,
 }
 
+impl Usage {
+    /// Adds a process that ran after the others: time adds up, memory does not.
+    pub(super) fn add(&mut self, other: Self) {
+        self.cpu_s += other.cpu_s;
+        self.own_mib = self.own_mib.max(other.own_mib);
+        self.shared_mib = self.shared_mib.max(other.shared_mib);
+    }
+}
+
 /// What the process has used so far; zero when it is gone.
 pub(super) fn of(pid: u32) -> Usage {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
