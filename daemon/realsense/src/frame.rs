@@ -1,7 +1,5 @@
 //! What a frame is: sizes, formats, optics and times of its two planes.
 
-use std::mem::MaybeUninit;
-
 use crate::Error;
 
 /// Bytes of one pixel, in memory order.
@@ -119,15 +117,15 @@ impl FrameInfo {
 ///
 /// # Errors
 /// [`Error::Room`] when `target` is shorter than the planes together; nothing is written then.
-pub fn write_planes(planes: [&[u8]; 2], target: &mut [MaybeUninit<u8>]) -> Result<usize, Error> {
+pub fn write_planes(planes: [&[u8]; 2], target: &mut [u8]) -> Result<usize, Error> {
     let needed = planes[0].len() + planes[1].len();
     let given = target.len();
     if given < needed {
         return Err(Error::Room { needed, given });
     }
     let (colour, rest) = target.split_at_mut(planes[0].len());
-    colour.write_copy_of_slice(planes[0]);
-    rest[..planes[1].len()].write_copy_of_slice(planes[1]);
+    colour.copy_from_slice(planes[0]);
+    rest[..planes[1].len()].copy_from_slice(planes[1]);
     Ok(needed)
 }
 
@@ -138,19 +136,16 @@ mod tests {
 
     #[test]
     fn depth_follows_colour_without_a_gap() {
-        let mut memory = [MaybeUninit::new(0xEE); 7];
+        let mut memory = [0xEE; 7];
         assert_eq!(write_planes([&[1, 2, 3], &[4, 5]], &mut memory).unwrap(), 5);
-        // SAFETY: every byte was initialised above.
-        let bytes = memory.map(|byte| unsafe { byte.assume_init() });
-        assert_eq!(bytes, [1, 2, 3, 4, 5, 0xEE, 0xEE]);
+        assert_eq!(memory, [1, 2, 3, 4, 5, 0xEE, 0xEE]);
     }
 
     #[test]
     fn memory_that_is_too_small_is_refused_untouched() {
-        let mut memory = [MaybeUninit::new(0xEE); 4];
+        let mut memory = [0xEE; 4];
         let refused = write_planes([&[1, 2, 3], &[4, 5]], &mut memory).unwrap_err();
         assert_eq!(refused, Error::Room { needed: 5, given: 4 });
-        // SAFETY: every byte was initialised above.
-        assert_eq!(memory.map(|byte| unsafe { byte.assume_init() }), [0xEE; 4]);
+        assert_eq!(memory, [0xEE; 4]);
     }
 }

@@ -7,8 +7,8 @@
 //! let mut source = andon_realsense::Source::open(settings)?;
 //! match source.next(Duration::from_millis(200)) {
 //!     Next::Frame(frame) => {
-//!         let mut sample = publisher.loan_slice_uninit(frame.info().bytes())?;
-//!         frame.write_to(sample.payload_mut())?;
+//!         let mut loan = frames.loan(frame.info().bytes())?;
+//!         frame.write_to(loan.bytes_mut())?;
 //!     }
 //!     Next::Lost(why) => tracing::warn!("{why}"), // it comes back by itself
 //!     Next::Nothing => {}

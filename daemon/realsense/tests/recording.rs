@@ -5,7 +5,6 @@
 #![allow(clippy::unwrap_used)]
 
 use std::fs;
-use std::mem::MaybeUninit;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -63,10 +62,8 @@ fn play(source: &mut Source, most: usize) -> Vec<Read> {
     while frames.len() < most {
         match source.next(Duration::from_millis(300)) {
             Next::Frame(frame) => {
-                let mut loaned = vec![MaybeUninit::uninit(); frame.info().bytes()];
-                assert_eq!(frame.write_to(&mut loaned).unwrap(), loaned.len());
-                // SAFETY: `write_to` has written every byte.
-                let bytes = loaned.into_iter().map(|byte| unsafe { byte.assume_init() }).collect();
+                let mut bytes = vec![0; frame.info().bytes()];
+                assert_eq!(frame.write_to(&mut bytes).unwrap(), bytes.len());
                 frames.push(Read { info: *frame.info(), bytes });
             }
             Next::Ended => break,

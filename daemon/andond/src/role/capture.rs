@@ -7,7 +7,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use andon_ipc::{FrameWriter, Node, Wake, monotonic_ns};
-use shm_schemas::{ColourFormat, FrameHeader, RoleId, flag};
+use shm_schemas::{RoleId, flag};
 
 use super::{Pulse, RoleError, WAIT};
 use crate::config::{Config, Speed};
@@ -88,13 +88,13 @@ struct Capture<'a> {
 impl Capture<'_> {
     fn play(&mut self, mut source: Box<dyn Source>) -> Result<Ended, RoleError> {
         let format = source.format();
-        self.frames.warm_up(format.bytes())?;
+        self.frames.warm_up(source.frame_bytes())?;
         let began_ns = monotonic_ns();
         let mut newest_ns = 0;
         loop {
             super::wait_for_room(self.node, &mut self.frames, &mut self.pulse)?;
             let began = Instant::now();
-            let mut loan = self.frames.loan(format.bytes())?;
+            let mut loan = self.frames.loan(source.frame_bytes())?;
             let Some(pts_ns) = source.next_picture(loan.bytes_mut()).map_err(RoleError::Source)? else {
                 self.offset_ns += newest_ns + (1e9 / format.rate_hz) as u64;
                 return Ok(Ended::AtEnd);
@@ -108,9 +108,13 @@ impl Capture<'_> {
                 return Ok(Ended::Stopped);
             }
             let header = loan.header_mut();
-            write_format(header, format);
+            source.describe(header);
             // A frame of a film is captured when it is due; then latencies mean what they mean for a camera.
-            header.stamp.captured_ns = if self.live || self.paced { monotonic_ns() } else { due_ns };
+            header.stamp.captured_ns = match source.captured_ns() {
+                Some(captured_ns) => captured_ns,
+                None if self.live || self.paced => monotonic_ns(),
+                None => due_ns,
+            };
             header.source_ns = if self.live { header.stamp.captured_ns } else { self.offset_ns + pts_ns };
             header.flags = if self.paced { flag::PACED } else { 0 };
             self.frames.send(loan)?;
@@ -142,11 +146,4 @@ impl Capture<'_> {
 
 fn until(due_ns: u64) -> Duration {
     Duration::from_nanos(due_ns.saturating_sub(monotonic_ns()))
-}
-
-fn write_format(header: &mut FrameHeader, format: PictureFormat) {
-    header.width = format.width;
-    header.height = format.height;
-    header.stride = format.width * 3;
-    header.colour_format = ColourFormat::Bgr8.code();
 }

@@ -1,7 +1,5 @@
 //! A frameset of the SDK as a [`FrameInfo`] and bytes.
 
-use std::mem::MaybeUninit;
-
 use realsense_rust::base::Rs2Intrinsics;
 use realsense_rust::frame::{ColorFrame, DepthFrame, FrameEx, ImageFrame};
 use realsense_rust::kind::{Rs2DistortionModel, Rs2Format, Rs2StreamKind, Rs2TimestampDomain};
@@ -59,7 +57,7 @@ impl Frame {
     ///
     /// # Errors
     /// [`Error::Room`] when `target` is too short; nothing is written then.
-    pub fn write_to(&self, target: &mut [MaybeUninit<u8>]) -> Result<usize, Error> {
+    pub fn write_to(&self, target: &mut [u8]) -> Result<usize, Error> {
         write_planes([bytes(&self.colour), self.depth.as_ref().map_or(&[], bytes)], target)
     }
 }

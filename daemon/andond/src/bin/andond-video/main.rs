@@ -4,6 +4,8 @@
 //! `andond-video run capture` is that role, into which `andond run capture` turns itself.
 #![forbid(unsafe_code)]
 
+#[cfg(feature = "realsense")]
+mod realsense;
 mod sources;
 
 use std::io::{BufReader, BufWriter, stdin, stdout};
@@ -74,6 +76,9 @@ fn open(config: &Config) -> Result<Box<dyn Source>, String> {
         Configured::Tracks => {
             Err("a track file has no pictures: the role perceive plays it, capture is not needed".into())
         }
+        #[cfg(feature = "realsense")]
+        Configured::Realsense | Configured::Bag => Ok(Box::new(realsense::RealSense::open(config)?)),
+        #[cfg(not(feature = "realsense"))]
         Configured::Realsense | Configured::Bag => {
             Err("this build has no RealSense support: build with --features realsense".into())
         }

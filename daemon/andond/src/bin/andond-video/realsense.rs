@@ -1,0 +1,155 @@
+//! A RealSense camera or recording as a source.
+
+use std::time::{Duration, Instant};
+
+use andon_realsense::frame::{self, FrameInfo, PixelFormat};
+use andon_realsense::settings::{Camera, Origin, Pace, Recording, Settings};
+use andon_realsense::{Frame, Next};
+use andond::config::{Config, Source as Configured};
+use andond::video::pipe::PictureFormat;
+use andond::video::source::Source;
+use shm_schemas::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
+
+/// One wait: the source looks after itself between two of them.
+const WAIT: Duration = Duration::from_millis(200);
+
+/// A camera that has opened sends within this: auto exposure and the first transfer take a second.
+const FIRST_FRAME: Duration = Duration::from_secs(5);
+
+pub(crate) struct RealSense {
+    source: andon_realsense::Source,
+    format: PictureFormat,
+    /// The newest frame's, whose layout all frames have.
+    info: FrameInfo,
+    /// The frame that told the layout, until it has been handed out.
+    first: Option<Frame>,
+    is_live: bool,
+}
+
+impl RealSense {
+    pub(crate) fn open(config: &Config) -> Result<Self, String> {
+        let is_live = config.camera.source == Configured::Realsense;
+        let mut source =
+            andon_realsense::Source::open(settings(config)).map_err(|error| error.to_string())?;
+        let began = Instant::now();
+        let first = loop {
+            match source.next(WAIT) {
+                Next::Frame(frame) => break frame,
+                Next::Nothing if began.elapsed() < FIRST_FRAME => {}
+                Next::Lost(why) => return Err(why.to_string()),
+                Next::Nothing | Next::Ended => return Err("it is open, but sends no picture".into()),
+            }
+        };
+        let info = *first.info();
+        let format = PictureFormat {
+            width: info.colour.width,
+            height: info.colour.height,
+            rate_hz: f64::from(config.camera.rate_hz),
+            count: 0,
+        };
+        Ok(Self { source, format, info, first: Some(first), is_live })
+    }
+
+    fn next(&mut self) -> Result<Option<Frame>, String> {
+        if let Some(first) = self.first.take() {
+            return Ok(Some(first));
+        }
+        loop {
+            match self.source.next(WAIT) {
+                Next::Frame(frame) => return Ok(Some(frame)),
+                // A camera that stays silent is `Lost` after two seconds.
+                Next::Nothing => {}
+                Next::Lost(why) => return Err(why.to_string()),
+                Next::Ended => return Ok(None),
+            }
+        }
+    }
+}
+
+impl Source for RealSense {
+    fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    fn frame_bytes(&self) -> usize {
+        self.info.bytes()
+    }
+
+    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
+        let layout = self.info.bytes();
+        loop {
+            let Some(frame) = self.next()? else { return Ok(None) };
+            // While it starts, depth can be missing from a frame; a frame without it is no frame of this source.
+            if frame.info().bytes() == layout {
+                self.info = *frame.info();
+                frame.write_to(picture).map_err(|error| error.to_string())?;
+                return Ok(Some(self.info.source_ns));
+            }
+        }
+    }
+
+    fn captured_ns(&self) -> Option<u64> {
+        self.is_live.then_some(self.info.captured_ns)
+    }
+
+    fn describe(&self, header: &mut FrameHeader) {
+        let FrameInfo { colour, depth, dropped, .. } = &self.info;
+        header.dropped = *dropped;
+        (header.width, header.height, header.stride) = (colour.width, colour.height, colour.stride);
+        header.colour_format = match colour.format {
+            PixelFormat::Rgb8 => ColourFormat::Rgb8.code(),
+            PixelFormat::Bgr8 => ColourFormat::Bgr8.code(),
+            PixelFormat::Yuyv => ColourFormat::Yuyv.code(),
+            PixelFormat::Grey8 => ColourFormat::Grey8.code(),
+            // No colour stream has it: 0 is no format, which readers refuse.
+            PixelFormat::Z16 => 0,
+        };
+        header.colour = intrinsics(&colour.intrinsics);
+        let Some(depth) = depth else { return };
+        let plane = &depth.plane;
+        (header.depth_width, header.depth_height, header.depth_stride) =
+            (plane.width, plane.height, plane.stride);
+        header.depth_format = DepthFormat::Z16.code();
+        header.depth_unit_m = depth.unit_m;
+        header.depth = intrinsics(&plane.intrinsics);
+        let frame::Extrinsics { rotation, translation_m } = depth.colour_from_depth;
+        header.colour_from_depth = Extrinsics { rotation, translation_m };
+    }
+}
+
+fn settings(config: &Config) -> Settings {
+    let camera = &config.camera;
+    let origin = match camera.source {
+        Configured::Realsense => Origin::Camera(Camera {
+            serial: camera.serial.clone(),
+            colour_size: [camera.width, camera.height],
+            colour_format: PixelFormat::Rgb8,
+            rate_hz: camera.rate_hz.round() as u32,
+            exposure_us: camera.exposure_us,
+            laser_mw: Some(camera.laser_power_mw),
+            ..Camera::default()
+        }),
+        _ => Origin::Recording(Recording {
+            file: camera.path.clone().unwrap_or_default(),
+            repeat: false,
+            // The role paces a recording and begins it again, as it does with a film; so no frame is lost.
+            pace: Pace::AsFetched,
+        }),
+    };
+    Settings { library: config.perception.models.join("realsense"), origin, depth: camera.depth }
+}
+
+/// All zero, which is unknown, where the coefficients belong to a model that has no code.
+fn intrinsics(of: &frame::Intrinsics) -> Intrinsics {
+    let model = match of.distortion {
+        frame::Distortion::None => Distortion::None,
+        frame::Distortion::BrownConrady => Distortion::BrownConrady,
+        // librealsense computes both in the same way.
+        frame::Distortion::InverseBrownConrady | frame::Distortion::ModifiedBrownConrady => {
+            Distortion::InverseBrownConrady
+        }
+        frame::Distortion::Other => return Intrinsics::default(),
+    };
+    let ([fx, fy], [cx, cy]) = (of.focal, of.centre);
+    Intrinsics { fx, fy, cx, cy, distortion: of.coefficients, model: model.code() }
+}
