@@ -94,6 +94,8 @@ struct Line {
     folder: tempfile::TempDir,
     configs: Vec<PathBuf>,
     began: Instant,
+    /// Messages lost and frames skipped in all clips so far.
+    losses: u64,
     /// Of all captures together, one a clip.
     capture: Usage,
 }
@@ -140,7 +142,16 @@ impl Line {
         if !missing.is_empty() {
             return Err(Failure::new(Code::Fault, format!("these roles did not come up: {missing:?}")));
         }
-        Ok(Self { channels, node, roles, folder, configs, began: Instant::now(), capture: Usage::default() })
+        Ok(Self {
+            channels,
+            node,
+            roles,
+            folder,
+            configs,
+            began: Instant::now(),
+            losses: 0,
+            capture: Usage::default(),
+        })
     }
 
     /// Plays one clip to its end; `None` when a stop was asked for.
@@ -177,7 +188,10 @@ impl Line {
         }
         bar.finish_and_clear();
         self.capture.add(usage::of(capture.pid()));
-        let losses = heard.health.iter().map(|health| health.losses).sum();
+        // Health counts from the start of a role.
+        let so_far: u64 = heard.health.iter().map(|health| health.losses).sum();
+        let losses = so_far.saturating_sub(self.losses);
+        self.losses = so_far;
         Ok(Some(Outcome { heard, took: began.elapsed(), losses }))
     }
 
@@ -234,7 +248,7 @@ impl Outcome {
             latencies.get(place).map_or(0.0, |&ns| ns as f64 / 1e6)
         };
         println!(
-            "{frames} frames in {:.1} s ({:.1} a second), {} lost; frame to verdict {:.1} ms (median), {:.1} ms (p99)",
+            "{frames} frames in {:.1} s ({:.1} a second), {} lost or skipped; frame to verdict {:.1} ms (median), {:.1} ms (p99)",
             self.took.as_secs_f64(),
             frames as f64 / self.took.as_secs_f64(),
             self.losses,
