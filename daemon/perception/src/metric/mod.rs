@@ -20,6 +20,7 @@ pub use lens::{Distortion, Lens, Rig};
 
 use crate::config::MarkerObject;
 use crate::detections::{Detections, HANDS, HandDetection, LANDMARKS, OBJECTS, ObjectDetection, Side};
+use crate::held::{Held, PlacedHand, PlacedObject};
 use heapless::Vec;
 use nalgebra::{Isometry3, Point3};
 
@@ -54,6 +55,8 @@ pub struct MetricScene {
     pub hands: Vec<MetricHand, HANDS>,
     /// The objects of the detections, in their order, but for those whose corners are no picture of a square.
     pub objects: Vec<MetricObject, OBJECTS>,
+    /// Carried objects whose markers are hidden, placed by the motion of the hand.
+    pub held: Vec<PlacedObject, OBJECTS>,
 }
 
 /// The last pose of an object.
@@ -73,12 +76,13 @@ pub struct Metric {
     bench: BenchFrame,
     objects: std::vec::Vec<MarkerObject>,
     remembered: Vec<Remembered, OBJECTS>,
+    held: Held,
 }
 
 impl Metric {
     /// For a camera that stays where it is, over a bench that has been calibrated.
     pub fn new(rig: Rig, bench: BenchFrame, objects: &[MarkerObject]) -> Self {
-        Self { rig, bench, objects: objects.to_vec(), remembered: Vec::new() }
+        Self { rig, bench, objects: objects.to_vec(), remembered: Vec::new(), held: Held::default() }
     }
 
     /// Places what was detected in pixels. Without depth, objects are placed by their corners alone and hands not at all.
@@ -101,6 +105,15 @@ impl Metric {
         }
         // There is room, as above.
         scene.hands.extend(seen.hands.iter().map(|hand| self.hand(sampler.as_ref(), hand)));
+        let hand = |&MetricHand { side, landmarks_m, .. }: &MetricHand| PlacedHand { side, landmarks_m };
+        let hands: Vec<_, HANDS> = scene.hands.iter().map(hand).collect();
+        let object = |&MetricObject { id, position_m, orientation, .. }: &MetricObject| PlacedObject {
+            id,
+            position_m,
+            orientation,
+        };
+        let objects: Vec<_, OBJECTS> = scene.objects.iter().map(object).collect();
+        scene.held = self.held.step(seen.captured_ns, &hands, &objects);
         Ok(scene)
     }
 
