@@ -166,7 +166,8 @@ impl FilmWriter {
 
     /// Ends the film and waits until it is on the disk.
     pub fn finish(mut self) -> Result<(), VideoError> {
-        drop(self.pictures.take());
+        // A helper that has failed cannot be told; it says why below.
+        let _ = self.pictures.take().map(PipeWriter::finish);
         let status = self
             .helper
             .child

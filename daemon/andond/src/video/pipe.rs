@@ -102,13 +102,11 @@ impl<W: Write> PipeWriter<W> {
         self.to.write_all(&pts_ns.to_le_bytes())?;
         self.to.write_all(picture)
     }
-}
 
-impl<W: Write> Drop for PipeWriter<W> {
-    fn drop(&mut self) {
-        // A reader that is gone needs no end.
-        let _ = self.to.write_all(&END.to_le_bytes());
-        let _ = self.to.flush();
+    /// Says that there are no more pictures. A writer that is dropped instead has failed, and its reader sees that.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.to.write_all(&END.to_le_bytes())?;
+        self.to.flush()
     }
 }
 
@@ -124,7 +122,7 @@ mod tests {
         let mut writer = PipeWriter::new(&mut bytes, FORMAT).unwrap();
         writer.write_picture(0, &[1; 6]).unwrap();
         writer.write_picture(33, &[2; 6]).unwrap();
-        drop(writer);
+        writer.finish().unwrap();
         bytes
     }
 

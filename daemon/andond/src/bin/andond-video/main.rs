@@ -97,6 +97,7 @@ fn decode(file: &Path) -> Result<(), String> {
             return Ok(());
         }
     }
+    let _ = pipe.finish();
     Ok(())
 }
 
