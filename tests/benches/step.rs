@@ -46,7 +46,12 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
     let ius: Vec<Vec<NominalIu<'_>>> = Side::ALL.into_iter().flat_map(of_hand).collect();
     let activities: Vec<NominalActivity<'_>> =
         (0u16..).zip(&ius).map(|(activity, ius)| NominalActivity { activity, ius }).collect();
-    let job = Job { activities: &activities, order_matters: false, cost: LocalCost::Circular { bins: 8 } };
+    let job = Job {
+        activities: &activities,
+        order_matters: false,
+        cost: LocalCost::Circular { bins: 8 },
+        slowness: 2.0,
+    };
     let shapes: Vec<ObjectShape> = (1..=OBJECTS as u16).map(shape).collect();
 
     let mut encoder = Encoder::new(Method::default(), &shapes).unwrap();

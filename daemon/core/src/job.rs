@@ -32,7 +32,8 @@ pub struct NominalIu<'a> {
     pub context: Context,
     /// The barycentre of its demonstrations, one motion a frame of the grid.
     pub reference: &'a [Motion],
-    /// Greatest DTW distance that is right, in the units of `dtw_ndim.distance`.
+    /// Greatest DTW distance that is right, in the units of `dtw_ndim.distance`, of an execution that is no longer than the
+    /// reference; a slower one has [`Job::slowness`].
     pub threshold: f32,
     /// How long it may last, in frames of the grid.
     pub frames: Bounds,
@@ -58,4 +59,14 @@ pub struct Job<'a> {
     pub order_matters: bool,
     /// How motions are compared.
     pub cost: LocalCost,
+    /// Up to how many times longer than its reference an IU may be for its threshold to grow with it, from 1. A DTW distance grows with the
+    /// number of frames, and what is slower also has less acceleration and more rest, so each frame is farther as well.
+    /// 1 leaves the thresholds as they are, as in the paper.
+    pub slowness: f32,
+}
+
+/// The factor by which the threshold grows for an IU of so many frames: how many times longer than its reference it is, at most
+/// `slowness` times.
+pub fn allowance(frames: u32, reference: usize, slowness: f32) -> f32 {
+    (frames as f32 / reference.max(1) as f32).clamp(1.0, slowness.max(1.0))
 }

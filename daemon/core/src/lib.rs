@@ -25,7 +25,7 @@
 //!     reversals: Bounds { least: 0, most: 1 },
 //! };
 //! let activities = [NominalActivity { activity: 0, ius: &[iu] }];
-//! let job = Job { activities: &activities, order_matters: true, cost: LocalCost::Circular { bins: 8 } };
+//! let job = Job { activities: &activities, order_matters: true, cost: LocalCost::Circular { bins: 8 }, slowness: 2.0 };
 //!
 //! let method = Method::default();
 //! let tool = ObjectShape { id: 5, interaction_points: [[0.0; 3]].into_iter().collect() };

@@ -39,7 +39,9 @@ pub fn couple_stream(bytes: &[u8]) {
         0 => LocalCost::Ordinal,
         _ => LocalCost::Circular { bins: method.bins },
     };
-    let job = Job { activities: &activities, order_matters: input.below(2) == 0, cost };
+    let order_matters = input.below(2) == 0;
+    let slowness = 1.0 + input.below(3) as f32;
+    let job = Job { activities: &activities, order_matters, cost, slowness };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {

@@ -50,11 +50,13 @@ pub enum Flaw {
     PartsMoved,
     /// The hand leaves the picture for two seconds while it polishes.
     OffPicture,
+    /// All of it takes twice the time: no anomaly.
+    HalfSpeed,
 }
 
 impl Flaw {
     /// All of them.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::None,
         Self::J1,
         Self::J2,
@@ -73,6 +75,7 @@ impl Flaw {
         Self::Turned,
         Self::PartsMoved,
         Self::OffPicture,
+        Self::HalfSpeed,
     ];
 
     /// As it stands in a file's name.
@@ -96,15 +99,19 @@ impl Flaw {
             Self::Turned => "turned",
             Self::PartsMoved => "parts_moved",
             Self::OffPicture => "off_picture",
+            Self::HalfSpeed => "half_speed",
         }
     }
 
     /// What the judge must say of a job with this flaw.
     pub const fn expected(self) -> Expected {
         match self {
-            Self::None | Self::Hesitation | Self::Shifted | Self::Turned | Self::PartsMoved => {
-                Expected::Right
-            }
+            Self::None
+            | Self::Hesitation
+            | Self::Shifted
+            | Self::Turned
+            | Self::PartsMoved
+            | Self::HalfSpeed => Expected::Right,
             Self::OffPicture => Expected::NotOk,
             _ => Expected::Anomaly,
         }
@@ -249,7 +256,11 @@ fn actions(flaw: Flaw, bench: &Bench, random: &mut Random) -> Vec<Action> {
         Flaw::Hesitation => [vec![Action::Take(6), Action::Hesitate(1.5)], measure[1..].to_vec()].concat(),
         _ => measure,
     };
-    let mut all = if flaw == Flaw::WrongOrder { [second, first].concat() } else { [first, second].concat() };
+    let mut all = match flaw {
+        Flaw::WrongOrder => [second, first].concat(),
+        Flaw::HalfSpeed => [vec![Action::Tempo(2.0)], first, second].concat(),
+        _ => [first, second].concat(),
+    };
     all.push(Action::Rest);
     all
 }

@@ -92,6 +92,19 @@ impl Capture {
         self.keep(|number| number <= (from + to) / 2)
     }
 
+    /// Each frame twice as late, and halfway between each two of them another.
+    pub(crate) fn half_speed(self) -> Self {
+        let halfway = |one: &Instant, next: &Instant| Instant {
+            number: one.number,
+            markers: std::array::from_fn(|marker| {
+                mean(&[Some(one.markers[marker]?), Some(next.markers[marker]?)])
+            }),
+        };
+        let pairs = self.instants.windows(2).flat_map(|pair| [pair[0].clone(), halfway(&pair[0], &pair[1])]);
+        let instants = pairs.chain(self.instants.last().cloned()).collect();
+        Self { instants, ..self }
+    }
+
     /// With the whole bench turned by 30 degrees about the vertical.
     pub(crate) fn turned(mut self) -> Self {
         self.yaw = 30_f32.to_radians();

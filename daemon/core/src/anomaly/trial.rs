@@ -4,7 +4,7 @@ use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
 use crate::input::Side;
-use crate::job::{Job, NominalActivity, NominalIu};
+use crate::job::{Job, NominalActivity, NominalIu, allowance};
 use crate::verdict::Reason;
 use heapless::Vec;
 
@@ -76,6 +76,8 @@ pub(super) struct Trials<'a, M> {
     trials: Vec<Trial<'a>, ACTIVITIES>,
     /// One for each trial, in their order, and spare ones. Made once: their rows are long.
     distances: M,
+    /// [`Job::slowness`]
+    slowness: f32,
 }
 
 impl<'a, M: Memory<'a>> Trials<'a, M> {
@@ -85,7 +87,7 @@ impl<'a, M: Memory<'a>> Trials<'a, M> {
         let touch = job.activities.iter().flat_map(|nominal| nominal.ius).find(|iu| iu.context.is_touch());
         let spare = touch.and_then(|iu| OnlineDtw::new(&costs, iu.reference).ok());
         let distances = spare.iter().cycle().take(needed(job, side)).cloned().collect();
-        Self { trials: Vec::new(), distances }
+        Self { trials: Vec::new(), distances, slowness: job.slowness }
     }
 
     pub(super) fn clear(&mut self) {
@@ -113,8 +115,9 @@ impl<'a, M: Memory<'a>> Trials<'a, M> {
 
     /// Gives up the trials that cannot come out right any more, and says whether all are.
     pub(super) fn all_lost(&mut self, extent: Extent) -> bool {
+        let slowness = self.slowness;
         for (trial, distance) in self.trials.iter_mut().zip(self.distances.as_ref()) {
-            trial.lost |= outcome(trial, distance, extent).reason != Reason::None;
+            trial.lost |= outcome(trial, distance, extent, slowness).reason != Reason::None;
         }
         self.trials.iter().all(|trial| trial.lost)
     }
@@ -124,7 +127,7 @@ impl<'a, M: Memory<'a>> Trials<'a, M> {
         self.trials
             .iter()
             .zip(self.distances.as_ref())
-            .map(move |(trial, distance)| outcome(trial, distance, extent))
+            .map(move |(trial, distance)| outcome(trial, distance, extent, self.slowness))
     }
 
     /// The nearest trial of those that came out right, or of all where none did.
@@ -138,10 +141,13 @@ impl<'a, M: Memory<'a>> Trials<'a, M> {
 }
 
 /// Bounds come before the distance: a motion that was cut short explains the distance, not the other way round.
-fn outcome(trial: &Trial<'_>, dtw: &OnlineDtw<'_>, extent: Extent) -> Outcome {
-    let NominalIu { threshold, frames, reversals, .. } = *trial.iu;
+fn outcome(trial: &Trial<'_>, dtw: &OnlineDtw<'_>, extent: Extent, slowness: f32) -> Outcome {
+    let NominalIu { frames, reversals, reference, .. } = *trial.iu;
     let whole = dtw.distance().filter(|_| extent.ended && !trial.lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
+    // While the IU goes on it can still become the slowest that is right.
+    let length = if extent.ended { extent.frames } else { frames.most };
+    let threshold = trial.iu.threshold * allowance(length, reference.len(), slowness);
     let reason = if extent.frames > frames.most || extent.reversals > reversals.most {
         Reason::TooLong
     } else if extent.ended && (extent.frames < frames.least || extent.reversals < reversals.least) {

@@ -122,7 +122,12 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
             NominalActivity { activity: number as u16, ius: ius.leak() }
         })
         .collect();
-    Job { activities: nominal.leak(), order_matters: false, cost: LocalCost::Circular { bins: 8 } }
+    Job {
+        activities: nominal.leak(),
+        order_matters: false,
+        cost: LocalCost::Circular { bins: 8 },
+        slowness: 2.0,
+    }
 }
 
 /// One verdict in short: `r0.1 IuOk`, `l2 ActivityAnomaly NotCompleted`, `JobOk`; `!` where it came before the end.

@@ -128,6 +128,7 @@ fn outcome(
 ) -> Result<Outcome, ExperimentError> {
     let options = TeachOptions {
         cost: variation.cost(method.bins),
+        slowness: variation.slowness,
         rule: variation.rule,
         bounds: variation.bounds,
         ..TeachOptions::new("experiment 2", "", *method)

@@ -90,6 +90,8 @@ pub struct JobFile {
     pub order_matters: bool,
     /// How motions are compared.
     pub cost: LocalCost,
+    /// [`Job::slowness`]
+    pub slowness: f32,
     /// The constants that it was taught with, and must be judged with.
     pub method: Method,
     /// The objects on the bench.
@@ -114,7 +116,8 @@ impl JobFile {
             .zip(&ius)
             .map(|(taught, ius)| NominalActivity { activity: taught.activity, ius })
             .collect();
-        judge(&Job { activities: &activities, order_matters: self.order_matters, cost: self.cost })
+        let Self { order_matters, cost, slowness, .. } = *self;
+        judge(&Job { activities: &activities, order_matters, cost, slowness })
     }
 
     /// Names the model: the same text gives the same number, on every machine.

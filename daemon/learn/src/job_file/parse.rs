@@ -85,6 +85,9 @@ struct ContactText {
 struct MethodText {
     space: SpaceText,
     cost: CostText,
+    /// A file that does not say was taught without.
+    #[serde(default = "no_slowness")]
+    slowness: f32,
     rate_hz: f32,
     bins: u8,
     hand_contact: ContactText,
@@ -121,6 +124,10 @@ struct IuText {
     frames: [u32; 2],
     reversals: [u32; 2],
     reference: Vec<String>,
+}
+
+fn no_slowness() -> f32 {
+    1.0
 }
 
 impl JobFile {
@@ -168,6 +175,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         name: text.name,
         order_matters: text.order_matters,
         cost,
+        slowness: text.method.slowness,
         objects: objects.collect::<Result<_, _>>()?,
         activities: activities.collect::<Result<_, _>>()?,
         method: method_of(text.method),

@@ -52,10 +52,10 @@ impl JobFile {
             ThresholdRule::Paper { sigmas } => {
                 line!(text, "rule = {{ name = \"paper\", sigmas = {sigmas:?} }}")
             }
-            ThresholdRule::LeaveOneOut { sigmas, border_frames } => {
+            ThresholdRule::LeaveOneOut { sigmas, border_s } => {
                 line!(
                     text,
-                    "rule = {{ name = \"leave_one_out\", sigmas = {sigmas:?}, border_frames = {border_frames:?} }}"
+                    "rule = {{ name = \"leave_one_out\", sigmas = {sigmas:?}, border_s = {border_s:?} }}"
                 );
             }
             ThresholdRule::Conformal { false_alarms } => {
@@ -97,6 +97,11 @@ impl JobFile {
                 LocalCost::Ordinal => "ordinal",
                 LocalCost::Circular { .. } => "circular",
             }
+        );
+        line!(
+            text,
+            "# Up to how many times slower than shown is no anomaly of the motion.\nslowness = {:?}",
+            self.slowness
         );
         line!(text, "rate_hz = {:?}\nbins = {}", method.rate_hz, method.bins);
         for (name, contact) in [("hand", method.hand_contact), ("object", method.object_contact)] {

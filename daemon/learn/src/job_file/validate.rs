@@ -11,6 +11,9 @@ pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
         place: format!("method.{}", fault.key),
         problem: format!("it must be {}", fault.allowed),
     })?;
+    rule(job.slowness.is_finite() && job.slowness >= 1.0, "method.slowness", || {
+        "it must be a number from 1".to_owned()
+    })?;
     rule(job.objects.len() <= OBJECTS, "object", || format!("at most {OBJECTS} objects can be followed"))?;
     for (place, object) in job.objects.iter().enumerate() {
         let here = format!("object[{place}]");

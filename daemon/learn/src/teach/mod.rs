@@ -40,6 +40,8 @@ pub struct TeachOptions {
     pub method: Method,
     /// How motions are compared.
     pub cost: LocalCost,
+    /// Up to how many times slower than shown is no anomaly of the motion: [`Job::slowness`](andon_core::job::Job::slowness).
+    pub slowness: f32,
     /// How thresholds are chosen.
     pub rule: ThresholdRule,
     /// How bounds are chosen.
@@ -49,6 +51,9 @@ pub struct TeachOptions {
 }
 
 impl TeachOptions {
+    /// Half speed is no anomaly.
+    pub const SLOWNESS: f32 = 2.0;
+
     /// The default rules, which measured best on held-out simulated people of the development seeds.
     pub fn new(name: &str, date: &str, method: Method) -> Self {
         Self {
@@ -58,6 +63,7 @@ impl TeachOptions {
             program: concat!("andond ", env!("CARGO_PKG_VERSION")).to_owned(),
             cost: LocalCost::Circular { bins: method.bins },
             method,
+            slowness: Self::SLOWNESS,
             rule: ThresholdRule::default(),
             bounds: BoundsRule::default(),
             order_matters: None,
@@ -145,6 +151,7 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
         name: options.name.clone(),
         order_matters,
         cost: options.cost,
+        slowness: options.slowness,
         method: options.method,
         objects: runs[0].objects.clone(),
         activities,
@@ -168,8 +175,8 @@ fn check(options: &TeachOptions) -> Result<(), TeachError> {
         ThresholdRule::Paper { sigmas } => {
             option("sigmas", sigmas, "0 or more", sigmas >= 0.0 && sigmas.is_finite())?;
         }
-        ThresholdRule::LeaveOneOut { sigmas, border_frames } => {
-            for (name, value) in [("sigmas", sigmas), ("border_frames", border_frames)] {
+        ThresholdRule::LeaveOneOut { sigmas, border_s } => {
+            for (name, value) in [("sigmas", sigmas), ("border_s", border_s)] {
                 option(name, value, "0 or more", value >= 0.0 && value.is_finite())?;
             }
         }
@@ -182,6 +189,8 @@ fn check(options: &TeachOptions) -> Result<(), TeachError> {
             )?;
         }
     }
+    let slowness = f64::from(options.slowness);
+    option("slowness", slowness, "1 or more", slowness >= 1.0 && slowness.is_finite())?;
     let bounds = options.bounds;
     for (name, share) in [("shortest", bounds.shortest), ("fewest", bounds.fewest)] {
         option(name, share, "0 to 1", (0.0..=1.0).contains(&share))?;
@@ -247,19 +256,22 @@ impl Teacher<'_> {
             })?;
         }
         let leave_out = !matches!(self.options.rule, ThresholdRule::Paper { .. });
+        let slowness = self.options.slowness;
         let learned =
-            learn(&mut self.warp, &self.tables, &motions, leave_out).map_err(|refused| TeachError::Iu {
-                run: "all".to_owned(),
-                activity: usize::from(sequence.activity) + 1,
-                iu: place + 1,
-                refused,
+            learn(&mut self.warp, &self.tables, &motions, leave_out, slowness).map_err(|refused| {
+                TeachError::Iu {
+                    run: "all".to_owned(),
+                    activity: usize::from(sequence.activity) + 1,
+                    iu: place + 1,
+                    refused,
+                }
             })?;
         let context = sequence.contexts[place];
         let frames: Vec<u32> = motions.iter().map(|motion| motion.len() as u32).collect();
         let reversals: Vec<u32> = shown.iter().map(|iu| iu.reversals).collect();
         let taught = TaughtIu {
             context,
-            threshold: learned.threshold(self.options.rule) as f32,
+            threshold: learned.threshold(self.options.rule, f64::from(self.options.method.rate_hz)) as f32,
             frames: self.options.bounds.frames(context, self.options.method.rate_hz, &frames),
             reversals: self.options.bounds.reversals(context, &reversals),
             reference: learned.reference.clone(),

@@ -16,11 +16,11 @@ pub enum ThresholdRule {
     LeaveOneOut {
         /// Standard deviations over the mean.
         sigmas: f64,
-        /// Frames of a neighbouring IU, in the opposite direction, that an IU may begin or end with: contacts begin and end by distance, and
-        /// where in a movement that happens differs. It widens the thresholds of short IUs, and hardly those of long ones.
+        /// Seconds of a neighbouring IU, in the opposite direction, that an IU may begin or end with: contacts begin and end by distance,
+        /// and where in a movement that happens differs. It widens the thresholds of short IUs, and hardly those of long ones.
         /// A job file that does not say was taught with none.
         #[serde(default)]
-        border_frames: f64,
+        border_s: f64,
     },
     /// The leave-one-out distance that at most this share of correct executions exceeds, by rank and without any
     /// assumption about how distances are spread (jackknife+ style). `n` demonstrations cannot promise less than `1 / (n + 1)`.
@@ -38,7 +38,7 @@ impl ThresholdRule {
 impl Default for ThresholdRule {
     /// What measured best on held-out simulated people of the development seeds.
     fn default() -> Self {
-        Self::LeaveOneOut { sigmas: 4.0, border_frames: 5.0 }
+        Self::LeaveOneOut { sigmas: 4.0, border_s: 0.17 }
     }
 }
 

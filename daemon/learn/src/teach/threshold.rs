@@ -6,6 +6,7 @@ use crate::barycentre::Barycentres;
 use crate::warp::Warp;
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
+use andon_core::job::allowance;
 
 /// The distance a frame of a correct execution has from its reference, root of the mean square, where only one demonstration
 /// is there to tell. On the simulated people of the development seeds 1 to 6 taught by one run, 0.9 accuses 11 of 18 correct
@@ -23,13 +24,13 @@ const OPPOSITE: f64 = 4.0;
 pub struct Learned {
     /// The DBA barycentre of all demonstrations.
     pub reference: Vec<Motion>,
-    /// Distances of the demonstrations to it, in their order.
+    /// Distances of the demonstrations to it, in their order, each divided by its [`allowance`].
     pub own: Vec<f64>,
     /// Distances of each demonstration to the barycentre of the others; empty where there is but one.
     pub left_out: Vec<f64>,
 }
 
-/// Computes barycentre and distances.
+/// Computes barycentre and distances. `slowness` is the job's.
 ///
 /// # Errors
 /// If there is no demonstration, or one is empty or longer than an IU may be.
@@ -38,13 +39,18 @@ pub fn learn(
     tables: &Barycentres,
     demonstrations: &[&[Motion]],
     leave_out: bool,
+    slowness: f32,
 ) -> Result<Learned, Refused> {
     let distances = warp.matrix(demonstrations)?;
     let all: Vec<usize> = (0..demonstrations.len()).collect();
     let leave_out = leave_out && demonstrations.len() > 1;
     let (reference, others) = tables.with_left_out(warp, demonstrations, &distances, &all, leave_out)?;
     let mut to = |references: &[&[Motion]]| -> Result<Vec<f64>, Refused> {
-        demonstrations.iter().zip(references).map(|(motion, other)| warp.distance(motion, other)).collect()
+        let one = |(motion, other): (&&[Motion], &&[Motion])| {
+            let allowance = allowance(motion.len() as u32, other.len(), slowness);
+            Ok(warp.distance(motion, other)? / f64::from(allowance))
+        };
+        demonstrations.iter().zip(references).map(one).collect()
     };
     let own = to(&vec![reference.as_slice(); demonstrations.len()])?;
     let left_out = to(&others.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
@@ -52,18 +58,18 @@ pub fn learn(
 }
 
 impl Learned {
-    /// The threshold by a rule.
-    pub fn threshold(&self, rule: ThresholdRule) -> f64 {
+    /// The threshold by a rule, for so many frames a second.
+    pub fn threshold(&self, rule: ThresholdRule, rate_hz: f64) -> f64 {
         if self.own.len() == 1 {
             return ALONE_PER_FRAME * (self.reference.len() as f64).sqrt();
         }
         match rule {
             ThresholdRule::Paper { sigmas } => mean(&self.own) + sigmas * deviation(&self.own, 0),
-            ThresholdRule::LeaveOneOut { sigmas, border_frames } => {
+            ThresholdRule::LeaveOneOut { sigmas, border_s } => {
                 let centre = mean(&self.left_out);
                 let spread = deviation(&self.left_out, 1).max(LEAST_SPREAD * centre);
                 // Costs add up under the root.
-                (centre + sigmas * spread).hypot((border_frames * OPPOSITE).sqrt())
+                (centre + sigmas * spread).hypot((border_s * rate_hz * OPPOSITE).sqrt())
             }
             ThresholdRule::Conformal { false_alarms } => {
                 let mut sorted = self.left_out.clone();
