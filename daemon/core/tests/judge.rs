@@ -212,6 +212,27 @@ fn a_wrong_motion_is_said_in_the_middle_of_it() {
 }
 
 #[test]
+fn what_takes_longer_than_its_reference_may_be_farther_from_it() {
+    // 20 frames in a neighbouring direction are 3.42 away; the threshold is 3 for the 30 frames of the reference.
+    let carried =
+        |frames: usize| [part([1, 6, 0, 0], 20, Toward(6)), part([1, 6, 0, 0], frames - 20, Toward(5))];
+    let job = polish_and_measure();
+    let carry = |job: &Job<'_>, frames| {
+        let right = [&polish(6)[..], &carried(frames), &measure()[1..]].concat();
+        let verdicts = judged(job, &stream(&right, &[]));
+        verdicts.into_iter().find(|verdict| verdict.activity == 1 && verdict.iu == Some(0)).unwrap()
+    };
+    let said = |job, frames| {
+        let verdict = carry(job, frames);
+        (verdict.kind, verdict.threshold)
+    };
+    assert_eq!(said(&job, 30), (Kind::IuAnomaly, Some(3.0)));
+    assert_eq!(said(&job, 45), (Kind::IuOk, Some(4.5)));
+    let as_in_the_paper = Job { slowness: 1.0, ..job };
+    assert_eq!(said(&as_in_the_paper, 45), (Kind::IuAnomaly, Some(3.0)));
+}
+
+#[test]
 fn what_lasts_too_long_is_said_when_it_does() {
     let mut right = [polish(6), measure()].concat();
     right[5].frames = 200;
