@@ -38,9 +38,13 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         }
         while let Some(frame) = role.take()? {
             role.step(&frame, config)?;
+            // Frames may come faster than they are seen: neither signs of life nor a stop wait for a pause.
+            role.beat(&wake)?;
+            if node.stop().requested() {
+                return Ok(());
+            }
         }
-        role.pulse.losses(role.frames.lost() + role.frames.skipped(), role.frames.restarts());
-        role.pulse.beat(&wake)?;
+        role.beat(&wake)?;
     }
 }
 
@@ -60,6 +64,11 @@ impl Perceive<'_> {
     /// Every frame of a source that waits; of a live one the newest, because a late frame is worth less than the next.
     fn take(&mut self) -> Result<Option<FrameSample>, RoleError> {
         Ok(if self.paced { self.frames.take()? } else { self.frames.take_newest()? })
+    }
+
+    fn beat(&mut self, wake: &Wake) -> Result<(), RoleError> {
+        self.pulse.losses(self.frames.lost() + self.frames.skipped(), self.frames.restarts());
+        Ok(self.pulse.beat(wake)?)
     }
 
     fn step(&mut self, frame: &FrameSample, config: &Config) -> Result<(), RoleError> {
