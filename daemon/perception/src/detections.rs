@@ -40,6 +40,9 @@ pub struct HandDetection {
     pub score: f32,
     /// Landmarks in pixels.
     pub landmarks_px: [[f32; 2]; LANDMARKS],
+    /// The hand's shape as the hand model guesses it: metres around the middle of a hand of average size, x right and
+    /// y down in the picture, z away from the camera.
+    pub shape_m: [[f32; 3]; LANDMARKS],
     /// Landmarks in metres in the bench frame; NaN while no marker has told the scale yet.
     pub landmarks_m: [[f32; 2]; LANDMARKS],
 }

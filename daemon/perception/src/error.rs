@@ -18,7 +18,7 @@ pub enum PerceptionError {
         path: PathBuf,
     },
     /// A file that the perceiver needs cannot be read.
-    #[error("{what} cannot be read from {}: {source}", path.display())]
+    #[error("{what} cannot be read from {}: {source}; let this user read it, or {REMEDY}", path.display())]
     Unreadable {
         /// What the file is.
         what: &'static str,

@@ -112,6 +112,7 @@ impl Perceiver {
                 side: found.side,
                 score: found.score,
                 landmarks_px: found.landmarks,
+                shape_m: found.shape,
                 landmarks_m: landmarks_m.unwrap_or([[f32::NAN; 2]; _]),
             };
             // There is room: the tracker follows no more hands than fit.

@@ -76,6 +76,7 @@ impl Inputs {
 
 /// Puts the truth's landmarks in the place of those that were detected.
 pub(crate) fn put_true_pixels(seen: &mut Detections, truth: &Value) {
+    let detected = seen.hands.first().map(|hand| hand.shape_m);
     seen.hands.clear();
     for hand in truth["hands"].as_array().into_iter().flatten() {
         let landmarks_px: [[f32; 2]; LANDMARKS] =
@@ -83,10 +84,13 @@ pub(crate) fn put_true_pixels(seen: &mut Detections, truth: &Value) {
         let is_inside =
             landmarks_px.iter().all(|&[u, v]| (0.0..640.0).contains(&u) && (0.0..480.0).contains(&v));
         if is_inside {
+            // Of the detected hand, if there was one: the truth has no such thing.
+            let shape_m = detected.unwrap_or([[0.0; 3]; LANDMARKS]);
             let hand = HandDetection {
                 side: Side::Right,
                 score: 1.0,
                 landmarks_px,
+                shape_m,
                 landmarks_m: [[0.0; 2]; LANDMARKS],
             };
             // There is room: it was cleared, and the clips have one hand.

@@ -22,6 +22,8 @@ const LANDMARK: &str = "the hand landmark model";
 pub(crate) struct Landmarks {
     /// In pixels of the picture.
     pub(crate) points: [[f32; 2]; LANDMARKS],
+    /// The hand's shape in metres, as [`HandDetection::shape_m`](crate::detections::HandDetection::shape_m).
+    pub(crate) shape: [[f32; 3]; LANDMARKS],
     /// That there is a hand, 0..1.
     pub(crate) presence: f32,
     /// That it is a right one, 0..1.
@@ -88,7 +90,19 @@ impl HandModels for OnnxModels {
         let presence = output(&outputs, LANDMARK, "Identity_1", 1)?[0];
         let right = output(&outputs, LANDMARK, "Identity_2", 1)?[0];
         let point = |index: usize| [points[3 * index] / INPUT as f32, points[3 * index + 1] / INPUT as f32];
-        Ok(Landmarks { points: std::array::from_fn(|index| region.to_image(point(index))), presence, right })
+        let shape = output(&outputs, LANDMARK, "Identity_3", 3 * LANDMARKS)?;
+        // The model sees the hand upright.
+        let (sin, cos) = region.rotation.sin_cos();
+        let turned = |index: usize| {
+            let [x, y, z] = [0, 1, 2].map(|axis| shape[3 * index + axis]);
+            [cos * x - sin * y, sin * x + cos * y, z]
+        };
+        Ok(Landmarks {
+            points: std::array::from_fn(|index| region.to_image(point(index))),
+            shape: std::array::from_fn(turned),
+            presence,
+            right,
+        })
     }
 }
 

@@ -52,10 +52,16 @@ impl HandModels for Models {
         Ok(match nearest.filter(|hand| away(hand) < region.side / 2.0) {
             Some(hand) => Landmarks {
                 points: landmarks([hand.wrist[0] + slip, hand.wrist[1]]),
+                shape: [[0.0; 3]; LANDMARKS],
                 presence: 0.9,
                 right: hand.right,
             },
-            None => Landmarks { points: landmarks(region.centre), presence: 0.1, right: 0.5 },
+            None => Landmarks {
+                points: landmarks(region.centre),
+                shape: [[0.0; 3]; LANDMARKS],
+                presence: 0.1,
+                right: 0.5,
+            },
         })
     }
 }

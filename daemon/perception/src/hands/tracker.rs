@@ -28,6 +28,7 @@ pub(crate) struct Found {
     pub(crate) side: Side,
     pub(crate) score: f32,
     pub(crate) landmarks: [[f32; 2]; LANDMARKS],
+    pub(crate) shape: [[f32; 3]; LANDMARKS],
 }
 
 /// What the tracker saw in a frame.
@@ -43,8 +44,7 @@ struct Track {
     /// Where the hand is expected in the next frame.
     region: Region,
     evidence: Evidence,
-    landmarks: [[f32; 2]; LANDMARKS],
-    score: f32,
+    seen: Landmarks,
 }
 
 /// A hand that is out of sight.
@@ -199,7 +199,7 @@ impl<M: HandModels> Tracker<M> {
 
     fn keep(&mut self, mut evidence: Evidence, region: Region, seen: &Landmarks) {
         evidence.look(seen.right);
-        let track = Track { region, evidence, landmarks: seen.points, score: seen.presence };
+        let track = Track { region, evidence, seen: *seen };
         // There is room: `look` asks before, and `follow` keeps no more than it took.
         let _ = self.tracks.push(track);
     }
@@ -241,7 +241,8 @@ impl<M: HandModels> Tracker<M> {
             .iter()
             .filter_map(|track| {
                 let side = track.evidence.side().filter(wanted)?;
-                Some(Found { side, score: track.score, landmarks: track.landmarks })
+                let Landmarks { points, shape, presence, .. } = track.seen;
+                Some(Found { side, score: presence, landmarks: points, shape })
             })
             .collect()
     }

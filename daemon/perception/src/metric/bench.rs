@@ -7,6 +7,7 @@ use super::depth::Sampler;
 use super::error::MetricError;
 use super::lens::Lens;
 use super::pose;
+use crate::bench::{Calibration, apply};
 
 /// Every so many pixels of the depth picture are enough: 4800 points of 640 x 480.
 const STEP: usize = 8;
@@ -20,7 +21,10 @@ const MOST_RMS_M: f64 = 0.006;
 /// The bench is seen from above, not from the side: the camera looks down at it by 30 degrees at least.
 const LEAST_COSINE: f64 = 0.5;
 
-/// Markers on the bench fit their places to this, in pixels.
+/// Where the calibration is looked at, as shares of the picture: its middle, where it was made.
+const GRID: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// The camera sees the calibrated plane to this, in pixels: what a calibration allows a marker to be off by, 2 to 3 mm.
 const MOST_REPROJECTION_PX: f64 = 2.0;
 
 /// The bench frame of a camera that does not move.
@@ -69,19 +73,20 @@ impl BenchFrame {
         Ok(Self { bench_from_camera, residual: plane.rms_m })
     }
 
-    /// From markers that lie flat on the bench: pairs of a marker's centre on the bench, in metres, and its four corners
-    /// in the colour picture. Needs no depth; four or more, no three in a line.
+    /// From a calibration of the bench plane: where the colour camera must be for its pictures to be those.
     ///
     /// # Errors
-    /// [`MetricError::NoBench`] when they do not fit; [`MetricError::Perception`].
-    pub fn from_markers(markers: &[([f64; 2], [[f64; 2]; 4])], lens: &Lens) -> Result<Self, MetricError> {
+    /// [`MetricError::NoBench`] when the camera's intrinsics do not fit the calibration; [`MetricError::Perception`].
+    pub fn from_calibration(calibration: &Calibration, lens: &Lens) -> Result<Self, MetricError> {
         let refused = |reason| Err(MetricError::NoBench { reason });
-        if markers.len() < 4 {
-            return refused(format!("{} markers are not enough, at least 4 are needed", markers.len()));
-        }
-        let places: Vec<Point3<f64>> =
-            markers.iter().map(|(centre, _)| Point3::new(centre[0], centre[1], 0.0)).collect();
-        let pixels: Vec<[f64; 2]> = markers.iter().map(|(_, corners)| crossing(corners)).collect();
+        let size = [calibration.width as f64, calibration.height as f64];
+        let pixels: Vec<[f64; 2]> =
+            GRID.iter().flat_map(|&v| GRID.iter().map(move |&u| [u * size[0], v * size[1]])).collect();
+        let places: Vec<Point3<f64>> = pixels
+            .iter()
+            .map(|&pixel| apply(&calibration.bench_from_image, pixel))
+            .map(|[x, y]| Point3::new(x, y, 0.0))
+            .collect();
         let found = pose::solve(&places, &pixels, lens, calib3d::SolvePnPMethod::SOLVEPNP_IPPE)?;
         let best = found.iter().min_by(|one, two| one.reprojection_px.total_cmp(&two.reprojection_px));
         match best {
@@ -90,17 +95,10 @@ impl BenchFrame {
                 residual: best.reprojection_px,
             }),
             Some(best) => refused(format!(
-                "the markers are {:.1} px from where they are said to lie; check their places",
+                "the calibration is {:.1} px from what this camera sees, it is another camera's",
                 best.reprojection_px
             )),
-            None => refused("the markers' places give no plane; no three of them may be in a line".into()),
+            None => refused("the calibration is no plane before this camera".into()),
         }
     }
-}
-
-/// Where the diagonals cross: the picture of a square's centre.
-fn crossing([a, b, c, d]: &[[f64; 2]; 4]) -> [f64; 2] {
-    let (ac, bd) = ([c[0] - a[0], c[1] - a[1]], [d[0] - b[0], d[1] - b[1]]);
-    let share = ((b[0] - a[0]) * bd[1] - (b[1] - a[1]) * bd[0]) / (ac[0] * bd[1] - ac[1] * bd[0]);
-    [a[0] + share * ac[0], a[1] + share * ac[1]]
 }

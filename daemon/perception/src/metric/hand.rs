@@ -1,10 +1,11 @@
 //! The landmarks of a hand in three dimensions.
 //!
-//! A landmark lies inside the hand; depth shows the skin above it, or whatever hides the landmark. What is measured is
-//! therefore held against the shape of the hand: MediaPipe's relative depth where it is given, else the lengths of bones.
-//! What does not fit is filled in from what does.
+//! A landmark lies inside the hand; depth shows the skin above it, or whatever hides it: seen from above, the tips of a hand
+//! that grips lie some 4 cm under its knuckles. So the shape that the hand model guesses is laid upon the palm, which is
+//! measured, and says where the other landmarks are to be expected. One whose measured depth is in front of that is hidden,
+//! and takes the expected depth; one that is not has its skin in view, and keeps the measured depth.
 
-use nalgebra::Point3;
+use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::depth::Sampler;
 use super::lens::Lens;
@@ -23,31 +24,28 @@ const HALF_THICKNESS_M: [f64; LANDMARKS] = [
     0.013, 0.009, 0.008, 0.007, // little finger
 ];
 
-/// The landmark that each one hangs on, towards the wrist.
-const PARENT: [usize; LANDMARKS] = [0, 0, 1, 2, 3, 0, 5, 6, 7, 0, 9, 10, 11, 0, 13, 14, 15, 0, 17, 18, 19];
+const WRIST: usize = 0;
 
-/// The longest bone from each landmark to its parent, in metres: the 95th percentile of men, and 1 cm for noise.
-const LONGEST_BONE_M: [f64; LANDMARKS] = [
-    0.0, 0.065, 0.060, 0.050, 0.045, 0.120, 0.060, 0.042, 0.040, 0.120, 0.064, 0.045, 0.042, 0.115, 0.060,
-    0.043, 0.042, 0.110, 0.052, 0.036, 0.038,
-];
+/// Where the fingers begin.
+const KNUCKLES: [usize; 4] = [5, 9, 13, 17];
 
-/// Landmarks of the palm, which hide each other least.
-const PALM: [usize; 6] = [0, 1, 5, 9, 13, 17];
+/// Two knuckles and the wrist at least, or the palm may lie anyhow.
+const LEAST_KNUCKLES: usize = 2;
 
-/// Measured depth this far from what the relative depth says belongs to something else, in metres: the relative depth is
-/// good to 1 or 2 cm.
-const MISFIT_M: f64 = 0.030;
+/// Measured depth this far in front of the expected one is that of something else, in metres: half a finger's thickness,
+/// which is between none (the landmark's own skin) and the whole one of a finger that lies over it.
+const HIDDEN_M: f64 = 0.0075;
+
+/// A hand's length is settled over so many frames: a second, in which the pose that biases it changes.
+const SETTLE_FRAMES: f64 = 30.0;
 
 /// Where a landmark's depth comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthSource {
     /// It was measured at the landmark.
     Measured,
-    /// MediaPipe's relative depth, at the distance that the measured ones tell.
-    Relative,
-    /// The next measured landmark towards the wrist.
-    Neighbour,
+    /// The hand model's shape, laid upon the palm.
+    Shape,
 }
 
 /// A hand in the colour camera's frame, in metres.
@@ -59,78 +57,125 @@ pub struct Hand3 {
     pub sources: [DepthSource; LANDMARKS],
 }
 
-/// Places the landmarks of a hand.
-///
-/// `pixels` are the landmarks in the colour picture; `relative` is MediaPipe's third coordinate of each, in pixels of the
-/// same picture, smaller is nearer, where it is known. `None` where not even the palm has depth.
-pub fn place(
-    pixels: &[[f32; 2]; LANDMARKS],
-    relative: Option<&[f32; LANDMARKS]>,
-    depth: &Sampler<'_>,
-    lens: &Lens,
-) -> Option<Hand3> {
-    let pixels = pixels.map(|pixel| pixel.map(f64::from));
-    let measured: [Option<f64>; LANDMARKS] =
-        std::array::from_fn(|k| depth.surface(pixels[k], REACH_M).map(|point| point.z + HALF_THICKNESS_M[k]));
-    let (depths, sources) = match relative {
-        Some(relative) => by_relative(&measured, relative, lens)?,
-        None => by_bones(&measured, &pixels, lens)?,
-    };
-    let points = std::array::from_fn(|k| lens.deproject(pixels[k], depths[k]));
-    Some(Hand3 { points, sources })
+/// What the colour picture tells of a hand.
+#[derive(Clone, Copy, Debug)]
+pub struct Outline {
+    /// Landmarks in pixels.
+    pub pixels: [[f64; 2]; LANDMARKS],
+    /// The hand model's shape, as [`HandDetection::shape_m`](crate::detections::HandDetection::shape_m).
+    pub shape: [Vector3<f64>; LANDMARKS],
 }
 
-type Placed = ([f64; LANDMARKS], [DepthSource; LANDMARKS]);
+/// The size of a hand over that of the hand model's, once it has been measured: then the hand can be placed without depth.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Size(Option<f64>);
 
-/// The relative depths, moved to where most of the measured ones are; a measured one that fits is kept.
-fn by_relative(
-    measured: &[Option<f64>; LANDMARKS],
-    relative: &[f32; LANDMARKS],
-    lens: &Lens,
-) -> Option<Placed> {
-    let of = |chosen: &[usize]| median(chosen.iter().filter_map(|&k| measured[k]).collect());
-    // A pixel is this many metres at the hand.
-    let scale = of(&PALM)? / lens.focal[0];
-    let shape = relative.map(|z| f64::from(z) * scale);
-    let offset = median((0..LANDMARKS).filter_map(|k| Some(measured[k]? - shape[k])).collect())?;
-    let mut placed = ([0.0; LANDMARKS], [DepthSource::Measured; LANDMARKS]);
-    for k in 0..LANDMARKS {
-        let expected = shape[k] + offset;
-        (placed.0[k], placed.1[k]) = match measured[k].filter(|z| (z - expected).abs() <= MISFIT_M) {
-            Some(z) => (z, DepthSource::Measured),
-            None => (expected, DepthSource::Relative),
-        };
-    }
-    Some(placed)
-}
-
-/// From the palm outwards, each landmark no farther from its parent than a bone is long.
-fn by_bones(
-    measured: &[Option<f64>; LANDMARKS],
-    pixels: &[[f64; 2]; LANDMARKS],
-    lens: &Lens,
-) -> Option<Placed> {
-    let palm = median(PALM.iter().filter_map(|&k| measured[k]).collect())?;
-    let mut placed = ([palm; LANDMARKS], [DepthSource::Neighbour; LANDMARKS]);
-    for k in 0..LANDMARKS {
-        let parent = if k == 0 { palm } else { placed.0[PARENT[k]] };
-        let longest = if k == 0 { LONGEST_BONE_M[9] } else { LONGEST_BONE_M[k] };
-        let along_picture = if k == 0 {
-            0.0
-        } else {
-            (lens.deproject(pixels[k], parent) - lens.deproject(pixels[PARENT[k]], parent)).norm()
-        };
-        let room = (longest * longest - along_picture * along_picture).max(0.0).sqrt();
-        match measured[k].filter(|z| (z - parent).abs() <= room.max(SLACK_M)) {
-            Some(z) => (placed.0[k], placed.1[k]) = (z, DepthSource::Measured),
-            None => placed.0[k] = parent,
+impl Outline {
+    /// From numbers as they are detected.
+    pub fn new(pixels: &[[f32; 2]; LANDMARKS], shape: &[[f32; 3]; LANDMARKS]) -> Self {
+        Self {
+            pixels: pixels.map(|pixel| pixel.map(f64::from)),
+            shape: shape.map(|point| Vector3::from(point.map(f64::from))),
         }
     }
-    Some(placed)
+
+    /// Places the landmarks by depth and learns the size of the hand; where the palm has no depth, by that size alone.
+    /// `None` where neither is known.
+    pub fn place(&self, depth: Option<&Sampler<'_>>, lens: &Lens, size: &mut Size) -> Option<Hand3> {
+        let measured: [Option<f64>; LANDMARKS] = std::array::from_fn(|k| {
+            depth?.surface(self.pixels[k], REACH_M).map(|point| point.z + HALF_THICKNESS_M[k])
+        });
+        let (expected, measured) = match self.on_palm(&measured, lens) {
+            Some(expected) => {
+                size.settle(self.size_at(middle(&expected), lens));
+                (expected, measured)
+            }
+            // Too little is measured to say whose depth it is.
+            None => (self.by_size(size.0?, lens)?, [None; LANDMARKS]),
+        };
+        let mut hand = Hand3 {
+            points: std::array::from_fn(|k| lens.deproject(self.pixels[k], expected[k])),
+            sources: [DepthSource::Shape; LANDMARKS],
+        };
+        for k in 0..LANDMARKS {
+            if let Some(z) = measured[k].filter(|z| *z > expected[k] - HIDDEN_M) {
+                (hand.points[k], hand.sources[k]) =
+                    (lens.deproject(self.pixels[k], z), DepthSource::Measured);
+            }
+        }
+        hand.points.iter().all(|point| point.coords.iter().all(|value| value.is_finite())).then_some(hand)
+    }
+
+    /// Depths of the shape, scaled, turned and moved so that its palm lies on the measured one.
+    fn on_palm(&self, measured: &[Option<f64>; LANDMARKS], lens: &Lens) -> Option<[f64; LANDMARKS]> {
+        let point = |k: usize| Some(lens.deproject(self.pixels[k], measured[k]?).coords);
+        let wrist = point(WRIST)?;
+        let knuckles: Vec<_> = KNUCKLES.iter().filter_map(|&k| Some((self.shape[k], point(k)?))).collect();
+        if knuckles.len() < LEAST_KNUCKLES {
+            return None;
+        }
+        let lengths =
+            knuckles.iter().map(|(shape, point)| (point - wrist).norm() / (shape - self.shape[WRIST]).norm());
+        let scale = median(lengths.collect())?;
+        let pairs: Vec<_> = knuckles
+            .iter()
+            .copied()
+            .chain([(self.shape[WRIST], wrist)])
+            .map(|(shape, point)| (shape * scale, point))
+            .collect();
+        let (turn, from, to) = alignment(&pairs)?;
+        Some(self.shape.map(|point| (to + turn * (point * scale - from)).z))
+    }
+
+    /// Depths of the shape where its palm is as long as it appears.
+    fn by_size(&self, size: f64, lens: &Lens) -> Option<[f64; LANDMARKS]> {
+        let per_metre = self.size_at(1.0, lens);
+        let distance = (per_metre > 0.0).then(|| size / per_metre)?;
+        let palm = middle(&self.shape.map(|point| point.z));
+        Some(self.shape.map(|point| distance + size * (point.z - palm)))
+    }
+
+    /// The size of the hand if its palm is at this depth: its length in the picture over that of the shape's picture.
+    fn size_at(&self, depth: f64, lens: &Lens) -> f64 {
+        let lengths = KNUCKLES.map(|k| {
+            let (knuckle, wrist) = (lens.ray(self.pixels[k]), lens.ray(self.pixels[WRIST]));
+            let along = self.shape[k] - self.shape[WRIST];
+            depth * (knuckle[0] - wrist[0]).hypot(knuckle[1] - wrist[1]) / along.x.hypot(along.y)
+        });
+        lengths.iter().sum::<f64>() / lengths.len() as f64
+    }
 }
 
-/// A bone that lies in the picture at its full length may still be this much askew: noise of depth and of landmarks.
-const SLACK_M: f64 = 0.015;
+impl Size {
+    fn settle(&mut self, measured: f64) {
+        if measured.is_finite() {
+            let known = self.0.get_or_insert(measured);
+            *known += (measured - *known) / SETTLE_FRAMES;
+        }
+    }
+}
+
+/// Mean depth of the palm.
+fn middle(depths: &[f64; LANDMARKS]) -> f64 {
+    let knuckles = KNUCKLES.iter().map(|&k| depths[k]).sum::<f64>() / KNUCKLES.len() as f64;
+    (depths[WRIST] + knuckles) / 2.0
+}
+
+/// The turn that takes the first of each pair nearest to the second (Kabsch 1976), and the means of both.
+fn alignment(pairs: &[(Vector3<f64>, Vector3<f64>)]) -> Option<(Matrix3<f64>, Vector3<f64>, Vector3<f64>)> {
+    let share = 1.0 / pairs.len() as f64;
+    let from = pairs.iter().map(|(from, _)| from).sum::<Vector3<f64>>() * share;
+    let to = pairs.iter().map(|(_, to)| to).sum::<Vector3<f64>>() * share;
+    let covariance: Matrix3<f64> = pairs.iter().map(|(a, b)| (b - to) * (a - from).transpose()).sum();
+    if !covariance.iter().all(|value| value.is_finite()) {
+        return None;
+    }
+    let svd = covariance.svd(true, true);
+    let (u, v_t) = (svd.u?, svd.v_t?);
+    // A reflection fits as well as a turn where all points lie in a plane, as those of a palm do.
+    let sign = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v_t).determinant().signum()));
+    Some((u * sign * v_t, from, to))
+}
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
     if values.is_empty() {

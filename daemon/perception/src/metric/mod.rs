@@ -29,7 +29,7 @@ use nalgebra::{Isometry3, Point3};
 pub struct MetricHand {
     /// Which hand.
     pub side: Side,
-    /// Landmarks in metres in the bench frame; NaN where the hand has no depth at all.
+    /// Landmarks in metres in the bench frame; NaN where the hand has no depth and its size is not known yet.
     pub landmarks_m: [[f32; 3]; LANDMARKS],
     /// Share of the landmarks whose depth was measured at them, 0..1.
     pub measured: f32,
@@ -77,15 +77,25 @@ pub struct Metric {
     objects: std::vec::Vec<MarkerObject>,
     remembered: Vec<Remembered, OBJECTS>,
     held: Held,
+    /// By hand, as in [`Side`].
+    sizes: [hand::Size; HANDS],
 }
 
 impl Metric {
     /// For a camera that stays where it is, over a bench that has been calibrated.
     pub fn new(rig: Rig, bench: BenchFrame, objects: &[MarkerObject]) -> Self {
-        Self { rig, bench, objects: objects.to_vec(), remembered: Vec::new(), held: Held::default() }
+        Self {
+            rig,
+            bench,
+            objects: objects.to_vec(),
+            remembered: Vec::new(),
+            held: Held::default(),
+            sizes: Default::default(),
+        }
     }
 
-    /// Places what was detected in pixels. Without depth, objects are placed by their corners alone and hands not at all.
+    /// Places what was detected in pixels. Without depth, objects are placed by their corners alone, and hands by the size
+    /// that they were measured with before.
     ///
     /// # Errors
     /// [`MetricError::Perception`] when OpenCV fails.
@@ -149,9 +159,10 @@ impl Metric {
         }))
     }
 
-    fn hand(&self, depth: Option<&Sampler<'_>>, hand: &HandDetection) -> MetricHand {
-        let placed = depth.and_then(|depth| hand::place(&hand.landmarks_px, None, depth, &self.rig.colour));
-        let Some(placed) = placed else {
+    fn hand(&mut self, depth: Option<&Sampler<'_>>, hand: &HandDetection) -> MetricHand {
+        let outline = hand::Outline::new(&hand.landmarks_px, &hand.shape_m);
+        let size = &mut self.sizes[hand.side as usize];
+        let Some(placed) = outline.place(depth, &self.rig.colour, size) else {
             return MetricHand { side: hand.side, landmarks_m: [[f32::NAN; 3]; LANDMARKS], measured: 0.0 };
         };
         let in_bench = |point: Point3<f64>| {

@@ -1,6 +1,6 @@
 use super::scene::{self, Rectangle, sampled};
 use crate::detections::LANDMARKS;
-use crate::metric::hand::{DepthSource, Hand3, place};
+use crate::metric::hand::{DepthSource, Hand3, Outline, Size};
 
 const TABLE: f64 = 0.76;
 /// The back of the hand.
@@ -37,13 +37,23 @@ fn hand(cover: Option<f64>) -> Vec<u8> {
     scene::depth(&parts)
 }
 
-fn placed(bytes: &[u8], relative: Option<&[f32; LANDMARKS]>) -> Hand3 {
-    sampled(bytes, |depth| place(&pixels(), relative, depth, &scene::rig().colour)).unwrap()
+/// The shape that a hand model guesses: the hand's own, but a fifth smaller, and the index finger bent down at its tip.
+fn outline(tip_below: f64) -> Outline {
+    let shape: [[f32; 3]; LANDMARKS] = std::array::from_fn(|k| {
+        let [x, y] = landmark(k);
+        [x, y, if k == 8 { tip_below } else { 0.0 }].map(|value| (0.8 * value) as f32)
+    });
+    Outline::new(&pixels(), &shape)
+}
+
+fn placed(bytes: &[u8], outline: &Outline) -> Hand3 {
+    let lens = scene::rig().colour;
+    sampled(bytes, |depth| outline.place(Some(depth), &lens, &mut Size::default())).unwrap()
 }
 
 #[test]
 fn landmarks_lie_half_a_hand_s_thickness_under_the_skin() {
-    let hand = placed(&hand(None), None);
+    let hand = placed(&hand(None), &outline(0.0));
     assert_eq!(hand.sources, [DepthSource::Measured; LANDMARKS]);
     assert!((hand.points[0].z - (BACK + 0.020)).abs() < 0.002, "wrist: {}", hand.points[0]);
     assert!((hand.points[8].z - (BACK + 0.007)).abs() < 0.002, "tip: {}", hand.points[8]);
@@ -51,25 +61,45 @@ fn landmarks_lie_half_a_hand_s_thickness_under_the_skin() {
 
 #[test]
 fn what_hides_a_landmark_is_not_taken_for_it() {
-    let hand = placed(&hand(Some(0.55)), None);
-    assert_eq!(hand.sources[8], DepthSource::Neighbour);
-    assert!((hand.points[8].z - hand.points[7].z).abs() < 1e-9, "it takes its neighbour's depth");
+    let hand = placed(&hand(Some(0.55)), &outline(0.0));
+    assert_eq!(hand.sources[8], DepthSource::Shape);
+    // The palm is thinner at the knuckles than at the wrist, which tilts it by 7 mm.
+    assert!((hand.points[8].z - hand.points[5].z).abs() < 0.007, "{} is in the hand", hand.points[8].z);
 }
 
 #[test]
-fn the_relative_depth_fills_in_where_a_landmark_is_hidden() {
-    // The index finger is bent down by 20 mm at its tip: in pixels at the hand, smaller is nearer.
-    let mut relative = [0.0; LANDMARKS];
-    let scale = scene::rig().colour.focal[0] as f32 / BACK as f32;
-    relative[8] = 0.020 * scale;
-    let hand = placed(&hand(Some(0.55)), Some(&relative));
-    assert_eq!(hand.sources[8], DepthSource::Relative);
-    let wanted = hand.points[12].z + 0.020;
-    assert!((hand.points[8].z - wanted).abs() < 0.004, "{} instead of {wanted}", hand.points[8].z);
+fn a_tip_under_the_hand_is_as_far_below_as_the_shape_says_in_the_size_of_this_hand() {
+    let hand = placed(&hand(None), &outline(0.040));
+    assert_eq!(hand.sources[8], DepthSource::Shape);
+    let below = hand.points[8].z - hand.points[5].z;
+    assert!((below - 0.040).abs() < 0.007, "{below}");
+    assert_eq!(hand.sources[12], DepthSource::Measured, "its neighbour is not bent");
 }
 
 #[test]
-fn a_hand_without_depth_is_not_placed() {
+fn without_depth_a_hand_is_where_its_size_says() {
+    let lens = scene::rig().colour;
+    let (mut size, outline) = (Size::default(), outline(0.0));
     let empty = vec![0; scene::WIDTH * scene::HEIGHT * 2];
-    assert_eq!(sampled(&empty, |depth| place(&pixels(), None, depth, &scene::rig().colour)), None);
+    assert_eq!(
+        sampled(&empty, |depth| outline.place(Some(depth), &lens, &mut size)),
+        None,
+        "of unknown size"
+    );
+    let seen = sampled(&hand(None), |depth| outline.place(Some(depth), &lens, &mut size)).unwrap();
+    for guessed in [
+        sampled(&empty, |depth| outline.place(Some(depth), &lens, &mut size)).unwrap(),
+        outline.place(None, &lens, &mut size).unwrap(),
+    ] {
+        assert_eq!(guessed.sources, [DepthSource::Shape; LANDMARKS]);
+        let away = (guessed.points[9] - seen.points[9]).norm();
+        assert!(away < 0.005, "{away} m");
+    }
+}
+
+#[test]
+fn a_shape_of_nothing_places_no_hand() {
+    let flat = Outline::new(&pixels(), &[[0.0; 3]; LANDMARKS]);
+    let lens = scene::rig().colour;
+    assert_eq!(sampled(&hand(None), |depth| flat.place(Some(depth), &lens, &mut Size::default())), None);
 }

@@ -1,7 +1,9 @@
 use super::scene::{self, HEIGHT, Rectangle, WIDTH, sampled};
+use crate::bench::Calibration;
 use crate::metric::bench::BenchFrame;
 use crate::metric::depth::DepthImage;
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use crate::metric::lens::Lens;
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
 const TABLE: f64 = 0.76;
 
@@ -115,29 +117,29 @@ fn a_wall_is_no_bench() {
 }
 
 #[test]
-fn four_markers_at_known_places_give_the_bench_without_depth() {
+fn a_calibration_of_the_bench_plane_tells_where_the_camera_is() {
     let lens = scene::rig().colour;
     let turn = UnitQuaternion::from_euler_angles(std::f64::consts::PI - 0.25, 0.1, 0.4);
     let camera_from_bench = Isometry3::from_parts(Translation3::new(0.02, -0.03, 0.9), turn);
-    let places = [[-0.2, -0.15], [0.2, -0.15], [0.2, 0.15], [-0.2, 0.15]];
-    let markers: Vec<([f64; 2], [[f64; 2]; 4])> = places
-        .iter()
-        .map(|&[x, y]| {
-            let corners = [[-0.02, 0.02], [0.02, 0.02], [0.02, -0.02], [-0.02, -0.02]];
-            let seen = |[dx, dy]: [f64; 2]| {
-                lens.project(&(camera_from_bench * Point3::new(x + dx, y + dy, 0.0))).unwrap()
-            };
-            ([x, y], corners.map(seen))
-        })
-        .collect();
-    let found = BenchFrame::from_markers(&markers, &lens).unwrap();
+    // A point of the bench is K (r1 x + r2 y + t) in the picture.
+    let motion = camera_from_bench.to_homogeneous();
+    let [fx, fy, cx, cy] = [lens.focal[0], lens.focal[1], lens.centre[0], lens.centre[1]];
+    let optics = Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0);
+    let columns = [0, 1, 3].map(|column| motion.fixed_view::<3, 1>(0, column).into_owned());
+    let bench_from_image = (optics * Matrix3::from_columns(&columns)).try_inverse().unwrap();
+    let calibration = Calibration {
+        width: 640,
+        height: 480,
+        bench_from_image: [0, 1, 2].map(|row| [0, 1, 2].map(|column| bench_from_image[(row, column)])),
+        side_error: 0.0,
+        centre_error_m: 0.0,
+    };
+    let found = BenchFrame::from_calibration(&calibration, &lens).unwrap();
     let difference = found.bench_from_camera * camera_from_bench;
     assert!(
         difference.translation.vector.norm() < 1e-4 && difference.rotation.angle() < 1e-3,
         "{difference}"
     );
-    assert!(BenchFrame::from_markers(&markers[..3], &lens).is_err());
-    let mut wrong = markers;
-    wrong[0].0 = [-0.25, -0.15];
-    assert!(BenchFrame::from_markers(&wrong, &lens).is_err());
+    let other = Lens { focal: [1.5 * fx, fy], ..lens };
+    assert!(BenchFrame::from_calibration(&calibration, &other).is_err(), "the picture of another camera");
 }
