@@ -1,36 +1,18 @@
 //! Faults of the machine and of the set-up: each is logged with its code and what to do, and nothing hangs.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, ROLES, Settings, Watcher, andond, role_id};
-use shm_schemas::{RoleId, RoleState};
+use andon_tests::line::{Line, Settings, Watcher, andond};
+use shm_schemas::{Layout, RoleId, RoleState, Verdict};
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A line at the worker's own pace, all of it up.
 fn up(settings: Settings) -> (Line, Watcher) {
     let mut line = Line::new(Settings { at_full_speed: false, repeat: true, ..settings });
-    line.start("steward");
-    let mut watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
-    for role in ROLES {
-        let pid = line.role(role).pid();
-        watcher.until(role, |watcher| watcher.runs(role_id(role), pid));
-    }
+    let watcher = line.up();
     (line, watcher)
-}
-
-/// Waits for a message in a role's log; the message ends with what to do.
-fn logs(line: &Line, role: &str, code: &str, remedy: &str) {
-    let until = Instant::now() + Duration::from_secs(60);
-    loop {
-        let log = line.log(role);
-        if let Some(message) = log.lines().find(|message| message.contains(code)) {
-            assert!(message.contains(remedy), "{message}");
-            return;
-        }
-        assert!(Instant::now() < until, "{role} does not say {code}:\n{log}");
-        std::thread::sleep(Duration::from_millis(20));
-    }
 }
 
 #[test]
@@ -48,7 +30,7 @@ fn a_second_steward_is_refused_and_the_first_goes_on() {
 fn a_role_without_a_steward_says_so_and_is_to_be_started_again() {
     let mut line = Line::new(Settings::default());
     assert_eq!(line.start("judge").wait().code(), Some(70));
-    logs(&line, "judge", "AND-605", "systemctl start andon-steward@");
+    line.logs("judge", "AND-605", "systemctl start andon-steward@");
 }
 
 #[test]
@@ -56,7 +38,7 @@ fn a_root_that_is_deleted_ends_the_steward_with_the_remedy() {
     let (mut line, _watcher) = up(Settings::default());
     std::fs::remove_dir_all(line.station.root()).unwrap();
     assert_eq!(line.role("steward").wait().code(), Some(70));
-    logs(&line, "steward", "AND-606", "Keep cleaners away");
+    line.logs("steward", "AND-606", "Keep cleaners away");
 }
 
 #[test]
@@ -74,7 +56,7 @@ fn a_journal_that_is_locked_waits_and_loses_nothing() {
         .unwrap();
     let mut word = [0; 6];
     std::io::Read::read_exact(holder.stdout.as_mut().unwrap(), &mut word).unwrap();
-    logs(&line, "journal", "AND-403", "fuser");
+    line.logs("journal", "AND-403", "fuser");
     watcher.until("the journal's fault", |watcher| watcher.is(RoleId::Journal, RoleState::Fault));
     drop(holder.stdin.take());
     holder.wait().unwrap();
@@ -103,7 +85,7 @@ fn a_disk_that_is_full_is_told_and_what_was_confirmed_stays() {
         .spawn()
         .unwrap();
     watcher.until("the journal's fault", |watcher| watcher.is(RoleId::Journal, RoleState::Fault));
-    logs(&line, "journal", "AND-402", "Make room on the disk");
+    line.logs("journal", "AND-402", "Make room on the disk");
     journal.kill().unwrap();
     journal.wait().unwrap();
     let rows = line.journal().verdicts();
@@ -125,7 +107,7 @@ fn a_file_that_is_no_journal_is_refused_and_not_touched() {
     std::fs::write(&path, vec![b'x'; 4096]).unwrap();
     line.start("steward");
     assert_eq!(line.start("journal").wait().code(), Some(78));
-    logs(&line, "journal", "AND-404", "Move the file away");
+    line.logs("journal", "AND-404", "Move the file away");
     assert_eq!(std::fs::read(&path).unwrap(), vec![b'x'; 4096]);
 }
 
@@ -135,7 +117,7 @@ fn a_modbus_port_that_is_taken_is_told_with_what_to_look_at() {
     let _taken = std::net::TcpListener::bind(("127.0.0.1", line.port)).unwrap();
     line.start("steward");
     assert_eq!(line.start("plc").wait().code(), Some(70));
-    logs(&line, "plc", "AND-506", "Another program has it");
+    line.logs("plc", "AND-506", "Another program has it");
 }
 
 #[test]
@@ -150,10 +132,49 @@ fn a_full_dev_shm_is_found_before_anything_starts() {
         .output()
         .unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
-    if !said.contains("AND-") {
-        println!("SKIPPED: no /dev/shm of its own can be made here: {said}");
-        return;
-    }
+    assert!(
+        said.contains("AND-"),
+        "no /dev/shm of its own can be made here; run the tests as root, or allow user namespaces \
+         (`sysctl kernel.unprivileged_userns_clone=1`): {said}"
+    );
     assert_eq!(output.status.code(), Some(70), "{said}");
     assert!(said.contains("AND-603") && said.contains("mount -o remount"), "{said}");
+}
+
+/// The program as another version would be: its verdicts have another layout hash.
+fn other_version(line: &Line) -> PathBuf {
+    let mut program = std::fs::read(andond()).unwrap();
+    let hash = Verdict::HASH.to_le_bytes();
+    let places: Vec<usize> = (0..program.len() - 7).filter(|&at| program[at..at + 8] == hash).collect();
+    assert!(!places.is_empty(), "the layout hash of this build is not in {}", andond().display());
+    places.into_iter().for_each(|at| program[at] ^= 1);
+    let path = line.path("andond-of-another-version");
+    std::fs::write(&path, program).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path
+}
+
+#[test]
+fn a_process_of_another_version_is_refused_and_the_line_goes_on() {
+    let (line, mut watcher) = up(Settings::default());
+    let output =
+        Command::new(other_version(&line)).args(["run", "journal", "-c"]).arg(line.config()).output();
+    let output = output.unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(70), "{said}");
+    assert!(said.contains("AND-607") && said.contains("start it again from one version"), "{said}");
+    let before = watcher.heard.len();
+    watcher.until("a verdict", |watcher| watcher.heard.len() > before);
+}
+
+#[test]
+fn a_steward_of_another_version_is_refused_while_the_old_roles_run() {
+    let (mut line, _watcher) = up(Settings::default());
+    line.role("steward").kill();
+    let output =
+        Command::new(other_version(&line)).args(["run", "steward", "-c"]).arg(line.config()).output();
+    let output = output.unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(70), "{said}");
+    assert!(said.contains("AND-607") && said.contains("judge"), "who must stop is named: {said}");
 }

@@ -103,7 +103,7 @@ impl Recording {
             return Err(RecordingError::NoObjects { path: path.into() });
         }
         let perceiver = perception::perceiver(config)?;
-        let film = Film::open(path)?;
+        let film = Film::open(path, config.camera.rate_hz)?;
         let shapes = config.shapes();
         let objects = config.objects.iter().zip(shapes);
         let header = Header {

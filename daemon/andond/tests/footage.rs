@@ -191,7 +191,7 @@ fn an_annotated_film_has_every_frame_of_the_film_and_shows_the_end_for_a_while()
     let output = andond(&["replay", "--job", job, "--annotate", out.to_str().unwrap(), &clip("p1_J1_r1")]);
     assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
     let frames = |path: &Path| {
-        let film = andond::video::Film::open(path).unwrap();
+        let film = andond::video::Film::open(path, 30.0).unwrap();
         film.format().count
     };
     let at_end = (andond::picture::END_S * 30.0) as u64;

@@ -102,3 +102,42 @@ fn every_code_has_exactly_one_row_in_the_index() {
         assert_eq!(rows, 1, "{} has {rows} rows: is its hundred in no group?", code.name);
     }
 }
+
+/// Every source file below a folder as one text, without the table of the codes and without unit tests.
+fn sources(folder: &std::path::Path) -> String {
+    let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let text = |path: std::path::PathBuf| {
+        if path.is_dir() {
+            sources(&path)
+        } else if path.ends_with("log/code.rs") || path.ends_with("log/mod.rs") {
+            String::new()
+        } else {
+            let text = std::fs::read_to_string(path).unwrap();
+            text.split("#[cfg(test)]\nmod tests").next().unwrap().to_owned()
+        }
+    };
+    entries.map(text).collect()
+}
+
+#[test]
+fn every_code_of_the_index_is_used_by_the_program() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let (table, program) = (std::fs::read_to_string(folder.join("log/code.rs")).unwrap(), sources(&folder));
+    let mut declared = 0;
+    for line in table.lines() {
+        let mut words = line.split_whitespace();
+        let (Some("INFO" | "WARN" | "ERROR"), Some(_), Some(name)) =
+            (words.next(), words.next(), words.next())
+        else {
+            continue;
+        };
+        let Some(name) = name.strip_suffix(':') else { continue };
+        declared += 1;
+        let used = program.match_indices(&format!("code::{name}")).any(|(at, found)| {
+            // Not the beginning of a longer name.
+            !program[at + found.len()..].starts_with(|next: char| next == '_' || next.is_ascii_uppercase())
+        });
+        assert!(used, "{name} is in the index and nothing says it");
+    }
+    assert_eq!(declared, code::ALL.len());
+}

@@ -15,14 +15,17 @@ pub use process::{Process, andond, own_memory_kib};
 pub use watcher::{Watcher, role_id};
 
 use crate::simulator::{Flaw, Noise, Performance, perform};
+use andon_core::input::Frame;
 use andon_ipc::Station;
 use andon_learn::recording::{self, Header};
+use std::ffi::OsString;
 use std::fs;
 use std::io::BufWriter;
 use std::net::TcpListener;
 use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// The roles of a line without pictures, in the order in which a target starts them.
@@ -55,6 +58,8 @@ pub struct Line {
     pub station: Station,
     /// Where Modbus listens.
     pub port: u16,
+    /// Variables that roles started from now on get.
+    pub environment: Vec<(&'static str, OsString)>,
     folder: TempDir,
 }
 
@@ -72,7 +77,7 @@ impl Line {
             configuration(settings, folder.path(), port, &recording.header),
         )
         .unwrap();
-        let line = Self { roles: Vec::new(), station, port, folder };
+        let line = Self { roles: Vec::new(), station, port, environment: Vec::new(), folder };
         fs::write(line.path("job.toml"), job(&line.config())).unwrap();
         line
     }
@@ -95,8 +100,27 @@ impl Line {
     /// Starts a role.
     pub fn start(&mut self, role: &'static str) -> &mut Process {
         self.roles.retain(|running| running.role != role);
-        self.roles.push(Process::start(role, &self.config(), &self.log_path(role)));
+        self.roles.push(Process::start(role, &self.config(), &self.log_path(role), &self.environment));
         self.roles.last_mut().unwrap()
+    }
+
+    /// Starts every role, and waits until each runs.
+    pub fn up(&mut self) -> Watcher {
+        self.start("steward");
+        let mut watcher = Watcher::join(&self.station);
+        self.start_all_but(&["steward"]);
+        for role in ROLES {
+            let pid = self.role(role).pid();
+            watcher.until(role, |watcher| watcher.runs(role_id(role), pid));
+        }
+        watcher
+    }
+
+    /// Changes the recording that will be played.
+    pub fn edit_tracks(&self, edit: impl FnOnce(&mut [Frame])) {
+        let mut recording = recording::read("work", &fs::read(self.tracks()).unwrap()).unwrap();
+        edit(&mut recording.frames);
+        save(&self.tracks(), &recording);
     }
 
     /// Starts every role but these.
@@ -114,6 +138,20 @@ impl Line {
     /// What a role has logged since the station was laid out.
     pub fn log(&self, role: &str) -> String {
         fs::read_to_string(self.log_path(role)).unwrap_or_default()
+    }
+
+    /// Waits for a message in a role's log, which must end with what to do; panics after a minute.
+    pub fn logs(&self, role: &str, code: &str, remedy: &str) {
+        let until = Instant::now() + Duration::from_secs(60);
+        loop {
+            let log = self.log(role);
+            if let Some(message) = log.lines().find(|message| message.contains(code)) {
+                assert!(message.contains(remedy), "{message}");
+                return;
+            }
+            assert!(Instant::now() < until, "{role} does not say {code}:\n{log}");
+            std::thread::sleep(Duration::from_millis(20));
+        }
     }
 
     fn log_path(&self, role: &str) -> PathBuf {

@@ -1,6 +1,7 @@
 //! The real binary: its roles as processes, its commands as runs.
 
 use rustix::process::{Pid, Signal, kill_process};
+use std::ffi::OsString;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
@@ -40,12 +41,18 @@ pub struct Process {
 }
 
 impl Process {
-    pub(super) fn start(role: &'static str, config: &Path, log: &Path) -> Self {
+    pub(super) fn start(
+        role: &'static str,
+        config: &Path,
+        log: &Path,
+        environment: &[(&str, OsString)],
+    ) -> Self {
         let log = File::options().create(true).append(true).open(log).unwrap();
         let child = Command::new(andond())
             .args(["run", role, "--config"])
             .arg(config)
             .env_remove("JOURNAL_STREAM")
+            .envs(environment.iter().map(|(name, value)| (name, value)))
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(log)

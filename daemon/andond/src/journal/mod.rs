@@ -58,6 +58,7 @@ pub struct Journal {
     newest: Option<Confirmed>,
     waiting: VecDeque<Verdict>,
     lost: u64,
+    removed: u64,
     until_retention: u32,
 }
 
@@ -80,6 +81,7 @@ impl Journal {
             newest,
             waiting,
             lost: 0,
+            removed: 0,
             until_retention: RETAIN_EVERY,
         };
         journal.retain();
@@ -138,6 +140,11 @@ impl Journal {
         self.lost
     }
 
+    /// How many verdicts this writer has removed because of their age or the size of the database.
+    pub fn removed(&self) -> u64 {
+        self.removed
+    }
+
     /// How many verdicts could not be written yet.
     pub fn waiting(&self) -> usize {
         self.waiting.len()
@@ -161,8 +168,9 @@ impl Journal {
 
     /// One that fails is tried again later: writing goes before tidying up.
     fn retain(&mut self) {
-        if let Err(error) = retention::apply(&mut self.connection, self.retention) {
-            tracing::warn!(%error, path = %self.path.display(), "old verdicts could not be removed");
+        match retention::apply(&mut self.connection, self.retention) {
+            Ok(removed) => self.removed += removed as u64,
+            Err(error) => tracing::debug!(%error, path = %self.path.display(), "old verdicts stay for now"),
         }
     }
 

@@ -18,8 +18,8 @@ pub struct Retention {
 }
 
 /// Removes what is too old or too much, at most [`REMOVE_MOST`] rows, and says so in the gaps. The newest verdict stays: it
-/// tells where the journal ended.
-pub(super) fn apply(connection: &mut Connection, retention: Retention) -> rusqlite::Result<()> {
+/// tells where the journal ended. Returns how many verdicts have gone.
+pub(super) fn apply(connection: &mut Connection, retention: Retention) -> rusqlite::Result<usize> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     // Age counts from the newest verdict, so a journal that was switched off for a year keeps what it has.
     let keep_ns = i64::from(retention.keep_days) * NS_PER_DAY;
@@ -39,12 +39,11 @@ pub(super) fn apply(connection: &mut Connection, retention: Retention) -> rusqli
     } else {
         None
     };
-    if let Some(last) = oldest_kept.max(by_size) {
-        remove(&transaction, last)?;
-    }
+    let removed = oldest_kept.max(by_size).map_or(Ok(0), |last| remove(&transaction, last))?;
     transaction.commit()?;
     // Gives free pages back to the file system, 4 KB each, as many as a look can have freed.
-    connection.execute_batch("PRAGMA incremental_vacuum(500)")
+    connection.execute_batch("PRAGMA incremental_vacuum(500)")?;
+    Ok(removed)
 }
 
 /// Bytes of the pages in use.
@@ -57,15 +56,15 @@ fn used_bytes(connection: &Connection) -> rusqlite::Result<i64> {
     )
 }
 
-/// Removes up to and with this id. One row stands for all that were ever removed: first to last.
-fn remove(connection: &Connection, last: i64) -> rusqlite::Result<()> {
+/// Removes up to and with this id, and says how many that were. One row stands for all that were ever removed: first to last.
+fn remove(connection: &Connection, last: i64) -> rusqlite::Result<usize> {
     connection.execute(
         "INSERT INTO gap (before_verdict, utc_ns, why, epoch, first_seq, last_seq)
          SELECT ?1 + 1, decided_utc_ns, 'retention', epoch, 1, seq FROM verdict
          WHERE id <= ?1 AND id < (SELECT max(id) FROM verdict) ORDER BY id DESC LIMIT 1",
         params![last],
     )?;
-    connection.execute(
+    let removed = connection.execute(
         "DELETE FROM verdict WHERE id <= ?1 AND id < (SELECT max(id) FROM verdict)",
         params![last],
     )?;
@@ -74,5 +73,5 @@ fn remove(connection: &Connection, last: i64) -> rusqlite::Result<()> {
         "DELETE FROM gap WHERE before_verdict <= ?1 OR (why = 'retention' AND id < (SELECT max(id) FROM gap WHERE why = 'retention'))",
         params![last],
     )?;
-    Ok(())
+    Ok(removed)
 }

@@ -49,24 +49,20 @@ table! {
     ERROR 108 RECORDING_DAMAGED: "the recording cannot be read on from here",
         "Copy it again from where it was recorded, or cut it before the damaged place";
     ERROR 109 REALSENSE_UNFIT: "the RealSense camera is on a slow USB port, or its library or udev rule is missing",
-        "Use a USB 3 port and its own cable, and install the package's udev rule";
+        "Use a USB 3 port and its own cable, and install the package with its library and its udev rule";
 
-    WARN 201 MARKER_COVERED: "an object's marker has not been seen for longer than method.blind_ms",
-        "Clean the marker, take away what covers it, and see that it is not gripped in its middle";
+    WARN 201 MARKER_COVERED: "an object's marker has not been seen for longer than method.blind_ms while a hand worked with it, or for 10 s",
+        "Clean the marker, take away what covers it, see that it is not gripped in its middle and that the bench is lit evenly";
     INFO 202 MARKER_BACK: "the object's marker is seen again", "";
-    WARN 203 HAND_OUT_OF_VIEW: "the working hand left the picture while something was held",
+    WARN 203 HAND_OUT_OF_VIEW: "a hand left the picture, for longer than method.blind_ms, while it touched something",
         "Move the work or the camera so that the hand stays in view";
     INFO 204 HAND_BACK: "the hand is seen again", "";
     ERROR 205 MODEL_MISSING: "a hand model is missing or damaged",
         "Install the package again, or run `make setup`, and check perception.models";
     ERROR 206 ONNXRUNTIME_MISSING: "the ONNX Runtime library is missing or does not fit",
         "Install the package again, or run `make setup`, and check perception.models";
-    WARN 207 PICTURE_DARK: "the picture is too dark or too bright to find markers in",
-        "Light the bench evenly";
     ERROR 208 CALIBRATION_REFUSED: "the calibration cannot be used",
         "Calibrate again with `andond calibrate`";
-    WARN 209 MARKER_UNKNOWN: "a marker is seen that no object in the configuration has",
-        "Add it to [[objects]], or take it off the bench";
     WARN 210 TRACK_CUT_SHORT: "the track file ends in the middle of a line",
         "The tracker was stopped while it wrote; everything up to there has been used";
 
@@ -104,7 +100,7 @@ table! {
 
     INFO 501 PLC_LISTENING: "the Modbus server listens", "";
     INFO 502 PLC_CONNECTED: "a PLC has connected", "";
-    WARN 503 PLC_DISCONNECTED: "the PLC has closed the connection or gone silent",
+    WARN 503 PLC_DISCONNECTED: "no PLC is connected any more: it has closed the connection or gone silent",
         "Check the PLC and the network between";
     WARN 504 PLC_CLIENT_REFUSED: "a client that is not in plc.allow tried to connect",
         "Add its address to plc.allow and to the unit's IPAddressAllow= if it should";
@@ -152,13 +148,9 @@ table! {
 
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped; verdicts keep their order, their UTC times jump",
         "Let one time service set the clock, slowly";
-    WARN 702 MACHINE_BUSY: "steps take longer than a frame lasts",
-        "Stop what else runs on the machine, or lower the rate";
 
     ERROR 801 CONFIGURATION_REFUSED: "the configuration has faults",
         "Put right what is listed; `andond check FILE` checks it without starting anything";
-    WARN 802 CONFIGURATION_CHANGED: "the configuration on disk is not the one that runs",
-        "Restart the station's target to use it";
 }
 
 /// The index page, `daemon/andond/CODES.md`.

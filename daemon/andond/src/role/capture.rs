@@ -2,6 +2,7 @@
 //!
 //! The sources that need OpenCV's `videoio` are in the binary `andond-video`, which runs this role.
 
+use std::mem::discriminant;
 use std::os::unix::process::CommandExt as _;
 use std::process::Command;
 use std::time::{Duration, Instant};
@@ -9,15 +10,16 @@ use std::time::{Duration, Instant};
 use andon_ipc::{FrameWriter, Node, Wake, monotonic_ns};
 use shm_schemas::{RoleId, flag};
 
+use super::rate::RateWatch;
 use super::{Pulse, RoleError, WAIT};
 use crate::config::{Config, Speed};
 use crate::log::{code, log};
 use crate::video::helper_path;
 use crate::video::pipe::PictureFormat;
-use crate::video::source::Source;
+use crate::video::source::{OpenError, Source};
 
-/// How long a camera that has gone is left alone before it is tried again.
-const RETRY: Duration = Duration::from_secs(1);
+/// How long a camera that has gone is left alone before it is tried again: its health must be heard meanwhile.
+const RETRY: Duration = WAIT;
 
 /// Goes on as `andond-video` with the same arguments: systemd sees one process.
 pub(super) fn replace_this_process() -> Result<(), RoleError> {
@@ -29,40 +31,51 @@ pub(super) fn replace_this_process() -> Result<(), RoleError> {
 /// Runs until it is asked to stop. `open` opens the source that the configuration names.
 ///
 /// # Errors
-/// A recording that cannot be read. A camera that goes is tried again until it is back.
+/// A recording that cannot be read; a camera that will never do. A camera that goes is tried again until it is back.
 pub fn run(
     node: &Node,
     config: &Config,
-    open: impl Fn(&Config) -> Result<Box<dyn Source>, String>,
+    open: impl Fn(&Config) -> Result<Box<dyn Source>, OpenError>,
 ) -> Result<(), RoleError> {
     let live = config.camera.source.is_live();
     let paced = !live && config.camera.speed == Speed::Max;
-    let mut role =
-        Capture { node, frames: node.frame_writer()?, pulse: Pulse::new(node)?, live, paced, offset_ns: 0 };
+    let mut role = Capture {
+        node,
+        frames: node.frame_writer()?,
+        pulse: Pulse::new(node)?,
+        live,
+        paced,
+        offset_ns: 0,
+        rate: RateWatch::new(config.camera.rate_hz.into()),
+        presence: Presence::Awaited,
+    };
     if paced {
         role.frames.follow(&[RoleId::Perceive]);
     }
     loop {
-        let ended = match open(config) {
-            Ok(source) => {
-                log!(code::CAMERA_READY, "{}", describe(source.format()));
-                role.play(source)
-            }
-            Err(message) => Err(RoleError::Source(message)),
-        };
-        match ended {
-            Err(RoleError::Source(message)) if live => {
-                log!(code::CAMERA_GONE, "{message}");
+        match open(config).map_err(RoleError::from).and_then(|source| role.play(source)) {
+            Ok(Ended::Stopped) => return Ok(()),
+            Ok(Ended::AtEnd) if config.camera.repeat => (),
+            Ok(Ended::AtEnd) => return role.end_stream(),
+            Err(error) if live => {
+                role.missing(may_come_back(error)?);
                 if node.stop().wait(RETRY) {
                     return Ok(());
                 }
                 role.pulse.beat(&Wake::Room)?;
             }
             Err(error) => return Err(error),
-            Ok(Ended::Stopped) => return Ok(()),
-            Ok(Ended::AtEnd) if config.camera.repeat => (),
-            Ok(Ended::AtEnd) => return role.end_stream(),
         }
+    }
+}
+
+/// What may be over by itself, or when somebody has been at the camera; everything else is an error.
+fn may_come_back(error: RoleError) -> Result<OpenError, RoleError> {
+    match error {
+        RoleError::Source(message) => Ok(OpenError::Gone(message)),
+        RoleError::Open(OpenError::Refused(_) | OpenError::Unsupported(_)) => Err(error),
+        RoleError::Open(error) => Ok(error),
+        _ => Err(error),
     }
 }
 
@@ -75,6 +88,14 @@ enum Ended {
     Stopped,
 }
 
+/// What has been told of the source.
+enum Presence {
+    /// Nothing.
+    Awaited,
+    There,
+    Missing(OpenError),
+}
+
 struct Capture<'a> {
     node: &'a Node,
     frames: FrameWriter,
@@ -83,11 +104,34 @@ struct Capture<'a> {
     paced: bool,
     /// Source time that earlier rounds of a repeated recording have taken.
     offset_ns: u64,
+    rate: RateWatch,
+    presence: Presence,
 }
 
 impl Capture<'_> {
+    /// The source is there: told once, and again when it had been missing.
+    fn there(&mut self, format: PictureFormat) {
+        match std::mem::replace(&mut self.presence, Presence::There) {
+            Presence::Awaited => log!(code::CAMERA_READY, "{}", describe(format)),
+            Presence::Missing(_) => log!(code::CAMERA_BACK, "{}", describe(format)),
+            Presence::There => (),
+        }
+    }
+
+    /// The camera is missing: told once for each kind of reason.
+    fn missing(&mut self, why: OpenError) {
+        self.pulse.failing();
+        let known =
+            matches!(&self.presence, Presence::Missing(known) if discriminant(known) == discriminant(&why));
+        if !known {
+            super::error::report_camera(&why);
+            self.presence = Presence::Missing(why);
+        }
+    }
+
     fn play(&mut self, mut source: Box<dyn Source>) -> Result<Ended, RoleError> {
         let format = source.format();
+        self.there(format);
         self.frames.warm_up(source.frame_bytes())?;
         let began_ns = monotonic_ns();
         let mut newest_ns = 0;
@@ -101,6 +145,11 @@ impl Capture<'_> {
             };
             let read = began.elapsed();
             newest_ns = pts_ns;
+            if self.live
+                && let Some(rate_hz) = self.rate.frame(monotonic_ns())
+            {
+                log!(code::CAMERA_SLOW, "the camera gives {rate_hz:.1} frames a second");
+            }
             let due_ns = began_ns + pts_ns;
             if !self.live && !self.paced && self.node.stop().wait(until(due_ns))
                 || self.node.stop().requested()

@@ -6,6 +6,7 @@ use andon_core::couple::{self, Encoder};
 use andon_ipc::{Node, Reader, Wake, Writer};
 use shm_schemas::{Couples, Detections, RoleId, Stamp, flag};
 
+use super::sight::Sight;
 use super::{Pulse, RoleError, WAIT};
 use crate::config::Config;
 use crate::log::{code, log};
@@ -35,6 +36,7 @@ struct Encode<'a> {
     encoder: Encoder,
     newest_ns: u64,
     ready: Vec<couple::Couples>,
+    sight: Sight,
     paced: bool,
     pulse: Pulse,
 }
@@ -49,6 +51,7 @@ impl<'a> Encode<'a> {
             encoder: encoder(config)?,
             newest_ns: 0,
             ready: Vec::new(),
+            sight: Sight::new(config),
             paced: false,
             pulse: Pulse::new(node)?,
         })
@@ -71,6 +74,7 @@ impl<'a> Encode<'a> {
                 self.pulse.refused();
                 log!(code::FRAME_OUT_OF_ORDER, "frame {}: {refused:?}", detections.stamp.frame_seq);
             }
+            self.sight.look(&frame, &self.ready);
             self.send_ready(&detections.stamp, detections.flags)?;
         }
         self.pulse.stepped(began.elapsed());
@@ -90,6 +94,7 @@ impl<'a> Encode<'a> {
         self.encoder.flush(&mut |couples| ready.push(couples));
         self.send_ready(stamp, flags & !flag::END_OF_STREAM)?;
         self.encoder = encoder(self.config)?;
+        self.sight = Sight::new(self.config);
         self.newest_ns = 0;
         if ended {
             self.send(stamp, flags, None)?;

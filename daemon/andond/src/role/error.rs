@@ -9,6 +9,7 @@ use crate::exit::Code;
 use crate::journal::JournalError;
 use crate::log::{code, log};
 use crate::perception::SetupError;
+use crate::video::source::OpenError;
 
 /// Why a role cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -25,9 +26,12 @@ pub enum RoleError {
     /// A model, a library or a calibration.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The camera or the recording.
+    /// The camera or the recording, in the middle of it.
     #[error("{0}")]
     Source(String),
+    /// The camera or the recording cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
     /// The track file that is played.
     #[error(transparent)]
     Tracks(#[from] TrackError),
@@ -84,9 +88,16 @@ impl RoleError {
                 }
                 Code::Configuration
             }
-            Self::Source(message) => {
-                log!(code::RECORDING_DAMAGED, "{message}");
+            Self::Source(_) | Self::Open(OpenError::Gone(_)) => {
+                log!(code::RECORDING_DAMAGED, "{self}");
                 Code::Fault
+            }
+            Self::Open(error) => {
+                report_camera(error);
+                match error {
+                    OpenError::Refused(_) | OpenError::Unsupported(_) => Code::Configuration,
+                    _ => Code::Fault,
+                }
             }
             Self::Tracks(error) => {
                 log!(code::RECORDING_DAMAGED, "{error}");
@@ -114,6 +125,16 @@ impl RoleError {
                 Code::Fault
             }
         }
+    }
+}
+
+/// Logs what is wrong with the camera.
+pub(super) fn report_camera(error: &OpenError) {
+    match error {
+        OpenError::Gone(_) => log!(code::CAMERA_GONE, "{error}"),
+        OpenError::NotAllowed(_) => log!(code::CAMERA_NOT_ALLOWED, "{error}"),
+        OpenError::Refused(_) => log!(code::CAMERA_REFUSED, "{error}"),
+        OpenError::Unfit(_) | OpenError::Unsupported(_) => log!(code::REALSENSE_UNFIT, "{error}"),
     }
 }
 

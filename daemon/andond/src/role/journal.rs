@@ -40,6 +40,8 @@ struct Keeper<'a> {
     told: Option<Confirmed>,
     /// Verdicts in gaps that have been logged.
     lost: u64,
+    /// Removed verdicts that have been logged.
+    removed: u64,
     failing: bool,
     pulse: Pulse,
 }
@@ -58,10 +60,12 @@ impl<'a> Keeper<'a> {
             verdicts: node.reader()?,
             told: None,
             lost: 0,
+            removed: 0,
             failing: false,
             pulse: Pulse::new(node)?,
         };
         log!(code::JOURNAL_OPENED, { path = %path.display() }, "writing to {}", path.display());
+        keeper.tell_removed();
         keeper.confirm()?;
         keeper.pulse.stepped(began.elapsed());
         Ok(keeper)
@@ -102,6 +106,7 @@ impl<'a> Keeper<'a> {
                     );
                 }
                 self.tell_gaps();
+                self.tell_removed();
                 Ok(())
             }
             Err(error @ (JournalError::Full { .. } | JournalError::Locked { .. })) => {
@@ -135,6 +140,14 @@ impl<'a> Keeper<'a> {
         if lost > self.lost {
             log!(code::JOURNAL_GAP, "{} verdicts were lost", lost - self.lost);
             self.lost = lost;
+        }
+    }
+
+    fn tell_removed(&mut self) {
+        let removed = self.journal.removed();
+        if removed > self.removed {
+            log!(code::JOURNAL_TRIMMED, "{} verdicts were removed by age or size", removed - self.removed);
+            self.removed = removed;
         }
     }
 }

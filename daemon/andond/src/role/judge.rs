@@ -6,11 +6,12 @@ use std::time::Instant;
 use andon_core::anomaly;
 use andon_core::dtw::OnlineDtw;
 use andon_core::job::Job;
-use andon_core::verdict::{Kind, Verdict as CoreVerdict};
+use andon_core::verdict::{Kind, Reason, Verdict as CoreVerdict};
 use andon_ipc::{Node, Reader, Wake, Writer, utc_ns};
 use andon_learn::job_file::JobFile;
 use shm_schemas::{Command as CommandMessage, Couples, RoleId, Stamp, Verdict, flag};
 
+use super::job::JobWatch;
 use super::{Pulse, RoleError, WAIT};
 use crate::config::Config;
 use crate::fit;
@@ -112,6 +113,7 @@ fn watch(line: &mut Line<'_>, config: &Config, path: &Path) -> Result<Next, Role
             names,
             judge: judge(job, &file)?,
             enabled: true,
+            watch: JobWatch::default(),
             newest: Stamp::default(),
         };
         session.run()
@@ -126,6 +128,18 @@ fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<Judge<'j>, RoleError> {
 }
 
 impl Line<'_> {
+    /// What a message asks of the judge. One that is no command is counted and told.
+    fn command(&mut self, message: &CommandMessage) -> Option<Command> {
+        match wire::command::read(message) {
+            Ok(command) => command,
+            Err(unknown) => {
+                self.pulse.refused();
+                log!(code::COMMAND_REFUSED, "{unknown}");
+                None
+            }
+        }
+    }
+
     /// Without a job nothing is judged; only commands count.
     fn idle(&mut self) -> Result<Next, RoleError> {
         loop {
@@ -136,8 +150,12 @@ impl Line<'_> {
             }
             while self.couples.take()?.is_some() {}
             while let Some(message) = self.commands.take()? {
-                if let Some(Command::LoadJob { job_id, model_hash }) = wire::command::read(&message) {
-                    return Ok(Next::Load { job_id, model_hash });
+                match self.command(&message) {
+                    Some(Command::LoadJob { job_id, model_hash }) => {
+                        return Ok(Next::Load { job_id, model_hash });
+                    }
+                    Some(Command::Start) => log!(code::COMMAND_REFUSED, "Start: no job is loaded"),
+                    _ => (),
                 }
             }
             self.pulse.beat(&wake)?;
@@ -154,6 +172,7 @@ struct Session<'s, 'l, 'j> {
     names: Names,
     judge: Judge<'j>,
     enabled: bool,
+    watch: JobWatch,
     newest: Stamp,
 }
 
@@ -181,7 +200,7 @@ impl Session<'_, '_, '_> {
     }
 
     fn obey(&mut self, message: &CommandMessage) -> Result<Option<Next>, RoleError> {
-        let Some(command) = wire::command::read(message) else { return Ok(None) };
+        let Some(command) = self.line.command(message) else { return Ok(None) };
         log!(code::COMMAND, "{command:?}");
         match command {
             Command::Enable => self.enabled = true,
@@ -189,7 +208,11 @@ impl Session<'_, '_, '_> {
                 self.finish()?;
                 self.enabled = false;
             }
-            Command::Start => self.judge_with(|judge, emit| judge.start(&mut |verdict| emit(verdict)))?,
+            Command::Start => {
+                self.judge_with(|judge, emit| judge.start(&mut |verdict| emit(verdict)))?;
+                self.watch.commanded(true);
+                self.tell_start();
+            }
             Command::Abort => self.finish()?,
             Command::LoadJob { job_id, model_hash } => {
                 self.finish()?;
@@ -213,7 +236,13 @@ impl Session<'_, '_, '_> {
             self.line.pulse.finished();
         } else if self.enabled {
             let couples = wire::couples::read(couples);
-            self.judge_with(|judge, emit| judge.step(&couples, &mut |verdict| emit(verdict)))?;
+            if self.watch.begins(&couples) {
+                self.tell_start();
+            }
+            let ended = self.judge_with(|judge, emit| judge.step(&couples, &mut |verdict| emit(verdict)))?;
+            if ended && self.watch.ended() {
+                self.tell_start();
+            }
         }
         self.line.pulse.stepped(began.elapsed());
         Ok(())
@@ -223,23 +252,29 @@ impl Session<'_, '_, '_> {
     fn finish(&mut self) -> Result<(), RoleError> {
         self.judge_with(|judge, emit| judge.finish(&mut |verdict| emit(verdict)))?;
         self.judge = judge(self.job, self.file)?;
+        self.watch.commanded(false);
         Ok(())
     }
 
-    /// Lets the judge say something, and publishes it.
+    fn tell_start(&self) {
+        log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name);
+    }
+
+    /// Lets the judge say something, and publishes it. Whether the job has ended.
     fn judge_with(
         &mut self,
         act: impl FnOnce(&mut Judge<'_>, &mut dyn FnMut(CoreVerdict)),
-    ) -> Result<(), RoleError> {
-        let mut outcome = Ok(());
+    ) -> Result<bool, RoleError> {
+        let (mut outcome, mut ended) = (Ok(()), false);
         let Self { line, judge, sender, names, newest, .. } = self;
         act(judge, &mut |verdict| {
             if outcome.is_ok() {
+                ended |= matches!(verdict.kind, Kind::JobOk | Kind::JobAnomaly);
                 tell(&verdict, names);
                 outcome = publish(line, sender, newest, &verdict);
             }
         });
-        outcome
+        outcome.map(|()| ended)
     }
 }
 
@@ -266,6 +301,7 @@ fn tell(verdict: &CoreVerdict, names: &Names) {
         Kind::JobOk => log!(code::JOB_OK, "{sentence}"),
         Kind::JobAnomaly => log!(code::JOB_ANOMALY, "{sentence}"),
         Kind::IuAnomaly | Kind::ActivityAnomaly => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
+        Kind::NotJudged if verdict.reason == Reason::Overload => log!(code::OVERLOAD, "{sentence}"),
         Kind::NotJudged => log!(code::NOT_JUDGED, "{sentence}"),
     }
 }

@@ -4,11 +4,14 @@ pub mod capture;
 mod clock;
 mod encode;
 mod error;
+mod job;
 mod journal;
 mod judge;
 mod perceive;
 mod plc;
 mod pulse;
+mod rate;
+mod sight;
 mod steward;
 
 use std::time::Duration;

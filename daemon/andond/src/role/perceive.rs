@@ -143,7 +143,8 @@ fn play_tracks(node: &Node, config: &Config) -> Result<(), RoleError> {
         let began = monotonic_ns();
         let mut newest_ns = 0;
         let mut step_ns = 0;
-        for frame in tracks(config)? {
+        let mut tracks = tracks(config)?;
+        for frame in tracks.by_ref() {
             let mut frame = frame?;
             step_ns = frame.captured_ns.saturating_sub(newest_ns);
             newest_ns = frame.captured_ns;
@@ -165,6 +166,9 @@ fn play_tracks(node: &Node, config: &Config) -> Result<(), RoleError> {
             pulse.sent();
             pulse.stepped(stepped.elapsed());
             pulse.beat(&Wake::Room)?;
+        }
+        if let Some(truncation) = tracks.truncation() {
+            log!(code::TRACK_CUT_SHORT, "{truncation}");
         }
         // Once more from the start, as if the tracker had gone on.
         offset_ns += newest_ns + step_ns;

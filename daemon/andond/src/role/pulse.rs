@@ -1,6 +1,6 @@
 //! The signs of life of a role, given by its data loop: health, readiness, watchdog.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use andon_ipc::{Error, Heartbeat, Node, Wake};
 use sd_notify::NotifyState;
@@ -16,7 +16,12 @@ pub struct Pulse {
     silent: bool,
     /// The source is at its end; only the next message changes that.
     finished: bool,
+    /// Losses that have been told, and when.
+    told: (u64, Option<Instant>),
 }
+
+/// A machine that is too slow loses something all the time.
+const TELL_LOSSES_EVERY: Duration = Duration::from_secs(60);
 
 impl Pulse {
     /// Starting.
@@ -24,7 +29,13 @@ impl Pulse {
     /// # Errors
     /// That the channel `health` cannot be opened.
     pub fn new(node: &Node) -> Result<Self, Error> {
-        Ok(Self { heartbeat: Heartbeat::new(node)?, ready: false, silent: false, finished: false })
+        Ok(Self {
+            heartbeat: Heartbeat::new(node)?,
+            ready: false,
+            silent: false,
+            finished: false,
+            told: (0, None),
+        })
     }
 
     /// A message was taken.
@@ -46,6 +57,11 @@ impl Pulse {
     /// Losses and restarts so far, as the reader counts them.
     pub fn losses(&mut self, lost: u64, restarts: u32) {
         self.heartbeat.losses(lost, restarts);
+        let (told, at) = self.told;
+        if lost > told && at.is_none_or(|at| at.elapsed() >= TELL_LOSSES_EVERY) {
+            log!(code::LOSSES, "{} messages were lost or skipped", lost - told);
+            self.told = (lost, Some(Instant::now()));
+        }
     }
 
     /// A step has gone through. The first one makes the role ready.

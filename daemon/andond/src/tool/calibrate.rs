@@ -4,10 +4,10 @@ use andon_perception::bench::{BenchMarker, calibrate};
 use andon_perception::markers::Dictionary;
 use andon_perception::{ImageView, PixelFormat};
 
-use super::{Failure, load_config_to_learn};
+use super::{Failure, load_config_to_learn, will_write};
 use crate::cli::Calibrate;
 use crate::exit::Code;
-use crate::video::Film;
+use crate::video::{Film, VideoError};
 
 /// Runs the command.
 ///
@@ -15,13 +15,16 @@ use crate::video::Film;
 /// A place that cannot be read, a picture that shows too little, markers that do not fit their places.
 pub fn run(arguments: &Calibrate) -> Result<Code, Failure> {
     let config = load_config_to_learn(&arguments.config)?;
+    will_write(&arguments.out)?;
     let side_m = f64::from(arguments.side);
     let markers = arguments.markers.iter().map(|text| marker(text, side_m)).collect::<Result<Vec<_>, _>>()?;
     let unusable = |error: &dyn std::fmt::Display| {
         Failure::new(Code::Usage, format!("{}: {error}", arguments.picture.display()))
     };
-    let mut film = Film::open(&arguments.picture).map_err(|error| unusable(&error))?;
-    if film.advance().map_err(|error| unusable(&error))?.is_none() {
+    // These name the picture themselves.
+    let unreadable = |error: VideoError| Failure::new(Code::Usage, error);
+    let mut film = Film::open(&arguments.picture, config.camera.rate_hz).map_err(unreadable)?;
+    if film.advance().map_err(unreadable)?.is_none() {
         return Err(unusable(&"there is no picture in it"));
     }
     let (width, height) = (film.format().width as usize, film.format().height as usize);

@@ -17,6 +17,7 @@ pub mod tail;
 pub mod teach;
 
 use std::fmt;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -68,6 +69,25 @@ impl From<Faults> for Failure {
     fn from(faults: Faults) -> Self {
         Self::new(Code::Configuration, faults)
     }
+}
+
+/// Whether a file can be written once it is known what to write: asked before the work, which takes minutes. Nothing of
+/// what is there is changed.
+///
+/// # Errors
+/// Why it cannot, with the file.
+pub(crate) fn will_write(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let tried = if path.exists() {
+        File::options().append(true).open(path).map(|_| ())
+    } else {
+        tempfile::tempfile_in(folder).map(|_| ())
+    };
+    tried.map_err(|error| {
+        let text =
+            format!("{}: it cannot be written: {error}; name a file in a folder of yours", path.display());
+        Failure::new(Code::Usage, text)
+    })
 }
 
 /// Reads the configuration that the arguments name, or the one that lies where it is looked for.

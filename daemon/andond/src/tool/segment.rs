@@ -6,7 +6,7 @@ use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
 
-use super::{Failure, load_config, progress};
+use super::{Failure, load_config, progress, will_write};
 use crate::cli::Segment;
 use crate::config::Config;
 use crate::exit::Code;
@@ -20,6 +20,9 @@ use crate::report::{EventLine, Names};
 /// What is missing or damaged.
 pub fn run(arguments: &Segment) -> Result<Code, Failure> {
     let config = load_config(&arguments.config)?;
+    if let Some(file) = &arguments.plot {
+        will_write(file)?;
+    }
     let mut recording = Recording::open(&arguments.recording, &config)?;
     let names =
         Names::new(recording.header().objects.iter().map(|object| (object.shape.id, object.name.clone())));

@@ -11,7 +11,7 @@ use andon_learn::recording as learn;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, ThresholdRule, teach};
 
-use super::{Failure, load_config_to_learn, progress};
+use super::{Failure, load_config_to_learn, progress, will_write};
 use crate::cli::{self, Cost, Teach};
 use crate::config::Config;
 use crate::exit::Code;
@@ -26,6 +26,7 @@ const FALSE_ALARMS: f64 = 0.01;
 /// What is missing or damaged, or why nothing can be learnt from it.
 pub fn run(arguments: &Teach) -> Result<Code, Failure> {
     let config = load_config_to_learn(&arguments.config)?;
+    will_write(&arguments.out)?;
     let method = common_method(&arguments.recordings, &config)?;
     let runs = read_runs(&arguments.recordings, &config, &method)?;
     let name = arguments.name.clone().unwrap_or_else(|| stem(&arguments.out));

@@ -107,9 +107,11 @@ pub struct Film {
 }
 
 impl Film {
-    /// Starts decoding `file` (a film, or a folder of pictures).
-    pub fn open(file: &Path) -> Result<Self, VideoError> {
-        let mut helper = Helper::spawn(&["decode".into(), file.into()], Stdio::null(), Stdio::piped())?;
+    /// Starts decoding `file`: a film, or a folder of pictures that is played at `rate_hz`.
+    pub fn open(file: &Path, rate_hz: f32) -> Result<Self, VideoError> {
+        let rate_hz = rate_hz.to_string();
+        let mut helper =
+            Helper::spawn(&["decode".into(), file.into(), rate_hz.into()], Stdio::null(), Stdio::piped())?;
         // `piped` above: the handle is there.
         let Some(stdout) = helper.child.stdout.take() else { unreachable!("standard output is piped") };
         match PipeReader::new(stdout) {

@@ -4,6 +4,26 @@ use shm_schemas::{ColourFormat, FrameHeader};
 
 use super::pipe::PictureFormat;
 
+/// Why a source cannot be opened, in words for a technician.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum OpenError {
+    /// It is not there, or does not answer. A camera may come back.
+    #[error("{0}")]
+    Gone(String),
+    /// This user may not open it.
+    #[error("{0}")]
+    NotAllowed(String),
+    /// It does not offer what the configuration asks for.
+    #[error("{0}")]
+    Refused(String),
+    /// It is there and cannot work as it is connected.
+    #[error("{0}")]
+    Unfit(String),
+    /// This build, or this installation, has nothing to open it with.
+    #[error("{0}")]
+    Unsupported(String),
+}
+
 /// A source of pictures of one size; `videoio` sources live in the binary `andond-video`.
 pub trait Source {
     /// Size, format and rate.

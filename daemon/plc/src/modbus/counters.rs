@@ -9,12 +9,16 @@ pub struct Counters {
     pub accepted: AtomicU64,
     /// Connections refused: address not allowed, or too many at once.
     pub refused: AtomicU64,
+    /// Connections that were accepted and have ended.
+    pub ended: AtomicU64,
     /// Connections ended because no whole request came in time.
     pub idle_closed: AtomicU64,
     /// Well-formed requests.
     pub requests: AtomicU64,
     /// Well-formed requests answered with an exception: unknown address, write refused.
     pub exceptions: AtomicU64,
+    /// Of these, requests to write while writes are off.
+    pub writes_refused: AtomicU64,
     /// Malformed requests, each answered with an exception.
     pub malformed: AtomicU64,
     /// Streams ended because they were no Modbus TCP.

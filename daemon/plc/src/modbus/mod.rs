@@ -250,6 +250,7 @@ struct Open(Arc<Shared>);
 impl Drop for Open {
     fn drop(&mut self) {
         self.0.open.fetch_sub(1, Ordering::Relaxed);
+        Counters::add(&self.0.counters.ended);
     }
 }
 
@@ -260,7 +261,7 @@ fn admit(shared: &Arc<Shared>, config: &Config, peer: SocketAddr) -> Option<Open
     // Only this one task accepts, so nothing comes between the look and the count.
     if !allowed || shared.open.load(Ordering::Relaxed) >= config.connections {
         Counters::add(&shared.counters.refused);
-        tracing::warn!(%peer, allowed, "Modbus connection refused: see `allowed_clients` and `connections`");
+        tracing::debug!(%peer, allowed, "Modbus connection refused: see `allowed_clients` and `connections`");
         return None;
     }
     Counters::add(&shared.counters.accepted);

@@ -60,6 +60,7 @@ impl Service {
 
     fn write(&self, address: u16, words: &[u16]) -> Result<(), ExceptionCode> {
         if !self.shared.writes {
+            Counters::add(&self.shared.counters.writes_refused);
             return Err(ExceptionCode::IllegalFunction);
         }
         let now_ns = self.shared.now_ns();

@@ -1,13 +1,15 @@
 //! The part of the daemon that links OpenCV's `videoio`: films and cameras in, films out.
 //!
-//! `andond-video decode FILE` and `andond-video encode FILE` serve the tools over a pipe (see [`andond::video`]);
+//! `andond-video decode FILE RATE_HZ` (the rate is that of a folder of pictures) and `andond-video encode FILE` serve the tools over a pipe (see [`andond::video`]);
 //! `andond-video run capture` is that role, into which `andond run capture` turns itself.
 #![forbid(unsafe_code)]
 
+mod device;
 #[cfg(feature = "realsense")]
 mod realsense;
 mod sources;
 
+use std::ffi::OsStr;
 use std::io::{BufReader, BufWriter, stdin, stdout};
 use std::path::Path;
 use std::process::ExitCode;
@@ -16,7 +18,7 @@ use andond::cli::{self, Cli, Command, Role};
 use andond::config::{Config, Source as Configured};
 use andond::role;
 use andond::video::pipe::{PipeReader, PipeWriter};
-use andond::video::source::Source;
+use andond::video::source::{OpenError, Source};
 use clap::Parser as _;
 use opencv::core::{Mat, Size, Vec3b};
 use opencv::videoio::{self, VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
@@ -28,9 +30,9 @@ fn main() -> ExitCode {
     }
     let arguments: Vec<std::ffi::OsString> = std::env::args_os().skip(1).collect();
     let outcome = match arguments.as_slice() {
-        [verb, file] if verb == "decode" => decode(Path::new(file)),
+        [verb, file, rate_hz] if verb == "decode" => decode(Path::new(file), rate_hz),
         [verb, file] if verb == "encode" => encode(Path::new(file)),
-        _ => Err("usage: andond-video decode FILE | encode FILE; people want `andond`".into()),
+        _ => Err("usage: andond-video decode FILE RATE_HZ | encode FILE; people want `andond`".into()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -60,34 +62,29 @@ fn capture(run: &cli::Run) -> ExitCode {
 }
 
 /// Opens the source that the configuration names.
-fn open(config: &Config) -> Result<Box<dyn Source>, String> {
+fn open(config: &Config) -> Result<Box<dyn Source>, OpenError> {
     let camera = &config.camera;
     let path = camera.path.clone().unwrap_or_default();
     match camera.source {
-        Configured::Video | Configured::Images => {
-            sources::open(&path).map_err(|message| format!("{}: {message}", path.display()))
-        }
-        Configured::V4l2 => Ok(Box::new(sources::Device::open(
-            &camera.device,
-            camera.width,
-            camera.height,
-            f64::from(camera.rate_hz),
-        )?)),
-        Configured::Tracks => {
-            Err("a track file has no pictures: the role perceive plays it, capture is not needed".into())
-        }
+        Configured::Video | Configured::Images => sources::open(&path, camera.rate_hz.into())
+            .map_err(|message| OpenError::Gone(format!("{}: {message}", path.display()))),
+        Configured::V4l2 => Ok(Box::new(device::Device::open(camera)?)),
+        Configured::Tracks => Err(OpenError::Refused(
+            "a track file has no pictures: the role perceive plays it, capture is not needed".into(),
+        )),
         #[cfg(feature = "realsense")]
         Configured::Realsense | Configured::Bag => Ok(Box::new(realsense::RealSense::open(config)?)),
         #[cfg(not(feature = "realsense"))]
-        Configured::Realsense | Configured::Bag => {
-            Err("this build has no RealSense support: build with --features realsense".into())
-        }
+        Configured::Realsense | Configured::Bag => Err(OpenError::Unsupported(
+            "this build has no RealSense support: build with --features realsense".into(),
+        )),
     }
 }
 
 /// Pictures of a film to standard output.
-fn decode(file: &Path) -> Result<(), String> {
-    let mut source = sources::open(file)?;
+fn decode(file: &Path, rate_hz: &OsStr) -> Result<(), String> {
+    let rate_hz = rate_hz.to_str().and_then(|text| text.parse().ok()).ok_or("the rate is no number")?;
+    let mut source = sources::open(file, rate_hz)?;
     let format = source.format();
     let mut picture = vec![0; format.bytes()];
     // A reader that is gone has seen enough: a broken pipe is a clean end.

@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use andon_realsense::frame::{self, FrameInfo, PixelFormat};
 use andon_realsense::settings::{Camera, Origin, Pace, Recording, Settings};
-use andon_realsense::{Frame, Next};
+use andon_realsense::{Error, Frame, Next};
 use andond::config::{Config, Source as Configured};
 use andond::video::pipe::PictureFormat;
-use andond::video::source::Source;
+use andond::video::source::{OpenError, Source};
 use shm_schemas::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 
 /// One wait: the source looks after itself between two of them.
@@ -27,17 +27,18 @@ pub(crate) struct RealSense {
 }
 
 impl RealSense {
-    pub(crate) fn open(config: &Config) -> Result<Self, String> {
+    pub(crate) fn open(config: &Config) -> Result<Self, OpenError> {
         let is_live = config.camera.source == Configured::Realsense;
-        let mut source =
-            andon_realsense::Source::open(settings(config)).map_err(|error| error.to_string())?;
+        let mut source = andon_realsense::Source::open(settings(config)).map_err(|error| refusal(&error))?;
         let began = Instant::now();
         let first = loop {
             match source.next(WAIT) {
                 Next::Frame(frame) => break frame,
                 Next::Nothing if began.elapsed() < FIRST_FRAME => {}
-                Next::Lost(why) => return Err(why.to_string()),
-                Next::Nothing | Next::Ended => return Err("it is open, but sends no picture".into()),
+                Next::Lost(why) => return Err(refusal(&why)),
+                Next::Nothing | Next::Ended => {
+                    return Err(OpenError::Gone("it is open, but sends no picture".into()));
+                }
             }
         };
         let info = *first.info();
@@ -114,6 +115,19 @@ impl Source for RealSense {
         header.depth = intrinsics(&plane.intrinsics);
         let frame::Extrinsics { rotation, translation_m } = depth.colour_from_depth;
         header.colour_from_depth = Extrinsics { rotation, translation_m };
+    }
+}
+
+/// What is over by itself, what somebody must do at the camera, and what the configuration must not ask for.
+fn refusal(error: &Error) -> OpenError {
+    let message = error.to_string();
+    match error {
+        Error::Library { .. } => OpenError::Unsupported(message),
+        Error::Permission { .. } | Error::UsbSpeed { .. } => OpenError::Unfit(message),
+        Error::Ambiguous { .. } | Error::Mode { .. } | Error::Option { .. } | Error::Format { .. } => {
+            OpenError::Refused(message)
+        }
+        _ => OpenError::Gone(message),
     }
 }
 

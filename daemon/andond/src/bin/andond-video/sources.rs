@@ -1,7 +1,6 @@
-//! Films, folders of pictures and V4L2 devices, by OpenCV.
+//! Films and folders of pictures, by OpenCV.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use andond::video::pipe::PictureFormat;
 use andond::video::source::Source;
@@ -9,13 +8,13 @@ use opencv::core::{Mat, MatTraitConst, Vec3b};
 use opencv::imgcodecs;
 use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst};
 
-/// The rate that a folder of pictures is played at, and a film or a device that does not say its own.
+/// The rate of a film or a device that does not say its own.
 const DEFAULT_RATE_HZ: f64 = 30.0;
 
-/// Opens a film, or a folder of pictures.
-pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>, String> {
+/// Opens a film, or a folder of pictures that is played at `rate_hz`.
+pub(crate) fn open(path: &Path, rate_hz: f64) -> Result<Box<dyn Source>, String> {
     if path.is_dir() {
-        return Ok(Box::new(Folder::open(path)?));
+        return Ok(Box::new(Folder::open(path, rate_hz)?));
     }
     if !path.exists() {
         return Err("no such file; give a film or a folder of pictures".into());
@@ -24,7 +23,7 @@ pub(crate) fn open(path: &Path) -> Result<Box<dyn Source>, String> {
 }
 
 /// Lets OpenCV write the next picture of `capture` into the caller's bytes; false at the end.
-fn read_in_place(
+pub(crate) fn read_in_place(
     capture: &mut VideoCapture,
     format: PictureFormat,
     picture: &mut [u8],
@@ -45,7 +44,7 @@ fn property(capture: &VideoCapture, property: i32) -> f64 {
     capture.get(property).unwrap_or(0.0)
 }
 
-fn format_of(capture: &VideoCapture) -> Result<PictureFormat, String> {
+pub(crate) fn format_of(capture: &VideoCapture) -> Result<PictureFormat, String> {
     let width = property(capture, videoio::CAP_PROP_FRAME_WIDTH);
     let height = property(capture, videoio::CAP_PROP_FRAME_HEIGHT);
     let rate_hz = property(capture, videoio::CAP_PROP_FPS);
@@ -65,6 +64,34 @@ struct Film {
     capture: VideoCapture,
     format: PictureFormat,
     shown: u64,
+    times: Times,
+}
+
+/// When the pictures of a film are to be shown.
+#[derive(Default)]
+struct Times {
+    /// The container's time of the first picture.
+    first_ms: Option<f64>,
+    /// The container's times do not keep to the rate.
+    vary: bool,
+    newest_ns: Option<u64>,
+}
+
+impl Times {
+    /// Of picture number `place` of a film of this rate, in nanoseconds since the first; `told_ms` is what the container says.
+    ///
+    /// Containers round their times; the rate is exact, and the same on every machine. So the rate counts, until a picture is half
+    /// a period away from it: telephones and screen recorders write films of no fixed rate.
+    fn of(&mut self, place: u64, rate_hz: f64, told_ms: f64) -> u64 {
+        let by_rate_ns = place as f64 * 1e9 / rate_hz;
+        let told_ns = 1e6 * (told_ms - *self.first_ms.get_or_insert(told_ms));
+        // A container that says nothing says 0.
+        self.vary |= told_ns > 0.0 && (told_ns - by_rate_ns).abs() > 0.5e9 / rate_hz;
+        let ns = (if self.vary { told_ns } else { by_rate_ns }).round().max(0.0) as u64;
+        let ns = self.newest_ns.map_or(ns, |newest_ns| ns.max(newest_ns + 1));
+        self.newest_ns = Some(ns);
+        ns
+    }
 }
 
 impl Film {
@@ -75,7 +102,7 @@ impl Film {
             return Err("it is not a film that this machine can decode; H.264 in MP4 always is".into());
         }
         let format = format_of(&capture)?;
-        Ok(Self { capture, format, shown: 0 })
+        Ok(Self { capture, format, shown: 0, times: Times::default() })
     }
 }
 
@@ -88,8 +115,8 @@ impl Source for Film {
         if !read_in_place(&mut self.capture, self.format, picture)? {
             return self.end();
         }
-        // Containers round their time stamps; the rate is exact, and the same on every machine.
-        let pts_ns = (self.shown as f64 * 1e9 / self.format.rate_hz).round() as u64;
+        let told_ms = property(&self.capture, videoio::CAP_PROP_POS_MSEC);
+        let pts_ns = self.times.of(self.shown, self.format.rate_hz, told_ms);
         self.shown += 1;
         Ok(Some(pts_ns))
     }
@@ -116,7 +143,7 @@ struct Folder {
 }
 
 impl Folder {
-    fn open(path: &Path) -> Result<Self, String> {
+    fn open(path: &Path, rate_hz: f64) -> Result<Self, String> {
         let listed = std::fs::read_dir(path).map_err(|error| error.to_string())?;
         let mut pictures: Vec<PathBuf> = listed
             .filter_map(|entry| entry.ok().map(|entry| entry.path()))
@@ -131,7 +158,7 @@ impl Folder {
             let mat = decode(first)?;
             (mat.cols() as u32, mat.rows() as u32)
         };
-        let format = PictureFormat { width, height, rate_hz: DEFAULT_RATE_HZ, count: pictures.len() as u64 };
+        let format = PictureFormat { width, height, rate_hz, count: pictures.len() as u64 };
         Ok(Self { pictures, format, shown: 0 })
     }
 }
@@ -168,52 +195,28 @@ impl Source for Folder {
     }
 }
 
-/// A V4L2 device.
-pub(crate) struct Device {
-    capture: VideoCapture,
-    format: PictureFormat,
-    opened: Instant,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl Device {
-    /// Opens `/dev/videoN` and asks for a size and a rate; the device answers with the nearest that it has.
-    pub(crate) fn open(path: &Path, width: u32, height: u32, rate_hz: f64) -> Result<Self, String> {
-        if !path.exists() {
-            return Err(format!(
-                "{}: no such device; is the camera plugged in? `ls /dev/video*` lists them",
-                path.display()
-            ));
-        }
-        let mut capture =
-            VideoCapture::from_file(path, videoio::CAP_V4L2).map_err(|error| error.to_string())?;
-        if !capture.is_opened().unwrap_or(false) {
-            return Err(format!(
-                "{}: cannot be opened; is another program using it, and is this user in the group `video`?",
-                path.display()
-            ));
-        }
-        for (property, value) in [
-            (videoio::CAP_PROP_FRAME_WIDTH, f64::from(width)),
-            (videoio::CAP_PROP_FRAME_HEIGHT, f64::from(height)),
-            (videoio::CAP_PROP_FPS, rate_hz),
-        ] {
-            // A device that refuses keeps its own value, which `format_of` reads back.
-            let _ = capture.set(property, value);
-        }
-        let format = PictureFormat { count: 0, ..format_of(&capture)? };
-        Ok(Self { capture, format, opened: Instant::now() })
-    }
-}
-
-impl Source for Device {
-    fn format(&self) -> PictureFormat {
-        self.format
+    fn times(rate_hz: f64, told_ms: &[f64]) -> Vec<u64> {
+        let mut times = Times::default();
+        let pictures = (0..).zip(told_ms);
+        pictures.map(|(place, told_ms)| times.of(place, rate_hz, *told_ms) / 1_000_000).collect()
     }
 
-    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
-        if !read_in_place(&mut self.capture, self.format, picture)? {
-            return Err("the camera sends no more pictures; is it still plugged in?".into());
-        }
-        Ok(Some(self.opened.elapsed().as_nanos() as u64))
+    #[test]
+    fn a_film_of_a_fixed_rate_keeps_to_it_whatever_the_container_rounds() {
+        assert_eq!(times(40.0, &[7.0, 32.4, 56.6, 82.0]), [0, 25, 50, 75]);
+    }
+
+    #[test]
+    fn a_film_whose_container_tells_no_times_keeps_to_its_rate() {
+        assert_eq!(times(40.0, &[0.0, 0.0, 0.0]), [0, 25, 50]);
+    }
+
+    #[test]
+    fn a_film_of_no_fixed_rate_has_the_times_of_its_container() {
+        assert_eq!(times(40.0, &[0.0, 25.0, 90.0, 115.0, 140.0]), [0, 25, 90, 115, 140]);
     }
 }

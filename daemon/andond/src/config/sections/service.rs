@@ -102,8 +102,6 @@ impl Plc {
 /// drops at the PLC and the log says so.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Health {
-    /// How often each role reports, ms.
-    pub period_ms: u32,
     /// Deadline of `capture`.
     pub capture_deadline_ms: u32,
     /// Deadline of `perceive`.
@@ -121,7 +119,6 @@ pub struct Health {
 impl Default for Health {
     fn default() -> Self {
         Self {
-            period_ms: 500,
             capture_deadline_ms: 1000,
             perceive_deadline_ms: 1000,
             encode_deadline_ms: 1000,
@@ -147,12 +144,6 @@ impl Health {
     }
 
     pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
-        k.key(
-            "period_ms",
-            &mut self.period_ms,
-            within(50, 1000, "ms"),
-            "How often each role reports its health; the PLC's heartbeat must move at 1 Hz or faster.",
-        );
         for (name, deadline) in self.deadlines() {
             k.key(
                 name,

@@ -96,6 +96,9 @@ impl Seen {
             Ok(RoleState::Waiting) if self.role == RoleId::Perceive => {
                 Line::Fault { fault: Fault::Camera, detail: code::CAMERA_GONE.number }
             }
+            Ok(RoleState::Fault) if self.role == RoleId::Capture => {
+                Line::Fault { fault: Fault::Camera, detail }
+            }
             Ok(RoleState::Fault) if self.role == RoleId::Journal => {
                 Line::Fault { fault: Fault::Journal, detail }
             }
@@ -194,6 +197,13 @@ mod tests {
         let mut watch = well();
         watch.heard(&health(RoleId::Journal, RoleState::Fault, 10 * S));
         assert_eq!(fault_of(watch.line(10 * S)), Some(Fault::Journal));
+    }
+
+    #[test]
+    fn a_camera_that_is_missing_is_a_fault_of_the_camera() {
+        let mut watch = well();
+        watch.heard(&health(RoleId::Capture, RoleState::Fault, 10 * S));
+        assert_eq!(fault_of(watch.line(10 * S)), Some(Fault::Camera));
     }
 
     #[test]

@@ -3,11 +3,12 @@
 //! A result that was sent before this role started is not offered: the PLC may have acknowledged it then. It is in the
 //! journal.
 
+mod clients;
 mod line;
 
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use andon_ipc::{Error, Node, Reader, Wake, Writer, monotonic_ns};
@@ -19,13 +20,11 @@ use shm_schemas::{Command, CommandSource, Confirmed, Health, Verdict};
 use super::{Pulse, RoleError, WAIT};
 use crate::config::Config;
 use crate::log::{code, log};
+use clients::Clients;
 use line::Watch;
 
 /// How often the server is told how the line is when nothing changes: it counts a line as silent after 2 s.
 const TELL_EVERY: Duration = Duration::from_millis(250);
-
-/// How often what clients did wrong is logged: a broken one asks a thousand times a second.
-const LOG_CLIENTS_EVERY: Duration = Duration::from_secs(1);
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -200,45 +199,5 @@ impl CommandSink for Commands {
         message.model_hash = ask.model_hash;
         message.argument = ask.argument;
         self.writer.send(message).is_ok()
-    }
-}
-
-/// What clients do, as the server counts it, for the log and for health.
-struct Clients {
-    counters: Arc<Counters>,
-    looked: Instant,
-    connected: u64,
-    refused: u64,
-    bad: u64,
-}
-
-impl Clients {
-    fn new(counters: Arc<Counters>) -> Self {
-        Self { counters, looked: Instant::now(), connected: 0, refused: 0, bad: 0 }
-    }
-
-    fn tell(&mut self, pulse: &mut Pulse) {
-        if self.looked.elapsed() < LOG_CLIENTS_EVERY {
-            return;
-        }
-        self.looked = Instant::now();
-        let counters = &self.counters;
-        let since = |before: &mut u64, counters: &[&AtomicU64]| {
-            let now = counters.iter().map(|counter| counter.load(Ordering::Relaxed)).sum();
-            now - std::mem::replace(before, now)
-        };
-        let connected = since(&mut self.connected, &[&counters.accepted]);
-        let refused = since(&mut self.refused, &[&counters.refused]);
-        let bad = since(&mut self.bad, &[&counters.exceptions, &counters.malformed, &counters.unframed]);
-        if connected > 0 {
-            log!(code::PLC_CONNECTED, "{connected} clients have connected");
-        }
-        if refused > 0 {
-            log!(code::PLC_CLIENT_REFUSED, "{refused} connections were refused");
-        }
-        if bad > 0 {
-            (0..bad).for_each(|_| pulse.refused());
-            log!(code::PLC_BAD_REQUEST, "{bad} requests were refused");
-        }
     }
 }

@@ -6,6 +6,7 @@ use andon_core::couple::Couple;
 use andon_core::verdict::Verdict;
 
 use super::watch::Heard;
+use crate::config::Camera;
 use crate::exit::Code;
 use crate::picture::Annotator;
 use crate::recording::View;
@@ -18,7 +19,8 @@ use crate::wire;
 pub(super) fn write(clip: &Path, folder: &Path, heard: &Heard, names: &Names) -> Result<(), Failure> {
     let usage = |error: &dyn std::fmt::Display| Failure::new(Code::Usage, error);
     std::fs::create_dir_all(folder).map_err(|error| usage(&format!("{}: {error}", folder.display())))?;
-    let mut film = Film::open(clip).map_err(|error| usage(&error))?;
+    // The rate is for folders of pictures; a clip has its own.
+    let mut film = Film::open(clip, Camera::default().rate_hz).map_err(|error| usage(&error))?;
     let out = folder.join(clip.file_name().unwrap_or_default());
     let format = film.format();
     let mut annotator = Annotator::create(&out, format, names.clone()).map_err(|error| usage(&error))?;

@@ -34,6 +34,9 @@ const ROLES: [(&str, RoleId); 6] = [
     ("plc", RoleId::Plc),
 ];
 
+/// Name of the demo's station.
+const STATION: &str = "demo";
+
 /// How long the roles may take to come up: the models are loaded from a cold disk.
 const START: Duration = Duration::from_secs(60);
 
@@ -85,6 +88,15 @@ fn free_port() -> std::io::Result<u16> {
     Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
 }
 
+/// A folder that goes with the demo. Sockets lie in it, whose paths must be short: where TMPDIR is too long, under /tmp.
+fn own_folder() -> std::io::Result<tempfile::TempDir> {
+    let folder = tempfile::Builder::new().prefix("andon-").tempdir()?;
+    if Station::under(STATION, &folder.path().join(STATION)).is_ok() {
+        return Ok(folder);
+    }
+    tempfile::Builder::new().prefix("andon-").tempdir_in("/tmp")
+}
+
 /// The running line.
 struct Line {
     // Declared in the order in which they must go: the reader, the roles, their directory.
@@ -110,11 +122,11 @@ struct Outcome {
 impl Line {
     fn start(arguments: &Demo, clip: &Path) -> Result<Self, Failure> {
         let fault = |error: std::io::Error| Failure::new(Code::Fault, error);
-        let folder = tempfile::Builder::new().prefix("andon-").tempdir().map_err(fault)?;
+        let folder = own_folder().map_err(fault)?;
         let own = folder.path().join("demo.toml");
         let job = std::path::absolute(&arguments.job).map_err(fault)?;
         let text = format!(
-            "[station]\nname = \"demo\"\nroot = {:?}\njob = {:?}\n[camera]\nsource = \"video\"\npath = {:?}\n\
+            "[station]\nname = {STATION:?}\nroot = {:?}\njob = {:?}\n[camera]\nsource = \"video\"\npath = {:?}\n\
              [journal]\npath = {:?}\n[plc]\nenable = true\nport = {}\n",
             folder.path(),
             job,

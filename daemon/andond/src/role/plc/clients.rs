@@ -1,0 +1,86 @@
+//! What clients do, as the server counts it, for the log and for health.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use andon_plc::modbus::Counters;
+
+use crate::log::{code, log};
+use crate::role::Pulse;
+
+/// How often what clients did is logged: a broken one asks a thousand times a second.
+const LOG_EVERY: Duration = Duration::from_secs(1);
+
+/// Tells what the counters have counted since it last looked.
+pub(super) struct Clients {
+    counters: Arc<Counters>,
+    looked: Instant,
+    told: Counted,
+}
+
+/// A reading of the counters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Counted {
+    accepted: u64,
+    ended: u64,
+    refused: u64,
+    writes_refused: u64,
+    bad: u64,
+}
+
+impl Counted {
+    fn of(counters: &Counters) -> Self {
+        let read = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        let writes_refused = read(&counters.writes_refused);
+        let exceptions = read(&counters.exceptions).saturating_sub(writes_refused);
+        Self {
+            // Before those that have begun, so that no connection ends before it began.
+            ended: read(&counters.ended),
+            accepted: read(&counters.accepted),
+            refused: read(&counters.refused),
+            writes_refused,
+            bad: exceptions + read(&counters.malformed) + read(&counters.unframed),
+        }
+    }
+
+    fn open(self) -> u64 {
+        self.accepted.saturating_sub(self.ended)
+    }
+}
+
+impl Clients {
+    pub(super) fn new(counters: Arc<Counters>) -> Self {
+        Self { counters, looked: Instant::now(), told: Counted::default() }
+    }
+
+    /// To be called often; looks once a second.
+    pub(super) fn tell(&mut self, pulse: &mut Pulse) {
+        if self.looked.elapsed() < LOG_EVERY {
+            return;
+        }
+        self.looked = Instant::now();
+        let now = Counted::of(&self.counters);
+        let before = std::mem::replace(&mut self.told, now);
+        let refused = now.refused - before.refused;
+        let writes = now.writes_refused - before.writes_refused;
+        let bad = now.bad.saturating_sub(before.bad);
+        // A client that connects anew for each request is always there.
+        if before.open() == 0 && now.open() > 0 {
+            log!(code::PLC_CONNECTED, "{} clients are connected", now.open());
+        }
+        if before.open() > 0 && now.accepted == before.accepted && now.open() == 0 {
+            log!(code::PLC_DISCONNECTED, "no client is connected any more");
+        }
+        if refused > 0 {
+            log!(code::PLC_CLIENT_REFUSED, "{refused} connections were refused");
+        }
+        if writes > 0 {
+            log!(code::PLC_WRITE_REFUSED, "{writes} requests to write were refused");
+        }
+        if bad > 0 {
+            log!(code::PLC_BAD_REQUEST, "{bad} requests were refused");
+        }
+        (0..writes + bad).for_each(|_| pulse.refused());
+    }
+}

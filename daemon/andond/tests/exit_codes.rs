@@ -1,0 +1,124 @@
+//! How commands end that cannot do what they are asked: with the exit code that says why, before any work, and with the remedy.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn andond(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_andond"));
+    command.args(arguments).current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    command.env_remove("ANDON_CONFIG").output().unwrap()
+}
+
+/// The command ends with this code and these words.
+fn ends(arguments: &[&str], code: i32, words: &str) {
+    let output = andond(arguments);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+    assert!(said.contains(words), "{arguments:?}: {said}");
+}
+
+const FILM: &str = "tests/footage/p1_none_r1.mp4";
+
+#[test]
+fn a_wrong_command_line_ends_with_64() {
+    ends(&["tech"], 64, "'teach'");
+    ends(&["run", "judgement"], 64, "judge");
+    ends(&["segment"], 64, "RECORDING");
+    ends(&["segment", FILM, "--speed", "max"], 64, "--speed");
+}
+
+#[test]
+fn a_recording_that_is_not_there_ends_with_64() {
+    ends(&["segment", "no-such-film.mp4"], 64, "no-such-film.mp4");
+    ends(&["segment", "no-such.tracks.jsonl"], 64, "give a film");
+}
+
+#[test]
+fn a_result_that_cannot_be_written_is_told_before_the_work() {
+    let out = ["--out", "/proc/job.toml"];
+    // The recording is not even looked for.
+    ends(&["teach", "no-such-film.mp4", out[0], out[1]], 64, "/proc/job.toml: it cannot be written");
+    ends(
+        &["segment", "no-such-film.mp4", "--plot", "/proc/plot.svg"],
+        64,
+        "/proc/plot.svg: it cannot be written",
+    );
+}
+
+#[test]
+fn asking_whether_a_result_can_be_written_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let (there, new) = (folder.path().join("there.toml"), folder.path().join("new.toml"));
+    std::fs::write(&there, "a job").unwrap();
+    for out in [&there, &new] {
+        ends(&["teach", "no-such-film.mp4", "--out", out.to_str().unwrap()], 64, "no-such-film.mp4");
+    }
+    assert_eq!(std::fs::read_to_string(there).unwrap(), "a job");
+    assert!(!new.exists());
+}
+
+/// A station over the demo's whose models are in `folder`.
+fn station(folder: &Path) -> String {
+    let path = folder.join("station.toml");
+    std::fs::write(&path, format!("[perception]\nmodels = {folder:?}\n")).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn models_that_are_missing_end_with_78_and_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let station = station(folder.path());
+    ends(&["segment", "-c", "config/stations/demo.toml", "-c", &station, FILM], 78, "make setup");
+}
+
+#[test]
+fn a_model_that_is_damaged_ends_with_78_and_names_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let runtime = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/runtime");
+    for entry in std::fs::read_dir(&runtime).expect("the models are needed: run `make setup`") {
+        let path = entry.unwrap().path();
+        let copy = folder.path().join(path.file_name().unwrap());
+        if path.is_file() {
+            std::os::unix::fs::symlink(&path, &copy).unwrap();
+        }
+        if path.extension().is_some_and(|ending| ending == "onnx") {
+            let mut bytes = std::fs::read(&path).unwrap();
+            bytes[1000] ^= 1;
+            std::fs::remove_file(&copy).unwrap();
+            std::fs::write(&copy, bytes).unwrap();
+        }
+    }
+    let station = station(folder.path());
+    ends(&["segment", "-c", "config/stations/demo.toml", "-c", &station, FILM], 78, ".onnx");
+}
+
+#[test]
+fn a_picture_that_cannot_be_calibrated_from_is_named_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("empty.mp4");
+    std::fs::write(&picture, "").unwrap();
+    let out = folder.path().join("bench.toml");
+    let paths = [picture.to_str().unwrap(), out.to_str().unwrap()];
+    let marker = ["--marker", "1=0,0"];
+    let output = andond(&["calibrate", paths[0], "--side", "0.04", "--out", paths[1], marker[0], marker[1]]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(64), "{said}");
+    assert_eq!(said.matches("empty.mp4").count(), 1, "{said}");
+}
+
+#[test]
+fn a_demo_runs_where_tmpdir_is_too_long_for_sockets() {
+    let folder = tempfile::tempdir().unwrap();
+    let long = folder.path().join("a-folder-whose-name-alone-is-longer-than-the-path-of-a-socket-may-be");
+    let clips = folder.path().join("clips");
+    std::fs::create_dir_all(&long).unwrap();
+    std::fs::create_dir_all(&clips).unwrap();
+    let film = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join("tests/footage/p2_J2_r1.mp4");
+    std::os::unix::fs::symlink(film, clips.join("clip.mp4")).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_andond"));
+    command.args(["demo", "--speed", "max", "--clips"]).arg(&clips).env("TMPDIR", &long);
+    let output = command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+}
