@@ -91,26 +91,43 @@ def render(truth, shapes, camera, colour_height_m, person_scale=1.0):
     origin, rays = camera.rays(colour_height_m)
     depth = -origin[2] / rays[..., 2]
     for part in truth["objects"]:
-        depth = np.minimum(depth, box(origin, rays, part, shapes[part["id"]]))
+        box(depth, origin, rays, camera, part, shapes[part["id"]])
     for hand in truth["hands"]:
         for centre, radius in balls(np.array(hand["m"]), person_scale):
             ball(depth, origin, rays, camera, centre, radius)
     return depth
 
 
-def box(origin, rays, part, shape):
-    """Depth of a part: a box from its marker's plane down to the table it was made for."""
+def box(depth, origin, rays, camera, part, shape):
+    """Puts a part into the picture, in place: a box from its marker's plane down to the table it was made for."""
     points = np.array(shape["interaction_points"])
     low = np.minimum(points.min(0), -shape["marker_side_m"] / 2) - PART_HALF_WIDTH_M / 4
     high = np.maximum(points.max(0), shape["marker_side_m"] / 2) + PART_HALF_WIDTH_M / 4
     low[2], high[2] = -shape["top_above_table_m"], 0.0
-    turn = quaternion_matrix(part["q"])
-    start = (origin - np.array(part["p"])) @ turn
-    along = rays @ turn
+    rotation = quaternion_matrix(part["q"])
+    corners = [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+    seen = [pixel(camera, origin, rotation @ corner + np.array(part["p"]))[:2] for corner in corners]
+    view = window(np.min(seen, 0), np.max(seen, 0))
+    start = (origin - np.array(part["p"])) @ rotation
+    along = rays[view] @ rotation
     with np.errstate(divide="ignore", invalid="ignore"):
         one, two = (low - start) / along, (high - start) / along
     enter, leave = np.minimum(one, two).max(-1), np.maximum(one, two).min(-1)
-    return np.where((enter <= leave) & (enter > 0), enter, np.inf)
+    hit = np.where((enter <= leave) & (enter > 0), enter, np.inf)
+    depth[view] = np.minimum(depth[view], hit)
+
+
+def pixel(camera, origin, point):
+    """Column, row and depth of a point of the world."""
+    flip = np.array([1.0, -1.0, -1.0])
+    x, y, z = camera.rotation.T @ ((point - origin) * flip)
+    return camera.focal * x / z + camera.centre[0], camera.focal * y / z + camera.centre[1], z
+
+
+def window(low, high):
+    """The pixels between two corners, and one more on each side."""
+    (u0, v0), (u1, v1) = np.floor(low).astype(int) - 1, np.ceil(high).astype(int) + 2
+    return slice(max(v0, 0), max(v1, 0)), slice(max(u0, 0), max(u1, 0))
 
 
 def balls(landmarks, scale):
@@ -126,18 +143,16 @@ def balls(landmarks, scale):
 
 def ball(depth, origin, rays, camera, centre, radius):
     """Puts one ball into the picture, in place; only the pixels around it are touched."""
-    flip = np.array([1.0, -1.0, -1.0])
-    seen = camera.rotation.T @ ((centre - origin) * flip)
-    reach = int(camera.focal * radius / (seen[2] - radius)) + 2
-    u, v = (int(round(camera.focal * seen[k] / seen[2] + camera.centre[k])) for k in (0, 1))
-    rows, columns = slice(max(v - reach, 0), max(v + reach, 0)), slice(max(u - reach, 0), max(u + reach, 0))
-    part = rays[rows, columns]
+    u, v, distance = pixel(camera, origin, centre)
+    reach = camera.focal * radius / (distance - radius)
+    view = window((u - reach, v - reach), (u + reach, v + reach))
+    part = rays[view]
     if part.size == 0:
         return
     a, b = (part * part).sum(-1), part @ (origin - centre)
     root = b * b - a * (((origin - centre) ** 2).sum() - radius * radius)
     hit = np.where(root >= 0, (-b - np.sqrt(np.maximum(root, 0))) / a, np.inf)
-    depth[rows, columns] = np.minimum(depth[rows, columns], hit)
+    depth[view] = np.minimum(depth[view], hit)
 
 
 def as_stereo_sees_it(depth, camera, random):
@@ -168,10 +183,13 @@ def patches(random, shape):
 def shifted(picture, reach, pick):
     """`pick` of each pixel's neighbourhood, `reach` pixels each way."""
     padded = np.pad(picture, reach, mode="edge")
-    height, width = picture.shape
-    for axis in (0, 1):
-        rows = [np.take(padded, range(k, k + (height, width)[axis]), axis) for k in range(2 * reach + 1)]
-        padded = pick.reduce(rows)
+    for _ in range(2):
+        # Along one axis, then, turned over, along the other.
+        size = len(padded) - 2 * reach
+        picked = padded[:size].copy()
+        for k in range(1, 2 * reach + 1):
+            pick(picked, padded[k : k + size], out=picked)
+        padded = picked.T
     return padded
 
 
