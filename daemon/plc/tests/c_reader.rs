@@ -19,13 +19,15 @@ fn library_dir() -> PathBuf {
 fn compiled(out: &Path) -> PathBuf {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
     let program = out.join("soft_plc");
+    // Programs ask for the library by the name that it was given when it was linked.
+    std::os::unix::fs::symlink(library_dir().join("libandon_plc.so"), out.join("libandon_plc.so.0")).unwrap();
     let status = Command::new("cc")
         .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-pedantic", "-O2"])
         .arg(format!("-I{}", here.join("include").display()))
         .arg(here.join("examples/soft_plc.c"))
-        .arg(format!("-L{}", library_dir().display()))
-        .arg(format!("-Wl,-rpath,{}", library_dir().display()))
-        .args(["-landon_plc", "-o"])
+        .arg(out.join("libandon_plc.so.0"))
+        .arg(format!("-Wl,-rpath,{}", out.display()))
+        .arg("-o")
         .arg(&program)
         .status()
         .unwrap();

@@ -1,0 +1,230 @@
+"""What an administrator, a technician and a PLC expect of the installed package, one sentence a check.
+
+Each takes the running machine and `seen`, where it leaves the figures for the report. They run in this order.
+"""
+
+import json
+import re
+import subprocess
+import time
+from pathlib import Path
+
+STATION = "film"
+ROLES = ["steward", "capture", "perceive", "encode", "judge", "journal", "plc"]
+CONFIG = ["-c", "/etc/andon/andon.toml", "-c", f"/etc/andon/stations/{STATION}.toml"]
+TARGET = f"andon@{STATION}.target"
+# Greatest exposure of a unit, on systemd's scale from 0 (safe) to 10.
+EXPOSURE = 1.0
+# Where the rest of the system keeps its own records.
+NOT_OURS = ("proc/", "sys/", "dev/", "run/", "tmp/", "var/tmp/", "var/log/", "var/cache/", "var/lib/dpkg/", "var/lib/apt/", "var/lib/systemd/", "etc/.pwd.lock")
+
+
+def unit(role, station=STATION):
+    return f"andon-{role}@{station}.service"
+
+
+def the_package_installs_and_starts_no_station(machine, seen):
+    seen["files_before"] = files(machine)
+    machine.must("apt-get", "install", "-y", "-qq", "/root/andon.deb", timeout=300)
+    assert machine.must("stat", "-c", "%U %a", "/run/andon").strip() == "andon 700"
+    assert not running_units(machine), running_units(machine)
+    assert machine.must("systemctl", "is-enabled", "andon.target").strip() == "enabled"
+    for program in ("andond", "andond-video"):
+        assert "not found" not in machine.must("ldd", f"/usr/bin/{program}")
+    seen["version"] = machine.must("andond", "--version").split()[1]
+
+
+def a_station_starts_and_every_unit_becomes_active(machine, seen):
+    began = time.monotonic()
+    machine.must("systemctl", "start", TARGET)
+    seen["station_start_s"] = round(time.monotonic() - began, 1)
+    for role in ROLES:
+        shown = machine.unit(unit(role))
+        assert (shown["ActiveState"], shown["Type"]) == ("active", "notify"), f"{role}: {shown['ActiveState']}"
+        assert shown["User"] == "andon" and shown["NRestarts"] == "0", f"{role} has restarted"
+
+
+def verdicts_come_and_the_station_says_that_it_is_healthy(machine, seen):
+    tail = " ".join(["timeout 60 andond tail --json", *CONFIG, "| head -n 3"])
+    heard = [json.loads(line) for line in machine.must("bash", "-c", tail, user="andon").splitlines()]
+    assert len(heard) == 3, heard
+    status = json.loads(andond(machine, "status", "--json"))
+    assert status["healthy"], status
+    until(lambda: rows(machine) >= 3, "the journal has no verdicts", 20)
+
+
+def a_plc_reads_the_status_word_and_a_c_program_the_verdicts(machine, seen):
+    # Function 3, register 0, one of it; bit 0 is online, bit 1 ready.
+    ask = "exec 3<>/dev/tcp/127.0.0.1/1502; printf '\\0\\1\\0\\0\\0\\6\\1\\3\\0\\0\\0\\1' >&3; head -c 11 <&3 | od -An -tx1"
+    answer = machine.must("bash", "-c", ask).split()
+    assert len(answer) == 11 and int(answer[10], 16) & 3 == 3, answer
+    program = machine.root / "usr/local/bin/soft_plc"
+    example = machine.root / "usr/share/doc/andon/examples/soft_plc.c"
+    library = machine.root / "usr/lib/x86_64-linux-gnu"
+    build = ["cc", "-std=c11", f"-I{machine.root}/usr/include", example, f"-L{library}", "-landon_plc", "-o", program]
+    subprocess.run(build, check=True)
+    try:
+        heard = machine.must("/usr/local/bin/soft_plc", STATION, "2", user="andon")
+    finally:
+        program.unlink()
+    assert "received 2 lost 0" in heard, heard
+
+
+def the_log_has_its_code_role_and_station_in_fields(machine, seen):
+    for role in ROLES:
+        entries = [entry for entry in machine.journal("--unit", unit(role)) if "ANDON_CODE" in entry]
+        assert entries, f"{role} logs without a code"
+        assert all(entry["ANDON_ROLE"] == role and entry["ANDON_STATION"] == STATION for entry in entries), entries[0]
+        assert all(re.fullmatch(r"AND-\d{3}", entry["ANDON_CODE"]) for entry in entries), entries[0]
+
+
+def no_unit_is_more_exposed_than_1_0(machine, seen):
+    listed = machine.must("systemd-analyze", "security", "--no-pager", "--json=short")
+    levels = {row["unit"]: float(row["exposure"]) for row in json.loads(listed)}
+    seen["exposure"] = {role: levels[unit(role)] for role in ROLES}
+    assert max(seen["exposure"].values()) <= EXPOSURE, seen["exposure"]
+
+
+def a_role_that_stands_still_is_ended_by_the_watchdog_and_comes_back(machine, seen):
+    seen["watchdog_s"] = {}
+    for role in seen["stopped_roles"]:
+        began = time.monotonic()
+        before = machine.unit(unit(role))
+        machine.must("systemctl", "kill", "--kill-whom=main", "--signal=STOP", unit(role))
+        until(lambda: machine.unit(unit(role))["NRestarts"] != before["NRestarts"], f"{role} is not ended", 30)
+        seen["watchdog_s"][role] = round(time.monotonic() - began, 1)
+        until(lambda: all_active(machine), f"{role} does not come back", 30)
+        verdicts_go_on(machine)
+
+
+def a_role_that_is_killed_comes_back_and_verdicts_go_on(machine, seen):
+    for role in ROLES:
+        before = machine.unit(unit(role))
+        machine.must("systemctl", "kill", "--kill-whom=main", "--signal=KILL", unit(role))
+        until(lambda: machine.unit(unit(role))["NRestarts"] != before["NRestarts"], f"{role} is not started again", 20)
+        until(lambda: all_active(machine), f"{role} does not come back", 30)
+    verdicts_go_on(machine)
+
+
+def stopping_the_station_leaves_no_process_and_no_shared_memory(machine, seen):
+    began = time.monotonic()
+    machine.must("systemctl", "stop", TARGET)
+    until(lambda: not running_units(machine), "units go on", 20)
+    seen["station_stop_s"] = round(time.monotonic() - began, 1)
+    for role in ROLES:
+        shown = machine.unit(unit(role))
+        assert (shown["Result"], shown["ExecMainStatus"]) == ("success", "0"), f"{role}: {shown['Result']} {shown['ExecMainStatus']}"
+    assert not processes(machine), processes(machine)
+    assert machine.must("ls", "/dev/shm") == "", machine.must("ls", "/dev/shm")
+
+
+def a_bad_configuration_ends_with_78_names_its_place_and_is_not_tried_again(machine, seen):
+    station = machine.root / "etc/andon/stations/bad.toml"
+    station.write_text('[station]\nname = "bad"\n\n[camera]\nsorce = "video"\n')
+    try:
+        machine.run("systemctl", "start", unit("judge", "bad"))
+        # Restarts come after 100 ms.
+        time.sleep(1)
+        shown = machine.unit(unit("judge", "bad"))
+        assert (shown["ActiveState"], shown["ExecMainStatus"], shown["NRestarts"]) == ("failed", "78", "0"), shown
+        words = " ".join(str(entry["MESSAGE"]) for entry in machine.journal("--unit", unit("judge", "bad")))
+        assert "bad.toml:5" in words and "source" in words, words
+    finally:
+        station.unlink()
+        machine.run("systemctl", "stop", unit("judge", "bad"), unit("steward", "bad"))
+        machine.run("systemctl", "reset-failed")
+
+
+def an_upgrade_keeps_what_was_changed_and_the_line_comes_back(machine, seen):
+    config = machine.root / "etc/andon/andon.toml"
+    changed = config.read_text() + "\n# changed by an administrator\n"
+    config.write_text(changed)
+    machine.must("systemctl", "start", TARGET)
+    for package in ("andon.deb", "newer.deb"):
+        before = {role: machine.unit(unit(role))["MainPID"] for role in ROLES}
+        install = ["apt-get", "install", "-y", "-qq", "--reinstall", "-o", "Dpkg::Options::=--force-confold", f"/root/{package}"]
+        machine.must(*install, timeout=300)
+        assert config.read_text() == changed, f"{package} has overwritten the configuration"
+        restarted = lambda: all_active(machine) and all(machine.unit(unit(role))["MainPID"] != before[role] for role in ROLES)
+        until(restarted, f"the line does not come back after {package}", 60)
+        verdicts_go_on(machine)
+    assert machine.must("dpkg-query", "-W", "-f", "${Version}", "andon") == seen["newer"]
+
+
+def an_enabled_station_comes_back_after_a_reboot(machine, seen):
+    machine.must("systemctl", "enable", TARGET)
+    assert machine.power_off(), "the machine does not go down"
+    machine.boot()
+    until(lambda: all_active(machine), "the station does not come up", 60)
+    verdicts_go_on(machine)
+
+
+def removal_keeps_configuration_and_verdicts_and_purge_leaves_nothing(machine, seen):
+    machine.must("apt-get", "remove", "-y", "-qq", "andon")
+    assert not running_units(machine)
+    assert not processes(machine), processes(machine)
+    assert machine.run("test", "-e", "/run/andon").returncode != 0
+    for kept in ("etc/andon/andon.toml", f"var/lib/andon/{STATION}.sqlite"):
+        assert (machine.root / kept).exists(), f"{kept} is gone"
+    machine.must("apt-get", "purge", "-y", "-qq", "andon")
+    left = sorted(files(machine) - seen.pop("files_before"))
+    assert not left, left
+    assert "andon" not in machine.must("getent", "passwd")
+
+
+CHECKS = [
+    the_package_installs_and_starts_no_station,
+    a_station_starts_and_every_unit_becomes_active,
+    verdicts_come_and_the_station_says_that_it_is_healthy,
+    a_plc_reads_the_status_word_and_a_c_program_the_verdicts,
+    the_log_has_its_code_role_and_station_in_fields,
+    no_unit_is_more_exposed_than_1_0,
+    a_role_that_stands_still_is_ended_by_the_watchdog_and_comes_back,
+    a_role_that_is_killed_comes_back_and_verdicts_go_on,
+    stopping_the_station_leaves_no_process_and_no_shared_memory,
+    a_bad_configuration_ends_with_78_names_its_place_and_is_not_tried_again,
+    an_upgrade_keeps_what_was_changed_and_the_line_comes_back,
+    an_enabled_station_comes_back_after_a_reboot,
+    removal_keeps_configuration_and_verdicts_and_purge_leaves_nothing,
+]
+
+
+def andond(machine, *arguments):
+    return machine.must("andond", *arguments, *CONFIG, user="andon")
+
+
+def rows(machine):
+    """How many verdicts and gaps the journal has."""
+    return len(andond(machine, "history", "--csv").splitlines()) - 1
+
+
+def verdicts_go_on(machine):
+    before = rows(machine)
+    until(lambda: rows(machine) > before, "no verdict comes", 60)
+
+
+def running_units(machine):
+    listed = machine.must("systemctl", "list-units", "--no-legend", "--plain", "--state=active,activating,reloading,deactivating", "andon-*@*")
+    return [line.split()[0] for line in listed.splitlines()]
+
+
+def all_active(machine):
+    return all(machine.unit(unit(role))["ActiveState"] == "active" for role in ROLES)
+
+
+def processes(machine):
+    """Those of the user of all roles."""
+    return machine.run("find", "/proc", "-maxdepth", "1", "-user", "andon").stdout.split()
+
+
+def until(is_so, complaint, seconds):
+    end = time.monotonic() + seconds
+    while not is_so():
+        assert time.monotonic() < end, f"{complaint} within {seconds} s"
+        time.sleep(0.2)
+
+
+def files(machine):
+    """Every file of the machine that is not a record of the system itself."""
+    listed = machine.must("find", "/", "-xdev", "-printf", "%P\\n").splitlines()
+    return {path for path in listed if not path.startswith(NOT_OURS)}
