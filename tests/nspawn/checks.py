@@ -53,6 +53,28 @@ def verdicts_come_and_the_station_says_that_it_is_healthy(machine, seen):
     until(lambda: rows(machine) >= 3, "the journal has no verdicts", 20)
 
 
+def nobody_but_the_user_of_the_units_joins_and_others_are_told_who_may(machine, seen):
+    # Root would hear nothing, and leave files that the steward may not remove.
+    for user in (None, "nobody"):
+        done = machine.run("andond", "status", *CONFIG, user=user)
+        assert done.returncode == 70 and "sudo -u andon" in done.stderr, done.stderr or done.stdout
+
+
+def a_camera_that_is_not_attached_is_asked_for_by_name(machine, seen):
+    # The library of the RealSense is the package's own: it loads in the unit, locked down as it is.
+    film = (machine.root / f"etc/andon/stations/{STATION}.toml").read_text()
+    changed = film.replace(f'name = "{STATION}"', 'name = "depth"').replace('source = "video"', 'source = "realsense"')
+    station = machine.root / "etc/andon/stations/depth.toml"
+    station.write_text(re.sub("^(path|loop) = .*\n", "", changed, flags=re.MULTILINE))
+    try:
+        machine.must("systemctl", "start", "--no-block", unit("capture", "depth"))
+        said = lambda: " ".join(str(entry["MESSAGE"]) for entry in machine.journal("--unit", unit("capture", "depth")))
+        until(lambda: "no RealSense camera is attached" in said(), "nothing is said of the camera", 20)
+    finally:
+        station.unlink()
+        machine.run("systemctl", "stop", unit("capture", "depth"), unit("steward", "depth"))
+
+
 def a_plc_reads_the_status_word_and_a_c_program_the_verdicts(machine, seen):
     # Function 3, register 0, one of it; bit 0 is online, bit 1 ready.
     ask = "exec 3<>/dev/tcp/127.0.0.1/1502; printf '\\0\\1\\0\\0\\0\\6\\1\\3\\0\\0\\0\\1' >&3; head -c 11 <&3 | od -An -tx1"
@@ -176,6 +198,8 @@ CHECKS = [
     the_package_installs_and_starts_no_station,
     a_station_starts_and_every_unit_becomes_active,
     verdicts_come_and_the_station_says_that_it_is_healthy,
+    nobody_but_the_user_of_the_units_joins_and_others_are_told_who_may,
+    a_camera_that_is_not_attached_is_asked_for_by_name,
     a_plc_reads_the_status_word_and_a_c_program_the_verdicts,
     the_log_has_its_code_role_and_station_in_fields,
     no_unit_is_more_exposed_than_1_0,
