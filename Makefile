@@ -49,3 +49,31 @@ soak: line
 .PHONY: line chaos soak
 line: packages
 	cargo build --release --locked -p andond -p andon-tests --bins
+
+# Throws random bytes at the Modbus side for 10 minutes; writes target/modbus_fuzz/report.json.
+modbus-fuzz: line
+	target/release/modbus_fuzz
+
+# From a verdict to the PLC's register and to a C program; writes target/plc_latency/report.json.
+plc-latency: line
+	cargo build --release --locked -p andon-plc
+	target/release/plc_latency
+
+# One Debian package with all that a cell controller needs, in target/deb; RealSense is on in it.
+DEBIAN_DEB := dpkg-dev lintian
+.PHONY: modbus-fuzz plc-latency deb nspawn
+deb: setup
+	@dpkg -s $(DEBIAN_DEB) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_DEB)
+	@command -v cargo-deb >/dev/null || cargo install --locked cargo-deb
+	python3 daemon/realsense/provision.py $(RUNTIME)
+	cargo build --release --locked -p andond -p andon-plc --features andond/realsense
+	rm -rf target/deb && mkdir -p target/deb && ln -s libandon_plc.so.0 target/deb/libandon_plc.so
+	cargo deb --no-build --strip -p andond --output target/deb/
+	lintian --fail-on error target/deb/*.deb
+
+# Installs the package on a bare Debian in a container, boots it and checks it there; writes target/nspawn/report.json.
+# FORM=--short is what continuous integration runs.
+DEBIAN_NSPAWN := debootstrap systemd-container
+nspawn: deb
+	@dpkg -s $(DEBIAN_NSPAWN) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_NSPAWN)
+	python3 tests/nspawn/nspawn.py $(FORM) target/deb/*.deb target/nspawn
