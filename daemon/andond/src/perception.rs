@@ -54,13 +54,18 @@ fn hands(config: &Config) -> HandsConfig {
     }
 }
 
+/// The objects that are looked for.
+pub fn marker_objects(config: &Config) -> Vec<MarkerObject> {
+    let object =
+        |object: &crate::config::Object| MarkerObject { id: object.id, side_m: object.marker_side_m };
+    config.objects.iter().map(object).collect()
+}
+
 fn markers(config: &Config) -> MarkersConfig {
-    let objects =
-        config.objects.iter().map(|object| MarkerObject { id: object.id, side_m: object.marker_side_m });
     let default = MarkersConfig::default();
     MarkersConfig {
         dictionary: Dictionary::named(&config.perception.dictionary.name()).unwrap_or_default(),
-        objects: objects.collect(),
+        objects: marker_objects(config),
         ..default
     }
 }

@@ -65,6 +65,8 @@ table! {
         "Calibrate again with `andond calibrate`";
     WARN 210 TRACK_CUT_SHORT: "the track file ends in the middle of a line",
         "The tracker was stopped while it wrote; everything up to there has been used";
+    WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench yet; nothing is placed until it does",
+        "Clear the bench and let the camera look down on it, or calibrate with `andond calibrate`";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
     ERROR 302 JOB_REFUSED: "the job file is damaged, of another version or does not fit this station",

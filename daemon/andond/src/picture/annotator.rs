@@ -4,7 +4,7 @@ use std::path::Path;
 
 use andon_core::couple::Couple;
 use andon_core::verdict::{Kind, Verdict};
-use shm_schemas::{Detections, HandDetection};
+use shm_schemas::{Detections, HandDetection, flag};
 
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, RED, WHITE};
 use crate::recording::View;
@@ -140,7 +140,7 @@ impl Annotator {
     }
 
     fn draw_objects(&mut self, seen: &Detections) -> opencv::Result<()> {
-        for object in seen.objects() {
+        for object in seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0) {
             self.canvas.outline(&object.corners_px, GREEN)?;
             let [x, y] = object.corners_px[0];
             self.canvas.words([x, y - 6.0], &self.names.object(object.id), 0.45, WHITE)?;
@@ -228,7 +228,8 @@ fn wrap(sentence: &str, letters: usize) -> Vec<String> {
 }
 
 fn centre(seen: &Detections, id: u16) -> Option<[f32; 2]> {
-    let object = seen.objects().iter().find(|object| object.id == id)?;
+    let mut objects = seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0);
+    let object = objects.find(|object| object.id == id)?;
     let sum = object.corners_px.iter().fold([0.0; 2], |sum, corner| [sum[0] + corner[0], sum[1] + corner[1]]);
     Some(sum.map(|coordinate| coordinate / 4.0))
 }

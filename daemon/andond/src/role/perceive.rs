@@ -4,14 +4,18 @@ use std::fs::File;
 use std::io::BufReader;
 use std::time::{Duration, Instant};
 
+use andon_core::input::Space;
 use andon_ipc::{FrameReader, FrameSample, Node, Wake, Writer, monotonic_ns};
 use andon_learn::recording::TrackReader;
-use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
+use andon_perception::metric::MetricScene;
+use andon_perception::{Detections as Seen, ImageView, Perceiver, PerceptionError, PixelFormat};
 use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId, flag};
 
 use super::{Pulse, RoleError, WAIT};
 use crate::config::{Config, Source, Speed};
 use crate::log::{code, log};
+use crate::metric::{PlaceError, Placer};
+use crate::perception::SetupError;
 use crate::{perception, wire};
 
 /// Runs until it is asked to stop.
@@ -21,11 +25,14 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     }
     // Before the ports: a model that is missing is said at once, and a frame that comes early is not kept waiting.
     let perceiver = perception::perceiver(config)?;
+    let placer = Placer::new(config).map_err(SetupError::from)?;
     let mut role = Perceive {
         node,
         detections: node.writer()?,
         frames: node.frame_reader()?,
         perceiver,
+        placer,
+        without_bench: false,
         perceiver_epoch: 0,
         paced: false,
         dropped: 0,
@@ -53,6 +60,10 @@ struct Perceive<'a> {
     frames: FrameReader,
     detections: Writer<Detections>,
     perceiver: Perceiver,
+    /// In metric mode.
+    placer: Option<Placer>,
+    /// Whether it was told that the bench is not found.
+    without_bench: bool,
     perceiver_epoch: u64,
     paced: bool,
     /// Frames lost and skipped up to the newest one.
@@ -84,6 +95,7 @@ impl Perceive<'_> {
             // Another source: nothing that was learnt of the old picture holds.
             if self.perceiver_epoch != 0 {
                 self.perceiver = perception::perceiver(config)?;
+                self.placer = Placer::new(config).map_err(SetupError::from)?;
             }
             self.perceiver_epoch = header.stamp.epoch;
         }
@@ -100,7 +112,10 @@ impl Perceive<'_> {
         if header.flags & flag::END_OF_STREAM == 0 {
             let image = view(header, frame.colour()?)?;
             let seen = self.perceiver.perceive(image, header.source_ns, header.stamp.seq)?;
-            wire::detections::write(&seen, &mut message);
+            match self.scene(frame, &seen)? {
+                Some(scene) => wire::detections::write_metric(&seen, &scene, &mut message),
+                None => wire::detections::write(&seen, &mut message),
+            }
         } else {
             self.pulse.finished();
         }
@@ -108,6 +123,27 @@ impl Perceive<'_> {
         self.pulse.sent();
         self.pulse.stepped(began.elapsed());
         Ok(())
+    }
+}
+
+impl Perceive<'_> {
+    /// What was seen in three dimensions; `None` in plane mode. While the bench is not found, nothing is placed.
+    fn scene(&mut self, frame: &FrameSample, seen: &Seen) -> Result<Option<MetricScene>, RoleError> {
+        let Some(placer) = &mut self.placer else { return Ok(None) };
+        match placer.place(frame.header(), frame.depth()?, seen) {
+            Ok(scene) => {
+                self.without_bench = false;
+                Ok(Some(scene.unwrap_or_default()))
+            }
+            Err(PlaceError::NoBench(error)) => {
+                if !std::mem::replace(&mut self.without_bench, true) {
+                    log!(code::BENCH_NOT_FOUND, "{error}");
+                }
+                Ok(Some(MetricScene::default()))
+            }
+            Err(PlaceError::Calibration(error)) => Err(SetupError::from(error).into()),
+            Err(PlaceError::Frame(error)) => Err(RoleError::Source(error.to_string())),
+        }
     }
 }
 
@@ -136,7 +172,8 @@ fn play_tracks(node: &Node, config: &Config) -> Result<(), RoleError> {
     if paced {
         detections.follow(&[RoleId::Encode]);
     }
-    let flags = if paced { flag::PACED } else { 0 };
+    let space = if config.method.space == Space::Metric { flag::METRIC } else { 0 };
+    let flags = space | if paced { flag::PACED } else { 0 };
     let mut offset_ns = 0;
     let mut seq = 0;
     loop {

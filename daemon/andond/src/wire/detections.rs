@@ -2,29 +2,75 @@
 
 use andon_core::input::{Frame, Hand, Object, Side};
 use andon_perception::detections::{self as seen, Detections as Seen};
-use shm_schemas::{Detections, HANDS, HandCode, OBJECTS, flag};
+use andon_perception::held::PlacedObject;
+use andon_perception::metric::MetricScene;
+use shm_schemas::{Detections, HANDS, HandCode, OBJECTS, ObjectDetection, flag};
 
-/// Writes what was seen into the loaned message.
+/// What of its confidence is left to a pose where another one fits as well.
+const AMBIGUOUS: f32 = 0.5;
+
+/// Writes what was seen in the plane of the bench into the loaned message.
 pub fn write(seen: &Seen, message: &mut Detections) {
-    for (hand, place) in seen.hands.iter().zip(message.hands.iter_mut()) {
+    write_hands(seen, |hand| seen.hands[hand].landmarks_m.map(|[x, y]| [x, y, 0.0]), message);
+    let pose = |object: &seen::ObjectDetection| Some((object.position_m, object.orientation, object.quality));
+    write_objects(seen, pose, &seen.held, message);
+}
+
+/// Writes what was seen, placed in three dimensions, into the loaned message. Without a scene nothing has a place.
+pub fn write_metric(seen: &Seen, scene: &MetricScene, message: &mut Detections) {
+    let unplaced = [[f32::NAN; 3]; seen::LANDMARKS];
+    write_hands(seen, |hand| scene.hands.get(hand).map_or(unplaced, |hand| hand.landmarks_m), message);
+    let pose = |object: &seen::ObjectDetection| {
+        let placed = scene.objects.iter().find(|placed| placed.id == object.id)?;
+        let certainty = if placed.unambiguous { 1.0 } else { AMBIGUOUS };
+        Some((placed.position_m, placed.orientation, certainty * object.quality))
+    };
+    write_objects(seen, pose, &scene.held, message);
+    message.flags |= flag::METRIC;
+}
+
+fn write_hands(
+    seen: &Seen,
+    landmarks_m: impl Fn(usize) -> [[f32; 3]; seen::LANDMARKS],
+    message: &mut Detections,
+) {
+    for (number, (hand, place)) in seen.hands.iter().zip(message.hands.iter_mut()).enumerate() {
         place.hand = match hand.side {
             seen::Side::Right => HandCode::Right.code(),
             seen::Side::Left => HandCode::Left.code(),
         };
         place.score = hand.score;
         place.landmarks_px = hand.landmarks_px;
-        place.landmarks_m = hand.landmarks_m.map(|[x, y]| [x, y, 0.0]);
+        place.landmarks_m = landmarks_m(number);
     }
     message.hands_len = seen.hands.len().min(HANDS) as u32;
-    for (object, place) in seen.objects.iter().zip(message.objects.iter_mut()) {
-        place.id = object.id;
-        place.flags = flag::SEEN;
-        place.quality = object.quality;
-        place.position_m = object.position_m;
-        place.orientation = object.orientation;
-        place.corners_px = object.corners_px;
+}
+
+/// Objects that were seen and have a pose, with its confidence; then those that a hand holds and hides.
+fn write_objects(
+    seen: &Seen,
+    pose: impl Fn(&seen::ObjectDetection) -> Option<([f32; 3], [f32; 4], f32)>,
+    held: &[PlacedObject],
+    message: &mut Detections,
+) {
+    let seen = seen.objects.iter().filter_map(|object| {
+        let (position_m, orientation, quality) = pose(object)?;
+        let (id, corners_px) = (object.id, object.corners_px);
+        Some(ObjectDetection { id, flags: flag::SEEN, quality, position_m, orientation, corners_px })
+    });
+    let held = held.iter().map(|&PlacedObject { id, position_m, orientation }| ObjectDetection {
+        id,
+        flags: flag::HELD,
+        position_m,
+        orientation,
+        ..ObjectDetection::default()
+    });
+    let mut written = 0;
+    for (object, place) in seen.chain(held).zip(message.objects.iter_mut()) {
+        *place = object;
+        written += 1;
     }
-    message.objects_len = seen.objects.len().min(OBJECTS) as u32;
+    message.objects_len = written;
 }
 
 /// Writes the frame of a track file, which has no picture and no more landmarks than the method uses.
@@ -61,7 +107,9 @@ fn hand(side: Side, score: f32, landmarks: &[[f32; 3]; seen::LANDMARKS]) -> Opti
     placed.then_some(Hand { side, score, wrist, middle_knuckle: knuckle, tips: [index, middle, ring] })
 }
 
-/// What the method takes of a message. A hand that could not be placed on the bench is one that was not seen.
+/// What the method takes of a message. A hand that could not be placed on the bench is one that was not seen, and so is an
+/// object whose pose is held: the method itself carries what a hand has hidden, by contact, and counts how long it was
+/// blind.
 pub fn frame(message: &Detections) -> Frame {
     let mut frame = Frame { captured_ns: message.source_ns, ..Frame::default() };
     for detected in message.hands() {
@@ -75,7 +123,7 @@ pub fn frame(message: &Detections) -> Frame {
             let _ = frame.hands.push(hand);
         }
     }
-    for object in message.objects() {
+    for object in message.objects().iter().filter(|object| object.flags & flag::SEEN != 0) {
         let _ = frame.objects.push(Object {
             id: object.id,
             position: object.position_m,
@@ -89,6 +137,7 @@ pub fn frame(message: &Detections) -> Frame {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use andon_perception::metric::{MetricHand, MetricObject};
 
     fn track_frame() -> Frame {
         let mut frame = Frame { captured_ns: 5, ..Frame::default() };
@@ -120,5 +169,71 @@ mod tests {
         let message = Detections { hands_len: 999, objects_len: 999, ..Detections::default() };
         assert_eq!(frame(&message).objects.len(), OBJECTS);
         assert!(frame(&message).hands.is_empty(), "no hand has the code 0");
+    }
+
+    /// Object 5 is seen, object 6 is hidden in a hand.
+    fn seen() -> Seen {
+        let mut seen = Seen::default();
+        let object = seen::ObjectDetection {
+            id: 5,
+            corners_px: [[1.0; 2]; 4],
+            position_m: [0.1, 0.2, 0.0],
+            orientation: [1.0, 0.0, 0.0, 0.0],
+            quality: 0.8,
+        };
+        seen.objects.push(object).unwrap();
+        let pose = PlacedObject { id: 6, position_m: [0.3, 0.4, 0.0], orientation: [0.0, 0.0, 0.0, 1.0] };
+        seen.held.push(pose).unwrap();
+        let hand = seen::HandDetection {
+            side: seen::Side::Right,
+            score: 0.9,
+            landmarks_px: [[7.0; 2]; seen::LANDMARKS],
+            shape_m: [[0.0; 3]; seen::LANDMARKS],
+            landmarks_m: [[0.5; 2]; seen::LANDMARKS],
+        };
+        seen.hands.push(hand).unwrap();
+        seen
+    }
+
+    #[test]
+    fn an_object_that_a_hand_hides_is_on_the_channel_as_held_and_the_method_has_not_seen_it() {
+        let mut message = Detections::default();
+        write(&seen(), &mut message);
+        let [shown, held] = message.objects() else { unreachable!("two objects were written") };
+        assert_eq!((shown.id, shown.flags), (5, flag::SEEN));
+        assert_eq!((held.id, held.flags, held.quality), (6, flag::HELD, 0.0));
+        assert_eq!((held.position_m, held.orientation), ([0.3, 0.4, 0.0], [0.0, 0.0, 0.0, 1.0]));
+        let ids: Vec<u16> = frame(&message).objects.iter().map(|object| object.id).collect();
+        assert_eq!(ids, [5]);
+    }
+
+    #[test]
+    fn a_metric_message_has_the_places_of_the_scene_and_says_so() {
+        let mut scene = MetricScene::default();
+        let placed = MetricHand {
+            side: seen::Side::Right,
+            landmarks_m: [[0.5, 0.6, 0.7]; seen::LANDMARKS],
+            measured: 1.0,
+        };
+        scene.hands.push(placed).unwrap();
+        let tilted = [0.8, 0.6, 0.0, 0.0];
+        let pose =
+            MetricObject { id: 5, position_m: [0.1, 0.2, 0.3], orientation: tilted, unambiguous: false };
+        scene.objects.push(pose).unwrap();
+        let mut message = Detections::default();
+        write_metric(&seen(), &scene, &mut message);
+        assert_eq!(message.flags, flag::METRIC);
+        let [object] = message.objects() else { unreachable!("the scene holds nothing in a hand") };
+        assert_eq!((object.position_m, object.orientation), ([0.1, 0.2, 0.3], tilted));
+        assert_eq!(object.quality, 0.4, "another pose fits as well");
+        assert_eq!(frame(&message).hands[0].tips, [[0.5, 0.6, 0.7]; 3]);
+    }
+
+    #[test]
+    fn while_the_bench_is_not_found_nothing_has_a_place() {
+        let mut message = Detections::default();
+        write_metric(&seen(), &MetricScene::default(), &mut message);
+        assert_eq!(message.hands().len(), 1, "it can be drawn");
+        assert!(frame(&message).hands.is_empty() && frame(&message).objects.is_empty());
     }
 }

@@ -5,6 +5,7 @@ use crate::config::{MarkerObject, MarkersConfig};
 use crate::error::PerceptionError;
 use crate::image::ImageView;
 use crate::markers::{Dictionary, Marker, Markers};
+use crate::metric::{BenchFrame, Lens};
 use opencv::core::{Point2d, Vector};
 use opencv::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -17,6 +18,11 @@ const LEAST_MARKERS: usize = 4;
 const MOST_SIDE_ERROR: f64 = 0.02;
 /// Greatest distance of a marker from where it is said to be, in metres: what a ruler on a bench gives.
 const MOST_CENTRE_ERROR_M: f64 = 0.003;
+
+/// Where a calibration is looked at, as shares of the picture: around its middle, where its markers lay.
+const GRID: [f64; 3] = [0.25, 0.5, 0.75];
+/// A camera sees its own calibration to this, in pixels: a lens bends the picture by less, and MOST_CENTRE_ERROR_M is as much.
+const MOST_REPROJECTION_PX: f64 = 2.0;
 
 /// A marker that lies flat on the bench at a known place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -81,6 +87,14 @@ pub enum CalibrationError {
     /// The places are those of a mirrored bench.
     #[error("the markers' places are mirrored: x runs to the right and y away from the worker")]
     Mirrored,
+    /// It is that of another camera, or of another lens.
+    #[error(
+        "the calibration is {pixels:.1} px from what this camera can see: calibrate again with this camera and this size of picture"
+    )]
+    OtherCamera {
+        /// How far it is off in the picture.
+        pixels: f64,
+    },
     /// The picture could not be searched.
     #[error(transparent)]
     Picture(#[from] PerceptionError),
@@ -134,6 +148,23 @@ impl Calibration {
         std::fs::write(&unfinished, text)
             .and_then(|()| std::fs::rename(&unfinished, path))
             .map_err(|source| CalibrationError::File { path: path.into(), verb: "written", source })
+    }
+
+    /// The bench frame of metric mode: where a camera with this lens must be to see the bench like that.
+    ///
+    /// # Errors
+    /// [`CalibrationError::OtherCamera`], [`CalibrationError::Picture`].
+    pub fn bench_frame(&self, lens: &Lens) -> Result<BenchFrame, CalibrationError> {
+        let (width, height) = (self.width as f64, self.height as f64);
+        let pixels: Vec<Point> =
+            GRID.iter().flat_map(|&v| GRID.iter().map(move |&u| [u * width, v * height])).collect();
+        let places: Vec<Point> = pixels.iter().map(|&pixel| apply(&self.bench_from_image, pixel)).collect();
+        let frame = BenchFrame::from_points(&places, &pixels, lens)?;
+        match frame {
+            Some(frame) if frame.residual <= MOST_REPROJECTION_PX => Ok(frame),
+            Some(frame) => Err(CalibrationError::OtherCamera { pixels: frame.residual }),
+            None => Err(CalibrationError::Degenerate),
+        }
     }
 
     /// None where the homography is singular or not finite.

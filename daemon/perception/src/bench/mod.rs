@@ -15,7 +15,6 @@ use crate::detections::{LANDMARKS, OBJECTS};
 use crate::error::PerceptionError;
 use crate::markers::Marker;
 use heapless::Vec;
-pub(crate) use plane::apply;
 use plane::{Plane, Point, centre_of_corners};
 use scale::Nearness;
 

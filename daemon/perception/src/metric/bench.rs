@@ -7,7 +7,7 @@ use super::depth::Sampler;
 use super::error::MetricError;
 use super::lens::Lens;
 use super::pose;
-use crate::bench::{Calibration, apply};
+use crate::error::PerceptionError;
 
 /// Every so many pixels of the depth picture are enough: 4800 points of 640 x 480.
 const STEP: usize = 8;
@@ -20,12 +20,6 @@ const MOST_RMS_M: f64 = 0.006;
 
 /// The bench is seen from above, not from the side: the camera looks down at it by 30 degrees at least.
 const LEAST_COSINE: f64 = 0.5;
-
-/// Where the calibration is looked at, as shares of the picture: its middle, where it was made.
-const GRID: [f64; 3] = [0.25, 0.5, 0.75];
-
-/// The camera sees the calibrated plane to this, in pixels: what a calibration allows a marker to be off by, 2 to 3 mm.
-const MOST_REPROJECTION_PX: f64 = 2.0;
 
 /// The bench frame of a camera that does not move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,32 +67,22 @@ impl BenchFrame {
         Ok(Self { bench_from_camera, residual: plane.rms_m })
     }
 
-    /// From a calibration of the bench plane: where the colour camera must be for its pictures to be those.
+    /// From points of the bench plane, in metres, and the pixels of the colour picture that see them; `None` where they
+    /// give no plane. Needs no depth; four or more, no three in a line.
     ///
     /// # Errors
-    /// [`MetricError::NoBench`] when the camera's intrinsics do not fit the calibration; [`MetricError::Perception`].
-    pub fn from_calibration(calibration: &Calibration, lens: &Lens) -> Result<Self, MetricError> {
-        let refused = |reason| Err(MetricError::NoBench { reason });
-        let size = [calibration.width as f64, calibration.height as f64];
-        let pixels: Vec<[f64; 2]> =
-            GRID.iter().flat_map(|&v| GRID.iter().map(move |&u| [u * size[0], v * size[1]])).collect();
-        let places: Vec<Point3<f64>> = pixels
-            .iter()
-            .map(|&pixel| apply(&calibration.bench_from_image, pixel))
-            .map(|[x, y]| Point3::new(x, y, 0.0))
-            .collect();
-        let found = pose::solve(&places, &pixels, lens, calib3d::SolvePnPMethod::SOLVEPNP_IPPE)?;
+    /// [`PerceptionError::OpenCv`].
+    pub fn from_points(
+        places: &[[f64; 2]],
+        pixels: &[[f64; 2]],
+        lens: &Lens,
+    ) -> Result<Option<Self>, PerceptionError> {
+        let places: Vec<Point3<f64>> = places.iter().map(|&[x, y]| Point3::new(x, y, 0.0)).collect();
+        let found = pose::solve(&places, pixels, lens, calib3d::SolvePnPMethod::SOLVEPNP_IPPE)?;
         let best = found.iter().min_by(|one, two| one.reprojection_px.total_cmp(&two.reprojection_px));
-        match best {
-            Some(best) if best.reprojection_px <= MOST_REPROJECTION_PX => Ok(Self {
-                bench_from_camera: best.camera_from_marker.inverse(),
-                residual: best.reprojection_px,
-            }),
-            Some(best) => refused(format!(
-                "the calibration is {:.1} px from what this camera sees, it is another camera's",
-                best.reprojection_px
-            )),
-            None => refused("the calibration is no plane before this camera".into()),
-        }
+        Ok(best.map(|best| Self {
+            bench_from_camera: best.camera_from_marker.inverse(),
+            residual: best.reprojection_px,
+        }))
     }
 }

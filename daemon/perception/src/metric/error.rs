@@ -21,6 +21,11 @@ pub enum MetricError {
         /// Bytes in all.
         bytes: usize,
     },
+    /// Frames do not tell how the camera sees.
+    #[error(
+        "the frames do not tell the optics of colour and depth; update the camera's firmware, or use bench.space = \"plane\""
+    )]
+    Optics,
     /// The bench was not found.
     #[error(
         "the bench was not found: {reason}; clear the bench, let the camera look down on it, and calibrate again"

@@ -138,6 +138,10 @@ fn settings(config: &Config) -> Settings {
             serial: camera.serial.clone(),
             colour_size: [camera.width, camera.height],
             colour_format: PixelFormat::Rgb8,
+            depth_size: [
+                camera.depth_width.unwrap_or(camera.width),
+                camera.depth_height.unwrap_or(camera.height),
+            ],
             rate_hz: camera.rate_hz.round() as u32,
             exposure_us: camera.exposure_us,
             laser_mw: Some(camera.laser_power_mw),

@@ -74,6 +74,10 @@ pub struct Camera {
     pub laser_power_mw: u32,
     /// Whether depth is captured, RealSense only.
     pub depth: bool,
+    /// Width of the depth picture, pixels; that of the colour picture where it is `None`.
+    pub depth_width: Option<u32>,
+    /// Height of the depth picture, pixels; that of the colour picture where it is `None`.
+    pub depth_height: Option<u32>,
 }
 
 impl Default for Camera {
@@ -92,6 +96,8 @@ impl Default for Camera {
             // The D435i's own default.
             laser_power_mw: 150,
             depth: true,
+            depth_width: None,
+            depth_height: None,
         }
     }
 }
@@ -160,5 +166,20 @@ impl Camera {
             "Power of the RealSense projector; 0 turns it off.",
         );
         k.key("depth", &mut self.depth, (), "Whether a RealSense camera or recording gives depth too.");
+        k.optional(
+            "depth_width",
+            &mut self.depth_width,
+            within(64, 4096, "pixels"),
+            "848",
+            "Width of the depth picture that a RealSense camera is asked for. Without it that of the colour picture, \
+             which depth has up to 1280 x 720.",
+        );
+        k.optional(
+            "depth_height",
+            &mut self.depth_height,
+            within(64, 4096, "pixels"),
+            "480",
+            "Height of the depth picture that a RealSense camera is asked for. Without it that of the colour picture.",
+        );
     }
 }

@@ -134,12 +134,12 @@ fn a_calibration_of_the_bench_plane_tells_where_the_camera_is() {
         side_error: 0.0,
         centre_error_m: 0.0,
     };
-    let found = BenchFrame::from_calibration(&calibration, &lens).unwrap();
+    let found = calibration.bench_frame(&lens).unwrap();
     let difference = found.bench_from_camera * camera_from_bench;
     assert!(
         difference.translation.vector.norm() < 1e-4 && difference.rotation.angle() < 1e-3,
         "{difference}"
     );
     let other = Lens { focal: [1.5 * fx, fy], ..lens };
-    assert!(BenchFrame::from_calibration(&calibration, &other).is_err(), "the picture of another camera");
+    assert!(calibration.bench_frame(&other).is_err(), "the picture of another camera");
 }
