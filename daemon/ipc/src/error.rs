@@ -41,6 +41,18 @@ pub enum Error {
         /// Why.
         source: io::Error,
     },
+    /// The station is another user's, whose shared memory this one cannot share.
+    #[error(
+        "station {station}: {root:?} belongs to another user than this process (user {own}); run this as the user of the station's units: `sudo -u andon ...`"
+    )]
+    OtherUser {
+        /// The station.
+        station: String,
+        /// Its directory.
+        root: PathBuf,
+        /// The number of this process's user.
+        own: u32,
+    },
     /// The root has been removed or replaced while in use: from now on newcomers would not find the others.
     #[error(
         "root directory {root:?} was removed or replaced while in use (a cleaner of temporary files?): restart all roles of this station"

@@ -35,11 +35,11 @@ impl Node {
     ///
     /// # Errors
     /// [`Error::NoSteward`] when the root does not appear in time, [`Error::Join`], [`Error::RootNotWritable`],
-    /// [`Error::Stopped`].
+    /// [`Error::OtherUser`], [`Error::Stopped`].
     pub fn open(station: &Station, role: RoleId, patience: Duration, stop: &Stop) -> Result<Self, Error> {
         set_log_level(LogLevel::Error); // what matters of the rest comes back as an error
         let started = Instant::now();
-        while !station.root().is_dir() {
+        while !station.is_ours()? {
             give_up(station, Channel::Health, started, patience)?;
             if stop.wait(TRY_AGAIN) {
                 return Err(Error::Stopped(Channel::Health));

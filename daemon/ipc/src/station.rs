@@ -104,6 +104,19 @@ impl Station {
         &self.root
     }
 
+    /// Whether its directory is there and this process's user owns it. What lies in shared memory is readable by its
+    /// owner alone: root would join, hear nothing, and leave files that the steward cannot remove.
+    pub(crate) fn is_ours(&self) -> Result<bool, Error> {
+        let own = rustix::process::geteuid().as_raw();
+        let other = || Error::OtherUser { station: self.name.clone(), root: self.root.clone(), own };
+        match fs::metadata(&self.root) {
+            Ok(root) if root.uid() == own => Ok(root.is_dir()),
+            Ok(_) => Err(other()),
+            Err(error) if error.kind() == io::ErrorKind::PermissionDenied => Err(other()),
+            Err(_) => Ok(false),
+        }
+    }
+
     /// The processes that have joined and are alive. Empty when nothing can be read.
     pub fn members(&self) -> Vec<Member> {
         let mut members = Vec::new();
@@ -238,5 +251,22 @@ mod tests {
         let a = Station::under("bench", StdPath::new("/tmp/a")).unwrap();
         let b = Station::under("bench", StdPath::new("/tmp/b")).unwrap();
         assert_ne!(a.shm_prefix(), b.shm_prefix());
+    }
+
+    #[test]
+    fn a_station_of_another_user_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let mine = Station::under("bench", folder.path()).unwrap();
+        assert!(mine.is_ours().unwrap());
+        // Only root may give a directory away; everybody else is not root, whose directory this is.
+        let given = std::os::unix::fs::chown(folder.path(), Some(1), Some(1)).is_ok();
+        let theirs = if given { mine } else { Station::under("bench", StdPath::new("/")).unwrap() };
+        assert!(matches!(theirs.is_ours(), Err(Error::OtherUser { .. })));
+    }
+
+    #[test]
+    fn a_station_that_is_not_there_yet_is_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(!Station::under("bench", &folder.path().join("later")).unwrap().is_ours().unwrap());
     }
 }
