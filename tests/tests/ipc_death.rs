@@ -3,9 +3,11 @@
 
 mod ipc_support;
 
-use andon_ipc::{Channel, Departure, Node, Reader, Wake};
+use andon_ipc::{Channel, Death, Departure, Node, Reader, Wake};
 use ipc_support::{Bench, PATIENCE, SMALL};
 use shm_schemas::{RoleId, Verdict};
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Takes messages until one comes that `wanted` likes.
@@ -132,6 +134,53 @@ fn stewards_that_are_killed_while_starting_are_healed_around_the_members_that_st
     assert_eq!(departure(&node, &mut reader), Departure::Stopped);
     drop((reader, node));
     steward.stop();
+}
+
+/// Files below a directory whose path contains this.
+fn files(directory: &Path, part: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
+    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
+    let below = folders.iter().flat_map(|folder| self::files(folder, part));
+    files.into_iter().filter(|path| path.to_string_lossy().contains(part)).chain(below).collect()
+}
+
+/// As a steward leaves it that is killed after it removed the shared part of a service and before the rest.
+#[test]
+fn services_whose_removal_was_cut_short_are_removed_by_the_next_steward() {
+    let bench = Bench::new("cutshort");
+    let steward = bench.steward();
+    // Keeps the station from being swept.
+    let _member = bench.node(RoleId::Journal);
+    let descriptions = files(bench.station.root(), "/services/");
+    let kept: Vec<_> = descriptions.iter().map(|path| std::fs::read(path).unwrap()).collect();
+    assert!(kept.len() >= 3 * Channel::ALL.len(), "{descriptions:?}");
+    drop(steward);
+    for (path, bytes) in descriptions.iter().zip(kept) {
+        assert!(!path.exists(), "{} is still in use", path.display());
+        std::fs::write(path, bytes).unwrap();
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o400)).unwrap();
+    }
+    let _steward = bench.steward();
+    let node = bench.node(RoleId::Judge);
+    node.frame_reader().unwrap();
+    node.reader::<Verdict>().unwrap();
+}
+
+/// As a steward leaves it that is killed in the middle of removing a dead node.
+#[test]
+fn a_dead_node_that_has_lost_its_name_is_removed_once() {
+    let bench = Bench::new("nameless");
+    let mut steward = bench.steward();
+    let before = files(bench.station.root(), ".details");
+    let judge = bench.start("write-verdicts", &[0, 200]);
+    let mut details = files(bench.station.root(), ".details");
+    details.retain(|path| !before.contains(path));
+    judge.kill();
+    // The details lie in a directory of the node's, with its tags.
+    let [details] = details.as_slice() else { panic!("{details:?}") };
+    std::fs::remove_dir_all(details.parent().unwrap()).unwrap();
+    assert_eq!(steward.tend().unwrap(), [Death { member: None, removed: true }]);
+    assert_eq!(steward.tend().unwrap(), []);
 }
 
 #[test]

@@ -52,6 +52,7 @@ mod error;
 mod event;
 mod frame;
 mod health;
+mod leftovers;
 mod loss;
 mod node;
 mod pace;

@@ -2,16 +2,14 @@
 
 use crate::channel::{Carried, Channel, layout_text};
 use crate::error::Error;
-use crate::service::{Frames, Messages, Provide, Refusal, Services, other_build, service_name};
-use crate::station::{Limits, Member, Station, member};
-use iceoryx2::identifiers::UniqueNodeId;
-use iceoryx2::node::{Node as IceNode, NodeState, NodeView};
+use crate::leftovers;
+use crate::service::{Frames, Messages, Provide, Refusal, Services, other_build};
+use crate::station::{Limits, Member, Station};
+use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
 use shm_schemas::{Command, Confirmed, Couples, Detections, FrameHeader, Health, Layout, Verdict};
 use std::fs::{self, File, TryLockError};
 use std::io;
-use std::os::unix::fs::MetadataExt;
-use std::path::Path as StdPath;
 use std::thread;
 use std::time::Duration;
 
@@ -92,7 +90,7 @@ impl Steward {
         station.check_room(limits)?;
         let root_identity = station.root_identity().map_err(|e| not_writable(station, e))?;
         let node = join(station, "steward")?;
-        bury(&node);
+        leftovers::bury(&node);
         let services = AllServices {
             _frame: create::<_, FrameHeader>(&node, station, limits, Channel::Frame)?,
             _detections: create_messages(&node, station, limits)?,
@@ -121,7 +119,7 @@ impl Steward {
         if self.station.root_identity().ok() != Some(self.root_identity) {
             return Err(Error::RootVanished { root: self.station.root().into() });
         }
-        Ok(bury(&self.node))
+        Ok(leftovers::bury(&self.node))
     }
 
     /// The station.
@@ -152,7 +150,7 @@ fn create<S: Provide, T: Layout>(
             Ok(services) => return Ok(services),
             Err(Refusal::HalfMade(pattern)) => {
                 last = format!("half-made {pattern:?} service");
-                remove_half_made(node, station, channel, pattern);
+                leftovers::remove_half_made(node, station, channel, pattern);
             }
             Err(Refusal::NotYet) => {
                 // Its last user is just removing it: a few system calls.
@@ -167,23 +165,6 @@ fn create<S: Provide, T: Layout>(
         }
     }
     Err(Error::transport(channel, "creating", last))
-}
-
-#[allow(unsafe_code)]
-fn remove_half_made(
-    node: &IceNode<ipc::Service>,
-    station: &Station,
-    channel: Channel,
-    pattern: MessagingPattern,
-) {
-    for back in [false, true] {
-        let Ok(name) = service_name(station, channel, back) else { continue };
-        let complete = ipc::Service::does_exist(&name, node.config(), pattern).unwrap_or(false);
-        if !complete {
-            // SAFETY: a service that is not complete cannot be opened, so nobody uses it; see `create`.
-            let _ = unsafe { node.force_remove_service(&name, pattern) };
-        }
-    }
 }
 
 /// Joins as an iceoryx2 node with signals left alone.
@@ -248,39 +229,4 @@ fn sweep(station: &Station) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Removes every dead node with all that it had.
-fn bury(node: &IceNode<ipc::Service>) -> Vec<Death> {
-    let mut dead = Vec::new();
-    // A list that cannot be read now is read 100 ms later.
-    let _ = IceNode::<ipc::Service>::list(node.config(), |state| {
-        if let NodeState::Dead(view) = state {
-            dead.push(view);
-        }
-        CallbackProgression::Continue
-    });
-    dead.into_iter()
-        .map(|view| {
-            remove_half_made_tags(node.config(), view.id());
-            Death {
-                member: view.details().as_ref().map(member),
-                removed: view.try_remove_stale_resources().is_ok(),
-            }
-        })
-        .collect()
-}
-
-/// Removes the tags that a dead node was just making when it was killed. iceoryx2 0.10.0 overlooks them, fails to remove
-/// the directory that they are in, forgets where the node belongs and reports it dead for ever. A node makes a tag before
-/// what the tag is for, so nothing else is lost with a half-made one.
-fn remove_half_made_tags(config: &Config, node: &UniqueNodeId) {
-    // iceoryx2 takes the right to write away when a tag is complete.
-    let half_made = |entry: &fs::DirEntry| entry.metadata().is_ok_and(|meta| meta.mode() & 0o200 != 0);
-    let directory = config.global.node_dir().to_string();
-    let Ok(entries) = fs::read_dir(StdPath::new(&directory).join(node.value().to_string())) else { return };
-    for entry in entries.flatten().filter(half_made) {
-        // What cannot be removed now is tried again at the next look.
-        let _ = fs::remove_file(entry.path());
-    }
 }

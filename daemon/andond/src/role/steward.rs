@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use andon_ipc::{Limits, Node, Station, Steward, Stop, TEND_PERIOD, Wake};
+use andon_ipc::{Death, Limits, Node, Station, Steward, Stop, TEND_PERIOD, Wake};
 use shm_schemas::RoleId;
 
 use super::{Pulse, RoleError};
@@ -14,22 +14,25 @@ pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(),
     let mut steward = Steward::create(station, limits(config))?;
     let node = Node::open(station, RoleId::Steward, Duration::ZERO, stop)?;
     let mut pulse = Pulse::new(&node)?;
+    let mut unburied = Vec::new();
     loop {
         let began = Instant::now();
-        for death in steward.tend()? {
-            let who = death.member.map_or("a process without a name".into(), |member| member.to_string());
-            log!(
-                code::ROLE_DIED,
-                "{who} died; what it left behind is {}",
-                if death.removed { "removed" } else { "still there" }
-            );
-        }
+        let deaths = steward.tend()?;
+        deaths.iter().filter(|death| !unburied.contains(*death)).for_each(tell);
+        // What is still there is met again at every look.
+        unburied = deaths.into_iter().filter(|death| !death.removed).collect();
         pulse.stepped(began.elapsed());
         pulse.beat(&Wake::Room)?;
         if stop.wait(TEND_PERIOD) {
             return Ok(());
         }
     }
+}
+
+fn tell(death: &Death) {
+    let who = death.member.as_ref().map_or("a process without a name".into(), ToString::to_string);
+    let what = if death.removed { "removed" } else { "still there" };
+    log!(code::ROLE_DIED, "{who} died; what it left behind is {what}");
 }
 
 /// Room for the frames of the configured camera, three bytes a pixel and two of depth; a film may be larger than that.

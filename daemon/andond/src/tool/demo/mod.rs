@@ -154,6 +154,8 @@ impl Line {
         if !missing.is_empty() {
             return Err(Failure::new(Code::Fault, format!("these roles did not come up: {missing:?}")));
         }
+        // They stop in this order: the steward cleans up after those who left before it.
+        roles.reverse();
         Ok(Self {
             channels,
             node,
@@ -224,7 +226,7 @@ impl Line {
         let up_s = self.began.elapsed().as_secs_f64();
         println!("\nrole        processor   own memory   shared memory");
         let capture = [("capture", self.capture)].into_iter();
-        for (name, usage) in capture.chain(self.roles.iter().map(|role| (role.name, usage::of(role.pid())))) {
+        for (name, usage) in capture.chain(self.roles.iter().rev().map(|role| (role.name, usage::of(role.pid())))) {
             println!(
                 "{name:10}  {:7.1} %   {:6.1} MiB   {:6.1} MiB",
                 100.0 * usage.cpu_s / up_s,
