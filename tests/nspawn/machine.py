@@ -24,6 +24,8 @@ class Machine:
         self.nspawn = self.leader = None
 
     def __enter__(self):
+        # One that was killed with its machine up could not clean up.
+        self.unmount()
         shutil.rmtree(self.folder, ignore_errors=True)
         layers = [self.folder / name for name in ("upper", "work")]
         for folder in (self.root, *layers):
@@ -42,9 +44,12 @@ class Machine:
     def __exit__(self, *_):
         if self.nspawn:
             self.power_off()
-        subprocess.run(["umount", "--recursive", self.root], capture_output=True)
+        self.unmount()
         if not os.path.ismount(self.root):
             shutil.rmtree(self.folder, ignore_errors=True)
+
+    def unmount(self):
+        subprocess.run(["umount", "--lazy", self.root], capture_output=True)
 
     def boot(self):
         """Starts systemd and waits for it; returns the seconds that it took."""
