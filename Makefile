@@ -67,7 +67,9 @@ deb: setup
 	@command -v cargo-deb >/dev/null || cargo install --locked cargo-deb
 	python3 daemon/realsense/provision.py $(RUNTIME)
 	cargo build --release --locked -p andond -p andon-plc --features andond/realsense
-	rm -rf target/deb && mkdir -p target/deb && ln -s libandon_plc.so.0 target/deb/libandon_plc.so
+	rm -rf target/deb && mkdir -p target/deb
+	strip --strip-unneeded -o target/deb/libandon_plc.so.0 target/release/libandon_plc.so
+	ln -s libandon_plc.so.0 target/deb/libandon_plc.so
 	cargo deb --no-build --strip -p andond --output target/deb/
 	lintian --fail-on error target/deb/*.deb
 
