@@ -5,13 +5,15 @@
 //!   ┌───────┐ ──────────────────────────────────────► ┌─────────┐  marker hidden, hand seen
 //!   │ loose │                                          │ carried │ ─────────────────────────► the pose follows the hand,
 //!   └───────┘ ◄────────────────────────────────────── └─────────┘                            HELD_NS at most
-//!              one has travelled TRAVEL_M without the other
+//!              one has travelled TRAVEL_M without the other,
+//!              or the hand has opened by OPENED_M within OPENING_NS
+//!              and the marker has not moved by MOVED_M since
 //! ```
 //!
 //! Common motion is asked for, not nearness: a hand that passes over a part at rest hides its marker too, and must not
 //! take it along.
 
-use heapless::Vec;
+use heapless::{Deque, Vec};
 
 use crate::detections::{HANDS, LANDMARKS, OBJECTS, Side};
 
@@ -26,6 +28,27 @@ const TOGETHER: f64 = 0.5;
 /// A pose follows the hand for this long, in nanoseconds: a reach takes less, and a part that was put down unseen goes
 /// astray for no longer.
 const HELD_NS: u64 = 1_000_000_000;
+
+/// A grip that has widened by this much has let go, in metres: landmarks wander by 5 mm, and fingers clear a part on both
+/// sides, which takes twice that at least.
+const OPENED_M: f64 = 0.010;
+
+/// Letting go takes no longer than this, in nanoseconds; the slow changes of a grip are the turns of a wrist.
+const OPENING_NS: u64 = 300_000_000;
+
+/// What has moved by this much since the hand opened is held all the same, in metres: markers at rest wander by a tenth of
+/// a millimetre, and a part that is put down settles by 2.
+const MOVED_M: f64 = 0.005;
+
+/// Grips that are remembered: OPENING_NS at 60 frames a second.
+const GRIPS: usize = 18;
+
+/// Neighbouring frames of which the middle grip counts: a tip that leaps in one frame opens no hand.
+const SETTLED: usize = 3;
+
+/// The tips that a part is held between: the thumb's, and those against it.
+const THUMB: usize = 4;
+const AGAINST: [usize; 2] = [8, 12];
 
 /// Landmarks that move with what the hand holds: wrist, knuckles, and the tips that grip.
 const GRIP: [usize; 8] = [0, 5, 9, 13, 17, 4, 8, 12];
@@ -62,6 +85,8 @@ struct Anchor {
 struct Pair {
     anchor: Anchor,
     carried: bool,
+    /// Where the object was when the hand seemed to let it go, until it moves again.
+    left_at: Option<[f32; 3]>,
     /// The hand when the object was last seen.
     last_hand: PlacedHand,
 }
@@ -78,6 +103,8 @@ struct Known {
 #[derive(Clone, Debug, Default)]
 pub struct Held {
     known: Vec<Known, OBJECTS>,
+    /// When and how wide each hand gripped in the last frames, by hand as in [`Side`].
+    grips: [Deque<(u64, f64), GRIPS>; HANDS],
 }
 
 impl Held {
@@ -112,34 +139,85 @@ impl Held {
                 *pair = hand(side).map(|hand| Pair::seen(pair.take(), *hand, object));
             }
         }
-        let hidden =
-            self.known.iter().filter(|known| known.seen_ns < now_ns && now_ns - known.seen_ns <= HELD_NS);
-        hidden
-            .filter_map(|known| {
-                let (side, pair) = known
-                    .pairs
+        for side in 0..HANDS {
+            if hand(side).is_some_and(|hand| self.lets_go(side, now_ns, grip_m(hand))) {
+                for Known { object, pairs, .. } in &mut self.known {
+                    if let Some(pair) = &mut pairs[side] {
+                        pair.left_at.get_or_insert(object.position_m);
+                    }
+                }
+            }
+        }
+        let is_hidden = |known: &&Known| known.seen_ns < now_ns && now_ns - known.seen_ns <= HELD_NS;
+        self.known
+            .iter()
+            .filter(is_hidden)
+            .filter_map(|Known { object, pairs, .. }| {
+                let (side, pair) = pairs
                     .iter()
                     .enumerate()
-                    .find_map(|(side, pair)| Some((side, pair.filter(|pair| pair.carried)?)))?;
-                Some(Motion::between(&pair.last_hand, hand(side)?).of(&known.object))
+                    .find_map(|(side, pair)| Some((side, pair.filter(Pair::holds)?)))?;
+                Some(Motion::between(&pair.last_hand, hand(side)?).of(object))
             })
             .collect()
     }
+
+    /// Takes in how wide a hand grips, and tells whether it has just opened.
+    fn lets_go(&mut self, side: usize, now_ns: u64, grip_m: f64) -> bool {
+        let grips = &mut self.grips[side];
+        while grips.front().is_some_and(|(then_ns, _)| now_ns.saturating_sub(*then_ns) > OPENING_NS) {
+            grips.pop_front();
+        }
+        if grips.is_full() {
+            grips.pop_front();
+        }
+        // There is room now.
+        let _ = grips.push_back((now_ns, grip_m));
+        // The oldest and the newest must be different frames: under 20 frames a second nothing is told.
+        if grips.len() < 2 * SETTLED {
+            return false;
+        }
+        let widths = || grips.iter().map(|&(_, width_m)| width_m);
+        middle(widths().rev()) - middle(widths()) > OPENED_M
+    }
+}
+
+/// The middle one of the first SETTLED numbers.
+fn middle(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut first: Vec<f64, SETTLED> = numbers.take(SETTLED).collect();
+    first.sort_unstable_by(f64::total_cmp);
+    first[SETTLED / 2]
+}
+
+/// How wide the grip is, in metres of the bench plane: what a camera over the bench sees well.
+fn grip_m(hand: &PlacedHand) -> f64 {
+    let away = |k: usize| {
+        let [x, y] = [0, 1].map(|axis| f64::from(hand.landmarks_m[k][axis] - hand.landmarks_m[THUMB][axis]));
+        x.hypot(y)
+    };
+    AGAINST.iter().map(|&k| away(k)).sum::<f64>() / AGAINST.len() as f64
 }
 
 impl Pair {
+    fn holds(&self) -> bool {
+        self.carried && self.left_at.is_none()
+    }
+
     /// The pair after a frame in which both were seen.
     fn seen(before: Option<Self>, hand: PlacedHand, object: &PlacedObject) -> Self {
         let here = Anchor { hand, object: object.position_m };
-        let Some(before) = before else { return Self { anchor: here, carried: false, last_hand: hand } };
+        let Some(before) = before else {
+            return Self { anchor: here, carried: false, left_at: None, last_hand: hand };
+        };
+        let left_at = before.left_at.filter(|&at| distance(at, here.object) <= MOVED_M);
         let from = before.anchor.object;
         let taken = Motion::between(&before.anchor.hand, &hand).at(from);
         let travel = distance(from, here.object).max(distance(from, taken));
         if travel < TRAVEL_M {
-            return Self { last_hand: hand, ..before };
+            return Self { left_at, last_hand: hand, ..before };
         }
         let carried = distance(taken, here.object) <= TOGETHER * travel;
-        Self { anchor: here, carried, last_hand: hand }
+        Self { anchor: here, carried, left_at, last_hand: hand }
     }
 }
 

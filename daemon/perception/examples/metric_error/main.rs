@@ -28,7 +28,7 @@ struct Arguments {
     /// Take the landmarks' pixels from the truth: what remains is the error of depth.
     #[arg(long)]
     true_pixels: bool,
-    /// Place without depth.
+    /// Withhold the depth in every other half second, and measure just those.
     #[arg(long)]
     blind: bool,
 }
@@ -60,8 +60,11 @@ fn main() -> Result<(), Error> {
             metric = Some(Metric::new(rig, bench, &objects));
         }
         if let Some(metric) = &mut metric {
-            let scene = metric.place((!arguments.blind).then_some(depth), &seen)?;
-            score.frame(&scene, pictures.truth);
+            let is_withheld = arguments.blind && frame / 15 % 2 == 1;
+            let scene = metric.place((!is_withheld).then_some(depth), &seen)?;
+            if is_withheld == arguments.blind {
+                score.frame(&scene, pictures.truth);
+            }
         }
         frame += 1;
     }

@@ -97,3 +97,49 @@ fn without_the_hand_there_is_nothing_to_follow() {
     assert!(held.step(32 * FRAME_NS, &[left], &[]).is_empty());
     assert_eq!(held.step(33 * FRAME_NS, &[hand(&way(33))], &[]).len(), 1);
 }
+
+/// The hand with its thumb so far from where it was.
+fn opened(pose: &Isometry3<f64>, by_m: f32) -> PlacedHand {
+    let mut hand = hand(pose);
+    hand.landmarks_m[4][0] -= by_m;
+    hand
+}
+
+#[test]
+fn what_is_put_down_behind_the_hand_stays_when_the_hand_opens() {
+    let mut held = carried();
+    // Hidden and at rest, then let go, then the hand goes away: the opening counts when it has lasted for two frames.
+    for (frame, by_m) in [(30, 0.0), (31, 0.0), (32, 0.010), (33, 0.018)] {
+        assert_eq!(held.step(frame * FRAME_NS, &[opened(&way(29), by_m)], &[]).len(), 1, "frame {frame}");
+    }
+    for frame in 34..50 {
+        assert!(held.step(frame * FRAME_NS, &[opened(&way(frame - 5), 0.018)], &[]).is_empty(), "{frame}");
+    }
+}
+
+#[test]
+fn a_tip_that_leaps_in_one_frame_opens_no_hand() {
+    let mut held = carried();
+    for frame in 30..50 {
+        let by_m = if frame == 35 { 0.040 } else { 0.0 };
+        assert_eq!(held.step(frame * FRAME_NS, &[opened(&way(frame), by_m)], &[]).len(), 1, "frame {frame}");
+    }
+}
+
+#[test]
+fn what_moves_on_with_an_open_hand_is_held() {
+    let mut held = carried();
+    for frame in 30..40 {
+        held.step(frame * FRAME_NS, &[opened(&way(frame), 0.018)], &[object(&way(frame))]);
+    }
+    assert_eq!(held.step(40 * FRAME_NS, &[opened(&way(40), 0.018)], &[]).len(), 1);
+}
+
+#[test]
+fn a_grip_that_widens_slowly_still_holds() {
+    let mut held = carried();
+    for frame in 30..55 {
+        let by_m = 0.001 * (frame - 29) as f32;
+        assert_eq!(held.step(frame * FRAME_NS, &[opened(&way(frame), by_m)], &[]).len(), 1, "frame {frame}");
+    }
+}

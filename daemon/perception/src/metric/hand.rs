@@ -36,8 +36,9 @@ const LEAST_KNUCKLES: usize = 2;
 /// which is between none (the landmark's own skin) and the whole one of a finger that lies over it.
 const HIDDEN_M: f64 = 0.0075;
 
-/// A hand's length is settled over so many frames: a second, in which the pose that biases it changes.
-const SETTLE_FRAMES: f64 = 30.0;
+/// Without depth a hand stays as high as it was for this long, in nanoseconds: half a reach, in which it rises or sinks by a
+/// few centimetres. Its size in the picture would tell no more: how it is tilted is only guessed.
+const REMEMBERED_NS: u64 = 500_000_000;
 
 /// Where a landmark's depth comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,9 +67,18 @@ pub struct Outline {
     pub shape: [Vector3<f64>; LANDMARKS],
 }
 
-/// The size of a hand over that of the hand model's, once it has been measured: then the hand can be placed without depth.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Size(Option<f64>);
+/// The palm when it was last measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Palm {
+    depth_m: f64,
+    /// The size of the hand over that of the shape.
+    scale: f64,
+    measured_ns: u64,
+}
+
+/// What is remembered of a hand from frame to frame: it can be placed without depth for a while.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Memory(Option<Palm>);
 
 impl Outline {
     /// From numbers as they are detected.
@@ -79,19 +89,27 @@ impl Outline {
         }
     }
 
-    /// Places the landmarks by depth and learns the size of the hand; where the palm has no depth, by that size alone.
-    /// `None` where neither is known.
-    pub fn place(&self, depth: Option<&Sampler<'_>>, lens: &Lens, size: &mut Size) -> Option<Hand3> {
+    /// Places the landmarks by depth; where the palm has none, as high as the hand was a moment ago. `None` where that is
+    /// not known either.
+    pub fn place(
+        &self,
+        depth: Option<&Sampler<'_>>,
+        lens: &Lens,
+        now_ns: u64,
+        memory: &mut Memory,
+    ) -> Option<Hand3> {
         let measured: [Option<f64>; LANDMARKS] = std::array::from_fn(|k| {
             depth?.surface(self.pixels[k], REACH_M).map(|point| point.z + HALF_THICKNESS_M[k])
         });
         let (expected, measured) = match self.on_palm(&measured, lens) {
-            Some(expected) => {
-                size.settle(self.size_at(middle(&expected), lens));
+            Some((expected, scale)) => {
+                let palm = Palm { depth_m: middle(&expected), scale, measured_ns: now_ns };
+                // A shape of nothing has no scale.
+                memory.0 = palm.scale.is_finite().then_some(palm);
                 (expected, measured)
             }
             // Too little is measured to say whose depth it is.
-            None => (self.by_size(size.0?, lens)?, [None; LANDMARKS]),
+            None => (self.at(memory.recall(now_ns)?), [None; LANDMARKS]),
         };
         let mut hand = Hand3 {
             points: std::array::from_fn(|k| lens.deproject(self.pixels[k], expected[k])),
@@ -107,7 +125,8 @@ impl Outline {
     }
 
     /// Depths of the shape, scaled, turned and moved so that its palm lies on the measured one.
-    fn on_palm(&self, measured: &[Option<f64>; LANDMARKS], lens: &Lens) -> Option<[f64; LANDMARKS]> {
+    /// The scale, too.
+    fn on_palm(&self, measured: &[Option<f64>; LANDMARKS], lens: &Lens) -> Option<([f64; LANDMARKS], f64)> {
         let point = |k: usize| Some(lens.deproject(self.pixels[k], measured[k]?).coords);
         let wrist = point(WRIST)?;
         let knuckles: Vec<_> = KNUCKLES.iter().filter_map(|&k| Some((self.shape[k], point(k)?))).collect();
@@ -124,34 +143,19 @@ impl Outline {
             .map(|(shape, point)| (shape * scale, point))
             .collect();
         let (turn, from, to) = alignment(&pairs)?;
-        Some(self.shape.map(|point| (to + turn * (point * scale - from)).z))
+        Some((self.shape.map(|point| (to + turn * (point * scale - from)).z), scale))
     }
 
-    /// Depths of the shape where its palm is as long as it appears.
-    fn by_size(&self, size: f64, lens: &Lens) -> Option<[f64; LANDMARKS]> {
-        let per_metre = self.size_at(1.0, lens);
-        let distance = (per_metre > 0.0).then(|| size / per_metre)?;
-        let palm = middle(&self.shape.map(|point| point.z));
-        Some(self.shape.map(|point| distance + size * (point.z - palm)))
-    }
-
-    /// The size of the hand if its palm is at this depth: its length in the picture over that of the shape's picture.
-    fn size_at(&self, depth: f64, lens: &Lens) -> f64 {
-        let lengths = KNUCKLES.map(|k| {
-            let (knuckle, wrist) = (lens.ray(self.pixels[k]), lens.ray(self.pixels[WRIST]));
-            let along = self.shape[k] - self.shape[WRIST];
-            depth * (knuckle[0] - wrist[0]).hypot(knuckle[1] - wrist[1]) / along.x.hypot(along.y)
-        });
-        lengths.iter().sum::<f64>() / lengths.len() as f64
+    /// Depths of the shape with its palm where it was.
+    fn at(&self, palm: Palm) -> [f64; LANDMARKS] {
+        let own = middle(&self.shape.map(|point| point.z));
+        self.shape.map(|point| palm.depth_m + palm.scale * (point.z - own))
     }
 }
 
-impl Size {
-    fn settle(&mut self, measured: f64) {
-        if measured.is_finite() {
-            let known = self.0.get_or_insert(measured);
-            *known += (measured - *known) / SETTLE_FRAMES;
-        }
+impl Memory {
+    fn recall(&self, now_ns: u64) -> Option<Palm> {
+        self.0.filter(|palm| now_ns.saturating_sub(palm.measured_ns) <= REMEMBERED_NS)
     }
 }
 

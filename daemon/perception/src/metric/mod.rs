@@ -29,7 +29,7 @@ use nalgebra::{Isometry3, Point3};
 pub struct MetricHand {
     /// Which hand.
     pub side: Side,
-    /// Landmarks in metres in the bench frame; NaN where the hand has no depth and its size is not known yet.
+    /// Landmarks in metres in the bench frame; NaN where the hand has had no depth for half a second.
     pub landmarks_m: [[f32; 3]; LANDMARKS],
     /// Share of the landmarks whose depth was measured at them, 0..1.
     pub measured: f32,
@@ -78,7 +78,7 @@ pub struct Metric {
     remembered: Vec<Remembered, OBJECTS>,
     held: Held,
     /// By hand, as in [`Side`].
-    sizes: [hand::Size; HANDS],
+    palms: [hand::Memory; HANDS],
 }
 
 impl Metric {
@@ -90,12 +90,12 @@ impl Metric {
             objects: objects.to_vec(),
             remembered: Vec::new(),
             held: Held::default(),
-            sizes: Default::default(),
+            palms: Default::default(),
         }
     }
 
-    /// Places what was detected in pixels. Without depth, objects are placed by their corners alone, and hands by the size
-    /// that they were measured with before.
+    /// Places what was detected in pixels. Without depth, objects are placed by their corners alone, and hands are as high as
+    /// they were, for half a second.
     ///
     /// # Errors
     /// [`MetricError::Perception`] when OpenCV fails.
@@ -114,7 +114,7 @@ impl Metric {
             }
         }
         // There is room, as above.
-        scene.hands.extend(seen.hands.iter().map(|hand| self.hand(sampler.as_ref(), hand)));
+        scene.hands.extend(seen.hands.iter().map(|hand| self.hand(sampler.as_ref(), hand, seen.captured_ns)));
         let hand = |&MetricHand { side, landmarks_m, .. }: &MetricHand| PlacedHand { side, landmarks_m };
         let hands: Vec<_, HANDS> = scene.hands.iter().map(hand).collect();
         let object = |&MetricObject { id, position_m, orientation, .. }: &MetricObject| PlacedObject {
@@ -159,10 +159,10 @@ impl Metric {
         }))
     }
 
-    fn hand(&mut self, depth: Option<&Sampler<'_>>, hand: &HandDetection) -> MetricHand {
+    fn hand(&mut self, depth: Option<&Sampler<'_>>, hand: &HandDetection, now_ns: u64) -> MetricHand {
         let outline = hand::Outline::new(&hand.landmarks_px, &hand.shape_m);
-        let size = &mut self.sizes[hand.side as usize];
-        let Some(placed) = outline.place(depth, &self.rig.colour, size) else {
+        let memory = &mut self.palms[hand.side as usize];
+        let Some(placed) = outline.place(depth, &self.rig.colour, now_ns, memory) else {
             return MetricHand { side: hand.side, landmarks_m: [[f32::NAN; 3]; LANDMARKS], measured: 0.0 };
         };
         let in_bench = |point: Point3<f64>| {

@@ -1,6 +1,6 @@
 use super::scene::{self, Rectangle, sampled};
 use crate::detections::LANDMARKS;
-use crate::metric::hand::{DepthSource, Hand3, Outline, Size};
+use crate::metric::hand::{DepthSource, Hand3, Memory, Outline};
 
 const TABLE: f64 = 0.76;
 /// The back of the hand.
@@ -48,7 +48,7 @@ fn outline(tip_below: f64) -> Outline {
 
 fn placed(bytes: &[u8], outline: &Outline) -> Hand3 {
     let lens = scene::rig().colour;
-    sampled(bytes, |depth| outline.place(Some(depth), &lens, &mut Size::default())).unwrap()
+    sampled(bytes, |depth| outline.place(Some(depth), &lens, 0, &mut Memory::default())).unwrap()
 }
 
 #[test]
@@ -77,29 +77,26 @@ fn a_tip_under_the_hand_is_as_far_below_as_the_shape_says_in_the_size_of_this_ha
 }
 
 #[test]
-fn without_depth_a_hand_is_where_its_size_says() {
+fn without_depth_a_hand_stays_as_high_as_it_was_for_half_a_second() {
     let lens = scene::rig().colour;
-    let (mut size, outline) = (Size::default(), outline(0.0));
+    let (mut memory, outline) = (Memory::default(), outline(0.0));
+    let mut at = |bytes: &[u8], now_ns: u64| {
+        sampled(bytes, |depth| outline.place(Some(depth), &lens, now_ns, &mut memory))
+    };
     let empty = vec![0; scene::WIDTH * scene::HEIGHT * 2];
-    assert_eq!(
-        sampled(&empty, |depth| outline.place(Some(depth), &lens, &mut size)),
-        None,
-        "of unknown size"
-    );
-    let seen = sampled(&hand(None), |depth| outline.place(Some(depth), &lens, &mut size)).unwrap();
-    for guessed in [
-        sampled(&empty, |depth| outline.place(Some(depth), &lens, &mut size)).unwrap(),
-        outline.place(None, &lens, &mut size).unwrap(),
-    ] {
-        assert_eq!(guessed.sources, [DepthSource::Shape; LANDMARKS]);
-        let away = (guessed.points[9] - seen.points[9]).norm();
-        assert!(away < 0.005, "{away} m");
-    }
+    assert_eq!(at(&empty, 0), None, "it was never measured");
+    let seen = at(&hand(None), 1).unwrap();
+    let guessed = at(&empty, 500_000_001).unwrap();
+    assert_eq!(guessed.sources, [DepthSource::Shape; LANDMARKS]);
+    let away = (guessed.points[9] - seen.points[9]).norm();
+    assert!(away < 0.005, "{away} m");
+    assert_eq!(at(&empty, 500_000_002), None, "that was long ago");
+    assert_eq!(outline.place(None, &lens, 2, &mut memory).map(|hand| hand.sources), Some(guessed.sources));
 }
 
 #[test]
 fn a_shape_of_nothing_places_no_hand() {
     let flat = Outline::new(&pixels(), &[[0.0; 3]; LANDMARKS]);
     let lens = scene::rig().colour;
-    assert_eq!(sampled(&hand(None), |depth| flat.place(Some(depth), &lens, &mut Size::default())), None);
+    assert_eq!(sampled(&hand(None), |depth| flat.place(Some(depth), &lens, 0, &mut Memory::default())), None);
 }
