@@ -157,8 +157,7 @@ fn other_version(line: &Line) -> PathBuf {
 #[test]
 fn a_process_of_another_version_is_refused_and_the_line_goes_on() {
     let (line, mut watcher) = up(Settings::default());
-    let output =
-        Command::new(other_version(&line)).args(["run", "journal", "-c"]).arg(line.config()).output();
+    let output = Command::new(other_version(&line)).args(["run", "judge", "-c"]).arg(line.config()).output();
     let output = output.unwrap();
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(70), "{said}");

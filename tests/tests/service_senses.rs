@@ -50,7 +50,10 @@ fn a_marker_that_is_covered_at_work_is_told_with_its_name_and_the_step_is_not_ju
 
 #[test]
 fn a_hand_that_leaves_the_picture_at_work_is_told_and_the_step_is_not_judged() {
-    let (line, blind) = with_a_blind_spot(|frame, _| frame.hands.clear());
+    let (line, blind) = with_a_blind_spot(|frame, id| {
+        frame.hands.clear();
+        frame.objects.retain(|object| object.id != id);
+    });
     line.logs("encode", "AND-203", "so that the hand stays in view");
     line.logs("encode", "AND-204", "is seen again");
     assert!(blind, "a step that could not be seen was judged");
@@ -117,6 +120,7 @@ fn a_clock_that_is_stepped_is_told_and_the_line_goes_on_in_order() {
         std::fs::write(offset.with_extension("new"), seconds).unwrap();
         std::fs::rename(offset.with_extension("new"), &offset).unwrap();
     };
+    watcher.until("a verdict before", |watcher| !watcher.heard.is_empty());
     for (seconds, told) in [("-7200", "-7200.0 s"), ("0", "+7200.0 s")] {
         let before = watcher.heard.len();
         step(seconds);

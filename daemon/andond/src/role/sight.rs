@@ -50,7 +50,8 @@ impl Seen {
 pub(super) struct Sight {
     blind_ns: u64,
     objects: Vec<(u16, String, Seen)>,
-    hands: [(Side, Seen); 2],
+    /// And what the hand touched when it was last seen.
+    hands: [(Side, Seen, Option<u16>); 2],
 }
 
 impl Sight {
@@ -59,7 +60,7 @@ impl Sight {
         Self {
             blind_ns: u64::from(config.method.blind_ms) * 1_000_000,
             objects: config.objects.iter().map(object).collect(),
-            hands: Side::ALL.map(|side| (side, Seen::default())),
+            hands: Side::ALL.map(|side| (side, Seen::default(), None)),
         }
     }
 
@@ -118,19 +119,21 @@ impl Sight {
                 changes.push(Change::Covered { id: *id, hidden_s: hidden_ns as f64 / 1e9 });
             }
         }
-        for (side, seen) in &mut self.hands {
+        for (side, seen, held) in &mut self.hands {
             if frame.hands.iter().any(|hand| hand.side == *side) {
                 seen.note(now_ns);
             }
-            let context = couples
-                .iter()
-                .map(|couples| couples.hands[side.place()].context)
-                .find(|context| context.is_touch());
-            let is_missed = seen.hidden_ns(now_ns) > self.blind_ns && context.is_some();
+            for couple in
+                couples.iter().map(|couples| &couples.hands[side.place()]).filter(|couple| couple.seen)
+            {
+                *held = Some(couple.context).filter(|context| context.is_touch()).map(|context| context.0[1]);
+            }
+            let object = held.filter(|_| seen.hidden_ns(now_ns) > self.blind_ns);
             if seen.is_back(now_ns) {
                 changes.push(Change::HandBack { side: *side });
-            } else if seen.begins_to_be_missed(is_missed) {
-                let object = context.map_or(0, |context| context.0[1]);
+            } else if seen.begins_to_be_missed(object.is_some())
+                && let Some(object) = object
+            {
                 changes.push(Change::HandLeft { side: *side, object });
             }
         }
@@ -208,16 +211,31 @@ mod tests {
         assert_eq!(sight().changes(&frame(99 * S, false, false), &touch(S)), []);
     }
 
+    /// The left hand, seen, touches this object, or nothing where it is 0.
+    fn left(at_ns: u64, seen: bool, object: u16) -> [Couples; 1] {
+        let context = if object == 0 { Context::IDLE } else { Context([2, object, 0, 0]) };
+        let left = Couple { context, seen, ..Couple::idle(Side::Left, at_ns) };
+        [Couples { captured_ns: at_ns, known_ns: at_ns, hands: [Couple::idle(Side::Right, at_ns), left] }]
+    }
+
     #[test]
-    fn a_hand_that_leaves_is_told_only_where_it_had_touched_something() {
+    fn a_hand_that_leaves_with_something_is_told_once_and_so_is_its_return() {
         let mut sight = sight();
-        assert_eq!(sight.changes(&frame(0, true, true), &[]), []);
-        assert_eq!(sight.changes(&frame(S, true, false), &[]), [], "it may go");
-        let left = Change::HandLeft { side: Side::Left, object: 5 };
-        assert_eq!(sight.changes(&frame(2 * S, true, false), &touch(S)), [left]);
-        assert_eq!(
-            sight.changes(&frame(3 * S, true, true), &touch(S)),
-            [Change::HandBack { side: Side::Left }]
-        );
+        assert_eq!(sight.changes(&frame(0, true, true), &left(0, true, 5)), []);
+        // What it carried is seen to go, so the contact ends.
+        assert_eq!(sight.changes(&frame(S / 100, true, false), &left(S / 100, false, 0)), []);
+        let gone = Change::HandLeft { side: Side::Left, object: 5 };
+        assert_eq!(sight.changes(&frame(S, true, false), &left(S, false, 0)), [gone]);
+        assert_eq!(sight.changes(&frame(2 * S, true, false), &left(2 * S, false, 0)), []);
+        let back = Change::HandBack { side: Side::Left };
+        assert_eq!(sight.changes(&frame(3 * S, true, true), &left(3 * S, true, 0)), [back]);
+    }
+
+    #[test]
+    fn a_hand_that_has_let_go_may_leave() {
+        let mut sight = sight();
+        assert_eq!(sight.changes(&frame(0, true, true), &left(0, true, 5)), []);
+        assert_eq!(sight.changes(&frame(S / 100, true, true), &left(S / 100, true, 0)), []);
+        assert_eq!(sight.changes(&frame(9 * S, true, false), &left(9 * S, false, 0)), []);
     }
 }

@@ -226,7 +226,9 @@ impl Line {
         let up_s = self.began.elapsed().as_secs_f64();
         println!("\nrole        processor   own memory   shared memory");
         let capture = [("capture", self.capture)].into_iter();
-        for (name, usage) in capture.chain(self.roles.iter().rev().map(|role| (role.name, usage::of(role.pid())))) {
+        for (name, usage) in
+            capture.chain(self.roles.iter().rev().map(|role| (role.name, usage::of(role.pid()))))
+        {
             println!(
                 "{name:10}  {:7.1} %   {:6.1} MiB   {:6.1} MiB",
                 100.0 * usage.cpu_s / up_s,
