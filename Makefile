@@ -1,7 +1,7 @@
 # Thin: every target is one command that can be typed by hand. `make demo` and `make test` are each enough on a fresh machine.
 RUNTIME := target/runtime
 DEBIAN := g++ pkg-config libopencv-dev clang libclang-dev python3 python3-pip
-DEBIAN_TEST := mbpoll python3-venv
+DEBIAN_TEST := mbpoll python3-venv systemd
 
 .PHONY: setup packages test-packages build demo test lint deny bench
 
@@ -38,9 +38,9 @@ test: setup test-packages lint
 bench: test-packages
 	python3 tests/benches/report.py
 
-# Kills, stops and restarts every role at random, 1,000 kills; writes target/chaos/report.json.
+# Kills, stops and restarts every role at random, 1,000 kills; a role must be back after 1,000 ms at the latest. Writes target/chaos/report.json.
 chaos: line
-	target/release/chaos
+	target/release/chaos 1000 1 target/chaos/report.json 1000
 
 # Plays 2.6 million frames, a day at 30 Hz, at full speed; writes target/soak/report.json.
 soak: line
