@@ -46,6 +46,16 @@ fn every_verdict_that_was_sent_is_in_the_journal_once_and_in_order() {
 }
 
 #[test]
+fn the_judge_tells_when_a_job_begins_and_how_it_ends() {
+    let mut line = Line::new(Settings::default());
+    play(&mut line);
+    let log = line.log("judge");
+    let place = |code: &str| log.find(code).unwrap_or_else(|| panic!("no {code} in {log}"));
+    assert!(place("AND-303") < place("AND-304"), "{log}");
+    assert_eq!(log.matches("AND-303").count(), 1, "{log}");
+}
+
+#[test]
 fn history_shows_on_request_only_what_is_not_right() {
     let mut line = Line::new(Settings { flaw: Flaw::WrongOrder, ..Settings::default() });
     let watcher = play(&mut line);

@@ -83,6 +83,15 @@ fn ready_drops_when_a_role_is_killed_and_comes_back_with_it() {
     assert!(log.contains("AND-510") && log.contains("AND-509"), "{log}");
 }
 
+#[test]
+fn a_write_that_is_not_enabled_and_a_plc_that_leaves_are_told() {
+    let (line, _watcher, mut plc) = ready(false);
+    assert!(plc.write(100, ENABLE).is_err());
+    line.logs("plc", "AND-505", "Set plc.writes = true");
+    drop(plc);
+    line.logs("plc", "AND-503", "Check the PLC and the network");
+}
+
 fn said(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }

@@ -1,6 +1,7 @@
 //! Faults of the machine and of the set-up: each is logged with its code and what to do, and nothing hangs.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_ipc::{Node, Stop};
 use andon_tests::line::{Line, Settings, Watcher, andond};
 use shm_schemas::{Layout, RoleId, RoleState, Verdict};
 use std::os::unix::fs::PermissionsExt;
@@ -176,4 +177,20 @@ fn a_steward_of_another_version_is_refused_while_the_old_roles_run() {
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(70), "{said}");
     assert!(said.contains("AND-607") && said.contains("judge"), "who must stop is named: {said}");
+}
+
+#[test]
+fn a_command_that_is_none_is_counted_and_told_and_the_line_goes_on() {
+    let (line, mut watcher) = up(Settings::default());
+    let node =
+        Node::open(&line.station, RoleId::Tool, Duration::from_secs(60), &Stop::new().unwrap()).unwrap();
+    let mut commands = node.writer::<shm_schemas::Command>().unwrap();
+    let mut message = commands.loan().unwrap();
+    message.kind = 200;
+    commands.send(message).unwrap();
+    line.logs("judge", "AND-310", "Check the order of the commands");
+    watcher
+        .until("the count", |watcher| watcher.health(RoleId::Judge).is_some_and(|judge| judge.refused == 1));
+    let before = watcher.heard.len();
+    watcher.until("a verdict", |watcher| watcher.heard.len() > before);
 }

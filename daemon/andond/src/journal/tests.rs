@@ -203,6 +203,7 @@ fn verdicts_that_are_too_old_go_and_the_gap_says_which() {
     }
     bench.journal = Journal::open(&bench.path(), Retention { keep_days: 2, ..KEEP }).unwrap();
     assert_eq!(bench.lines(&Query::default()), ["retention 1 1-7", "v 1 8", "v 1 9", "v 1 10"]);
+    assert_eq!(bench.journal.removed(), 7);
     bench.journal = Journal::open(&bench.path(), Retention { keep_days: 1, ..KEEP }).unwrap();
     assert_eq!(bench.lines(&Query::default()), ["retention 1 1-8", "v 1 9", "v 1 10"]);
 }
