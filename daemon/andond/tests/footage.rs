@@ -219,6 +219,26 @@ fn the_line_of_processes_says_what_replay_says() {
     assert_eq!(offline.len(), 9, "{offline:?}");
 }
 
+/// Telephones and screen recorders leave pictures out where nothing moves.
+#[test]
+fn a_film_of_no_fixed_rate_is_read_at_the_times_of_its_container() {
+    let folder = tempfile::tempdir().unwrap();
+    let film = folder.path().join("varying.mp4");
+    // Two seconds at 30 Hz without the pictures 20 to 35.
+    let status = Command::new("ffmpeg")
+        .args(["-loglevel", "error", "-f", "lavfi", "-i", "testsrc=size=160x120:rate=30:duration=2"])
+        .args(["-vf", "select='not(between(n,20,35))'", "-vsync", "vfr"])
+        .arg(&film)
+        .status()
+        .expect("ffmpeg is needed: run `make test-packages`, or apt install ffmpeg");
+    assert!(status.success());
+    let mut film = andond::video::Film::open(&film, 30.0).unwrap();
+    let times_ms: Vec<u64> =
+        std::iter::from_fn(|| film.advance().unwrap()).map(|ns| (ns + 500_000) / 1_000_000).collect();
+    assert_eq!(times_ms.len(), 44);
+    assert_eq!(times_ms[18..22], [600, 633, 1200, 1233]);
+}
+
 #[test]
 fn a_film_that_is_cut_short_is_not_judged_as_a_shorter_job() {
     let folder = tempfile::tempdir().unwrap();
