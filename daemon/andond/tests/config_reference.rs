@@ -62,3 +62,12 @@ fn the_demo_station_has_the_objects_of_the_footage() {
         config.shapes().iter().map(|shape| (shape.id, shape.interaction_points.len())).collect();
     assert_eq!(shapes, [(5, 3), (6, 5), (3, 4)]);
 }
+
+#[test]
+fn the_film_station_has_the_objects_of_the_demo_station() {
+    let objects = |path| {
+        let text = std::fs::read_to_string(shipped(path)).unwrap();
+        text.parse::<toml::Table>().unwrap()["objects"].clone()
+    };
+    assert_eq!(objects("config/stations/film.toml"), objects("config/stations/demo.toml"));
+}
