@@ -28,7 +28,6 @@ def make(folder, package):
     step("debootstrap", "--variant=minbase", f"--include={BOOT}", codename, root, site)
     lines = [f"deb {site} {release} {component}\n" for site, release, component in sources]
     (root / "etc/apt/sources.list").write_text("".join(lines))
-    # No service of a package is started while the base is made.
     step("chroot", root, "apt-get", "update", "-qq")
     step("chroot", root, "apt-get", "install", "-y", "-qq", "--no-install-recommends", *names)
     step("chroot", root, "apt-get", "clean")
@@ -55,7 +54,8 @@ def codename_of(os_release):
 
 def step(*command):
     """Runs a command that makes a part of the base; its last words are the reason when it cannot."""
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C"})
+    quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C"}
+    done = subprocess.run(command, capture_output=True, text=True, env=quiet)
     if done.returncode != 0:
         words = (done.stderr.strip() or done.stdout.strip() or "no message").splitlines()[-1]
         raise Unusable(f"{command[0]} failed: {words}")

@@ -16,7 +16,8 @@ TARGET = f"andon@{STATION}.target"
 # Greatest exposure of a unit, on systemd's scale from 0 (safe) to 10.
 EXPOSURE = 1.0
 # Where the rest of the system keeps its own records.
-NOT_OURS = ("proc/", "sys/", "dev/", "run/", "tmp/", "var/tmp/", "var/log/", "var/cache/", "var/lib/dpkg/", "var/lib/apt/", "var/lib/systemd/", "etc/.pwd.lock")
+NOT_OURS = ("proc/", "sys/", "dev/", "run/", "tmp/", "var/tmp/", "var/log/", "var/cache/", "etc/.pwd.lock")
+NOT_OURS += ("var/lib/dpkg/", "var/lib/apt/", "var/lib/systemd/")
 
 
 def unit(role, station=STATION):

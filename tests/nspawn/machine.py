@@ -54,11 +54,12 @@ class Machine:
     def boot(self):
         """Starts systemd and waits for it; returns the seconds that it took."""
         began = time.monotonic()
-        log = open(self.folder / "console.log", "a")
         command = ["systemd-nspawn", "--boot", "--quiet", "--register=no", "--keep-unit", "--private-network"]
         command += ["--link-journal=no", "--resolv-conf=off", "--timezone=off", "--console=pipe"]
         command += [f"--machine=andon-test-{os.getpid()}", f"--directory={self.root}"]
-        self.nspawn = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        console = self.folder / "console.log"
+        with open(console, "a") as log:
+            self.nspawn = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         while time.monotonic() - began < BOOT_S:
             if self.nspawn.poll() is not None:
                 break
@@ -66,7 +67,7 @@ class Machine:
             if self.leader and self.run("systemctl", "is-system-running").stdout.strip() in ("running", "degraded"):
                 return time.monotonic() - began
             time.sleep(0.2)
-        words = (self.folder / "console.log").read_text(errors="replace").strip().splitlines()
+        words = console.read_text(errors="replace").strip().splitlines()
         raise Unusable(f"systemd does not boot in systemd-nspawn: {words[-1] if words else 'it says nothing'}")
 
     def power_off(self):
@@ -87,7 +88,8 @@ class Machine:
         inside = ["nsenter", f"--target={self.leader}", "--all"]
         if user:
             inside += ["runuser", "-u", user, "--"]
-        environment = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "LC_ALL": "C.UTF-8", "DEBIAN_FRONTEND": "noninteractive", "SYSTEMD_COLORS": "0"}
+        environment = {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "LC_ALL": "C.UTF-8"}
+        environment |= {"DEBIAN_FRONTEND": "noninteractive", "SYSTEMD_COLORS": "0"}
         return subprocess.run([*inside, *command], capture_output=True, text=True, timeout=timeout, env=environment, input=stdin)
 
     def must(self, *command, **options):
