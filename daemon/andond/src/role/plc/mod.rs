@@ -118,8 +118,9 @@ impl<'a> Events<'a> {
         }
         self.pulse.losses(self.verdicts.lost(), self.verdicts.restarts());
         self.clients.tell(&mut self.pulse);
-        // A bench where nobody works gives no verdicts; the judge's own health tells whether it lives.
-        self.pulse.beat(if wake == Wake::DeadlineMissed { &Wake::Room } else { &wake })?;
+        // This role works while its loop turns. A bench where nobody works gives no verdicts, and who of the others has gone, this role's
+        // own predecessor among them, is `watch`'s to tell.
+        self.pulse.beat(&Wake::Room)?;
         if let Some(line) = self.look()? {
             return Ok(Some(Event::Line(line)));
         }
