@@ -15,5 +15,12 @@ fn main() {
     // ArUco moved from contrib's `aruco` to `objdetect` in OpenCV 4.7.
     if version >= (4, 7) {
         println!("cargo::rustc-cfg=aruco_in_objdetect");
+        if std::env::var_os("CARGO_FEATURE_OBJDETECT").is_none() {
+            println!(
+                "cargo::error=OpenCV {}.{} has its marker detector in the module objdetect: build with `make`, or add \
+                 `--features andond/objdetect`",
+                version.0, version.1
+            );
+        }
     }
 }
