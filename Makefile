@@ -3,6 +3,9 @@ RUNTIME := target/runtime
 DEBIAN := g++ pkg-config libopencv-dev clang libclang-dev python3 python3-pip
 DEBIAN_TEST := ffmpeg mbpoll python3-venv systemd
 
+# From OpenCV 4.7 on the marker detector is in another of its modules.
+OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
+
 .PHONY: setup packages test-packages build demo test lint deny bench
 
 setup: packages
@@ -16,14 +19,14 @@ test-packages: packages
 	@dpkg -s $(DEBIAN_TEST) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_TEST)
 
 build: setup
-	cargo build --release --locked -p andond
+	cargo build --release --locked -p andond $(OBJDETECT)
 
 demo: build
 	target/release/andond demo
 
 lint:
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo clippy --workspace --all-targets --locked $(OBJDETECT) -- -D warnings
 
 deny:
 	@command -v cargo-deny >/dev/null || cargo install --locked cargo-deny
@@ -31,8 +34,8 @@ deny:
 	cargo deny --offline --locked check bans licenses sources
 
 test: setup test-packages lint
-	cargo build --locked --workspace --bins
-	cargo test --locked --workspace
+	cargo build --locked --workspace --bins $(OBJDETECT)
+	cargo test --locked --workspace $(OBJDETECT)
 
 # Prints one table and writes target/bench/report.json. The Python peers are fetched once, into target/bench/venv.
 bench: test-packages
@@ -48,7 +51,7 @@ soak: line
 
 .PHONY: line chaos soak
 line: packages
-	cargo build --release --locked -p andond -p andon-tests --bins
+	cargo build --release --locked -p andond -p andon-tests --bins $(OBJDETECT)
 
 # Throws random bytes at the Modbus side for 10 minutes; writes target/modbus_fuzz/report.json.
 modbus-fuzz: line
@@ -66,7 +69,7 @@ deb: setup
 	@dpkg -s $(DEBIAN_DEB) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_DEB)
 	@command -v cargo-deb >/dev/null || cargo install --locked cargo-deb
 	python3 daemon/realsense/provision.py $(RUNTIME)
-	cargo build --release --locked -p andond -p andon-plc --features andond/realsense
+	cargo build --release --locked -p andond -p andon-plc --features andond/realsense $(OBJDETECT)
 	rm -rf target/deb && mkdir -p target/deb
 	strip --strip-unneeded -o target/deb/libandon_plc.so.0 target/release/libandon_plc.so
 	ln -s libandon_plc.so.0 target/deb/libandon_plc.so
