@@ -13,6 +13,11 @@ const ACKNOWLEDGE: u16 = 16;
 /// A line at the worker's own pace, ready.
 fn ready(writes: bool) -> (Line, Watcher, Modbus) {
     let mut line = Line::new(Settings { at_full_speed: false, repeat: true, writes, ..Settings::default() });
+    let (watcher, plc) = up(&mut line, writes);
+    (line, watcher, plc)
+}
+
+fn up(line: &mut Line, writes: bool) -> (Watcher, Modbus) {
     line.start("steward");
     let watcher = Watcher::join(&line.station);
     line.start_all_but(&["steward"]);
@@ -21,7 +26,7 @@ fn ready(writes: bool) -> (Line, Watcher, Modbus) {
         plc.write(100, ENABLE).unwrap();
     }
     plc.wait_for(status::ONLINE | status::READY);
-    (line, watcher, plc)
+    (watcher, plc)
 }
 
 /// Epoch and `seq` of the result on the registers, which the map puts at 38 and 42.
@@ -66,21 +71,35 @@ fn each_acknowledged_result_is_the_next_verdict_of_the_journal() {
     assert_eq!(&rows[from..from + taken.len()], taken);
 }
 
+/// Kills a role until the PLC sees it, and starts it until the PLC sees that.
+fn kill_and_start(line: &mut Line, plc: &mut Modbus, role: &'static str) {
+    line.role(role).kill();
+    let until = std::time::Instant::now() + Duration::from_secs(60);
+    while plc.status().unwrap() & status::READY != 0 {
+        assert!(std::time::Instant::now() < until, "{role} is gone and the line is ready");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    line.start(role);
+    plc.wait_for(status::READY);
+}
+
 #[test]
 fn ready_drops_when_a_role_is_killed_and_comes_back_with_it() {
     let (mut line, _watcher, mut plc) = ready(false);
     for role in ["perceive", "encode", "judge", "journal", "steward"] {
-        line.role(role).kill();
-        let until = std::time::Instant::now() + Duration::from_secs(60);
-        while plc.status().unwrap() & status::READY != 0 {
-            assert!(std::time::Instant::now() < until, "{role} is gone and the line is ready");
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        line.start(role);
-        plc.wait_for(status::READY);
+        kill_and_start(&mut line, &mut plc, role);
     }
     let log = line.log("plc");
     assert!(log.contains("AND-510") && log.contains("AND-509"), "{log}");
+}
+
+#[test]
+fn ready_comes_back_without_a_verdict_where_nobody_works() {
+    let mut line = Line::new(Settings { at_full_speed: false, repeat: true, ..Settings::default() });
+    line.edit_tracks(|frames| frames.iter_mut().for_each(|frame| frame.hands.clear()));
+    let (watcher, mut plc) = up(&mut line, false);
+    kill_and_start(&mut line, &mut plc, "judge");
+    assert!(watcher.heard.is_empty());
 }
 
 #[test]
