@@ -33,7 +33,13 @@ deny:
 	cargo fetch --locked
 	cargo deny --offline --locked check bans licenses sources
 
+# With the features nothing is built again but the crates that have them: the dependencies are those of the workspace.
+REALSENSE := --locked --workspace --features andond/realsense,andon-realsense/realsense,andon-tests/realsense $(OBJDETECT)
 test: setup test-packages lint
+	python3 daemon/realsense/provision.py $(RUNTIME) --recorder
+	cargo clippy $(REALSENSE) --all-targets -- -D warnings
+	cargo build $(REALSENSE) --bins
+	cargo test $(REALSENSE) --test recording --test library --test realsense_line
 	cargo build --locked --workspace --bins $(OBJDETECT)
 	cargo test --locked --workspace $(OBJDETECT)
 

@@ -2,7 +2,7 @@
 """Makes a RealSense recording without a camera: a clip of tests/footage with depth computed from its ground truth.
 
     provision.py target/runtime --recorder
-    make_bag.py CLIP.mp4 CLIP.truth.jsonl OUT.bag [--first 100] [--frames 30]
+    make_bag.py CLIP.mp4 CLIP.truth.jsonl OUT.bag [--first 100] [--frames 30] [--bag-only]
 
 The SDK's software device plays a D435i, the SDK's recorder writes the file. Beside it, OUT.colour (RGB8) and OUT.depth
 (Z16) have the pixels of all frames one after the other, and OUT.json the calibration: what a reader of the recording must
@@ -37,6 +37,7 @@ def main():
     arguments.add_argument("bag", type=pathlib.Path)
     arguments.add_argument("--first", type=int, default=100, help="first frame of the clip")
     arguments.add_argument("--frames", type=int, default=30, help="how many")
+    arguments.add_argument("--bag-only", action="store_true", help="without OUT.colour and OUT.depth")
     options = arguments.parse_args()
     header, *lines = (json.loads(line) for line in options.truth.open())
     lines = lines[options.first : options.first + options.frames]
@@ -44,8 +45,9 @@ def main():
     camera = synthetic_depth.d435i()
     depth = list(synthetic_depth.pictures(header, lines, camera))
     record(options.bag, header["camera"], camera, colour, depth)
-    colour.tofile(options.bag.with_suffix(".colour"))
-    np.stack(depth).tofile(options.bag.with_suffix(".depth"))
+    if not options.bag_only:
+        colour.tofile(options.bag.with_suffix(".colour"))
+        np.stack(depth).tofile(options.bag.with_suffix(".depth"))
     options.bag.with_suffix(".json").write_text(json.dumps(synthetic_depth.calibration(header, camera) | {"depth_lag_ms": DEPTH_LAG_MS}))
 
 

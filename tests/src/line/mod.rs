@@ -66,20 +66,23 @@ pub struct Line {
 impl Line {
     /// Lays out the station; nothing runs yet.
     pub fn new(settings: Settings) -> Self {
+        let line = Self::configured(|folder, port| {
+            let (recording, _) = perform(&performance(9, 1), settings.flaw);
+            save(&folder.join("work.tracks.jsonl"), &recording);
+            configuration(settings, folder, port, &recording.header)
+        });
+        fs::write(line.path("job.toml"), job(&line.config())).unwrap();
+        line
+    }
+
+    /// Lays out a station with a configuration of its own, made for its folder and for a free port.
+    pub fn configured(configuration: impl FnOnce(&Path, u16) -> String) -> Self {
         // Under /tmp whatever TMPDIR says: the path must be short.
         let folder = tempfile::Builder::new().prefix("andon-").tempdir_in("/tmp").unwrap();
         let station = Station::under("line", &folder.path().join("line")).unwrap();
-        let (recording, _) = perform(&performance(9, 1), settings.flaw);
-        save(&folder.path().join("work.tracks.jsonl"), &recording);
         let port = free_port();
-        fs::write(
-            folder.path().join("station.toml"),
-            configuration(settings, folder.path(), port, &recording.header),
-        )
-        .unwrap();
-        let line = Self { roles: Vec::new(), station, port, environment: Vec::new(), folder };
-        fs::write(line.path("job.toml"), job(&line.config())).unwrap();
-        line
+        fs::write(folder.path().join("station.toml"), configuration(folder.path(), port)).unwrap();
+        Self { roles: Vec::new(), station, port, environment: Vec::new(), folder }
     }
 
     /// A file of the station.
