@@ -166,7 +166,8 @@ mod tests {
 
     #[test]
     fn a_message_that_claims_more_than_it_holds_is_read_to_its_end_only() {
-        let message = Detections { hands_len: 999, objects_len: 999, ..Detections::default() };
+        let objects = [ObjectDetection { flags: flag::SEEN, ..ObjectDetection::default() }; OBJECTS];
+        let message = Detections { hands_len: 999, objects_len: 999, objects, ..Detections::default() };
         assert_eq!(frame(&message).objects.len(), OBJECTS);
         assert!(frame(&message).hands.is_empty(), "no hand has the code 0");
     }
