@@ -9,7 +9,6 @@ use andond::video::pipe::PictureFormat;
 use andond::video::source::{OpenError, Source};
 use rustix::process::{Pid, Signal, kill_process};
 use shm_schemas::{Health, RoleId, RoleState};
-use std::io::Read as _;
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -167,8 +166,7 @@ fn a_camera_that_this_build_has_no_support_for_is_refused_and_not_tried_again() 
     let bench = Bench::new();
     let mut child = run_capture(&bench.config("source = \"realsense\""));
     assert_eq!(child.wait().unwrap().code(), Some(78));
-    let mut said = String::new();
-    child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
+    let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
     assert!(said.contains("AND-109") && said.contains("--features realsense"), "{said}");
 }
 

@@ -77,7 +77,8 @@ impl Watcher {
         self.heard.drain(..from);
     }
 
-    fn words(&self) -> Vec<String> {
+    /// What each role said of itself.
+    pub fn words(&self) -> Vec<String> {
         let word = |health: &Health| {
             let state = RoleState::try_from(health.state).map_or("?", RoleState::name);
             let role = RoleId::try_from(health.role).map_or("?", RoleId::name);

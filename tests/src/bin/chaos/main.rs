@@ -64,7 +64,7 @@ impl Chaos {
         for role in ROLES {
             chaos.recover(role, "the first start", Instant::now(), 0);
         }
-        chaos.plc.until_ready();
+        chaos.until_ready("the start");
         chaos
     }
 
@@ -106,13 +106,25 @@ impl Chaos {
             }
         };
         self.recover(role, what, began, began_ns);
-        self.plc.until_ready();
+        self.until_ready(&format!("{role} after {what}"));
         if self.plc.dropped_since(began_ns) {
             self.tally.ready_drops += 1;
         } else {
             self.tally.unseen.push(format!("{role} after {what}"));
         }
         self.tally.disturbances += 1;
+    }
+
+    /// Waits until the PLC sees the line ready.
+    fn until_ready(&mut self, after: &str) {
+        if !self.plc.until_ready() {
+            self.watcher.listen(Duration::from_secs(1));
+            panic!(
+                "the PLC does not see the line ready again: {after}; health: {:?}; log of plc:\n{}",
+                self.watcher.words(),
+                self.line.log("plc")
+            );
+        }
     }
 
     fn kill_while_it_starts(&mut self, role: &'static str) {
