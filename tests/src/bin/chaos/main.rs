@@ -115,15 +115,18 @@ impl Chaos {
         self.tally.disturbances += 1;
     }
 
-    /// Waits until the PLC sees the line ready.
+    /// Waits until the PLC sees the line ready, starting again whatever ends by itself.
     fn until_ready(&mut self, after: &str) {
-        if !self.plc.until_ready() {
-            self.watcher.listen(Duration::from_secs(1));
-            panic!(
+        let (since, since_ns) = (Instant::now(), monotonic_ns());
+        while !self.plc.ready_since(since_ns) {
+            assert!(
+                since.elapsed() < HANGS,
                 "the PLC does not see the line ready again: {after}; health: {:?}; log of plc:\n{}",
                 self.watcher.words(),
                 self.line.log("plc")
             );
+            self.watcher.listen(Duration::from_millis(5));
+            self.supervise();
         }
     }
 

@@ -44,17 +44,9 @@ impl Plc {
         Self { ready_ns, not_ready_ns, end, thread: Some(std::thread::spawn(poll)) }
     }
 
-    /// Waits until the line is ready, a minute at most. Whether it is.
-    pub(crate) fn until_ready(&self) -> bool {
-        let began_ns = monotonic_ns();
-        let until = Instant::now() + Duration::from_secs(60);
-        while self.ready_ns.load(Ordering::Relaxed) < began_ns {
-            if Instant::now() > until {
-                return false;
-            }
-            std::thread::sleep(SCAN);
-        }
-        true
+    /// Whether it saw the line ready since then.
+    pub(crate) fn ready_since(&self, ns: u64) -> bool {
+        self.ready_ns.load(Ordering::Relaxed) >= ns
     }
 
     /// Whether it saw the line not ready since then.
