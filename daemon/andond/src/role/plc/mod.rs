@@ -26,6 +26,11 @@ use line::Watch;
 /// How often the server is told how the line is when nothing changes: it counts a line as silent after 2 s.
 const TELL_EVERY: Duration = Duration::from_millis(250);
 
+/// A line that is not ready for so long is listened to anew. Where iceoryx2 0.10.0 fails once to connect a reader with a writer, as
+/// with one that is killed while it comes up, it does not try again before another one comes or goes: a role that is well would stay
+/// unheard. Twice as long as the longest beat is apart.
+const LISTEN_ANEW: Duration = Duration::from_secs(1);
+
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     if !config.plc.enable {
@@ -71,6 +76,8 @@ struct Events<'a> {
     watch: Watch,
     line: Line,
     told: Instant,
+    /// Since when `health` has had the chance to hear everybody.
+    listening: Instant,
     began_ns: u64,
     /// When the server was handed a verdict: its step.
     handed: Option<Instant>,
@@ -96,6 +103,7 @@ impl<'a> Events<'a> {
             watch: Watch::new(config),
             line: Line::Starting,
             told: Instant::now(),
+            listening: Instant::now(),
             began_ns: monotonic_ns(),
             handed: None,
             clients: Clients::new(counters),
@@ -133,6 +141,12 @@ impl<'a> Events<'a> {
             self.watch.heard(&health);
         }
         let line = self.watch.line(monotonic_ns());
+        if line == Line::Ready {
+            self.listening = Instant::now();
+        } else if self.listening.elapsed() > LISTEN_ANEW {
+            self.health = self.node.reader()?;
+            self.listening = Instant::now();
+        }
         if line == self.line && self.told.elapsed() < TELL_EVERY {
             return Ok(None);
         }
