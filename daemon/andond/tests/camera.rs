@@ -49,10 +49,11 @@ fn unreliable(_: &Config) -> Result<Box<dyn Source>, OpenError> {
 
 /// A station of its own with a steward, and what is heard of it.
 struct Bench {
-    folder: tempfile::TempDir,
-    station: Station,
-    _steward: Steward,
     node: Node,
+    // Cleans up as the last one out.
+    _steward: Steward,
+    station: Station,
+    folder: tempfile::TempDir,
 }
 
 impl Bench {
@@ -62,7 +63,7 @@ impl Bench {
         let station = Station::under("camera", &folder.path().join("camera")).unwrap();
         let steward = Steward::create(&station, Limits { frame_bytes: 4096 }).unwrap();
         let node = Node::open(&station, RoleId::Tool, PATIENCE, &Stop::new().unwrap()).unwrap();
-        Self { folder, station, _steward: steward, node }
+        Self { node, _steward: steward, station, folder }
     }
 
     fn config(&self, camera: &str) -> std::path::PathBuf {
