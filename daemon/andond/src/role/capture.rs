@@ -62,7 +62,7 @@ pub fn run(
                 if node.stop().wait(RETRY) {
                     return Ok(());
                 }
-                role.pulse.beat(&Wake::Room)?;
+                role.pulse.beat()?;
             }
             Err(error) => return Err(error),
         }
@@ -169,7 +169,7 @@ impl Capture<'_> {
             self.frames.send(loan)?;
             self.pulse.sent();
             self.pulse.stepped(read);
-            self.pulse.beat(&Wake::Room)?;
+            self.pulse.beat()?;
         }
     }
 
@@ -188,7 +188,7 @@ impl Capture<'_> {
             if self.node.wait(&mut [&mut self.frames], WAIT)? == Wake::Stop {
                 return Ok(());
             }
-            self.pulse.beat(&Wake::Room)?;
+            self.pulse.beat()?;
         }
     }
 }

@@ -24,7 +24,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
             role.step(&detections)?;
         }
         role.pulse.losses(role.detections.lost(), role.detections.restarts());
-        role.pulse.beat(&wake)?;
+        role.pulse.beat_after(&wake)?;
     }
 }
 

@@ -29,7 +29,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         keeper.pulse.losses(keeper.verdicts.lost(), keeper.verdicts.restarts());
         // This role works while its loop turns. On a bench where nobody works there are no verdicts; whether the judge lives, its own health
         // tells, and the next verdict may be an hour away.
-        keeper.pulse.beat(&Wake::Room)?;
+        keeper.pulse.beat()?;
     }
 }
 

@@ -158,7 +158,7 @@ impl Line<'_> {
                     _ => (),
                 }
             }
-            self.pulse.beat(&wake)?;
+            self.pulse.beat_after(&wake)?;
         }
     }
 }
@@ -195,7 +195,7 @@ impl Session<'_, '_, '_> {
             }
             let (lost, restarts) = (self.line.couples.lost(), self.line.couples.restarts());
             self.line.pulse.losses(lost, restarts);
-            self.line.pulse.beat(&wake)?;
+            self.line.pulse.beat_after(&wake)?;
         }
     }
 

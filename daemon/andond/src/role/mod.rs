@@ -102,7 +102,7 @@ fn wait_for_room(
         match node.wait_for_room(writer, WAIT)? {
             Wake::Room => return Ok(()),
             Wake::Stop => return Err(RoleError::Stopped),
-            wake => pulse.beat(&wake)?,
+            wake => pulse.beat_after(&wake)?,
         }
         if began.elapsed() > STUCK {
             return Err(RoleError::NoProgress(STUCK));

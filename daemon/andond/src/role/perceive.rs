@@ -79,7 +79,7 @@ impl Perceive<'_> {
 
     fn beat(&mut self, wake: &Wake) -> Result<(), RoleError> {
         self.pulse.losses(self.frames.lost() + self.frames.skipped(), self.frames.restarts());
-        Ok(self.pulse.beat(wake)?)
+        Ok(self.pulse.beat_after(wake)?)
     }
 
     fn step(&mut self, frame: &FrameSample, config: &Config) -> Result<(), RoleError> {
@@ -202,7 +202,7 @@ fn play_tracks(node: &Node, config: &Config) -> Result<(), RoleError> {
             detections.send(message)?;
             pulse.sent();
             pulse.stepped(stepped.elapsed());
-            pulse.beat(&Wake::Room)?;
+            pulse.beat()?;
         }
         if let Some(truncation) = tracks.truncation() {
             log!(code::TRACK_CUT_SHORT, "{truncation}");
@@ -225,7 +225,7 @@ fn play_tracks(node: &Node, config: &Config) -> Result<(), RoleError> {
         if wake == Wake::Stop {
             return Ok(());
         }
-        pulse.beat(&Wake::Room)?;
+        pulse.beat()?;
     }
 }
 

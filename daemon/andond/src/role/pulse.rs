@@ -89,12 +89,20 @@ impl Pulse {
         self.heartbeat.state(RoleState::Finished);
     }
 
-    /// After every wait: tells transitions, and gives the signs of life that are due.
+    /// After a wait whose end says how the role's input is: tells transitions, and gives the signs of life that are due.
+    ///
+    /// # Errors
+    /// As [`Pulse::beat`].
+    pub fn beat_after(&mut self, wake: &Wake) -> Result<(), Error> {
+        self.note(wake);
+        self.beat()
+    }
+
+    /// Gives the signs of life that are due. After every wait.
     ///
     /// # Errors
     /// That health cannot be sent.
-    pub fn beat(&mut self, wake: &Wake) -> Result<(), Error> {
-        self.note(wake);
+    pub fn beat(&mut self) -> Result<(), Error> {
         self.heartbeat.error(last_error());
         if self.heartbeat.beat()? {
             let _ = sd_notify::notify(&[NotifyState::Watchdog]);

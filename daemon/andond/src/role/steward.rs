@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use andon_ipc::{Death, Limits, Node, Station, Steward, Stop, TEND_PERIOD, Wake};
+use andon_ipc::{Death, Limits, Node, Station, Steward, Stop, TEND_PERIOD};
 use shm_schemas::RoleId;
 
 use super::{Pulse, RoleError};
@@ -22,7 +22,7 @@ pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(),
         // What is still there is met again at every look.
         unburied = deaths.into_iter().filter(|death| !death.removed).collect();
         pulse.stepped(began.elapsed());
-        pulse.beat(&Wake::Room)?;
+        pulse.beat()?;
         if stop.wait(TEND_PERIOD) {
             return Ok(());
         }

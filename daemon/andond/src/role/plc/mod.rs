@@ -53,7 +53,7 @@ fn rest(node: &Node) -> Result<(), RoleError> {
     log!(code::PLC_OFF, "plc.enable is false: nothing listens");
     pulse.stepped(Duration::ZERO);
     while !node.stop().wait(WAIT) {
-        pulse.beat(&Wake::Room)?;
+        pulse.beat()?;
     }
     Ok(())
 }
@@ -128,7 +128,7 @@ impl<'a> Events<'a> {
         self.clients.tell(&mut self.pulse);
         // This role works while its loop turns. A bench where nobody works gives no verdicts, and who of the others has gone, this role's
         // own predecessor among them, is `watch`'s to tell.
-        self.pulse.beat(&Wake::Room)?;
+        self.pulse.beat()?;
         if let Some(line) = self.look()? {
             return Ok(Some(Event::Line(line)));
         }
