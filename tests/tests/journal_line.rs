@@ -3,7 +3,7 @@
 
 use andon_tests::line::{Line, Settings, Watcher};
 use andon_tests::simulator::Flaw;
-use shm_schemas::{RoleId, RoleState};
+use shm_schemas::RoleId;
 use std::process::{Command, Output, Stdio};
 
 fn text(output: &Output) -> String {
@@ -21,12 +21,8 @@ fn in_journal(line: &Line) -> Vec<(u64, u64)> {
 
 /// Runs the line over its track file until everything that follows from it is on disk.
 fn play(line: &mut Line) -> Watcher {
-    line.start("steward");
-    let mut watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
-    watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
-    let sent = watcher.health(RoleId::Judge).unwrap().sent;
-    watcher.until("all verdicts", |watcher| watcher.heard.len() as u64 == sent);
+    let mut watcher = line.launch();
+    let sent = watcher.until_judged();
     watcher.until("the journal", |watcher| {
         watcher.health(RoleId::Journal).is_some_and(|journal| journal.received == sent)
     });
@@ -98,9 +94,7 @@ fn tail_says_what_a_replay_of_the_same_tracks_and_of_the_line_s_own_recording_sa
     }
     std::thread::sleep(std::time::Duration::from_millis(500));
     line.start_all_but(&["steward"]);
-    watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
-    let sent = watcher.health(RoleId::Judge).unwrap().sent;
-    watcher.until("all verdicts", |watcher| watcher.heard.len() as u64 == sent);
+    let sent = watcher.until_judged();
     let record = record.wait_with_output().unwrap();
     assert!(record.status.success(), "{}", String::from_utf8_lossy(&record.stderr));
     rustix::process::kill_process(

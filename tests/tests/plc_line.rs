@@ -18,9 +18,7 @@ fn ready(writes: bool) -> (Line, Watcher, Modbus) {
 }
 
 fn up(line: &mut Line, writes: bool) -> (Watcher, Modbus) {
-    line.start("steward");
-    let watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
+    let watcher = line.launch();
     let mut plc = Modbus::wait(line.port);
     if writes {
         plc.write(100, ENABLE).unwrap();

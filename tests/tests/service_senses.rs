@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_core::input::Frame;
-use andon_tests::line::{Line, ROLES, Settings, Watcher, role_id};
+use andon_tests::line::{Line, ROLES, Settings, role_id};
 use shm_schemas::{RoleId, RoleState, VerdictKind, VerdictReason};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,12 +28,8 @@ fn with_a_blind_spot(hide: impl Fn(&mut Frame, u16)) -> (Line, bool) {
         let inside = |frame: &&mut Frame| (from_s..from_s + 2.0).contains(&(frame.captured_ns as f64 / 1e9));
         frames.iter_mut().filter(inside).for_each(|frame| hide(frame, id));
     });
-    line.start("steward");
-    let mut watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
-    watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
-    let sent = watcher.health(RoleId::Judge).unwrap().sent;
-    watcher.until("all verdicts", |watcher| watcher.heard.len() as u64 == sent);
+    let mut watcher = line.launch();
+    watcher.until_judged();
     let blind = watcher.heard.iter().any(|verdict| {
         verdict.kind == VerdictKind::NotJudged.code() && verdict.reason == VerdictReason::Blind.code()
     });
@@ -64,9 +60,7 @@ fn a_track_file_that_was_cut_off_is_played_to_the_cut_and_told() {
     let mut line = Line::new(Settings::default());
     let bytes = std::fs::read(line.tracks()).unwrap();
     std::fs::write(line.tracks(), &bytes[..bytes.len() - 20]).unwrap();
-    line.start("steward");
-    let mut watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
+    let mut watcher = line.launch();
     watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
     line.logs("perceive", "AND-210", "everything up to there has been used");
 }

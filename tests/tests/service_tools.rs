@@ -1,7 +1,7 @@
 //! The commands that a technician runs, on the real binary.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, Settings, Watcher, role_id};
+use andon_tests::line::{Line, Settings, role_id};
 use std::process::Command;
 
 #[test]
@@ -40,9 +40,7 @@ fn the_reference_is_printed_without_a_configuration() {
 fn status_is_healthy_while_every_role_runs_and_names_the_one_that_does_not() {
     let mut line = Line::new(Settings { at_full_speed: false, repeat: true, ..Settings::default() });
     assert_eq!(line.command("status", &[]).status.code(), Some(70), "nobody is there yet");
-    line.start("steward");
-    let mut watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
+    let mut watcher = line.launch();
     for role in andon_tests::line::ROLES {
         let pid = line.role(role).pid();
         watcher.until(role, |watcher| watcher.runs(role_id(role), pid));

@@ -28,6 +28,15 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
+/// Prints the report of a long check and writes it to a file.
+pub fn report(path: &str, text: &str) {
+    println!("{text}");
+    if let Some(folder) = Path::new(path).parent() {
+        fs::create_dir_all(folder).unwrap();
+    }
+    fs::write(path, text).unwrap();
+}
+
 /// The roles of a line without pictures, in the order in which a target starts them.
 pub const ROLES: [&str; 6] = ["steward", "perceive", "encode", "judge", "journal", "plc"];
 
@@ -107,11 +116,17 @@ impl Line {
         self.roles.last_mut().unwrap()
     }
 
+    /// Starts every role; what is told from the beginning can be heard.
+    pub fn launch(&mut self) -> Watcher {
+        self.start("steward");
+        let watcher = Watcher::join(&self.station);
+        self.start_all_but(&["steward"]);
+        watcher
+    }
+
     /// Starts every role, and waits until each runs.
     pub fn up(&mut self) -> Watcher {
-        self.start("steward");
-        let mut watcher = Watcher::join(&self.station);
-        self.start_all_but(&["steward"]);
+        let mut watcher = self.launch();
         for role in ROLES {
             let pid = self.role(role).pid();
             watcher.until(role, |watcher| watcher.runs(role_id(role), pid));

@@ -48,6 +48,14 @@ impl Watcher {
         }
     }
 
+    /// Listens until the recording has been judged to its end and every verdict on it was heard; how many they are.
+    pub fn until_judged(&mut self) -> u64 {
+        self.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
+        let sent = self.health(RoleId::Judge).unwrap().sent;
+        self.until("all verdicts", |watcher| watcher.heard.len() as u64 == sent);
+        sent
+    }
+
     /// The newest health of a role.
     pub fn health(&self, role: RoleId) -> Option<&Health> {
         self.newest.iter().find(|health| health.role == role.code())

@@ -9,12 +9,11 @@ mod plc;
 mod tally;
 
 use andon_ipc::monotonic_ns;
-use andon_tests::line::{Line, ROLES, Settings, Watcher, role_id};
+use andon_tests::line::{Line, ROLES, Settings, Watcher, report, role_id};
 use andon_tests::simulator::Random;
 use plc::Plc;
 use rustix::process::Signal;
 use shm_schemas::RoleState;
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use tally::{Recovery, Tally, load_average};
@@ -30,18 +29,14 @@ fn main() -> ExitCode {
         arguments.get(place).map_or(default, |text| text.parse().expect("a number"))
     };
     let (kills, seed) = (number(0, 1000), number(1, 1));
-    let report = arguments.get(2).map_or("target/chaos/report.json", String::as_str);
+    let path = arguments.get(2).map_or("target/chaos/report.json", String::as_str);
     let most_ms = arguments.get(3).map_or(f64::INFINITY, |text| text.parse().expect("milliseconds"));
     let mut chaos = Chaos::start(seed);
     while chaos.tally.kills() < kills {
         chaos.disturb();
     }
     let (text, well) = chaos.finish(most_ms);
-    println!("{text}");
-    if let Some(folder) = Path::new(report).parent() {
-        std::fs::create_dir_all(folder).unwrap();
-    }
-    std::fs::write(report, text).unwrap();
+    report(path, &text);
     if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
@@ -56,9 +51,7 @@ struct Chaos {
 impl Chaos {
     fn start(seed: u64) -> Self {
         let mut line = Line::new(Settings { at_full_speed: false, repeat: true, ..Settings::default() });
-        line.start("steward");
-        let watcher = Watcher::join(&line.station);
-        line.start_all_but(&["steward"]);
+        let watcher = line.launch();
         let plc = Plc::watch(line.port);
         let mut chaos = Self { line, watcher, plc, random: Random::new(seed, &[]), tally: Tally::default() };
         for role in ROLES {

@@ -6,10 +6,9 @@
 
 mod attack;
 
-use andon_tests::line::{Line, Modbus, Settings, Watcher, own_memory_kib, status};
+use andon_tests::line::{Line, Modbus, Settings, Watcher, own_memory_kib, report, status};
 use attack::Sent;
 use shm_schemas::RoleId;
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -28,12 +27,10 @@ fn main() -> ExitCode {
         arguments.get(place).map_or(default, |text| text.parse().expect("a number"))
     };
     let (seconds, seed) = (number(0, 600), number(1, 1));
-    let report = arguments.get(2).map_or("target/modbus_fuzz/report.json", String::as_str);
+    let path = arguments.get(2).map_or("target/modbus_fuzz/report.json", String::as_str);
     let mut line =
         Line::new(Settings { at_full_speed: false, repeat: true, writes: true, ..Settings::default() });
-    line.start("steward");
-    let mut watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
+    let mut watcher = line.launch();
     let mut plc = Modbus::wait(line.port);
     plc.write(100, 1).unwrap();
     plc.wait_for(status::ONLINE | status::READY);
@@ -70,11 +67,7 @@ fn main() -> ExitCode {
         served.warm_kib,
         served.end_kib,
     );
-    println!("{text}");
-    if let Some(folder) = Path::new(report).parent() {
-        std::fs::create_dir_all(folder).unwrap();
-    }
-    std::fs::write(report, text).unwrap();
+    report(path, &text);
     if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 

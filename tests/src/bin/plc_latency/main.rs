@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{Node, Stop, Writer, monotonic_ns};
-use andon_tests::line::{Line, Modbus, Settings, andond, status};
+use andon_tests::line::{Line, Modbus, Settings, andond, report, status};
 use shm_schemas::{RoleId, Verdict, VerdictKind};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -22,7 +22,7 @@ const ACKNOWLEDGE: u16 = 16;
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let verdicts: usize = arguments.first().map_or(1000, |text| text.parse().expect("a number of verdicts"));
-    let report = arguments.get(1).map_or("target/plc_latency/report.json", String::as_str);
+    let path = arguments.get(1).map_or("target/plc_latency/report.json", String::as_str);
     let mut line = Line::new(Settings { writes: true, ..Settings::default() });
     for role in ["steward", "journal", "plc"] {
         line.start(role);
@@ -61,11 +61,7 @@ fn main() {
         c[3],
         c[5]
     );
-    println!("{text}");
-    if let Some(folder) = Path::new(report).parent() {
-        std::fs::create_dir_all(folder).unwrap();
-    }
-    std::fs::write(report, text).unwrap();
+    report(path, &text);
 }
 
 /// Says verdicts, which nobody judged.

@@ -3,10 +3,9 @@
 //! `soak [FRAMES] [REPORT]`: ends with an error when a role grows, a message is lost or a verdict is missing.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, ROLES, Settings, Watcher, own_memory_kib};
+use andon_tests::line::{Line, ROLES, Settings, Watcher, own_memory_kib, report};
 use shm_schemas::RoleId;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -23,11 +22,9 @@ const HANGS: Duration = Duration::from_secs(60);
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let frames = arguments.first().map_or(FRAMES, |text| text.parse().expect("a number of frames"));
-    let report = arguments.get(1).map_or("target/soak/report.json", String::as_str);
+    let path = arguments.get(1).map_or("target/soak/report.json", String::as_str);
     let mut line = Line::new(Settings { repeat: true, ..Settings::default() });
-    line.start("steward");
-    let mut watcher = Watcher::join(&line.station);
-    line.start_all_but(&["steward"]);
+    let mut watcher = line.launch();
     let began = Instant::now();
     let memory = play(&mut line, &mut watcher, frames);
     let took_s = began.elapsed().as_secs_f64();
@@ -51,11 +48,7 @@ fn main() -> ExitCode {
         rows.len(),
         roles.join(",\n    ")
     );
-    println!("{text}");
-    if let Some(folder) = Path::new(report).parent() {
-        std::fs::create_dir_all(folder).unwrap();
-    }
-    std::fs::write(report, text).unwrap();
+    report(path, &text);
     if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
