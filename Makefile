@@ -6,7 +6,7 @@ DEBIAN_TEST := ffmpeg mbpoll python3-venv systemd
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
 
-.PHONY: setup packages test-packages build demo test lint deny bench
+.PHONY: setup packages test-packages build demo test lint deny bench line chaos soak modbus-fuzz plc-latency deb nspawn
 
 setup: packages
 	python3 daemon/perception/models/provision.py $(RUNTIME)
@@ -19,29 +19,33 @@ test-packages: packages
 	@dpkg -s $(DEBIAN_TEST) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_TEST)
 
 build: setup
-	cargo build --release --locked -p andond $(OBJDETECT)
+	cargo build --release --locked -p andond -p andon-video $(OBJDETECT)
 
 demo: build
 	target/release/andond demo
 
+# RealSense is on. With and without it the whole workspace is named: then the dependencies have the same features both times,
+# and only the three crates that have this feature are compiled twice.
+REALSENSE = --locked --workspace --features andon-video/realsense,andon-realsense/realsense,andon-tests/realsense $(OBJDETECT)
+
 lint:
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets --locked $(OBJDETECT) -- -D warnings
+	cargo clippy $(REALSENSE) --all-targets -- -D warnings
+	cargo clippy --locked --workspace --all-targets $(OBJDETECT) -- -D warnings
 
 deny:
-	@command -v cargo-deny >/dev/null || cargo install --locked cargo-deny
+	@command -v cargo-deny >/dev/null || CARGO_PROFILE_DEV_DEBUG=0 cargo install --locked --debug cargo-deny
 	cargo fetch --locked
 	cargo deny --offline --locked check bans licenses sources
 
-# With the features nothing is built again but the crates that have them: the dependencies are those of the workspace.
-REALSENSE := --locked --workspace --features andond/realsense,andon-realsense/realsense,andon-tests/realsense $(OBJDETECT)
+# Everything is built and run once, with RealSense; then the one test that needs a build without it. Tests of the line start the
+# programs in the target folder, so these are built first. Always the whole workspace: a selection of tests would ask for other
+# features of the dependencies, which would then be compiled twice.
 test: setup test-packages lint
 	python3 daemon/realsense/provision.py $(RUNTIME) --recorder
-	cargo clippy $(REALSENSE) --all-targets -- -D warnings
-	cargo build $(REALSENSE) --bins
-	cargo test $(REALSENSE) --test recording --test library --test realsense_line
-	cargo build --locked --workspace --bins $(OBJDETECT)
-	cargo test --locked --workspace $(OBJDETECT)
+	cargo build $(REALSENSE) --all-targets
+	cargo test $(REALSENSE)
+	cargo test --locked --workspace $(OBJDETECT) a_camera_that_this_build_does_not_support
 
 # Prints one table and writes target/bench/report.json. The Python peers are fetched once, into target/bench/venv.
 bench: test-packages
@@ -55,9 +59,8 @@ chaos: line
 soak: line
 	target/release/soak
 
-.PHONY: line chaos soak
 line: packages
-	cargo build --release --locked -p andond -p andon-tests --bins $(OBJDETECT)
+	cargo build --release --locked -p andond -p andon-video -p andon-tests --bins $(OBJDETECT)
 
 # Throws random bytes at the Modbus side for 10 minutes; writes target/modbus_fuzz/report.json.
 modbus-fuzz: line
@@ -70,12 +73,11 @@ plc-latency: line
 
 # One Debian package with all that a cell controller needs, in target/deb; RealSense is on in it.
 DEBIAN_DEB := dpkg-dev lintian
-.PHONY: modbus-fuzz plc-latency deb nspawn
 deb: setup
 	@dpkg -s $(DEBIAN_DEB) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_DEB)
-	@command -v cargo-deb >/dev/null || cargo install --locked cargo-deb
+	@command -v cargo-deb >/dev/null || CARGO_PROFILE_DEV_DEBUG=0 CARGO_PROFILE_DEV_OPT_LEVEL=1 cargo install --locked --debug cargo-deb
 	python3 daemon/realsense/provision.py $(RUNTIME)
-	cargo build --release --locked -p andond -p andon-plc --features andond/realsense $(OBJDETECT)
+	cargo build --release --locked -p andond -p andon-video -p andon-plc --features andon-video/realsense $(OBJDETECT)
 	rm -rf target/deb && mkdir -p target/deb
 	strip --strip-unneeded -o target/deb/libandon_plc.so.0 target/release/libandon_plc.so
 	ln -s libandon_plc.so.0 target/deb/libandon_plc.so

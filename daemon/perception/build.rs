@@ -6,7 +6,7 @@ fn main() {
     println!("cargo::rustc-check-cfg=cfg(aruco_in_objdetect)");
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-env-changed=PKG_CONFIG_PATH");
-    // Without an answer the opencv crate's own build fails first, and says what is missing.
+    // Without an answer the opencv crate's own build fails first, and names what is missing.
     let version = Command::new("pkg-config").args(["--modversion", "opencv4"]).output().ok();
     let version =
         version.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Writes one trampoline for each function of librealsense's C interface.
 //!
-//! `realsense-sys` declares the functions and expects a linker to find them. Each trampoline has a function's name and
-//! jumps through a slot that `sdk::library` fills when the library has been loaded.
+//! `realsense-sys` declares the functions and expects a linker to find them. Each trampoline has the name of a function and jumps through a
+//! slot that `sdk::library` fills when it has loaded the library.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Puts librealsense2 where Andon loads it from: RUNTIME/realsense/.
 
-No Debian package and no crate brings the library; the Python package pyrealsense2 exports its whole C interface. Only
-that one file is kept. It refers to symbols of the Python interpreter that its C interface never touches: a stub library
-that has their names satisfies the loader, so that no Python is needed to run.
+No Debian package and no crate contains the library, but the Python package pyrealsense2 exports its whole C interface. Only
+that one file is kept. It refers to symbols of the Python interpreter that its C interface never uses; a stub library with
+their names satisfies the loader, so that no Python is needed at run time.
 
 With --recorder the Python package itself is unpacked as well (for tests/realsense/make_bag.py).
-Runs again without harm: what is there and whole is left alone.
+Running it again is harmless: intact files are kept.
 """
 import argparse
 import hashlib
@@ -19,7 +19,7 @@ import zipfile
 
 LIBRARY = "librealsense2.so.2.56"
 STUB = "libpystub.so"
-# The wheel for CPython 3.11: any of them has the same library; this one also runs on Debian 12's own Python.
+# The wheel for CPython 3.11: all wheels have the same library, and this one also runs on the Python of Debian 12.
 EXTENSION = "pyrealsense2/pyrealsense2.cpython-311-x86_64-linux-gnu.so"
 EXTENSION_SHA256 = "17fc5408a4cd81a94446649c3d96d74b0b3d16ac83800fed316cbdccbac7b314"
 LICENSE = "pyrealsense2-2.56.5.9235.dist-info/licenses/LICENSE"
@@ -34,7 +34,7 @@ RECORDER_PYTHON = (3, 11)
 
 def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("runtime", type=pathlib.Path, help="the folder that the library is put into, as target/runtime")
+    arguments.add_argument("runtime", type=pathlib.Path, help="the folder for the library, such as target/runtime")
     arguments.add_argument("--recorder", action="store_true", help="unpack the Python packages that make_bag.py needs too")
     options = arguments.parse_args()
     target = options.runtime / "realsense"
@@ -103,7 +103,7 @@ def build_stub(extension, source, stub) -> None:
     listing = subprocess.run(["nm", "-D", "--undefined-only", extension], capture_output=True, text=True, check=True).stdout
     names = {line.split()[-1].split("@")[0] for line in listing.splitlines()}
     python = sorted(name for name in names if name.startswith(("Py", "_Py")))
-    # 512 bytes: more than any of the type objects among them takes.
+    # 512 bytes are more than any of the type objects among them occupies.
     source.write_text("".join(f"char {name}[512] __attribute__((aligned(16)));\n" for name in python))
     subprocess.run(["cc", "-O1", "-shared", "-fPIC", f"-Wl,-soname,{STUB}", "-o", stub, source], check=True)
 

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-/// A number that stands for no word of its list: the message comes from another build, or from damaged memory.
+/// A number without a word in its list: the message comes from another build or from damaged memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UnknownCode {
     /// The list, as its Rust name.
@@ -13,7 +13,7 @@ pub struct UnknownCode {
 
 impl fmt::Display for UnknownCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} is no {}: writer and reader are different builds", self.code, self.list)
+        write!(f, "{} is not a {}: writer and reader are different builds", self.code, self.list)
     }
 }
 
@@ -22,12 +22,18 @@ impl core::error::Error for UnknownCode {}
 /// Declares an enum that travels as an integer, with a checked conversion back.
 ///
 /// Zero is left out wherever it would be a meaning, so that zeroed memory is never taken for a message.
+///
+/// In logs, JSON and CSV a word is written as its name here, or as the text after `as`. Its documentation is its meaning.
 macro_rules! codes {
-    ($(#[$doc:meta])* enum $name:ident: $int:ident { $( $(#[$word_doc:meta])* $word:ident = $code:literal, )* }) => {
+    (@text $word:ident) => { stringify!($word) };
+    (@text $word:ident $text:literal) => { $text };
+    ($(#[$doc:meta])* enum $name:ident: $int:ident {
+        $( $(#[doc = $word_doc:literal])* $word:ident = $code:literal $(as $text:literal)?, )*
+    }) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr($int)]
-        pub enum $name { $( $(#[$word_doc])* $word = $code, )* }
+        pub enum $name { $( $(#[doc = $word_doc])* $word = $code, )* }
 
         impl $name {
             /// Every word, in the order of the numbers.
@@ -38,9 +44,14 @@ macro_rules! codes {
                 self as $int
             }
 
-            /// The word as it is written in logs and JSON.
+            /// The word as it is written in logs, JSON and CSV.
             pub const fn name(self) -> &'static str {
-                match self { $( Self::$word => stringify!($word), )* }
+                match self { $( Self::$word => $crate::code::codes!(@text $word $($text)?), )* }
+            }
+
+            /// What the word means: its documentation, from which the header for C and the register map are generated.
+            pub const fn meaning(self) -> &'static str {
+                match self { $( Self::$word => concat!($($word_doc),*).trim_ascii(), )* }
             }
         }
 
@@ -61,12 +72,15 @@ pub(crate) use codes;
 
 #[cfg(test)]
 mod tests {
-    use crate::{UnknownCode, VerdictKind, VerdictReason};
+    use crate::{UnknownCode, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
     #[test]
     fn every_word_comes_back_from_its_number() {
-        for &kind in VerdictKind::ALL {
-            assert_eq!(VerdictKind::try_from(kind.code()), Ok(kind));
+        for &level in VerdictLevel::ALL {
+            assert_eq!(VerdictLevel::try_from(level.code()), Ok(level));
+        }
+        for &outcome in VerdictOutcome::ALL {
+            assert_eq!(VerdictOutcome::try_from(outcome.code()), Ok(outcome));
         }
         for &reason in VerdictReason::ALL {
             assert_eq!(VerdictReason::try_from(reason.code()), Ok(reason));
@@ -74,12 +88,18 @@ mod tests {
     }
 
     #[test]
+    fn the_meaning_of_a_word_is_its_documentation() {
+        assert_eq!(VerdictOutcome::Ok.meaning(), "It is right.");
+    }
+
+    #[test]
     fn a_number_without_a_word_is_an_error_that_names_its_list() {
-        assert_eq!(VerdictKind::try_from(200), Err(UnknownCode { list: "VerdictKind", code: 200 }));
+        assert_eq!(VerdictLevel::try_from(200), Err(UnknownCode { list: "VerdictLevel", code: 200 }));
     }
 
     #[test]
     fn zeroed_memory_is_no_verdict() {
-        assert!(VerdictKind::try_from(crate::Verdict::default().kind).is_err());
+        assert!(Verdict::default().level().is_err());
+        assert!(Verdict::default().outcome().is_err());
     }
 }

@@ -1,13 +1,13 @@
-//! Channel `confirmed`: what the journal has on disk.
+//! Channel `confirmed`: which verdicts the journal has on disk.
 
 use crate::layout::{message, wire};
 use crate::stamp::Stamp;
 
 wire! { "andon.Confirmed", 56;
-    /// The journal has every verdict of this epoch up to this one on disk, or a row for the gap; and it is through with
-    /// every earlier epoch.
+    /// The journal has on disk every verdict of this epoch up to this one, or a row for the gap. It has also finished every earlier
+    /// epoch.
     struct Confirmed {
-        /// The stamp. It rests on no frame.
+        /// The stamp. It belongs to no frame.
         stamp: Stamp,
         /// The epoch of the judge that sent the verdict.
         verdict_epoch: u64,

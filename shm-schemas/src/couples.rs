@@ -9,7 +9,7 @@ wire! { "andon.HandCouple", 24;
     struct HandCouple {
         /// `x_c = [ID_h, ID_oj, ID_oj, ID_ol]`.
         x_c: [u16; 4],
-        /// Least distances hand to `o_j` and `o_j` to `o_l` in metres; infinite where there is no such contact.
+        /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l` in metres; infinite without such a contact.
         distances_m: [f32; 2],
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`.
         x_m: [i8; 7],
@@ -19,19 +19,19 @@ wire! { "andon.HandCouple", 24;
 }
 
 wire! { "andon.Couples", 112;
-    /// The feature couples of both hands. The stamp's frame is the newest one that they rest on.
+    /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
         stamp: Stamp,
-        /// The instant that the couples describe, source time in nanoseconds.
+        /// The instant that the couples describe, in nanoseconds of source time.
         described_ns: u64,
-        /// Source time of the newest frame they rest on: `persist` frames later than `described_ns`.
+        /// Source time of the newest frame that they depend on: `persist` frames after `described_ns`.
         known_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM` (then the couples are meaningless), `METRIC`, `PACED`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `METRIC`, `PACED`.
         flags: u32,
         /// Frames that were lost just before the newest one.
         dropped: u32,
-        /// Right hand, then left hand.
+        /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }
 }

@@ -4,7 +4,7 @@ use crate::layout::{message, wire};
 use crate::stamp::Stamp;
 use crate::{HANDS, OBJECTS};
 
-/// Landmarks of a hand, in MediaPipe's order: 0 the wrist, 8, 12 and 16 the tips of index, middle and ring finger.
+/// Landmarks of a hand, in the order of MediaPipe: 0 is the wrist; 8, 12 and 16 are the tips of index, middle and ring finger.
 pub const LANDMARKS: usize = 21;
 
 wire! { "andon.HandDetection", 428;
@@ -14,7 +14,7 @@ wire! { "andon.HandDetection", 428;
         score: f32,
         /// Landmarks in pixels of the colour picture, x right, y down.
         landmarks_px: [[f32; 2]; LANDMARKS],
-        /// Landmarks in metres in the bench frame; NaN where they could not be placed.
+        /// Landmarks in metres in the bench frame; NaN for those that could not be placed.
         landmarks_m: [[f32; 3]; LANDMARKS],
         /// A [`crate::HandCode`].
         hand: u8,
@@ -36,13 +36,13 @@ wire! { "andon.ObjectDetection", 68;
         position_m: [f32; 3],
         /// Unit quaternion (w, x, y, z), object frame to bench frame.
         orientation: [f32; 4],
-        /// Corners of the marker in pixels of the colour picture; meaningless without `SEEN`.
+        /// Corners of the marker in pixels of the colour picture. They mean nothing without `SEEN`.
         corners_px: [[f32; 2]; 4],
     }
 }
 
 wire! { "andon.Detections", 3104;
-    /// What was seen in one frame.
+    /// What perception found in one frame.
     struct Detections {
         /// The stamp.
         stamp: Stamp,

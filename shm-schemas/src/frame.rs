@@ -1,4 +1,4 @@
-//! Channel `frame`: the header of a `[u8]` slice that holds the colour plane, then the depth plane, as the sensor gives them.
+//! Channel `frame`: the header of a `[u8]` slice that holds the colour plane and then the depth plane, as the sensor gives them.
 
 use crate::code::codes;
 use crate::layout::{message, wire};
@@ -34,7 +34,7 @@ codes! {
     enum DepthFormat: u32 {
         /// There is no depth plane.
         None = 0,
-        /// Unsigned 16 bits, little endian, times `depth_unit_m` metres; 0 is unknown.
+        /// Unsigned 16 bits, little endian, in units of `depth_unit_m`; 0 is unknown.
         Z16 = 1,
     }
 }
@@ -44,15 +44,15 @@ codes! {
     enum Distortion: u32 {
         /// None: a rectified or synthetic picture.
         None = 0,
-        /// Brown-Conrady (k1, k2, p1, p2, k3), as OpenCV.
+        /// Brown-Conrady (k1, k2, p1, p2, k3), as in OpenCV.
         BrownConrady = 1,
-        /// Brown-Conrady from distorted to undistorted, as RealSense colour streams.
+        /// Brown-Conrady from distorted to undistorted, as in the colour streams of RealSense.
         InverseBrownConrady = 2,
     }
 }
 
 wire! { "andon.Intrinsics", 40;
-    /// A camera's intrinsics. All zero: unknown.
+    /// The intrinsics of a camera. All zero means unknown.
     struct Intrinsics {
         /// Focal length in pixels, x.
         fx: f32,
@@ -62,7 +62,7 @@ wire! { "andon.Intrinsics", 40;
         cx: f32,
         /// Principal point in pixels, y.
         cy: f32,
-        /// Coefficients of `model`.
+        /// Coefficients of the `model`.
         distortion: [f32; 5],
         /// A [`Distortion`].
         model: u32,
@@ -80,17 +80,17 @@ wire! { "andon.Extrinsics", 48;
 }
 
 wire! { "andon.FrameHeader", 224;
-    /// User header of the channel `frame`.
+    /// The user header of the channel `frame`.
     struct FrameHeader {
         /// The stamp; its `frame_seq` equals its `seq`.
         stamp: Stamp,
-        /// Source time in nanoseconds: since the first frame for a recording, CLOCK_MONOTONIC for a camera.
+        /// Source time in nanoseconds: of a recording the time since its first frame, of a camera CLOCK_MONOTONIC.
         source_ns: u64,
         /// Bits of [`crate::flag`]: `END_OF_STREAM`, `PACED`.
         flags: u32,
         /// Frames that the source itself lost just before this one.
         dropped: u32,
-        /// Pixels in a row of the colour plane; 0 when there is no picture.
+        /// Pixels per row of the colour plane; 0 when there is no picture.
         width: u32,
         /// Rows of the colour plane.
         height: u32,
@@ -98,21 +98,21 @@ wire! { "andon.FrameHeader", 224;
         stride: u32,
         /// A [`ColourFormat`].
         colour_format: u32,
-        /// Pixels in a row of the depth plane.
+        /// Pixels per row of the depth plane.
         depth_width: u32,
-        /// Rows of the depth plane; it begins right after `height * stride` bytes of colour.
+        /// Rows of the depth plane, which begins right after `height * stride` bytes of colour.
         depth_height: u32,
         /// Bytes from one row of the depth plane to the next.
         depth_stride: u32,
         /// A [`DepthFormat`].
         depth_format: u32,
-        /// Metres of one step of depth.
+        /// The unit of depth in metres.
         depth_unit_m: f32,
         /// Intrinsics of the colour camera.
         colour: Intrinsics,
         /// Intrinsics of the depth camera.
         depth: Intrinsics,
-        /// Depth camera to colour camera.
+        /// From the depth camera to the colour camera.
         colour_from_depth: Extrinsics,
         /// Keeps the size a multiple of 8.
         reserved: u32,

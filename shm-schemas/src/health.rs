@@ -1,30 +1,28 @@
-//! Channel `health`: how each role is doing, at 1 Hz or faster from its data loop.
+//! Channel `health`: how each role is doing. Its data loop sends it at 1 Hz or faster.
 
 use crate::code::codes;
 use crate::layout::{message, wire};
 use crate::stamp::Stamp;
 
 codes! {
-    /// A role of `andond`, one process each.
+    /// A role of `andond`. Each is one process.
     enum RoleId: u8 {
-        /// Owns the services, removes dead nodes.
-        Steward = 1,
-        /// Frames in.
-        Capture = 2,
-        /// Frames to detections.
-        Perceive = 3,
-        /// Detections to feature couples.
-        Encode = 4,
-        /// Feature couples to verdicts.
-        Judge = 5,
-        /// Verdicts to SQLite.
-        Journal = 6,
-        /// Verdicts to the PLC.
-        Plc = 7,
-        /// The operator's display.
-        Board = 8,
+        /// Owns the services and removes dead nodes.
+        Steward = 1 as "steward",
+        /// From the camera or a recording to frames.
+        Capture = 2 as "capture",
+        /// From frames to detections.
+        Perceive = 3 as "perceive",
+        /// From detections to feature couples.
+        Encode = 4 as "encode",
+        /// From feature couples to verdicts.
+        Judge = 5 as "judge",
+        /// From verdicts to SQLite.
+        Journal = 6 as "journal",
+        /// From verdicts to the PLC.
+        Plc = 7 as "plc",
         /// A tool that a person runs.
-        Tool = 9,
+        Tool = 8 as "tool",
     }
 }
 
@@ -35,9 +33,9 @@ codes! {
         Starting = 1,
         /// Data flows.
         Running = 2,
-        /// Ready, and nothing comes from the role before it.
+        /// It is ready, and nothing comes from the role before it.
         Waiting = 3,
-        /// Running, and something is wrong: see `last_error`.
+        /// It runs, and something is wrong: see `last_error`.
         Fault = 4,
         /// The source has ended and everything that follows from it has been sent.
         Finished = 5,
@@ -47,17 +45,17 @@ codes! {
 wire! { "andon.Health", 112;
     /// How a role is doing. Counts are since its start.
     struct Health {
-        /// The stamp; its frame is the newest one that the role has dealt with.
+        /// The stamp, with the newest frame that the role has processed.
         stamp: Stamp,
         /// Messages sent on the role's data channel.
         sent: u64,
-        /// Messages received on its data channel.
+        /// Messages received on the role's data channel.
         received: u64,
-        /// Messages that it did not receive: gaps in `seq`.
+        /// Messages that it did not receive or skipped, by the gaps in `seq`.
         losses: u64,
         /// Messages that it received and could not use.
         refused: u64,
-        /// Steps a second over the last period.
+        /// Steps per second in the last period.
         rate_hz: f32,
         /// Age of the newest message when it was taken, microseconds.
         lateness_us: u32,
@@ -65,11 +63,11 @@ wire! { "andon.Health", 112;
         p50_us: u32,
         /// 99th percentile of it, microseconds.
         p99_us: u32,
-        /// Number of the last error's code (`AND-104` is 104); 0 is none.
+        /// The number in the code of the last error (`AND-104` is 104); 0 is none.
         last_error: u32,
         /// Process id.
         pid: u32,
-        /// Resets of the writer before it in the chain, as seen by this role.
+        /// How often this role saw the writer before it start again.
         restarts_seen: u32,
         /// A [`RoleId`].
         role: u8,

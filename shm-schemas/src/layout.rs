@@ -9,15 +9,15 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 /// Only plain integers, `f32`, arrays of them and `repr(C)` structs of them without padding: no pointer, no handle,
 /// every bit pattern valid. [`wire!`] proves this for structs; the rest is in this file.
 pub unsafe trait Layout: Copy + 'static {
-    /// Changes when the name, the type, the order or the place of a field changes, in this type or inside a field of it.
+    /// Changes when the name, the type, the order or the offset of a field changes, in this type or in a type of its fields.
     const HASH: u64;
 }
 
 /// A wire type that begins with a [`Stamp`] and travels on a channel.
 pub trait Message: Layout + ZeroCopySend + Default + core::fmt::Debug {
-    /// Who sent it when, and what it rests on.
+    /// Who sent it and when, and which frame it depends on.
     fn stamp(&self) -> &Stamp;
-    /// For the writer's port, which numbers its messages.
+    /// The same, for the writer's port, which numbers its messages.
     fn stamp_mut(&mut self) -> &mut Stamp;
 }
 
@@ -36,7 +36,7 @@ unsafe impl<T: Layout, const N: usize> Layout for [T; N] {
     const HASH: u64 = fold(fold_str(T::HASH, "[]"), N as u64);
 }
 
-/// FNV-1a: well known, three lines, and it only has to tell builds apart, not to withstand an attacker.
+/// FNV-1a: it is well known and takes three lines. It only has to distinguish builds, not to withstand an attacker.
 pub(crate) const SEED: u64 = 0xcbf2_9ce4_8422_2325;
 
 const fn fold_byte(hash: u64, byte: u8) -> u64 {
@@ -60,13 +60,14 @@ pub(crate) const fn fold_str(mut hash: u64, text: &str) -> u64 {
         hash = fold_byte(hash, bytes[i]);
         i += 1;
     }
-    // The length parts neighbours: "ab", "c" is not "a", "bc".
+    // With the length, "ab", "c" differs from "a", "bc".
     fold(hash, bytes.len() as u64)
 }
 
 /// Declares a wire struct: `wire! { "type name on the wire", size in bytes; /// docs struct Name { field: Type, } }`.
 ///
-/// Compile-time checks: every field is [`Layout`], the size is the one stated, and the fields fill it without padding.
+/// It checks at compile time that every field is [`Layout`], that the size is the one stated and that the fields fill it without
+/// padding.
 macro_rules! wire {
     ($type_name:literal, $bytes:literal; $(#[$doc:meta])* struct $name:ident {
         $( $(#[$field_doc:meta])* $field:ident: $ty:ty, )*
@@ -89,7 +90,7 @@ macro_rules! wire {
             };
         }
 
-        // SAFETY: Layout is stricter than ZeroCopySend; the name is fixed, so the layout hash must be compared as well.
+        // SAFETY: Layout is stricter than ZeroCopySend. The name is fixed, so those who open a service compare the layout hash too.
         unsafe impl iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend for $name {
             unsafe fn type_name() -> &'static str {
                 $type_name
@@ -151,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hash_tells_field_order_and_field_type_apart() {
+    fn another_order_or_type_of_fields_has_another_hash() {
         assert_eq!(as_it_is::Point::HASH, as_it_is::Point::HASH);
         assert_ne!(as_it_is::Point::HASH, fields_swapped::Point::HASH);
         assert_ne!(as_it_is::Point::HASH, other_type_of_same_size::Point::HASH);

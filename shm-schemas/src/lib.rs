@@ -1,4 +1,4 @@
-//! What lies in shared memory: `repr(C)` data only, integers and `f32` only, no padding that the compiler chose.
+//! What lies in shared memory: `repr(C)` structs of integers and `f32`, without padding by the compiler.
 //!
 //! | channel | message |
 //! |---|---|
@@ -10,13 +10,13 @@
 //! | `health` | [`Health`] |
 //! | `command` | [`Command`] |
 //!
-//! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of its fields' names, types and places,
-//! which is an attribute of the service, so that two builds that disagree never talk past each other.
+//! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of the names, types and offsets of its fields.
+//! It is an attribute of the service, so that two builds which disagree never exchange messages.
 //!
 //! # Two clocks
 //!
-//! [`Stamp::captured_ns`] and [`Stamp::sent_ns`] are CLOCK_MONOTONIC, to compute latencies. Everything that the method
-//! reckons with (`source_ns`, `began_ns`, ...) is *source time*: for a live camera CLOCK_MONOTONIC as well, for a
+//! [`Stamp::captured_ns`] and [`Stamp::sent_ns`] are CLOCK_MONOTONIC, for latencies. The method computes with
+//! *source time* (`source_ns`, `began_ns`, ...): of a live camera that is CLOCK_MONOTONIC as well, of a
 //! recording the time since its first frame, so that a replay at any speed gives the same verdicts.
 #![no_std]
 
@@ -32,7 +32,7 @@ mod stamp;
 mod verdict;
 
 pub use code::UnknownCode;
-pub use command::{Command, CommandKind, CommandSource};
+pub use command::{Command, CommandKind};
 pub use confirmed::Confirmed;
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
@@ -40,28 +40,30 @@ pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, 
 pub use health::{Health, RoleId, RoleState};
 pub use layout::{Layout, Message};
 pub use stamp::Stamp;
-pub use verdict::{HandCode, NO_INDEX, STATION_BYTES, Verdict, VerdictKind, VerdictReason};
+pub use verdict::{
+    HandCode, NO_INDEX, STATION_BYTES, Verdict, VerdictLevel, VerdictOutcome, VerdictReason, verdict_kind,
+};
 
-/// Hands in one message: one worker.
+/// Maximum number of hands in one message: those of one worker.
 pub const HANDS: usize = 2;
 
-/// Objects in one message.
+/// Maximum number of objects in one message.
 pub const OBJECTS: usize = 32;
 
 /// Bits of the `flags` of a message.
 pub mod flag {
-    /// Nothing follows from this source: the recording has ended. The message may carry no data.
+    /// The recording has ended and nothing follows from this source. The message may carry no data.
     pub const END_OF_STREAM: u32 = 1;
     /// Coordinates are metric (depth was used); otherwise they lie in the plane of the bench.
     pub const METRIC: u32 = 1 << 1;
-    /// The source waits for its readers so that nothing is lost; so does whoever sends what follows from it.
+    /// The source waits for its readers so that nothing is lost, and so does every role that sends what follows from it.
     pub const PACED: u32 = 1 << 2;
-    /// The hand was seen, or is held over a gap that is shorter than `blind_ms`.
+    /// The hand was seen, or its position is held over a gap that is shorter than `blind_ms`.
     pub const SIGHTED: u8 = 1;
-    /// The hand itself was seen in this frame: what tells a job that has ended from one that rests.
+    /// The hand itself was seen in this frame. This distinguishes a job that has ended from one that rests.
     pub const HAND_SEEN: u8 = 1 << 1;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
-    /// The object was hidden and its pose is held from the hand that carries it.
+    /// The object was hidden, and its pose is held by the hand that carries it.
     pub const HELD: u16 = 1 << 1;
 }

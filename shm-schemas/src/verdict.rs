@@ -1,32 +1,50 @@
-//! Channel `verdict`: what is judged, how it came out, and why (DESIGN 5).
+//! Channel `verdict`: what is judged, how it came out, and why.
 
-use crate::code::codes;
+use crate::code::{UnknownCode, codes};
 use crate::layout::{message, wire};
 use crate::stamp::Stamp;
 
 /// Longest name of a station, in bytes: it must fit a verdict, a unit name and a path under 60 characters.
 pub const STATION_BYTES: usize = 16;
 
-/// In place of an index that has no meaning for this kind of verdict.
+/// In place of an index that has no meaning on this level.
 pub const NO_INDEX: u16 = 0xFFFF;
 
 codes! {
-    /// What is judged, and how it came out.
-    enum VerdictKind: u8 {
-        /// The IU is right.
-        IuOk = 1,
-        /// The IU cannot be right any more.
-        IuAnomaly = 2,
-        /// The activity is right.
-        ActivityOk = 3,
-        /// The activity cannot be right any more.
-        ActivityAnomaly = 4,
-        /// The job is right.
-        JobOk = 5,
-        /// The job cannot be right any more.
-        JobAnomaly = 6,
-        /// There was too little to go by.
-        NotJudged = 7,
+    /// What is judged.
+    enum VerdictLevel: u8 {
+        /// One IU.
+        Iu = 1 as "iu",
+        /// One activity.
+        Activity = 2 as "activity",
+        /// The whole job.
+        Job = 3 as "job",
+    }
+}
+
+codes! {
+    /// How it came out.
+    enum VerdictOutcome: u8 {
+        /// It is right.
+        Ok = 1 as "ok",
+        /// It cannot be right any more.
+        Anomaly = 2 as "anomaly",
+        /// There was too little to decide by.
+        NotJudged = 3 as "not_judged",
+    }
+}
+
+/// The word under the key `kind` of JSON and CSV: level and outcome in one, where `NotJudged` names no level.
+/// Programs outside read it; this is the only place that makes it.
+pub const fn verdict_kind(level: VerdictLevel, outcome: VerdictOutcome) -> &'static str {
+    match (level, outcome) {
+        (VerdictLevel::Iu, VerdictOutcome::Ok) => "IuOk",
+        (VerdictLevel::Iu, VerdictOutcome::Anomaly) => "IuAnomaly",
+        (VerdictLevel::Activity, VerdictOutcome::Ok) => "ActivityOk",
+        (VerdictLevel::Activity, VerdictOutcome::Anomaly) => "ActivityAnomaly",
+        (VerdictLevel::Job, VerdictOutcome::Ok) => "JobOk",
+        (VerdictLevel::Job, VerdictOutcome::Anomaly) => "JobAnomaly",
+        (_, VerdictOutcome::NotJudged) => "NotJudged",
     }
 }
 
@@ -35,23 +53,23 @@ codes! {
     enum VerdictReason: u8 {
         /// Nothing is wrong.
         None = 0,
-        /// No nominal activity has this context at this place, and none has it anywhere in the activity.
+        /// The context is in no nominal activity that can still be meant: a wrong object, or the wrong hand.
         WrongObject = 1,
-        /// The context belongs to the activity, or the activity to the job, but not here.
+        /// The IU belongs to the activity, or the activity to the job, but not at this point.
         WrongOrder = 2,
-        /// The DTW distance is over the threshold of every candidate.
+        /// The movement differs: the DTW distance is over the threshold of every candidate.
         Motion = 3,
-        /// Less than in any correct demonstration's bounds.
+        /// Fewer frames, or fewer reversals of the movement, than the demonstrations allow.
         TooShort = 4,
-        /// More than in any correct demonstration's bounds.
+        /// More frames, or more reversals of the movement, than the demonstrations allow.
         TooLong = 5,
-        /// The activity or the job ended before its last part.
+        /// The activity or the job ended before its last IU or activity.
         NotCompleted = 6,
-        /// It could not be told.
+        /// It could not be judged, for none of the other reasons.
         Unknown = 7,
         /// The hand or an object was out of sight for too long.
         Blind = 8,
-        /// A capacity was full.
+        /// There was more to judge than there is room for.
         Overload = 9,
     }
 }
@@ -60,55 +78,75 @@ codes! {
     /// Which hand; the number is `ID_h` of the context features.
     enum HandCode: u8 {
         /// No hand: verdicts on jobs.
-        None = 0,
+        None = 0 as "",
         /// The right hand.
-        Right = 1,
+        Right = 1 as "right",
         /// The left hand.
-        Left = 2,
+        Left = 2 as "left",
     }
 }
 
 wire! { "andon.Verdict", 128;
-    /// One verdict. The stamp's frame is the newest one that the decision rests on.
+    /// One verdict. The stamp names the newest frame that the decision depends on.
     struct Verdict {
         /// The stamp.
         stamp: Stamp,
-        /// Hash of the job file that it was judged by.
+        /// Hash of the job file.
         model_hash: u64,
-        /// When what is judged began, source time in nanoseconds.
+        /// When what is judged began, in nanoseconds of source time.
         began_ns: u64,
-        /// When it ended; for an early verdict the time it was decided at. Source time in nanoseconds.
+        /// When it ended, or of an early verdict when it was decided. In nanoseconds of source time.
         ended_ns: u64,
-        /// The newest couple that the decision rests on, source time in nanoseconds.
+        /// Time of the newest couple that the decision depends on, in nanoseconds of source time.
         decided_ns: u64,
         /// When it was decided, nanoseconds since 1970 UTC.
         decided_utc_ns: u64,
-        /// The job that is watched.
+        /// The job.
         job_id: u32,
-        /// DTW distance to the nearest nominal; NaN where none was computed.
+        /// DTW distance to the nearest nominal; NaN when none was computed.
         distance: f32,
-        /// The threshold it was held against; NaN where there is none.
+        /// The threshold for that distance; NaN when there is none.
         threshold: f32,
         /// Context of the IU, `x_c`; of its first IU for an activity; zero for a job.
         x_c: [u16; 4],
-        /// Number of the activity in this job, from 0 as they came; [`NO_INDEX`] for a job.
+        /// Index of the activity in this job, in the order of time; [`NO_INDEX`] for a job.
         activity: u16,
-        /// Number of the IU in its activity, from 0 as they came; [`NO_INDEX`] for activities and jobs.
+        /// Index of the IU in its activity, in the order of time; [`NO_INDEX`] for activities and jobs.
         iu: u16,
-        /// The nominal activity it is judged against; [`NO_INDEX`] when none is near.
+        /// The nominal activity that it is compared with; [`NO_INDEX`] when none is near.
         nearest: u16,
-        /// A [`VerdictKind`]. Zero is none: an empty message is no verdict.
-        kind: u8,
+        /// A [`VerdictLevel`]. Zero is none: an empty message is no verdict.
+        level: u8,
+        /// A [`VerdictOutcome`]. Zero is none.
+        outcome: u8,
         /// A [`VerdictReason`].
         reason: u8,
         /// A [`HandCode`].
         hand: u8,
-        /// 1 when it was said before the IU ended, else 0.
+        /// 1 when it was decided before the IU ended, else 0.
         early: u8,
-        /// Name of the station, ASCII, filled up with zeros.
+        /// Name of the station in ASCII, filled up with zeros.
         station: [u8; STATION_BYTES],
         /// Keeps the size a multiple of 8.
-        reserved: [u8; 2],
+        reserved: u8,
     }
 }
 message!(Verdict);
+
+impl Verdict {
+    /// What is judged.
+    ///
+    /// # Errors
+    /// A number that stands for no level.
+    pub fn level(&self) -> Result<VerdictLevel, UnknownCode> {
+        self.level.try_into()
+    }
+
+    /// How it came out.
+    ///
+    /// # Errors
+    /// A number that stands for no outcome.
+    pub fn outcome(&self) -> Result<VerdictOutcome, UnknownCode> {
+        self.outcome.try_into()
+    }
+}

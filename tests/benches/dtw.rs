@@ -1,20 +1,18 @@
-//! DTW against `dtw_rs` in the same process. `report.py` runs it, adds the peers from Python and prints the table.
+//! DTW compared with `dtw_rs` in the same process. `report.py` runs this, adds the Python peers and prints the table.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use andon_core::couple::Motion;
-use andon_core::dtw::{Bank, LocalCosts, OnlineDtw, Scratch, distance};
+use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance};
 use andon_core::job::LocalCost;
 use criterion::{Criterion, criterion_group, criterion_main};
 use dtw_rs::{Solution, dtw_with_distance};
 use std::hint::black_box;
 use std::time::Duration;
 
-/// Frames of each sequence.
+/// Number of frames of each sequence.
 const FRAMES: usize = 150;
-/// References of the bank.
-const REFERENCES: usize = 1000;
 
-/// The golden pair of this length, without elevation (5 dimensions that vary) or with it (7).
+/// The golden pair of this length, without elevation (5 dimensions vary) or with it (7 vary).
 fn golden_pair(elevated: bool) -> [Vec<Motion>; 2] {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/golden/dtw/vectors.json");
     let vectors: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(file).unwrap()).unwrap();
@@ -31,9 +29,9 @@ fn golden_pair(elevated: bool) -> [Vec<Motion>; 2] {
 }
 
 fn vectors<const D: usize>(motions: &[Motion]) -> Vec<[f64; D]> {
-    // In plane mode without the elevations, which do not vary.
-    let places: &[usize] = if D == 5 { &[0, 2, 3, 5, 6] } else { &[0, 1, 2, 3, 4, 5, 6] };
-    motions.iter().map(|motion| std::array::from_fn(|k| f64::from(motion.0[places[k]]))).collect()
+    // In plane mode the elevations do not vary and are left out.
+    let features: &[usize] = if D == 5 { &[0, 2, 3, 5, 6] } else { &[0, 1, 2, 3, 4, 5, 6] };
+    motions.iter().map(|motion| std::array::from_fn(|k| f64::from(motion.0[features[k]]))).collect()
 }
 
 fn dtw_rs_sum<const D: usize>(a: &[[f64; D]], b: &[[f64; D]]) -> f64 {
@@ -60,7 +58,7 @@ fn batch(c: &mut Criterion) {
         } else {
             dtw_rs_sum(&vectors::<5>(&a), &vectors::<5>(&b))
         };
-        assert!((own - peer.sqrt()).abs() < 1e-9, "the peer computes something else");
+        assert!((own - peer.sqrt()).abs() < 1e-9, "the peer computes a different distance");
     }
     let [a, b] = golden_pair(false).map(|motions| vectors::<5>(&motions));
     c.bench_function("dtw_rs_5", |bench| bench.iter(|| dtw_rs_sum(black_box(&a), black_box(&b))));
@@ -81,31 +79,9 @@ fn online(c: &mut Criterion) {
             online.lower_bound()
         });
     });
-
-    // As many different references as there are: the golden one, begun at another place and with another direction.
-    let turned = |k: usize| {
-        let turn = move |motion: Motion| {
-            let turned = (motion.0[2] + (k / FRAMES) as i8) % 9;
-            Motion([motion.0[0], motion.0[1], turned, motion.0[3], motion.0[4], motion.0[5], motion.0[6]])
-        };
-        reference.iter().copied().cycle().skip(k % FRAMES).take(FRAMES).map(turn).collect::<Vec<_>>()
-    };
-    let references: Vec<Vec<Motion>> = (0..REFERENCES).map(turned).collect();
-    let references: Vec<&[Motion]> = references.iter().map(Vec::as_slice).collect();
-    let mut columns = vec![Default::default(); Bank::columns(&references)];
-    let mut groups = vec![Default::default(); Bank::groups(&references)];
-    let mut bank = Bank::new(&costs, &references, &mut columns, &mut groups).unwrap();
-    c.bench_function("bank_1000_7", |bench| {
-        bench.iter(|| {
-            if bank.append(black_box(frame.next().unwrap())).is_err() {
-                bank.begin();
-            }
-            bank.lower_bound(0)
-        });
-    });
 }
 
-/// All distances between 240 IUs, as clustering needs them. The IUs and the sum of the distances are left for the peer in `report.py`.
+/// All distances between 240 IUs, as clustering needs them. The IUs and the sum of the distances are written for the peer in `report.py`.
 fn matrix(c: &mut Criterion) {
     let mut random = oorandom::Rand32::new(240);
     let ius: Vec<Vec<Motion>> = (0..240).map(|_| iu(&mut random)).collect();
@@ -113,7 +89,7 @@ fn matrix(c: &mut Criterion) {
     let mut scratch = Box::<Scratch>::default();
     let mut sum = || -> f64 {
         let pairs =
-            ius.iter().enumerate().flat_map(|(place, a)| ius[place + 1..].iter().map(move |b| (a, b)));
+            ius.iter().enumerate().flat_map(|(index, a)| ius[index + 1..].iter().map(move |b| (a, b)));
         pairs.map(|(a, b)| distance(&costs, a, b, &mut scratch).unwrap()).sum()
     };
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../target/bench");
@@ -126,7 +102,7 @@ fn matrix(c: &mut Criterion) {
     group.finish();
 }
 
-/// 60 to 180 frames of plane motion, each kept for 1 to 12 frames.
+/// 60 to 180 frames of plane motion, in which each motion lasts for 1 to 12 frames.
 fn iu(random: &mut oorandom::Rand32) -> Vec<Motion> {
     let frames = random.rand_range(60..181) as usize;
     let mut motions = Vec::new();
@@ -139,7 +115,7 @@ fn iu(random: &mut oorandom::Rand32) -> Vec<Motion> {
     motions
 }
 
-/// The processor's clock: 1,000 multiplications that wait for each other, three cycles each.
+/// Measures the processor's clock: 1,000 multiplications, each of which waits for the one before it and takes three cycles.
 fn clock(c: &mut Criterion) {
     c.bench_function("multiplications_1000", |bench| {
         bench.iter(|| (0..1000).fold(black_box(3u64), |product, _| black_box(3u64).wrapping_mul(product)));

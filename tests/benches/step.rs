@@ -1,8 +1,8 @@
-//! One whole step of the core: a frame in, verdicts out. Prints p50 and p99 and writes `target/bench/step.json` for `report.py`.
+//! One whole step of the core, from a frame to its verdicts. Prints p50 and p99 and writes `target/bench/step.json` for `report.py`.
 //!
-//! Both hands carry an object to another one and back, at the same time, and 32 objects are seen in every frame. The job has 20 nominal
-//! activities: `job`, each with objects of its own; `alike`, ten of each hand with the same objects, all of which remain candidates
-//! to the end, so that no step of a job of this size can have more to do.
+//! Both hands carry an object to another one and back at the same time, and 32 objects are visible in every frame. The job has 20 nominal
+//! activities. In `job` each of them has objects of its own. In `alike` the ten of each hand have the same objects, and all of them remain
+//! candidates to the end, so that no step of a job of this size can have more to do.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use andon_core::anomaly::Judge;
@@ -14,19 +14,19 @@ use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
 use std::f32::consts::TAU;
 use std::time::Instant;
 
-/// Nominal activities of each hand.
+/// Number of nominal activities per hand.
 const ACTIVITIES: usize = 10;
-/// Frames of each reference, the length that the DTW figures are measured at.
+/// Number of frames of each reference; the DTW figures are measured with the same length.
 const FRAMES: usize = 150;
-/// Frames of one activity and the pause after it.
+/// Number of frames of one activity and the pause after it.
 const CYCLE: usize = 400;
-/// Frames of the pause.
+/// Number of frames of the pause.
 const PAUSE: usize = 60;
-/// Steps that are measured: p99 then rests on 400 of them.
+/// Number of steps that are measured, of which 400 are slower than p99.
 const STEPS: usize = 40_000;
 const PERIOD_NS: u64 = 33_333_333;
 
-/// What each hand carries and what it carries it to.
+/// For each hand, the id of the object that it carries and of the object that it carries it to.
 const CARRIED: [[u16; 2]; 2] = [[1, 2], [3, 4]];
 
 fn main() {
@@ -50,7 +50,7 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
         activities: &activities,
         order_matters: false,
         cost: LocalCost::Circular { bins: 8 },
-        slowness: 2.0,
+        max_slowdown: 2.0,
     };
     let shapes: Vec<ObjectShape> = (1..=OBJECTS as u16).map(shape).collect();
 
@@ -63,29 +63,29 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
         encoder.step(&frame, &mut |couples| judge.step(&couples, &mut |_| verdicts += 1)).unwrap();
         ns.push(began.elapsed().as_nanos() as u64);
     }
-    // Three IUs and an activity for each hand in each cycle: what is measured has been judged.
+    // Each hand has three IUs and an activity per cycle. This shows that the steps were judged.
     assert!(verdicts >= (STEPS / CYCLE - 1) as u64 * 8, "only {verdicts} verdicts");
     ns.sort_unstable();
     let at = |share: f64| ns[((ns.len() - 1) as f64 * share) as usize] as f64 / 1e3;
-    let (p50, p99, most) = (at(0.5), at(0.99), at(1.0));
+    let (p50, p99, max) = (at(0.5), at(0.99), at(1.0));
     println!(
-        "core step, {name}: p50 {p50:.1} us, p99 {p99:.1} us, greatest {most:.1} us, {verdicts} verdicts in {STEPS} steps"
+        "core step, {name}: p50 {p50:.1} us, p99 {p99:.1} us, max {max:.1} us, {verdicts} verdicts in {STEPS} steps"
     );
-    serde_json::json!({ "p50_us": p50, "p99_us": p99, "greatest_us": most, "steps": STEPS })
+    serde_json::json!({ "p50_us": p50, "p99_us": p99, "max_us": max, "steps": STEPS })
 }
 
-/// Directions that go around at a pace of their own.
+/// A motion whose directions turn, each reference at a pace of its own.
 fn reference(pace: usize) -> Vec<Motion> {
     let direction = |frame: usize| (frame / (pace + 3) % 9) as i8;
     (0..FRAMES).map(|frame| Motion([0, 0, direction(frame), 1, 0, direction(frame + pace), 0])).collect()
 }
 
-/// Grasp, contact, and back, with the objects that are carried or so many ids after them; nothing is too far or too long, so that every
-/// candidate remains one.
+/// Grasp, contact and grasp again, with the objects that are carried, or with objects whose ids are higher by 4 times `after`. No distance
+/// is too great and no duration too long, so that every candidate remains one.
 fn nominal(side: Side, reference: &[Motion], after: u16) -> Vec<NominalIu<'_>> {
-    let [j, l] = CARRIED[side.place()].map(|id| id + 4 * after);
+    let [j, l] = CARRIED[side.index()].map(|id| id + 4 * after);
     let h = side as u16;
-    let any = Bounds { least: 0, most: u32::MAX };
+    let any = Bounds { min: 0, max: u32::MAX };
     let contexts = [[h, j, 0, 0], [h, j, j, l], [h, j, 0, 0]];
     contexts
         .map(|context| NominalIu {
@@ -103,18 +103,18 @@ fn shape(id: u16) -> ObjectShape {
     ObjectShape { id, interaction_points: points.into_iter().collect() }
 }
 
-/// Where the hand and what it carries are: from home to the other object and back, then away.
+/// A frame of the cycle: each hand carries its object from home to the other object and back, and then leaves.
 fn frame(step: usize) -> Frame {
     let mut frame = Frame { captured_ns: step as u64 * PERIOD_NS, ..Frame::default() };
     let phase = step % CYCLE;
     let active = CYCLE - PAUSE;
-    // 0 at home, 1 at the other object, which it stays at for as long as the sine is cut off.
+    // 0 at home, 1 at the other object, where the hand stays while the sine is cut off.
     let way =
         if phase < active { ((phase as f32 / active as f32 * TAU / 2.0).sin() * 1.3).min(1.0) } else { 0.0 };
     let mut objects = [[0.0; 2]; OBJECTS];
-    for (place, object) in objects.iter_mut().enumerate() {
-        // Background: 12 cm apart, which is out of each other's reach.
-        *object = [0.12 * (place % 8) as f32, 1.0 + 0.12 * (place / 8) as f32];
+    for (index, object) in objects.iter_mut().enumerate() {
+        // The objects in the background are 12 cm apart, so that none of them touch.
+        *object = [0.12 * (index % 8) as f32, 1.0 + 0.12 * (index / 8) as f32];
     }
     for (side, [j, l]) in Side::ALL.into_iter().zip(CARRIED) {
         let x = if side == Side::Right { 0.5 } else { -0.5 };

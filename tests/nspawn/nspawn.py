@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Installs the package on a bare Debian, boots it, and checks there what DESIGN 6 and the units promise.
+"""Installs the package on a bare Debian, boots it, and checks there what the units and the README promise.
 
     nspawn.py PACKAGE FOLDER [--short]     FOLDER takes the base, the machine and report.json
 

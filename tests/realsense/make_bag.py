@@ -48,7 +48,7 @@ def main():
     if not options.bag_only:
         colour.tofile(options.bag.with_suffix(".colour"))
         np.stack(depth).tofile(options.bag.with_suffix(".depth"))
-    options.bag.with_suffix(".json").write_text(json.dumps(synthetic_depth.calibration(header, camera) | {"depth_lag_ms": DEPTH_LAG_MS}))
+    options.bag.with_suffix(".json").write_text(json.dumps(synthetic_depth.calibration(header, camera)))
 
 
 def decode(clip, header, first, count):

@@ -1,4 +1,4 @@
-//! What the fuzzer runs for hours, for a moment: its seeds, whole and broken, and bytes from fixed seeds.
+//! What the fuzzer runs for hours, here for a moment: its seeds, whole and broken, and random bytes from fixed seeds.
 #![allow(clippy::unwrap_used)]
 
 use andon_learn::job_file::JobFile;
@@ -13,7 +13,7 @@ fn seeds(target: &str) -> Vec<Vec<u8>> {
     files.into_iter().map(|file| std::fs::read(file).unwrap()).collect()
 }
 
-/// A few bytes changed, left out or doubled.
+/// The bytes with up to three changes: a byte is replaced, or a few bytes are removed or repeated.
 fn broken(bytes: &[u8], random: &mut Rand32) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for _ in 0..random.rand_range(1..4) {
@@ -32,7 +32,7 @@ fn broken(bytes: &[u8], random: &mut Rand32) -> Vec<u8> {
     bytes
 }
 
-/// The seeds of a target, and so many broken ones.
+/// Runs the seeds of a target, and `count` broken ones.
 fn run(target: &str, entry: fn(&[u8]), count: usize) {
     let seeds = seeds(target);
     assert!(!seeds.is_empty());
@@ -47,7 +47,7 @@ fn run(target: &str, entry: fn(&[u8]), count: usize) {
 fn no_track_file_breaks_its_reader() {
     assert!(
         recording::read("seed", &seeds("track_file")[0]).is_ok(),
-        "the fuzzer starts from one that is read"
+        "the fuzzer must start from a file that is accepted"
     );
     run("track_file", track_file, 2000);
 }

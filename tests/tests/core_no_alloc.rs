@@ -1,17 +1,20 @@
-//! The core links into a program that has no allocator: nothing in it, nor in what it depends on, can allocate.
+//! The core links into a program that has no allocator, so neither the core nor any of its dependencies can allocate.
 #![allow(clippy::unwrap_used)]
 
 use std::path::Path;
 use std::process::Command;
 
-/// A program without the standard library, which the compiler refuses where any crate of it needs an allocator.
+/// A program without the standard library. The compiler refuses it if any of its crates needs an allocator.
 const PROGRAM: &str = "#![no_std]
     use andon_core as _;
     #[panic_handler]
     fn panic(_: &core::panic::PanicInfo<'_>) -> ! { loop {} }
 ";
 
-/// Builds the core alone, so that no other crate's features are mixed in, and says whether the compiler takes `program`.
+/// Builds the core alone, so that the features of no other crate are mixed in, and compiles `program` with it.
+///
+/// # Errors
+/// The compiler's messages.
 fn links(program: &str, folder: &Path) -> Result<(), String> {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     let built = Command::new(env!("CARGO"))
@@ -34,11 +37,11 @@ fn links(program: &str, folder: &Path) -> Result<(), String> {
 
 #[test]
 fn core_links_without_an_allocator() {
-    // Kept under target/, so that the core is built for this once.
+    // The folder is kept under target/, so that the core is built only once for this test.
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("core_no_alloc");
     std::fs::create_dir_all(&folder).unwrap();
     assert_eq!(links(PROGRAM, &folder), Ok(()));
-    // The same with something that allocates is refused: the check can fail.
+    // The same program with something that allocates is refused, so the check can fail.
     let refused = links(&PROGRAM.replace("use ", "extern crate alloc; use "), &folder).unwrap_err();
     assert!(refused.contains("no global memory allocator"), "{refused}");
 }

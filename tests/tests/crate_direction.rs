@@ -7,16 +7,30 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 9] = [
+const MAY_USE: [(&str, &[&str]); 11] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
     ("andon-ipc", &["shm-schemas"]),
+    ("andon-journal", &["shm-schemas"]),
     ("andon-perception", &[]),
     ("andon-realsense", &[]),
     ("andon-plc", &["andon-ipc", "shm-schemas"]),
     (
         "andond",
+        &[
+            "andon-core",
+            "andon-ipc",
+            "andon-journal",
+            "andon-learn",
+            "andon-perception",
+            "andon-plc",
+            "shm-schemas",
+        ],
+    ),
+    ("andon-video", &["andon-ipc", "andon-realsense", "andond", "shm-schemas"]),
+    (
+        "andon-tests",
         &[
             "andon-core",
             "andon-ipc",
@@ -27,17 +41,13 @@ const MAY_USE: [(&str, &[&str]); 9] = [
             "shm-schemas",
         ],
     ),
-    (
-        "andon-tests",
-        &["andon-core", "andon-ipc", "andon-learn", "andon-plc", "andon-realsense", "shm-schemas"],
-    ),
 ];
 
 /// Libraries that one crate alone may use, besides the tests: the rest of the program does not know them.
 const KNOWN_BY_ONE: [(&str, &[&str]); 4] = [
     ("iceoryx2", &["andon-ipc"]),
     ("ort", &["andon-perception"]),
-    ("rusqlite", &["andond"]),
+    ("rusqlite", &["andon-journal"]),
     ("tokio-modbus", &["andon-plc"]),
 ];
 

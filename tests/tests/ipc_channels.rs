@@ -1,23 +1,23 @@
-//! What ports promise each other, in one process.
+//! What ports promise to each other, shown in one process.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod ipc_support;
 
-use andon_ipc::{Carried, Channel, Error, Heartbeat, Limits, Node, Steward, Stop, Wake, Writer};
+use andon_ipc::{Channel, ChannelMessage, Error, Heartbeat, Limits, Node, Steward, Stop, Wake, Writer};
 use ipc_support::{Bench, PATIENCE, SMALL};
-use shm_schemas::{Command, Health, Layout, Message, RoleId, RoleState, Stamp, Verdict, VerdictKind};
+use shm_schemas::{Command, Health, Layout, Message, RoleId, RoleState, Stamp, Verdict, VerdictLevel};
 use std::time::Duration;
 
 const NOW: Duration = Duration::ZERO;
 
 fn send(writer: &mut Writer<Verdict>, activity: u16) {
     let mut verdict = writer.loan().unwrap();
-    verdict.kind = VerdictKind::ActivityOk.code();
+    verdict.level = VerdictLevel::Activity.code();
     verdict.activity = activity;
     writer.send(verdict).unwrap();
 }
 
-/// A verdict of another build: same name, same size, other fields.
+/// A verdict of another build: the name and the size are the same, the fields are not.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 struct OtherVerdict {
@@ -29,7 +29,7 @@ struct OtherVerdict {
 unsafe impl Layout for OtherVerdict {
     const HASH: u64 = 0x1234;
 }
-// SAFETY: as above; the name is a lie, which is what the test is about.
+// SAFETY: as above. The name is wrong, which is what the test is about.
 unsafe impl iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend for OtherVerdict {
     unsafe fn type_name() -> &'static str {
         "andon.Verdict"
@@ -43,7 +43,7 @@ impl Message for OtherVerdict {
         &mut self.stamp
     }
 }
-impl Carried for OtherVerdict {
+impl ChannelMessage for OtherVerdict {
     const CHANNEL: Channel = Channel::Verdict;
 }
 
@@ -64,7 +64,9 @@ fn a_message_comes_out_as_it_went_in() {
     let verdict = reader.take().unwrap().unwrap();
     assert_eq!((verdict.stamp.seq, verdict.stamp.frame_seq, verdict.stamp.captured_ns), (1, 41, 42));
     assert_eq!(verdict.threshold, 1.5);
-    assert!(verdict.stamp.sent_ns <= andon_ipc::monotonic_ns() && verdict.stamp.sent_ns > 0);
+    assert!(
+        verdict.stamp.sent_ns <= andon_ipc::MonotonicTime::now().nanoseconds() && verdict.stamp.sent_ns > 0
+    );
     drop(verdict);
     assert!(reader.take().unwrap().is_none());
     assert_eq!(node.wait(&mut [&mut reader], NOW).unwrap(), Wake::DeadlineMissed);
@@ -75,14 +77,14 @@ fn another_layout_under_the_same_name_and_size_is_refused() {
     assert_eq!(size_of::<OtherVerdict>(), size_of::<Verdict>());
     let bench = Bench::new("layout");
     let _steward = bench.steward();
-    let node = bench.node(RoleId::Board);
+    let node = bench.node(RoleId::Journal);
     let refused = node.reader::<OtherVerdict>().unwrap_err();
     let Error::LayoutMismatch { channel: Channel::Verdict, ours, theirs, members } = &refused else {
         panic!("{refused}");
     };
     assert!(ours.starts_with("0000000000001234"), "{ours}");
     assert!(theirs.starts_with(&format!("{:016x}", Verdict::HASH)), "{theirs}");
-    assert!(members.contains("board"), "who must stop is named: {members}");
+    assert!(members.contains("journal"), "the text names who must stop: {members}");
 }
 
 #[test]
@@ -105,17 +107,17 @@ fn a_late_reader_gets_the_newest_256_verdicts() {
     let mut writer = judge.writer::<Verdict>().unwrap();
     (0..300).for_each(|activity| send(&mut writer, activity));
 
-    let board = bench.node(RoleId::Board);
-    let mut reader = board.reader::<Verdict>().unwrap();
-    // The writer hears of it when it next waits, and says that there is something.
+    let journal = bench.node(RoleId::Journal);
+    let mut reader = journal.reader::<Verdict>().unwrap();
+    // The writer hears of it at its next wait, and then wakes the reader.
     assert_eq!(judge.wait(&mut [&mut writer], NOW).unwrap(), Wake::DeadlineMissed);
-    assert_eq!(board.wait(&mut [&mut reader], PATIENCE).unwrap(), Wake::Sample);
+    assert_eq!(journal.wait(&mut [&mut reader], PATIENCE).unwrap(), Wake::Sample);
     let mut activities = Vec::new();
     while let Some(verdict) = reader.take().unwrap() {
         activities.push(verdict.activity);
     }
     assert_eq!(activities, (44..300).collect::<Vec<u16>>());
-    assert_eq!(reader.lost(), 0, "what came before it was there is not lost to it");
+    assert_eq!(reader.lost(), 0, "what was sent before it came is no loss");
 }
 
 #[test]
@@ -215,7 +217,7 @@ fn a_second_writer_of_a_channel_is_refused_and_the_first_named() {
 }
 
 #[test]
-fn several_writers_of_commands_are_counted_apart() {
+fn several_writers_of_commands_are_counted_each_for_itself() {
     let bench = Bench::new("commands");
     let _steward = bench.steward();
     let node = bench.node(RoleId::Judge);
@@ -250,13 +252,13 @@ fn stations_side_by_side_do_not_see_each_other() {
 }
 
 #[test]
-fn without_a_steward_there_is_a_sentence_that_says_so() {
+fn without_a_steward_the_error_tells_to_start_one() {
     let bench = Bench::new("alone");
     let refused = Node::open(&bench.station, RoleId::Judge, NOW, &Stop::new().unwrap()).unwrap_err();
     assert!(matches!(refused, Error::NoSteward { .. }), "{refused}");
     assert!(refused.to_string().contains("start the steward"), "{refused}");
 
-    // Its directory alone does not help.
+    // Its directory without a steward is not enough.
     drop(bench.steward());
     let node = Node::open(&bench.station, RoleId::Judge, NOW, &Stop::new().unwrap()).unwrap();
     let refused = node.reader::<Verdict>().unwrap_err();
@@ -282,7 +284,7 @@ fn a_full_dev_shm_is_refused_before_anything_is_created() {
 
 #[test]
 fn a_root_that_cannot_be_made_is_refused() {
-    // Not by permissions: tests may run as root, who may write anywhere.
+    // Permissions would not do: tests may run as root, who may write anywhere.
     let station = andon_ipc::Station::under("bench", std::path::Path::new("/dev/null/run")).unwrap();
     let refused = Steward::create(&station, SMALL).unwrap_err();
     assert!(matches!(refused, Error::RootNotWritable { .. }), "{refused}");
@@ -293,17 +295,20 @@ fn a_root_that_cannot_be_made_is_refused() {
 fn a_root_that_vanishes_is_noticed() {
     let bench = Bench::new("vanish");
     let mut steward = bench.steward();
-    assert_eq!(steward.tend().unwrap(), []);
+    assert_eq!(steward.poll().unwrap(), []);
     std::fs::rename(bench.station.root(), bench.station.root().with_extension("old")).unwrap();
-    assert!(matches!(steward.tend(), Err(Error::RootVanished { .. })));
+    assert!(matches!(steward.poll(), Err(Error::RootVanished { .. })));
     std::fs::create_dir(bench.station.root()).unwrap();
-    assert!(matches!(steward.tend(), Err(Error::RootVanished { .. })), "another directory of that name");
+    assert!(
+        matches!(steward.poll(), Err(Error::RootVanished { .. })),
+        "this is another directory of the same name"
+    );
     std::fs::remove_dir(bench.station.root()).unwrap();
     std::fs::rename(bench.station.root().with_extension("old"), bench.station.root()).unwrap();
 }
 
 #[test]
-fn health_is_sent_when_the_state_changes_and_tells_what_was_counted() {
+fn health_is_sent_when_the_state_changes_and_carries_the_counts() {
     let bench = Bench::new("health");
     let _steward = bench.steward();
     let node = bench.node(RoleId::Encode);
@@ -324,7 +329,7 @@ fn health_is_sent_when_the_state_changes_and_tells_what_was_counted() {
     assert_eq!((health.received, health.sent, health.refused, health.losses), (1, 1, 1, 5));
     assert_eq!((health.stamp.frame_seq, health.stamp.captured_ns, health.stamp.seq), (9, 8, 2));
     assert_eq!(health.pid, std::process::id());
-    // Within the histogram's 1 %.
+    // The histogram is accurate to 1 %.
     assert!(health.p50_us.abs_diff(50_000) <= 500, "{}", health.p50_us);
     assert!(health.p99_us.abs_diff(99_000) <= 990, "{}", health.p99_us);
 }

@@ -1,16 +1,16 @@
-//! Processes that are killed, at work and while starting.
+//! Processes that are killed at work and while they start.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod ipc_support;
 
-use andon_ipc::{Channel, Death, Departure, Node, Reader, Wake};
+use andon_ipc::{Channel, Death, Departure, Error, Node, Reader, Steward, Wake};
 use ipc_support::{Bench, PATIENCE, SMALL};
 use shm_schemas::{RoleId, Verdict};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Takes messages until one comes that `wanted` likes.
+/// Takes messages until one is wanted.
 fn read_until(node: &Node, reader: &mut Reader<Verdict>, mut wanted: impl FnMut(&Verdict) -> bool) {
     loop {
         while let Some(verdict) = reader.take().unwrap() {
@@ -23,7 +23,7 @@ fn read_until(node: &Node, reader: &mut Reader<Verdict>, mut wanted: impl FnMut(
     }
 }
 
-/// Drains the reader until it hears that its writer has gone.
+/// Drains the reader until it hears that its writer has left.
 fn departure(node: &Node, reader: &mut Reader<Verdict>) -> Departure {
     loop {
         match node.wait(&mut [reader], PATIENCE).unwrap() {
@@ -67,7 +67,7 @@ fn a_killed_writer_is_noticed_and_its_successor_takes_over() {
     assert_eq!(bench.shared_files(), Vec::<String>::new());
 }
 
-/// Killed at moments that sweep over a start, from before the first system call to after the first message.
+/// The kills sweep over a start, from before its first system call to after its first message.
 #[test]
 fn writers_that_are_killed_while_starting_leave_nothing_in_their_successors_way() {
     let bench = Bench::new("startup");
@@ -81,8 +81,8 @@ fn writers_that_are_killed_while_starting_leave_nothing_in_their_successors_way(
         while reader.take().unwrap().is_some() {}
     }
     let judge = bench.start("write-verdicts", &[0, 200]);
-    // The successor's, not one that a killed one had sent.
-    let begun = andon_ipc::monotonic_ns();
+    // A message of the successor, not of one that was killed.
+    let begun = andon_ipc::MonotonicTime::now().nanoseconds();
     read_until(&node, &mut reader, |verdict| verdict.stamp.sent_ns > begun);
     judge.stop();
     drop((reader, node));
@@ -107,9 +107,9 @@ fn stewards_that_are_killed_while_starting_leave_nothing_in_their_successors_way
     assert_eq!(bench.shared_files(), Vec::<String>::new());
 }
 
-/// With members that stay, the next steward cannot sweep the station: it must take over what is whole and heal what is not.
+/// While members stay, the next steward cannot sweep the station: it must take over what is complete and replace what is not.
 #[test]
-fn stewards_that_are_killed_while_starting_are_healed_around_the_members_that_stay() {
+fn stewards_that_are_killed_while_starting_are_replaced_while_the_members_stay() {
     let bench = Bench::new("healed");
     let first = bench.start("steward", &[SMALL.frame_bytes as u64]);
     let judge = bench.start("write-verdicts", &[0, 1_000]);
@@ -122,9 +122,9 @@ fn stewards_that_are_killed_while_starting_are_healed_around_the_members_that_st
     let steward = bench.start("steward", &[SMALL.frame_bytes as u64]);
     let node = bench.node(RoleId::Journal);
     let mut reader = node.reader::<Verdict>().unwrap();
-    let begun = andon_ipc::monotonic_ns();
+    let begun = andon_ipc::MonotonicTime::now().nanoseconds();
     read_until(&node, &mut reader, |verdict| verdict.stamp.sent_ns > begun);
-    // Every channel must be there, also those that no member held.
+    // Every channel must be there, including those that no member kept.
     node.frame_reader().unwrap();
     node.reader::<shm_schemas::Detections>().unwrap();
     node.reader::<shm_schemas::Couples>().unwrap();
@@ -136,7 +136,7 @@ fn stewards_that_are_killed_while_starting_are_healed_around_the_members_that_st
     steward.stop();
 }
 
-/// Files below a directory whose path contains this.
+/// The files below a directory whose paths contain `part`.
 fn files(directory: &Path, part: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path());
     let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
@@ -144,12 +144,12 @@ fn files(directory: &Path, part: &str) -> Vec<PathBuf> {
     files.into_iter().filter(|path| path.to_string_lossy().contains(part)).chain(below).collect()
 }
 
-/// As a steward leaves it that is killed after it removed the shared part of a service and before the rest.
+/// This is what a steward leaves that is killed after it has removed the shared part of a service and before it removes the rest.
 #[test]
 fn services_whose_removal_was_cut_short_are_removed_by_the_next_steward() {
     let bench = Bench::new("cutshort");
     let steward = bench.steward();
-    // Keeps the station from being swept.
+    // A member, so that the station is not swept.
     let _member = bench.node(RoleId::Journal);
     let descriptions = files(bench.station.root(), "/services/");
     let kept: Vec<_> = descriptions.iter().map(|path| std::fs::read(path).unwrap()).collect();
@@ -166,7 +166,39 @@ fn services_whose_removal_was_cut_short_are_removed_by_the_next_steward() {
     node.reader::<Verdict>().unwrap();
 }
 
-/// As a steward leaves it that is killed in the middle of removing a dead node.
+/// Unlike an incomplete description, a damaged one does not tell that nobody uses the service.
+#[test]
+fn a_service_whose_description_cannot_be_read_stays_with_those_who_use_it() {
+    let bench = Bench::new("damaged");
+    let steward = bench.steward();
+    let node = bench.node(RoleId::Journal);
+    let mut writer = node.writer::<Verdict>().unwrap();
+    let mut reader = node.reader::<Verdict>().unwrap();
+    drop(steward);
+    let (descriptions, shared) = (files(bench.station.root(), "/services/"), bench.shared_files());
+    assert_eq!(descriptions.len(), 3, "the journal keeps the services of one channel: {descriptions:?}");
+    for path in &descriptions {
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o600)).unwrap();
+        std::fs::write(path, "damaged").unwrap();
+        std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o400)).unwrap();
+    }
+
+    let refused = Steward::create(&bench.station, SMALL).unwrap_err();
+    assert!(matches!(refused, Error::ServiceUnreadable { channel: Channel::Verdict, .. }), "{refused}");
+    assert!(refused.to_string().contains("journal (pid"), "who must stop is named: {refused}");
+    assert!(descriptions.iter().all(|path| path.exists()));
+    let still_shared = bench.shared_files();
+    assert!(shared.iter().all(|name| still_shared.contains(name)), "{still_shared:?} of {shared:?}");
+    writer.send(writer.loan().unwrap()).unwrap();
+    assert!(reader.take().unwrap().is_some());
+
+    // The remedy of the message: once nobody is left, the next steward begins with nothing.
+    drop((reader, writer, node));
+    let _steward = bench.steward();
+    bench.node(RoleId::Journal).reader::<Verdict>().unwrap();
+}
+
+/// This is what a steward leaves that is killed while it removes a dead node.
 #[test]
 fn a_dead_node_that_has_lost_its_name_is_removed_once() {
     let bench = Bench::new("nameless");
@@ -176,18 +208,18 @@ fn a_dead_node_that_has_lost_its_name_is_removed_once() {
     let mut details = files(bench.station.root(), ".details");
     details.retain(|path| !before.contains(path));
     judge.kill();
-    // The details lie in a directory of the node's, with its tags.
+    // The details lie in a directory of the node, together with its tags.
     let [details] = details.as_slice() else { panic!("{details:?}") };
     std::fs::remove_dir_all(details.parent().unwrap()).unwrap();
-    assert_eq!(steward.tend().unwrap(), [Death { member: None, removed: true }]);
-    assert_eq!(steward.tend().unwrap(), []);
+    assert_eq!(steward.poll().unwrap(), [Death { member: None, removed: true }]);
+    assert_eq!(steward.poll().unwrap(), []);
 }
 
 #[test]
 fn sigterm_ends_a_wait_at_once() {
     let bench = Bench::new("sigterm");
     let steward = bench.start("steward", &[SMALL.frame_bytes as u64]);
-    // Ten minutes is what it would wait.
+    // It would wait for ten minutes.
     let mut waiting = bench.start("wait", &[]);
     waiting.signal(rustix::process::Signal::TERM);
     assert_eq!(waiting.until("woken="), "Stop");

@@ -1,4 +1,4 @@
-//! Frames between processes: nothing is copied, nothing is allocated, nothing is lost.
+//! Frames between processes: none is copied, none is lost, and none costs an allocation.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod ipc_support;
@@ -9,16 +9,16 @@ const WIDTH: u64 = 1280;
 const HEIGHT: u64 = 720;
 const FRAME: u64 = WIDTH * HEIGHT * 3;
 
-/// What both sides measured.
+/// What writer and reader measured.
 struct Run {
     frames_per_s: f64,
-    /// Frames that were written in steady state.
+    /// Frames that were written in the steady state.
     measured: u64,
     writer_allocations: u64,
     reader_allocations: u64,
 }
 
-/// Writer, reader and steward in processes of their own; every frame is checked.
+/// Runs writer, reader and steward in processes of their own. Every frame is checked.
 fn run(frames: u64, writer_mode: &str, reader_copies: u64) -> Run {
     let bench = Bench::new("frames");
     let steward = bench.start("steward", &[FRAME]);
@@ -42,18 +42,18 @@ fn run(frames: u64, writer_mode: &str, reader_copies: u64) -> Run {
     Run { frames_per_s, measured, writer_allocations, reader_allocations }
 }
 
-/// The reader finds the pixels of each frame in the same byte of the same file in which the writer put them, and
-/// our code allocates nothing in either: there is no second place that they could have been in between.
+/// The reader finds the pixels of each frame in the same byte of the same file where the writer put them, and
+/// our code allocates nothing in either process: there is no second place where they could have been in between.
 #[test]
 fn ten_thousand_frames_are_read_where_they_were_written_without_an_allocation() {
     let run = run(10_000, "paced", 0);
     println!("{:.0} frames/s, {:.2} GB/s", run.frames_per_s, run.frames_per_s * FRAME as f64 * 1e-9);
     assert_eq!(run.reader_allocations, 0, "iceoryx2's included, after the first 100 frames");
-    // iceoryx2 0.10.0 keeps the state of a loan in an `Rc`: one small allocation a frame, and none is ours.
+    // iceoryx2 0.10.0 keeps the state of a loan in an `Arc`: one small allocation per frame. None is ours.
     assert_eq!(run.writer_allocations, run.measured, "iceoryx2's included, after the first 100 frames");
 }
 
-/// The same with a copy on each side, to see in the printed figures what a copy costs. Shows too that the checks do
+/// The same with a copy on each side: the printed figures show what a copy costs. It also shows that the checks do
 /// not depend on how the pixels came there.
 #[test]
 fn frames_that_are_copied_on_both_sides_arrive_as_well() {

@@ -1,14 +1,15 @@
-//! From runs to a job file that can be trusted: what teaching keeps, says and refuses.
+//! From runs to a job file that can be trusted: what teaching keeps, reports and refuses.
 #![allow(clippy::unwrap_used)]
 
 use andon_core::config::Method;
-use andon_core::verdict::{Kind, Verdict};
+use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::{JobFault, JobFile};
+use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
-use andon_learn::teach::{TeachError, TeachOptions, TeachReport, ThresholdRule, teach};
+use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, perform};
 
-/// A seed on which no rule was chosen.
+/// A seed that played no part in the choice of the rules.
 const SEED: u64 = 2002;
 
 fn run(person: u64, repetition: u64, flaw: Flaw) -> Run {
@@ -33,8 +34,8 @@ fn judged(job: &JobFile, run: &Run) -> Vec<Verdict> {
     job.with_job(|lent| run.judge(lent, &Method::default())).unwrap()
 }
 
-fn has(verdicts: &[Verdict], kind: Kind) -> bool {
-    verdicts.iter().any(|verdict| verdict.kind == kind)
+fn job_is(outcome: Outcome, verdicts: &[Verdict]) -> bool {
+    verdicts.iter().any(|verdict| verdict.level == Level::Job && verdict.outcome == outcome)
 }
 
 #[test]
@@ -53,11 +54,18 @@ fn a_job_file_is_read_as_it_was_written() {
 }
 
 #[test]
+fn the_shipped_job_is_as_the_code_writes_it() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../config/jobs/polish-and-measure.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    assert_eq!(JobFile::parse(path, text.as_bytes()).unwrap().to_toml(), text);
+}
+
+#[test]
 fn a_changed_digit_is_noticed() {
     let text = taught(&correct(3)).0.to_toml();
-    let place = text.find("threshold = ").unwrap() + "threshold = ".len();
+    let index = text.find("threshold = ").unwrap() + "threshold = ".len();
     let mut bytes = text.into_bytes();
-    bytes[place] = if bytes[place] == b'9' { b'8' } else { bytes[place] + 1 };
+    bytes[index] = if bytes[index] == b'9' { b'8' } else { bytes[index] + 1 };
     let error = JobFile::parse("job.toml", &bytes).unwrap_err();
     assert!(matches!(error.fault, JobFault::Checksum { .. }), "{error}");
 }
@@ -66,12 +74,12 @@ fn a_changed_digit_is_noticed() {
 fn one_run_is_enough_with_a_warning() {
     let (job, report) = taught(&correct(1));
     assert!(report.warnings().iter().any(|warning| warning.contains("taught from one run")));
-    assert!(has(&judged(&job, &run(5, 1, Flaw::None)), Kind::JobOk));
-    assert!(has(&judged(&job, &run(5, 1, Flaw::J1)), Kind::JobAnomaly));
+    assert!(job_is(Outcome::Ok, &judged(&job, &run(5, 1, Flaw::None))));
+    assert!(job_is(Outcome::Anomaly, &judged(&job, &run(5, 1, Flaw::J1))));
 }
 
 #[test]
-fn a_run_that_disagrees_is_named_with_the_place_where_it_does() {
+fn a_run_that_disagrees_is_named_with_the_iu_where_it_does() {
     let mut runs = correct(4);
     runs.insert(2, run(7, 1, Flaw::J2));
     let (job, report) = taught(&runs);
@@ -87,18 +95,28 @@ fn nothing_can_be_taught_from_nothing() {
     assert!(matches!(teach(&[], &options()), Err(TeachError::NoRun)));
 }
 
-/// What is expected stands with the flaw, and shares nothing with the method.
+/// A release state lasts until the hand comes back.
 #[test]
-fn five_runs_tell_every_flaw_of_a_shop_floor_from_what_is_none() {
+fn a_bound_that_is_open_is_written_as_a_word() {
+    let (job, _) = taught(&correct(3));
+    let text = job.to_toml();
+    assert!(text.contains("frames = [0, \"unbounded\"]\nreversals = [0, \"unbounded\"]\n"), "{text}");
+    assert!(!text.contains("4294967295"), "{text}");
+    assert_eq!(JobFile::parse("job.toml", text.as_bytes()).unwrap(), job);
+}
+
+/// The expected verdict is defined with the flaw, and independent of the method.
+#[test]
+fn five_runs_distinguish_every_flaw_of_a_shop_floor_from_harmless_variations() {
     let (job, _) = taught(&correct(5));
     for flaw in Flaw::ALL {
         let verdicts = judged(&job, &run(6, 1, flaw));
-        let (ok, wrong) = (has(&verdicts, Kind::JobOk), has(&verdicts, Kind::JobAnomaly));
+        let (ok, wrong) = (job_is(Outcome::Ok, &verdicts), job_is(Outcome::Anomaly, &verdicts));
         let as_expected = match flaw.expected() {
-            Expected::Right => ok && !wrong,
+            Expected::Ok => ok && !wrong,
             Expected::Anomaly => wrong,
             Expected::NotOk => !ok,
         };
-        assert!(as_expected, "{}: {verdicts:#?}", flaw.word());
+        assert!(as_expected, "{}: {verdicts:#?}", flaw.name());
     }
 }

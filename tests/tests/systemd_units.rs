@@ -1,12 +1,12 @@
-//! The units are well-formed and locked down, by systemd's own judgement.
+//! The units are well-formed and locked down, as systemd's own tools judge them.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Greatest exposure of a unit, on systemd's scale from 0 (safe) to 10.
-const EXPOSURE: f32 = 1.0;
+/// Maximum exposure of a unit, on systemd's scale from 0 (safe) to 10.
+const MAX_EXPOSURE: f32 = 1.0;
 
 fn shipped() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../systemd")
@@ -21,7 +21,7 @@ fn run(tool: &str, arguments: &[&str]) -> Output {
         .unwrap_or_else(|error| panic!("{tool}: {error}; run `make test-packages`, or apt install systemd"))
 }
 
-/// The units with their drop-ins, started by a program that is on every machine.
+/// A copy of the units with their drop-ins. They start a program that is on every machine.
 fn installed() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     copy(&shipped(), folder.path());
@@ -42,7 +42,7 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// The units in `folder` with this ending.
+/// The paths of the units in `folder` with this ending.
 fn units(folder: &Path, ending: &str) -> Vec<String> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let mut units: Vec<String> = entries
@@ -55,15 +55,15 @@ fn units(folder: &Path, ending: &str) -> Vec<String> {
 }
 
 #[test]
-fn systemd_finds_nothing_to_object_to_in_the_units() {
+fn systemd_finds_no_fault_in_the_units() {
     let folder = installed();
     let mut arguments = vec!["verify".to_owned(), "--man=no".to_owned()];
     arguments.extend(units(folder.path(), ".service"));
     arguments.extend(units(folder.path(), ".target"));
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let output = run("systemd-analyze", &arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && said.is_empty(), "{said}");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && errors.is_empty(), "{errors}");
 }
 
 #[test]
@@ -74,14 +74,14 @@ fn no_unit_is_more_exposed_than_1_0() {
     for service in services {
         let arguments = ["security", "--offline=true", "--no-pager", &service];
         let output = run("systemd-analyze", &arguments);
-        let said = String::from_utf8_lossy(&output.stdout);
-        let overall = said.lines().find(|line| line.contains("Overall exposure level")).unwrap_or_default();
+        let report = String::from_utf8_lossy(&output.stdout);
+        let overall = report.lines().find(|line| line.contains("Overall exposure level")).unwrap_or_default();
         println!("{overall}");
         let level =
             overall.rsplit(": ").next().and_then(|level| level.split(' ').next()?.parse::<f32>().ok());
         assert!(
-            level.is_some_and(|level| level <= EXPOSURE),
-            "{said}{}",
+            level.is_some_and(|level| level <= MAX_EXPOSURE),
+            "{report}{}",
             String::from_utf8_lossy(&output.stderr)
         );
     }

@@ -1,4 +1,5 @@
-//! The command line: one variant a command, one file a command in [`crate::tool`], one file a role in [`crate::role`].
+//! The command line: one variant per command, one file per command in [`crate::tool`], one file per role in
+//! [`crate::role`].
 
 use std::path::PathBuf;
 
@@ -16,8 +17,8 @@ pub struct Cli {
 /// The configuration that most commands read.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ConfigArgs {
-    /// Configuration files; a later one overrides an earlier one. [default: $ANDON_CONFIG, config/stations/demo.toml
-    /// below here, or /etc/andon/andon.toml]
+    /// Configuration files; a later one overrides an earlier one [default: $ANDON_CONFIG, config/stations/demo.toml in
+    /// the current folder, or /etc/andon/andon.toml]
     #[arg(short = 'c', long = "config", value_name = "FILE")]
     pub files: Vec<PathBuf>,
 }
@@ -29,11 +30,11 @@ pub enum Command {
     Demo(Demo),
     /// Learn a job from recordings of correct runs
     Teach(Teach),
-    /// Judge a recording by a taught job; exit 0 all correct, 1 anomaly found, 2 could not judge
+    /// Judge a recording by a taught job; exit 0: all correct, 1: an anomaly, 2: something could not be judged
     Replay(Replay),
     /// Print the ERUs, IUs, activities and the job of a recording
     Segment(Segment),
-    /// Place the bench by a picture with four known markers
+    /// Find the bench in a picture with four known markers
     Calibrate(Calibrate),
     /// Write what a running station sees to a track file
     Record(Record),
@@ -45,7 +46,7 @@ pub enum Command {
     Config(ConfigCommand),
     /// Follow the verdicts of a running station
     Tail(Tail),
-    /// Show how every role of a running station is doing; exit 0 healthy, 1 not
+    /// Show how every role of a running station is doing; exit 0: all are healthy, 1: some are not
     Status(Status),
     /// Query the journal
     History(History),
@@ -67,10 +68,10 @@ pub struct Demo {
     /// Job to watch
     #[arg(long, default_value = "config/jobs/polish-and-measure.toml")]
     pub job: PathBuf,
-    /// Play as fast as the line goes, or at the clips' own rate
+    /// Play at the clips' own rate (file), or as fast as the line can (max)
     #[arg(long, value_enum, default_value_t = Speed::File)]
     pub speed: Speed,
-    /// Write each clip with what was seen and judged drawn on it into this folder
+    /// Write each clip again into this folder, with what was seen and judged drawn on it
     #[arg(long, value_name = "FOLDER")]
     pub annotate: Option<PathBuf>,
 }
@@ -80,7 +81,7 @@ pub struct Demo {
 pub enum Speed {
     /// At its own rate.
     File,
-    /// As fast as the readers go; nothing is dropped.
+    /// As fast as the readers can; nothing is dropped.
     Max,
 }
 
@@ -96,10 +97,10 @@ pub struct Teach {
     /// The job file to write
     #[arg(short, long)]
     pub out: PathBuf,
-    /// The number that a PLC selects the job by
+    /// The number by which a PLC selects the job
     #[arg(long, default_value_t = 1)]
     pub id: u32,
-    /// Name of the job [default: the job file's]
+    /// Name of the job [default: the name of the job file]
     #[arg(long)]
     pub name: Option<String>,
     /// Rule for the thresholds
@@ -118,9 +119,9 @@ pub struct Teach {
 pub enum ThresholdRule {
     /// The paper's: mean + 2 sigma of the distances to the own barycentre.
     Paper,
-    /// Distance of each run to the barycentre of the others.
+    /// The distance of each run to the barycentre of the others.
     LeaveOneOut,
-    /// Leave-one-out distances at a stated false-alarm rate.
+    /// Leave-one-out distances, at a stated rate of false alarms.
     Conformal,
 }
 
@@ -144,10 +145,10 @@ pub struct Replay {
     pub job: PathBuf,
     /// A film, a folder of pictures or a track file
     pub recording: PathBuf,
-    /// One JSON object a verdict on standard output
+    /// Print one JSON object per verdict
     #[arg(long)]
     pub json: bool,
-    /// Write the film with what was seen and judged drawn on it
+    /// Write the film again, with what was seen and judged drawn on it
     #[arg(long, value_name = "FILE.mp4")]
     pub annotate: Option<PathBuf>,
 }
@@ -160,7 +161,7 @@ pub struct Segment {
     pub config: ConfigArgs,
     /// A film, a folder of pictures or a track file
     pub recording: PathBuf,
-    /// One JSON object an event on standard output
+    /// Print one JSON object per event
     #[arg(long)]
     pub json: bool,
     /// Draw one lane per feature and context with IU and activity bands
@@ -176,7 +177,7 @@ pub struct Calibrate {
     pub config: ConfigArgs,
     /// A picture that shows the four markers
     pub picture: PathBuf,
-    /// A marker that lies on the bench: its id and where its centre is, in metres; four of them
+    /// A marker that lies on the bench: its id and the position of its centre, in metres; name four
     #[arg(long = "marker", value_name = "ID=X,Y", required = true)]
     pub markers: Vec<String>,
     /// Side of the markers' black square, in metres
@@ -212,19 +213,19 @@ pub struct Run {
 /// A role of the line, one process each, in the order of the data path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Role {
-    /// Owns every service, removes dead nodes
+    /// Owns every service and removes dead nodes
     Steward,
-    /// Frames in
+    /// Takes frames from the camera or the recording
     Capture,
-    /// Frames to detections
+    /// Turns frames into detections
     Perceive,
-    /// Detections to feature couples
+    /// Turns detections into feature couples
     Encode,
-    /// Feature couples to verdicts
+    /// Turns feature couples into verdicts
     Judge,
-    /// Verdicts to the database
+    /// Writes verdicts to the database
     Journal,
-    /// Verdicts to the PLC
+    /// Gives verdicts to the PLC
     Plc,
 }
 
@@ -242,7 +243,7 @@ pub struct ConfigCommand {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// The annotated reference: every key, its meaning, unit, range and default
+    /// Print the annotated reference: every key with its meaning, unit, range and default
     #[arg(long)]
     pub default: bool,
 }
@@ -253,13 +254,13 @@ pub struct Tail {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// One JSON object a verdict
+    /// Print one JSON object per verdict
     #[arg(long)]
     pub json: bool,
-    /// Only anomalies and what could not be judged
+    /// Show only anomalies and what could not be judged
     #[arg(long)]
     pub nok: bool,
-    /// Only this level
+    /// Show only this level
     #[arg(long, value_enum)]
     pub level: Option<Level>,
 }
@@ -281,7 +282,7 @@ pub struct Status {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// One JSON object
+    /// Print one JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -292,16 +293,16 @@ pub struct History {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Only what was decided after this time (RFC 3339) or in the last span (`90m`, `8h`, `7d`)
+    /// Show only what was decided after this time (RFC 3339) or within this span before now (`90m`, `8h`, `7d`)
     #[arg(long)]
     pub since: Option<String>,
-    /// Only this job
+    /// Show only this job
     #[arg(long)]
     pub job: Option<u32>,
-    /// Only anomalies and what could not be judged
+    /// Show only anomalies and what could not be judged
     #[arg(long)]
     pub nok: bool,
-    /// Comma-separated values instead of a table
+    /// Print comma-separated values instead of a table
     #[arg(long)]
     pub csv: bool,
 }

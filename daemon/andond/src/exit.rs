@@ -1,19 +1,19 @@
-//! How a process ends: distinct exit codes, on which the units and whoever runs a tool can rely (DESIGN 6).
+//! How a process ends: one exit code per kind of end, on which the units and the callers of a tool can rely.
 
 use crate::log::{code, log};
 use std::process::ExitCode;
 
-/// Why a role has ended.
+/// Why a role or a tool has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Code {
-    /// It was asked to stop, or its recording is at its end.
+    /// It was asked to stop, or its work is done.
     Stopped = 0,
     /// The command line is wrong (`EX_USAGE`). A restart would not help: the units do not try.
     Usage = 64,
     /// Something that it needs has failed (`EX_SOFTWARE`): the log says what. The unit starts it again.
     Fault = 70,
-    /// It got no further, and ended itself before the watchdog would have. The unit starts it again.
+    /// It made no progress and ended itself before the watchdog would have. The unit starts it again.
     NoProgress = 71,
     /// It panicked, which is an error in Andon. The unit starts it again.
     Panic = 72,
@@ -28,16 +28,16 @@ impl From<Code> for ExitCode {
     }
 }
 
-/// From now on a panic in any thread ends the process with [`Code::Panic`] and one log line: a role that goes on
-/// with one thread less would look healthy and judge nothing.
+/// Makes a panic in any thread end the process with [`Code::Panic`] and one line in the log: a role that went on with one
+/// thread less would look healthy and judge nothing.
 pub fn exit_on_panic() {
     std::panic::set_hook(Box::new(|panic| {
-        let place = panic.location().map(ToString::to_string).unwrap_or_default();
+        let location = panic.location().map(ToString::to_string).unwrap_or_default();
         let message = panic.payload_as_str().unwrap_or("no message");
-        log!(code::PANIC, "{message}, at {place}");
+        log!(code::PANIC, "{message}, at {location}");
         // A tool has no log.
         if !tracing::dispatcher::has_been_set() {
-            eprintln!("{} {message}, at {place}", code::PANIC.name);
+            eprintln!("{} {message}, at {location}", code::PANIC.name);
         }
         std::process::exit(i32::from(Code::Panic as u8));
     }));

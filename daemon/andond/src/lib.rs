@@ -1,15 +1,15 @@
-//! The Andon daemon as a library, so that tests and the two binaries share it.
+//! The Andon daemon as a library, so that tests and the two binaries, `andond` and `andond-video`, share it.
 //!
-//! Along the data path: [`video`] pictures in → [`perception`] as configured, [`metric`] with depth → [`role`] one process each → [`wire`] what
-//! crosses shared memory → [`report`] verdicts for people and programs. [`recording`] and [`tool`] run the same code over
-//! files, and [`picture`] draws it. [`cli`], [`config`], [`exit`], [`fit`] and [`log`] serve them all.
+//! Along the data path: [`video`] brings pictures, [`perception`] and, with depth, [`metric`] look at them, [`role`] has the
+//! processes of the line, [`wire`] what crosses shared memory, and [`report`] verdicts for people and programs.
+//! [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`], [`config`], [`exit`],
+//! [`compatibility`] and [`log`] serve them all.
 #![forbid(unsafe_code)]
 
 pub mod cli;
+pub mod compatibility;
 pub mod config;
 pub mod exit;
-pub mod fit;
-pub mod journal;
 pub mod log;
 pub mod metric;
 pub mod perception;

@@ -1,4 +1,4 @@
-//! `andond`: one binary, one role a process, one file a command.
+//! `andond`: one binary, one role per process, one file per command.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;
@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use andond::cli::{Cli, Command};
 use andond::exit::{self, Code};
 use andond::role;
-use andond::tool::{self, Failure};
+use andond::tool::{self, ToolError};
 use clap::Parser;
 
 fn main() -> ExitCode {
@@ -29,23 +29,23 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(command: Command) -> Result<ExitCode, Failure> {
-    match command {
-        Command::Demo(arguments) => tool::demo::run(&arguments).map(ExitCode::from),
-        Command::Teach(arguments) => tool::teach::run(&arguments).map(ExitCode::from),
-        Command::Replay(arguments) => tool::replay::run(&arguments).map(ExitCode::from),
-        Command::Segment(arguments) => tool::segment::run(&arguments).map(ExitCode::from),
-        Command::Run(arguments) => {
-            Ok(role::run(arguments.role, &tool::load_config(&arguments.config)?).into())
-        }
-        Command::Calibrate(arguments) => tool::calibrate::run(&arguments).map(ExitCode::from),
-        Command::Record(arguments) => tool::record::run(&arguments).map(ExitCode::from),
-        Command::Check(arguments) => tool::check::run(&arguments).map(ExitCode::from),
-        Command::Config(arguments) => tool::config::run(&arguments).map(ExitCode::from),
-        Command::Tail(arguments) => tool::tail::run(&arguments).map(ExitCode::from),
-        Command::Status(arguments) => tool::status::run(&arguments).map(ExitCode::from),
-        Command::History(arguments) => tool::history::run(&arguments).map(ExitCode::from),
-        Command::Analyze(arguments) => tool::analyze::run(&arguments).map(ExitCode::from),
-        Command::Experiment(arguments) => tool::experiment::run(&arguments).map(ExitCode::from),
-    }
+/// The error is boxed: it names whatever a tool may meet, and is large.
+fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
+    let code = match command {
+        Command::Demo(arguments) => tool::demo::run(&arguments)?.into(),
+        Command::Teach(arguments) => tool::teach::run(&arguments)?.into(),
+        Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
+        Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),
+        Command::Run(arguments) => role::run(arguments.role, &tool::load_config(&arguments.config)?).into(),
+        Command::Calibrate(arguments) => tool::calibrate::run(&arguments)?.into(),
+        Command::Record(arguments) => tool::record::run(&arguments)?.into(),
+        Command::Check(arguments) => tool::check::run(&arguments)?.into(),
+        Command::Config(arguments) => tool::config::run(&arguments)?.into(),
+        Command::Tail(arguments) => tool::tail::run(&arguments)?.into(),
+        Command::Status(arguments) => tool::status::run(&arguments)?.into(),
+        Command::History(arguments) => tool::history::run(&arguments)?.into(),
+        Command::Analyze(arguments) => tool::analyze::run(&arguments)?.into(),
+        Command::Experiment(arguments) => tool::experiment::run(&arguments)?.into(),
+    };
+    Ok(code)
 }

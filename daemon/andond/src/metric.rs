@@ -1,22 +1,21 @@
-//! Metric mode on the line: the depth and the optics that come with a frame, and a scene in metres (DESIGN 4, "Spaces").
+//! Metric mode on the line: turns the depth and the optics that come with a frame into a scene in metres.
 
 use andon_core::input::Space;
 use andon_perception::Detections;
 use andon_perception::bench::{Calibration, CalibrationError};
 use andon_perception::config::MarkerObject;
-use andon_perception::metric::lens::rigid;
 use andon_perception::metric::{
-    BenchFrame, DepthImage, Distortion, Lens, Metric, MetricError, MetricScene, Rig, Sampler,
+    BenchFrame, DepthImage, Distortion, Lens, Metric, MetricError, MetricScene, Rig, Sampler, rigid,
 };
 use shm_schemas::{DepthFormat, FrameHeader, Intrinsics};
 
 use crate::config::Config;
-use crate::perception::marker_objects;
+use crate::perception::{calibration, marker_objects};
 
 /// Why a frame cannot be placed.
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
-    /// Not now; it is tried again with the next frame.
+    /// Not with this frame; the next one may show the bench.
     #[error(transparent)]
     NoBench(MetricError),
     /// Never with this calibration and this camera.
@@ -27,16 +26,16 @@ pub enum PlaceError {
     Frame(MetricError),
 }
 
-/// Places what was detected in the frames of one camera.
+/// Places what was detected in the frames of one camera in the frame of the bench.
 pub struct Placer {
     calibration: Option<Calibration>,
     objects: Vec<MarkerObject>,
-    /// Once a frame has told the optics and shown the bench.
+    /// Known once a frame has brought the optics and shown the bench.
     placed: Option<(Rig, Metric)>,
 }
 
 impl Placer {
-    /// For a station; `None` in plane mode.
+    /// The placer of a station; `None` in plane mode.
     ///
     /// # Errors
     /// A calibration that cannot be read.
@@ -44,8 +43,7 @@ impl Placer {
         if config.method.space == Space::Plane {
             return Ok(None);
         }
-        let calibration = config.bench.calibration.as_deref().map(Calibration::load).transpose()?;
-        Ok(Some(Self { calibration, objects: marker_objects(config), placed: None }))
+        Ok(Some(Self { calibration: calibration(config)?, objects: marker_objects(config), placed: None }))
     }
 
     /// The scene of a frame, in the frame of the bench: that of the calibration, or without one that of the plane which
@@ -80,7 +78,7 @@ impl Placer {
     }
 }
 
-/// The depth plane, where it lies; `None` where the frame has none.
+/// The depth picture in the bytes of a frame; `None` where the frame has none.
 fn image<'a>(header: &FrameHeader, depth: &'a [u8]) -> Result<Option<DepthImage<'a>>, MetricError> {
     if header.depth_format != DepthFormat::Z16.code() {
         return Ok(None);

@@ -1,10 +1,9 @@
-//! Perception as the configuration wants it.
+//! Perception as the configuration describes it.
 
 use andon_core::input::Side;
 use andon_perception::bench::{Calibration, CalibrationError};
-use andon_perception::config::{BenchConfig, HandsConfig, MarkerObject, MarkersConfig, ModelSize};
+use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig, ModelSize};
 use andon_perception::detections;
-use andon_perception::markers::Dictionary;
 use andon_perception::{Perceiver, PerceptionConfig, PerceptionError};
 
 use crate::config::{Config, HandModel};
@@ -25,16 +24,20 @@ pub enum SetupError {
 /// # Errors
 /// The model, the library or the calibration that is missing or damaged, and what to run.
 pub fn perceiver(config: &Config) -> Result<Perceiver, SetupError> {
-    let bench = match &config.bench.calibration {
-        Some(path) => BenchConfig::Calibrated(Calibration::load(path)?),
-        None => BenchConfig::FromMarkers,
-    };
-    Ok(Perceiver::new(&PerceptionConfig {
+    let settings = PerceptionConfig {
         runtime: config.perception.models.clone(),
         hands: hands(config),
         markers: markers(config),
-        bench,
-    })?)
+    };
+    Ok(Perceiver::new(&settings, calibration(config)?)?)
+}
+
+/// The calibration that the configuration names, if it names one.
+///
+/// # Errors
+/// A calibration that cannot be read.
+pub fn calibration(config: &Config) -> Result<Option<Calibration>, CalibrationError> {
+    config.bench.calibration.as_deref().map(Calibration::load).transpose()
 }
 
 fn hands(config: &Config) -> HandsConfig {
@@ -63,9 +66,5 @@ pub fn marker_objects(config: &Config) -> Vec<MarkerObject> {
 
 fn markers(config: &Config) -> MarkersConfig {
     let default = MarkersConfig::default();
-    MarkersConfig {
-        dictionary: Dictionary::named(&config.perception.dictionary.name()).unwrap_or_default(),
-        objects: marker_objects(config),
-        ..default
-    }
+    MarkersConfig { dictionary: config.perception.dictionary, objects: marker_objects(config), ..default }
 }

@@ -1,6 +1,6 @@
 //! Recordings for the tools: a film, a folder of pictures or a track file, as frames for the method.
 //!
-//! A film is seen by the same perception that runs live, in this process.
+//! The perception that runs live looks at a film in this process.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -40,7 +40,7 @@ pub enum RecordingError {
     /// Perception cannot begin.
     #[error(transparent)]
     Setup(#[from] perception::SetupError),
-    /// A film shows markers, and no object has one.
+    /// The configuration names no object whose marker a film could show.
     #[error(
         "{path}: a film needs the objects that it shows, and the configuration has none: name a station with --config FILE"
     )]
@@ -65,7 +65,6 @@ struct Watched {
     film: Film,
     perceiver: Perceiver,
     seen: Detections,
-    shown: u64,
 }
 
 /// The picture of the newest frame and what was seen in it.
@@ -83,7 +82,7 @@ impl Recording {
     /// Opens a recording. A track file brings its objects and its space along; a film has the configuration's.
     ///
     /// # Errors
-    /// What is missing or damaged, with its place.
+    /// What is missing or damaged, and where.
     pub fn open(path: &Path, config: &Config) -> Result<Self, RecordingError> {
         let is_tracks = path.extension().is_some_and(|ending| ending == "jsonl");
         if is_tracks { Self::tracks(path) } else { Self::film(path, config) }
@@ -115,7 +114,7 @@ impl Recording {
                 .map(|(object, shape)| NamedObject { name: object.name.clone(), shape })
                 .collect(),
         };
-        let watched = Watched { film, perceiver, seen: Detections::default(), shown: 0 };
+        let watched = Watched { film, perceiver, seen: Detections::default() };
         Ok(Self { header, source: Source::Film(Box::new(watched)) })
     }
 
@@ -124,7 +123,7 @@ impl Recording {
         &self.header
     }
 
-    /// How many frames there are, where that is known beforehand.
+    /// The number of frames, where it is known beforehand.
     pub fn count(&self) -> Option<u64> {
         match &self.source {
             Source::Tracks(_) => None,
@@ -135,7 +134,7 @@ impl Recording {
     /// The next frame, in nanoseconds since the first; `None` after the last.
     ///
     /// # Errors
-    /// What is damaged, with its place.
+    /// What is damaged, and where.
     pub fn next_frame(&mut self) -> Result<Option<Frame>, RecordingError> {
         match &mut self.source {
             Source::Tracks(reader) => Ok(reader.next().transpose()?),
@@ -143,7 +142,7 @@ impl Recording {
         }
     }
 
-    /// What the film shows right now; a track file shows nothing.
+    /// What the film shows now; a track file has no pictures.
     pub fn view(&self) -> Option<View<'_>> {
         match &self.source {
             Source::Tracks(_) => None,
@@ -155,7 +154,7 @@ impl Recording {
         }
     }
 
-    /// What a person should know of the recording after it was read: that it ended in mid-line.
+    /// What a person should know about the recording after it was read: that it ended in the middle of a line.
     pub fn warning(&self) -> Option<String> {
         match &self.source {
             Source::Tracks(reader) => reader.truncation().map(ToString::to_string),
@@ -170,8 +169,7 @@ impl Watched {
         let format = self.film.format();
         let (width, height) = (format.width as usize, format.height as usize);
         let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, self.film.picture())?;
-        self.shown += 1;
-        let seen = self.perceiver.perceive(image, pts_ns, self.shown)?;
+        let seen = self.perceiver.perceive(image, pts_ns)?;
         self.seen = Detections {
             source_ns: pts_ns,
             width: format.width,
@@ -179,6 +177,6 @@ impl Watched {
             ..Detections::default()
         };
         wire::detections::write(&seen, &mut self.seen);
-        Ok(Some(wire::detections::frame(&self.seen)))
+        Ok(Some(wire::detections::to_core(&self.seen)))
     }
 }

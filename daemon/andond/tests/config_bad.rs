@@ -1,5 +1,5 @@
 //! Every bad configuration in `config_bad/` with its exact messages: `NAME.toml` is read over `base/station.toml`
-//! (alone where its name begins with `alone`), and `NAME.expected` is what is said of it.
+//! (alone where its name begins with `alone`), and `NAME.expected` holds its messages.
 
 #![allow(clippy::unwrap_used)]
 
@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 
 const FOLDER: &str = "tests/config_bad";
 
-/// What is said of these files, with this checkout's own path replaced by `$DIR`.
+/// The faults of these files, with the path of this checkout replaced by `$DIR`.
 fn messages(paths: &[PathBuf]) -> String {
-    let said = Config::load(paths).unwrap_err().to_string();
-    said.replace(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/config_bad"), "$DIR") + "\n"
+    let found = Config::load(paths).unwrap_err().to_string();
+    found.replace(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/config_bad"), "$DIR") + "\n"
 }
 
 /// The files of `FOLDER` with this extension, in the order of their names.
@@ -32,14 +32,14 @@ fn each_bad_configuration_is_refused_with_its_messages() {
     for case in cases {
         let alone = case.file_name().unwrap().to_string_lossy().starts_with("alone");
         let both = [base.clone(), case.clone()];
-        let said = messages(if alone { &both[1..] } else { &both });
+        let found = messages(if alone { &both[1..] } else { &both });
         let expected = case.with_extension("expected");
         if std::env::var_os("ANDON_WRITE_GENERATED").is_some() {
-            std::fs::write(&expected, &said).unwrap();
+            std::fs::write(&expected, &found).unwrap();
         }
         let expected = std::fs::read_to_string(&expected).unwrap_or_default();
-        if said != expected {
-            wrong += &format!("{}\nexpected:\n{expected}said:\n{said}\n", case.display());
+        if found != expected {
+            wrong += &format!("{}\nexpected:\n{expected}found:\n{found}\n", case.display());
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
@@ -60,9 +60,9 @@ fn the_base_of_all_cases_has_no_fault() {
 
 #[test]
 fn a_file_that_is_not_there_is_a_fault_that_names_it() {
-    let said = messages(&["no/such/station.toml".into()]);
+    let found = messages(&["no/such/station.toml".into()]);
     assert_eq!(
-        said,
+        found,
         "no/such/station.toml: cannot be read: No such file or directory (os error 2)\n\
          1 fault in the configuration: nothing is started\n"
     );

@@ -1,4 +1,4 @@
-//! How commands end that cannot do what they are asked: with the exit code that says why, before any work, and with the remedy.
+//! A command that cannot do what it is asked ends before any work, with the exit code that says why and with the remedy.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -11,12 +11,12 @@ fn andond(arguments: &[&str]) -> Output {
     command.env_remove("ANDON_CONFIG").output().unwrap()
 }
 
-/// The command ends with this code and these words.
-fn ends(arguments: &[&str], code: i32, words: &str) {
+/// Runs a command that must end with this code and with this text on standard error.
+fn ends(arguments: &[&str], code: i32, text: &str) {
     let output = andond(arguments);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
-    assert!(said.contains(words), "{arguments:?}: {said}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {stderr}");
+    assert!(stderr.contains(text), "{arguments:?}: {stderr}");
 }
 
 const FILM: &str = "tests/footage/p1_none_r1.mp4";
@@ -36,7 +36,7 @@ fn a_recording_that_is_not_there_ends_with_64() {
 }
 
 #[test]
-fn a_result_that_cannot_be_written_is_told_before_the_work() {
+fn a_result_that_cannot_be_written_is_refused_before_the_work() {
     let out = ["--out", "/proc/job.toml"];
     // The recording is not even looked for.
     ends(&["teach", "no-such-film.mp4", out[0], out[1]], 64, "/proc/job.toml: it cannot be written");
@@ -103,9 +103,9 @@ fn a_picture_that_cannot_be_calibrated_from_is_named_once() {
     let paths = [picture.to_str().unwrap(), out.to_str().unwrap()];
     let marker = ["--marker", "1=0,0"];
     let output = andond(&["calibrate", paths[0], "--side", "0.04", "--out", paths[1], marker[0], marker[1]]);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(64), "{said}");
-    assert_eq!(said.matches("empty.mp4").count(), 1, "{said}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(64), "{stderr}");
+    assert_eq!(stderr.matches("empty.mp4").count(), 1, "{stderr}");
 }
 
 #[test]

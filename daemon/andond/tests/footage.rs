@@ -88,16 +88,16 @@ fn half_the_strokes_are_cut_short_and_the_rest_is_right() {
 fn a_brick_that_never_reaches_the_meter_is_an_anomaly_of_the_second_activity() {
     for name in ["p1_J2_r1", "p2_J2_r1"] {
         let judged = replay(name);
-        let told = judged.activities_and_job();
-        assert_eq!(told[0], ("ActivityOk", "None", Some(0)), "{name}");
-        assert_eq!((told[1].0, told[1].2), ("ActivityAnomaly", Some(1)), "{name}");
-        assert_eq!(told[2].0, "JobAnomaly", "{name}");
+        let verdicts = judged.activities_and_job();
+        assert_eq!(verdicts[0], ("ActivityOk", "None", Some(0)), "{name}");
+        assert_eq!((verdicts[1].0, verdicts[1].2), ("ActivityAnomaly", Some(1)), "{name}");
+        assert_eq!(verdicts[2].0, "JobAnomaly", "{name}");
         assert_eq!(judged.exit, Some(1), "{name}");
     }
 }
 
 #[test]
-fn another_order_is_said_when_the_activity_begins() {
+fn another_order_is_reported_when_the_activity_begins() {
     let judged = replay("p1_order_r1");
     assert_eq!(
         judged.activities_and_job(),
@@ -109,12 +109,12 @@ fn another_order_is_said_when_the_activity_begins() {
     );
     let first = &judged.verdicts[0];
     assert_eq!(first["early"], Value::Bool(true));
-    // The brick is grasped in frame 52 and reaches the meter in frame 88 (30 frames a second).
+    // The brick is grasped in frame 52 and reaches the meter in frame 88 (30 frames per second).
     assert!(first["decided_s"].as_f64().unwrap() < 88.0 / 30.0, "{first}");
 }
 
 #[test]
-fn the_wrong_object_is_said_when_it_is_touched_and_what_follows_is_right() {
+fn the_wrong_object_is_reported_when_it_is_touched_and_what_follows_is_right() {
     let judged = replay("p1_wrong_object_r1");
     assert_eq!(
         judged.activities_and_job(),
@@ -199,11 +199,14 @@ fn an_annotated_film_has_every_frame_of_the_film_and_shows_the_end_for_a_while()
 }
 
 #[test]
-fn the_line_of_processes_says_what_replay_says() {
+fn the_line_of_processes_gives_the_verdicts_of_replay() {
     let clips = tempfile::tempdir().unwrap();
     let clip = clip("p2_none_r3");
     std::os::unix::fs::symlink(root().join(&clip), clips.path().join("clip.mp4")).unwrap();
-    let demo = andond(&["demo", "--speed", "max", "--clips", clips.path().to_str().unwrap()]);
+    let (films, clip_folder) = (tempfile::tempdir().unwrap(), clips.path().to_str().unwrap());
+    let annotate = ["--annotate", films.path().to_str().unwrap()];
+    let demo = andond(&["demo", "--speed", "max", "--clips", clip_folder, annotate[0], annotate[1]]);
+    assert!(films.path().join("clip.mp4").is_file(), "the annotated clip is missing");
     assert_eq!(demo.status.code(), Some(0), "{}", String::from_utf8_lossy(&demo.stderr));
     let replay = andond(&["replay", "--job", "config/jobs/polish-and-measure.toml", &clip]);
     let verdicts = |output: &Output| -> Vec<String> {

@@ -1,41 +1,41 @@
-//! The constants of the method. The caller reads them from its configuration; the defaults say why.
+//! The constants of the method. The caller reads them from its configuration; reasons stand beside the defaults.
 
 use crate::capacity::{FILTER_FRAMES, PERSIST_FRAMES};
 use crate::input::Space;
 
-/// Contact by distance, with hysteresis: an edge begins under `on_m` and ends over `off_m` (DESIGN 4).
+/// Contact by distance with hysteresis: an edge begins below `on_m` and ends above `off_m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
-    /// An edge begins when the least distance of two interaction points falls under this, in metres.
+    /// An edge begins when the minimum distance of two interaction points falls below this, in metres.
     pub on_m: f32,
-    /// It ends when the distance rises over this, in metres; at least `on_m`.
+    /// It ends when the distance rises above this, in metres; at least `on_m`.
     pub off_m: f32,
 }
 
 /// All constants of the method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
-    /// The coordinates that are used.
+    /// Which coordinates are used.
     pub space: Space,
-    /// The grid: couples a second. Frames that are missing on it are filled by holding.
+    /// The grid: couples per second. Frames that are missing on it are filled by holding the last poses.
     pub rate_hz: f32,
-    /// N, direction bins around the circle.
+    /// N, the number of direction bins around the circle.
     pub bins: u8,
-    /// Hand against object.
+    /// Contact of a hand with an object.
     pub hand_contact: Contact,
-    /// Object against object.
+    /// Contact of an object with an object.
     pub object_contact: Contact,
-    /// Frames that a contact must hold before it is believed. Also the delay of the couples.
+    /// Frames that a contact must last before it is believed. Also the delay of the couples.
     pub persist_frames: u8,
-    /// Under this speed a thing is at rest, in m/s.
+    /// Below this speed a hand or object is at rest, in m/s.
     pub rest_speed_m_s: f32,
-    /// Under this tangential acceleration the speed is constant, in m/s².
+    /// Below this tangential acceleration the speed is constant, in m/s².
     pub dead_band_m_s2: f32,
-    /// Window of the opening-closing filter on `x_m`, in frames, odd; 1 filters nothing.
+    /// Window of the opening-closing filter on `x_m`, an odd number of frames; 1 filters nothing.
     pub filter_frames: u8,
-    /// What has not been seen for longer than this is not held any more, in milliseconds.
+    /// A hand or object that has not been seen for longer than this is out of sight, in milliseconds.
     pub blind_ms: u32,
-    /// Without a hand for this long the job ends, in milliseconds.
+    /// When no hand has been seen for this long, the job ends, in milliseconds.
     pub idle_end_ms: u32,
 }
 
@@ -45,8 +45,8 @@ impl Default for Method {
             space: Space::Plane,
             rate_hz: 30.0,
             bins: 8,
-            // A fingertip pad is 1 cm from its landmark, a grasp frame stands for some 4 cm of handle, and a
-            // top view adds 1 cm of parallax: 3 cm is the sum of half of each.
+            // A fingertip pad is 1 cm from its landmark, a grasp frame stands for about 4 cm of handle, and a
+            // top view adds 1 cm of parallax: 3 cm is half of their sum.
             hand_contact: Contact { on_m: 0.030, off_m: 0.045 },
             object_contact: Contact { on_m: 0.030, off_m: 0.045 },
             persist_frames: 5,
@@ -59,12 +59,12 @@ impl Default for Method {
     }
 }
 
-/// A constant of the method that is out of its range.
+/// A constant of the method is out of its range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MethodFault {
     /// The name of the constant, as in [`Method`].
     pub key: &'static str,
-    /// What it may be.
+    /// What is allowed.
     pub allowed: &'static str,
 }
 
@@ -77,7 +77,7 @@ impl core::fmt::Display for MethodFault {
 impl core::error::Error for MethodFault {}
 
 impl Method {
-    /// Whether every constant is in its range.
+    /// Checks that every constant is in its range.
     ///
     /// # Errors
     /// The first constant that is not.
@@ -87,7 +87,7 @@ impl Method {
         let checks = [
             // 240 Hz is the fastest rate of the cameras and motion capture systems that fit a bench.
             ((1.0..=240.0).contains(&self.rate_hz), "rate_hz", "1 to 240"),
-            // A quarter turn must be a whole bin at least; a motion is stored as `i8`.
+            // A quarter turn must be at least one whole bin; a motion is stored as `i8`.
             ((4..=120).contains(&self.bins), "bins", "4 to 120"),
             (contact(&self.hand_contact), "hand_contact", "0 < on_m <= off_m, in metres"),
             (contact(&self.object_contact), "object_contact", "0 < on_m <= off_m, in metres"),
@@ -103,7 +103,7 @@ impl Method {
                 "filter_frames",
                 "odd, 1 to 31 frames",
             ),
-            // It also bounds how many couples one step may have to emit.
+            // This also bounds how many couples one step may emit.
             (self.blind_ms <= 60_000, "blind_ms", "at most 60000 ms"),
         ];
         match checks.into_iter().find(|(right, ..)| !right) {

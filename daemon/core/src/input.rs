@@ -1,4 +1,4 @@
-//! What was seen in one frame, in the bench frame: metres, x right, y away from the worker, z up.
+//! What was seen in one frame, in the bench frame: metres, x to the right, y away from the worker, z up.
 
 use crate::capacity::{HANDS, INTERACTION_POINTS, OBJECTS};
 use heapless::Vec;
@@ -16,25 +16,46 @@ pub enum Side {
 }
 
 impl Side {
-    /// Both hands, in the order that they have wherever there is one item a hand.
+    /// Both hands, in the order of every array with one item per hand.
     pub const ALL: [Self; HANDS] = [Self::Right, Self::Left];
 
-    /// The place of this hand in [`ALL`](Self::ALL).
-    pub fn place(self) -> usize {
+    /// The index of this hand in [`ALL`](Self::ALL).
+    pub fn index(self) -> usize {
         match self {
             Self::Right => 0,
             Self::Left => 1,
         }
     }
+
+    /// `right` or `left`: how people, files and programs outside name this hand.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::Left => "left",
+        }
+    }
 }
 
-/// The coordinates that are used (DESIGN 4, "Spaces").
+/// Which coordinates are used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
-    /// In the plane of the bench: z and tilt are ignored, there is no elevation (the paper's 2-D set-up).
+    /// The plane of the bench: z and tilt are ignored and there is no elevation (the paper's 2-D set-up).
     Plane,
-    /// Right-handed bench frame with z up; elevation is used.
+    /// The right-handed bench frame with z up, and elevation.
     Metric,
+}
+
+impl Space {
+    /// Both spaces.
+    pub const ALL: [Self; 2] = [Self::Plane, Self::Metric];
+
+    /// `plane` or `metric`: how people and files name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Metric => "metric",
+        }
+    }
 }
 
 /// The five landmarks of a hand that the method uses, in metres in the bench frame.
@@ -42,7 +63,7 @@ pub enum Space {
 pub struct Hand {
     /// Which hand.
     pub side: Side,
-    /// Confidence of the detector, 0..1.
+    /// Confidence of the detector, 0 to 1.
     pub score: f32,
     /// Landmark 0.
     pub wrist: Point,
@@ -55,15 +76,15 @@ pub struct Hand {
 /// Where an object is in this frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
-    /// Identity, 1..=65535.
+    /// Its id, 1 to 65535.
     pub id: u16,
     /// Origin of the object's frame in metres in the bench frame.
     pub position: Point,
-    /// Unit quaternion (w, x, y, z), object frame to bench frame. In plane mode only its turn about z counts.
+    /// Unit quaternion (w, x, y, z) from the object's frame to the bench frame. In plane mode only its rotation about z counts.
     pub orientation: [f32; 4],
 }
 
-/// All that was seen in one frame. What was not seen is left out.
+/// Everything that was seen in one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// When the frame was captured, in nanoseconds of the capturing clock.
@@ -74,10 +95,10 @@ pub struct Frame {
     pub objects: Vec<Object, OBJECTS>,
 }
 
-/// What is known of an object before it is seen: its identity and where it can be touched.
+/// What is known of an object before it is seen: its id and where it can be touched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectShape {
-    /// Identity, 1..=65535.
+    /// Its id, 1 to 65535.
     pub id: u16,
     /// Interaction points in metres in the object's frame.
     pub interaction_points: Vec<Point, INTERACTION_POINTS>,

@@ -3,10 +3,10 @@
 //! The data path, in the order of the modules:
 //!
 //! [`input`] what was seen in one frame → [`couple`] its feature couple `X = (x_m, x_c)` →
-//! [`segment`] ERU, IU, activity, job → [`dtw`] distance to the taught references →
-//! [`anomaly`] verdicts against the nominal activities of a [`job`].
+//! [`segment`] Elementary Reaction Units (ERU), Interaction Units (IU), activities and jobs →
+//! [`dtw`] distance to the taught references → [`anomaly`] verdicts against the nominal activities of a [`job`].
 //!
-//! No clock, no allocation, no IO: time, configuration and memory are arguments.
+//! The crate has no clock, no allocator and no IO: time, configuration and memory are arguments.
 //!
 //! ```
 //! use andon_core::anomaly::Judge;
@@ -14,25 +14,25 @@
 //! use andon_core::couple::{Context, Encoder, Motion};
 //! use andon_core::input::{Frame, Hand, Object, ObjectShape, Side};
 //! use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
-//! use andon_core::verdict::{Kind, Reason};
+//! use andon_core::verdict::{Level, Outcome, Reason};
 //!
 //! // The job: the right hand rests on object 5 for about a second.
 //! let iu = NominalIu {
 //!     context: Context([1, 5, 0, 0]),
 //!     reference: &[Motion([0, 0, 0, 1, 0, 0, 0]); 30],
 //!     threshold: 2.0,
-//!     frames: Bounds { least: 20, most: 40 },
-//!     reversals: Bounds { least: 0, most: 1 },
+//!     frames: Bounds { min: 20, max: 40 },
+//!     reversals: Bounds { min: 0, max: 1 },
 //! };
 //! let activities = [NominalActivity { activity: 0, ius: &[iu] }];
-//! let job = Job { activities: &activities, order_matters: true, cost: LocalCost::Circular { bins: 8 }, slowness: 2.0 };
+//! let job = Job { activities: &activities, order_matters: true, cost: LocalCost::Circular { bins: 8 }, max_slowdown: 2.0 };
 //!
 //! let method = Method::default();
 //! let tool = ObjectShape { id: 5, interaction_points: [[0.0; 3]].into_iter().collect() };
 //! let mut encoder = Encoder::new(method, &[tool])?;
 //! let mut judge = Judge::new(&job, method)?;
 //!
-//! // What was seen: the hand stays where it is, on the tool, and nobody takes it away.
+//! // The hand stays on the tool.
 //! let mut verdicts = Vec::new();
 //! for k in 0..60 {
 //!     let mut frame = Frame { captured_ns: k * 33_333_333, ..Frame::default() };
@@ -40,13 +40,14 @@
 //!     let (wrist, middle_knuckle, tips) = (at(-0.17), at(-0.08), [at(0.0); 3]);
 //!     frame.hands.extend([Hand { side: Side::Right, score: 1.0, wrist, middle_knuckle, tips }]);
 //!     frame.objects.extend([Object { id: 5, position: at(0.0), orientation: [1.0, 0.0, 0.0, 0.0] }]);
-//!     encoder.step(&frame, &mut |couples| judge.step(&couples, &mut |verdict| verdicts.push(verdict)))?;
+//!     encoder.step(&frame, &mut |couples| judge.step(&couples, &mut |event| verdicts.extend(event.verdict())))?;
 //! }
 //!
-//! // In its 41st frame the IU is too long, and that is said while it goes on.
-//! assert_eq!((verdicts[0].kind, verdicts[0].reason, verdicts[0].early), (Kind::IuAnomaly, Reason::TooLong, true));
+//! // In its 41st frame the IU is too long, so it has its verdict while it still continues.
+//! assert_eq!((verdicts[0].level, verdicts[0].outcome), (Level::Iu, Outcome::Anomaly));
+//! assert_eq!((verdicts[0].reason, verdicts[0].early), (Reason::TooLong, true));
 //! assert_eq!(verdicts[0].decided_ns, (40 + 5) * 33_333_333);
-//! assert_eq!(verdicts[1].kind, Kind::ActivityAnomaly);
+//! assert_eq!((verdicts[1].level, verdicts[1].outcome), (Level::Activity, Outcome::Anomaly));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 #![no_std]

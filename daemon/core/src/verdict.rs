@@ -1,24 +1,27 @@
-//! What the method says, and why (DESIGN 5).
+//! What the method says, and why.
 
 use crate::couple::Context;
 use crate::input::Side;
 
-/// What is judged, and how it came out.
+/// What is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// The IU is right.
-    IuOk,
-    /// The IU cannot be right any more.
-    IuAnomaly,
-    /// The activity is right.
-    ActivityOk,
-    /// The activity cannot be right any more.
-    ActivityAnomaly,
-    /// The job is right.
-    JobOk,
-    /// The job cannot be right any more.
-    JobAnomaly,
-    /// There was too little to go by.
+pub enum Level {
+    /// One IU.
+    Iu,
+    /// One activity.
+    Activity,
+    /// The whole job.
+    Job,
+}
+
+/// How it came out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It is right.
+    Ok,
+    /// It cannot be right any more.
+    Anomaly,
+    /// There was too little to decide by.
     NotJudged,
 }
 
@@ -27,19 +30,19 @@ pub enum Kind {
 pub enum Reason {
     /// Nothing is wrong.
     None,
-    /// No nominal activity has this context at this place, and none has it anywhere in the activity.
+    /// No nominal activity has this context at this index, and none of the possible ones has it anywhere.
     WrongObject,
-    /// The context belongs to the activity, or the activity to the job, but not here.
+    /// The context belongs to the activity, or the activity to the job, but not now.
     WrongOrder,
-    /// The DTW distance is over the threshold of every candidate.
+    /// The DTW distance is above the threshold of every candidate.
     Motion,
-    /// Fewer frames or fewer reversals than in any correct demonstration's bounds.
+    /// Fewer frames or fewer reversals than the taught bounds.
     TooShort,
-    /// More frames or more reversals than in any correct demonstration's bounds.
+    /// More frames or more reversals than the taught bounds.
     TooLong,
-    /// The activity or the job ended before its last part.
+    /// The activity or the job ended before it was complete.
     NotCompleted,
-    /// It could not be told.
+    /// There was nothing to compare it with.
     Unknown,
     /// The hand or an object was out of sight for too long.
     Blind,
@@ -50,30 +53,32 @@ pub enum Reason {
 /// One verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// What is judged, and how it came out.
-    pub kind: Kind,
+    /// What is judged.
+    pub level: Level,
+    /// How it came out.
+    pub outcome: Outcome,
     /// The rule that decided.
     pub reason: Reason,
     /// Whose hand; `None` for a job.
     pub side: Option<Side>,
-    /// The nominal activity it is judged against ([`crate::job::NominalActivity::activity`]), if any is near.
+    /// The activity it is judged against ([`crate::job::NominalActivity::activity`]), if any is near.
     pub nearest: Option<u16>,
-    /// The number of the activity in this job, from 0 as they came; for a job, how many came.
+    /// The number of the activity in this job, from 0 in the order in which they came; for a job, how many came.
     pub activity: u16,
-    /// The number of the IU in its activity, from 0 as they came; `None` for activity and job verdicts.
+    /// The number of the IU in its activity, from 0 in the order in which they came; `None` for activities and jobs.
     pub iu: Option<u16>,
     /// The context of the IU; of its first IU for an activity.
     pub context: Context,
-    /// DTW distance to the nearest nominal, where one was computed.
+    /// DTW distance to the nearest nominal IU, if one was computed.
     pub distance: Option<f32>,
-    /// The threshold it was held against.
+    /// The threshold with which the distance was compared.
     pub threshold: Option<f32>,
-    /// Said before the IU ended.
+    /// Whether it was given before the end of what is judged.
     pub early: bool,
     /// When what is judged began, in nanoseconds.
     pub began_ns: u64,
-    /// When it ended; for an early verdict the time it was decided at.
+    /// When it ended; for an early verdict, the time of the newest couples, in nanoseconds.
     pub ended_ns: u64,
-    /// The time of the newest frame that the decision rests on: `persist_frames` after the newest couple.
+    /// The time of the newest frame that the verdict rests on, in nanoseconds: `persist_frames` after the newest couples.
     pub decided_ns: u64,
 }

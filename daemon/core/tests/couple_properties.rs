@@ -4,7 +4,7 @@
 mod common;
 
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couples, Encoder};
+use andon_core::couple::{Context, Couples, Encoder, Refused};
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side};
 use andon_core::segment::{Event, JobSegmenter};
 use common::bench::{Bench, PERIOD_NS, encode, shapes};
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
 
-/// A hand that takes a tool to a few places, some of them at the box, and lets go in between or not.
+/// A hand that takes a tool to several positions, some of them at the box, and may let go of it in between.
 fn worker() -> impl Strategy<Value = Vec<Frame>> {
     let leg = (-30..30i16, -30..30i16, 5..40usize, any::<bool>(), any::<bool>());
     prop::collection::vec(leg, 1..5).prop_map(|legs| {
@@ -35,7 +35,7 @@ fn encoder() -> Encoder {
     Encoder::new(Method::default(), &shapes(&[TOOL, BOX])).unwrap()
 }
 
-/// Contexts of one hand as they can follow each other, each for a while.
+/// A possible sequence of contexts of one hand.
 fn parts() -> impl Strategy<Value = Vec<Part>> {
     let motions = prop_oneof![
         Just(Still),
@@ -61,7 +61,7 @@ fn distance(a: &[Point], b: &[Point]) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(64) })]
 
-    /// Every way over two edges is tried, and the one with the shortest first edge, then second edge, must be what Dijkstra finds.
+    /// Of all paths over two edges, the one with the shortest first edge, then second edge, is the one that Dijkstra's search finds.
     #[test]
     fn the_path_from_the_hand_is_the_shortest_of_all(
         at in prop::collection::vec((-40..40i16, -40..40i16, 0..628i16), 1..12),
@@ -83,10 +83,10 @@ proptest! {
         let wrist = [0.0, -0.2, 0.0];
         frame.hands.push(Hand { side: Side::Left, score: 1.0, wrist, middle_knuckle: [0.0, -0.1, 0.0], tips }).unwrap();
 
-        // Distances that rounding could take over a limit, or past each other, decide nothing here.
+        // Distances that rounding could move across a limit or across each other are left out.
         let mut all: Vec<f64> = points.iter().map(|(_, there)| distance(&tips, there)).collect();
-        for (place, (_, here)) in points.iter().enumerate() {
-            all.extend(points[place + 1..].iter().map(|(_, there)| distance(here, there)));
+        for (index, (_, here)) in points.iter().enumerate() {
+            all.extend(points[index + 1..].iter().map(|(_, there)| distance(here, there)));
         }
         all.push(on_m);
         all.sort_by(f64::total_cmp);
@@ -94,15 +94,15 @@ proptest! {
         prop_assume!(near.windows(2).all(|pair| pair[1] - pair[0] > 1e-6));
 
         let edge = |a: &[Point], b: &[Point]| Some(distance(a, b)).filter(|distance| *distance < on_m);
-        let mut ways: Vec<(f64, f64, Context)> = Vec::new();
+        let mut paths: Vec<(f64, f64, Context)> = Vec::new();
         for (j, at_j) in &points {
             let Some(first) = edge(&tips, at_j) else { continue };
-            ways.push((first, f64::INFINITY, Context([2, *j, 0, 0])));
+            paths.push((first, f64::INFINITY, Context([2, *j, 0, 0])));
             for (l, at_l) in points.iter().filter(|(l, _)| l != j) {
-                ways.extend(edge(at_j, at_l).map(|second| (first, second, Context([2, *j, *j, *l]))));
+                paths.extend(edge(at_j, at_l).map(|second| (first, second, Context([2, *j, *j, *l]))));
             }
         }
-        let best = ways.into_iter().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let best = paths.into_iter().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let expected = best.map_or(Context::IDLE, |(.., context)| context);
 
         let shapes: Vec<ObjectShape> = points
@@ -119,47 +119,45 @@ proptest! {
         prop_assert!(couples.iter().all(|couples| couples.hands[1].context == expected), "{:?}", expected);
     }
 
-    /// Frames that come late, again or out of order are refused, counted, and might as well not have come.
+    /// Frames that come late, twice or out of order are refused, and the couples are the same as without them.
     #[test]
     fn refused_frames_change_nothing(frames in worker(), stale in prop::collection::vec((0..400usize, 0..400usize), 1..20)) {
         let mut encoder = encoder();
         let mut couples = Vec::new();
-        let (mut late, mut repeated) = (0, 0);
-        for (place, frame) in frames.iter().enumerate() {
+        for (index, frame) in frames.iter().enumerate() {
             encoder.step(frame, &mut |made| couples.push(made)).unwrap();
-            for (_, which) in stale.iter().filter(|(after, _)| after % frames.len() == place) {
-                let stale = &frames[which % (place + 1)];
-                prop_assert!(encoder.step(stale, &mut |made| couples.push(made)).is_err());
-                if stale.captured_ns == frame.captured_ns { repeated += 1 } else { late += 1 }
+            for (_, which) in stale.iter().filter(|(after, _)| after % frames.len() == index) {
+                let stale = &frames[which % (index + 1)];
+                let is_repeated = stale.captured_ns == frame.captured_ns;
+                let refused = if is_repeated { Refused::Repeated } else { Refused::Late };
+                prop_assert_eq!(encoder.step(stale, &mut |made| couples.push(made)), Err(refused));
             }
         }
         encoder.flush(&mut |made| couples.push(made));
-        prop_assert_eq!((encoder.counts().late, encoder.counts().repeated), (late, repeated));
         prop_assert_eq!(couples, encode(&[TOOL, BOX], &frames));
     }
 
-    /// Whatever frames are lost, for less than `blind_ms`: the grid has no gap, what is filled in is held, and nothing is out of sight.
+    /// Whatever frames are lost for less than `blind_ms`: the grid has no gap, the last poses are held, and nothing is out of sight.
     #[test]
     fn gaps_are_held_on_the_grid(frames in worker(), lost in prop::collection::vec((1..400usize, 1..20usize), 1..6)) {
         let last = frames.len() - 1;
-        let is_lost = |place: usize| {
-            lost.iter().any(|(from, count)| (from % last..from % last + count).contains(&place))
+        let is_lost = |index: usize| {
+            lost.iter().any(|(from, count)| (from % last..from % last + count).contains(&index))
         };
-        let place = |place: &usize| *place == 0 || *place == last || !is_lost(*place);
-        let kept: Vec<usize> = (0..frames.len()).filter(place).collect();
+        let is_kept = |index: &usize| *index == 0 || *index == last || !is_lost(*index);
+        let kept: Vec<usize> = (0..frames.len()).filter(is_kept).collect();
         // 700 ms are 21 frames.
         prop_assume!(kept.windows(2).all(|pair| pair[1] - pair[0] <= 21));
         let mut encoder = encoder();
         let mut couples = Vec::new();
-        for place in &kept {
-            encoder.step(&frames[*place], &mut |made| couples.push(made)).unwrap();
+        for index in &kept {
+            encoder.step(&frames[*index], &mut |made| couples.push(made)).unwrap();
         }
         encoder.flush(&mut |made| couples.push(made));
         prop_assert_eq!(couples.len(), frames.len());
-        prop_assert_eq!(encoder.counts().held as usize, frames.len() - kept.len());
-        for (place, (couples, frame)) in couples.iter().zip(&frames).enumerate() {
+        for (index, (couples, frame)) in couples.iter().zip(&frames).enumerate() {
             prop_assert!(couples.captured_ns.abs_diff(frame.captured_ns) < PERIOD_NS / 100);
-            prop_assert_eq!(couples.hands[0].seen, kept.contains(&place));
+            prop_assert_eq!(couples.hands[0].seen, kept.contains(&index));
             prop_assert!(couples.hands[0].sighted);
         }
     }

@@ -1,9 +1,9 @@
-//! DTW against a full matrix in `f64`, and every way to compute it against every other.
+//! DTW against a full matrix in `f64`, and every way to compute it against the others.
 #![allow(clippy::unwrap_used)]
 
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Motion;
-use andon_core::dtw::{Bank, LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path};
+use andon_core::dtw::{LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path};
 use andon_core::job::LocalCost;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -12,12 +12,12 @@ const COSTS: [LocalCost; 5] = [
     LocalCost::Ordinal,
     LocalCost::Circular { bins: 8 },
     LocalCost::Circular { bins: 12 },
-    // No scale that two bytes hold is good enough for 7 bins, and 16 have no nibble for rest: both go the portable way.
+    // No scale that fits two bytes is good enough for 7 bins, and 16 bins leave no nibble for rest: both take the portable path.
     LocalCost::Circular { bins: 7 },
     LocalCost::Circular { bins: 16 },
 ];
 
-/// The whole matrix in `f64`, with costs from the definition: independent of all that `dtw` does.
+/// The whole matrix in `f64`, with costs from the definition: independent of the code of `dtw`.
 mod oracle {
     use super::*;
 
@@ -60,7 +60,7 @@ mod oracle {
     }
 }
 
-/// Sequences as the method makes them: features in range, elevation or not.
+/// Sequences as the method makes them: features in range, with or without elevation.
 fn motions(frames: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Motion>> {
     let direction = || 0..=7i8;
     let frame = (-1..=1i8, direction(), direction(), 0..=1i8, direction(), direction(), 0..=1i8);
@@ -90,18 +90,18 @@ fn batch(costs: &LocalCosts, a: &[Motion], b: &[Motion]) -> f64 {
     distance(costs, a, b, &mut Scratch::new()).unwrap()
 }
 
-/// All that must hold of two sequences with any features.
+/// Checks everything that must hold for two sequences with any features.
 fn check_all_ways(local: LocalCost, a: &[Motion], b: &[Motion]) {
     let (costs, portable) = (LocalCosts::new(local), LocalCosts::portable(local));
     let whole = batch(&costs, a, b);
     assert_eq!(batch(&costs, b, a), whole, "symmetric");
-    assert_eq!(batch(&costs, a, a), 0.0, "a sequence is 0 from itself");
+    assert_eq!(batch(&costs, a, a), 0.0, "the distance of a sequence to itself is 0");
     assert_eq!(batch(&portable, a, b), whole, "portable and SIMD");
 
     let (distance, bounds) = online(&costs, a, b);
     assert_eq!(distance, whole, "online and batch");
     assert_eq!(online(&portable, a, b), (distance, bounds.clone()), "online: portable and SIMD");
-    assert!(bounds.is_sorted(), "the newest row's least value never falls");
+    assert!(bounds.is_sorted(), "the minimum of the newest row never falls");
     assert!(bounds[a.len() - 1] <= whole);
 
     let mut scratch = Scratch::new();
@@ -116,50 +116,6 @@ fn check_all_ways(local: LocalCost, a: &[Motion], b: &[Motion]) {
     assert_eq!(path.distance(), whole, "path and batch");
 }
 
-/// A bank must say of each reference what `OnlineDtw` says, after every frame.
-fn check_bank(local: LocalCost, frames: &[Motion], references: &[Vec<Motion>]) {
-    let references: Vec<&[Motion]> = references.iter().map(Vec::as_slice).collect();
-    for costs in [LocalCosts::new(local), LocalCosts::portable(local)] {
-        let mut columns = vec![Default::default(); Bank::columns(&references)];
-        let mut groups = vec![Default::default(); Bank::groups(&references)];
-        let mut bank = Bank::new(&costs, &references, &mut columns, &mut groups).unwrap();
-        // The second time, what the first has left must not matter.
-        for _ in 0..2 {
-            let mut onlines: Vec<_> =
-                references.iter().map(|reference| OnlineDtw::new(&costs, reference).unwrap()).collect();
-            for frame in frames {
-                bank.append(frame).unwrap();
-                for (k, online) in onlines.iter_mut().enumerate() {
-                    online.append(frame).unwrap();
-                    assert_eq!(bank.distance(k), online.distance(), "reference {k}");
-                    assert_eq!(bank.lower_bound(k), Some(online.lower_bound()), "reference {k}");
-                }
-            }
-            bank.begin();
-        }
-        assert_eq!((bank.distance(references.len()), bank.lower_bound(references.len())), (None, None));
-    }
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
-
-    #[test]
-    fn a_bank_says_of_each_reference_what_it_would_say_alone(
-        frames in motions(1..30),
-        references in vec(motions(1..50), 1..70),
-        out_of_range in wild(1..2),
-    ) {
-        for local in COSTS {
-            check_bank(local, &frames, &references);
-        }
-        let mut references = references;
-        references[0].extend(out_of_range);
-        check_bank(LocalCost::Ordinal, &frames, &references);
-        check_bank(LocalCost::Circular { bins: 8 }, &references[0].clone(), &references[1..]);
-    }
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
@@ -171,16 +127,16 @@ proptest! {
     }
 
     #[test]
-    fn features_out_of_range_change_nothing_about_that(
+    fn features_out_of_range_give_the_same_bits_too(
         mut a in motions(1..60),
         b in wild(1..60),
-        place in 0..60usize,
+        index in 0..60usize,
     ) {
         for local in COSTS {
             check_all_ways(local, &a, &b);
         }
-        let place = place % a.len();
-        a[place] = b[0];
+        let index = index % a.len();
+        a[index] = b[0];
         for local in COSTS {
             check_all_ways(local, &b, &a);
         }
@@ -196,7 +152,7 @@ proptest! {
     }
 
     #[test]
-    fn the_lower_bound_is_the_least_of_the_newest_row(a in motions(1..60), b in motions(1..60)) {
+    fn the_lower_bound_is_the_minimum_of_the_newest_row(a in motions(1..60), b in motions(1..60)) {
         let rows = oracle::matrix(LocalCost::Ordinal, &a, &b);
         let (_, bounds) = online(&LocalCosts::new(LocalCost::Ordinal), &a, &b);
         for (row, bound) in rows.iter().zip(bounds) {
@@ -235,7 +191,7 @@ fn rounding_moves_a_distance_by_less_than_1e_5_with_up_to_36_bins() {
         let local = LocalCost::Circular { bins };
         let costs = LocalCosts::new(local);
         assert!(costs.relative_error() <= 1e-5, "{bins} bins: {}", costs.relative_error());
-        // One cell is the cost itself.
+        // The distance of sequences of one frame is the root of the cost.
         for (a, b) in (0..=bins as i8).flat_map(|a| (0..=bins as i8).map(move |b| (a, b))) {
             let [a, b] = [a, b].map(|bin| Motion([0, 0, bin, 0, 0, 0, 0]));
             let (got, exact) = (batch(&costs, &[a], &[b]), oracle::distance(local, &[a], &[b]));
@@ -246,7 +202,7 @@ fn rounding_moves_a_distance_by_less_than_1e_5_with_up_to_36_bins() {
 
 #[test]
 fn the_longest_and_farthest_sequences_do_not_overflow() {
-    // No warping path is longer than along both sides, and no cost is greater than from the least to the greatest features.
+    // No warping path is longer than along both sides, and no cost is greater than that from the minimum to the maximum features.
     let (low, high) = (vec![Motion([i8::MIN; 7]); IU_FRAMES], vec![Motion([i8::MAX; 7]); IU_FRAMES]);
     let costs = LocalCosts::new(LocalCost::Ordinal);
     let cells = IU_FRAMES as f64;
@@ -259,7 +215,7 @@ fn the_longest_and_farthest_sequences_do_not_overflow() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn sequences_and_memory_of_unusable_length_are_refused() {
     let costs = LocalCosts::new(LocalCost::Ordinal);
     let long = vec![Motion::default(); IU_FRAMES + 1];
     let (one, full) = (&long[..1], &long[..IU_FRAMES]);
@@ -272,15 +228,6 @@ fn what_does_not_fit_is_refused() {
     assert_eq!(distance_within(&costs, one, one, f64::NAN, &mut scratch), Ok(None));
     let memory = Refused::Memory { needed: 1, given: 0 };
     assert_eq!(path(&costs, one, one, &mut [], &mut scratch).err(), Some(memory));
-    let bank = |references: &[&[Motion]], columns: usize, groups: usize| {
-        let (mut columns, mut groups) = (vec![Default::default(); columns], vec![Default::default(); groups]);
-        Bank::new(&costs, references, &mut columns, &mut groups).err()
-    };
-    assert_eq!(bank(&[one, &[]], 9, 9), Some(Refused::Empty));
-    assert_eq!(bank(&[one, &long], 9, 9), Some(too_long));
-    assert_eq!(bank(&[one], 0, 1), Some(memory));
-    assert_eq!(bank(&[one], 1, 0), Some(memory));
-    assert_eq!(bank(&[], 0, 0), None);
     assert_eq!(OnlineDtw::new(&costs, &[]).err(), Some(Refused::Empty));
     assert_eq!(OnlineDtw::new(&costs, &long).err(), Some(too_long));
 
@@ -304,5 +251,5 @@ fn a_reference_can_be_replaced_in_place() {
     online.append(&b[0]).unwrap();
     assert_eq!(online.distance(), Some(0.0));
     assert_eq!(online.begin(&[]), Err(Refused::Empty));
-    assert_eq!((online.frames(), online.reference().len()), (1, 3));
+    assert_eq!(online.distance(), Some(0.0), "a refused reference changes nothing");
 }

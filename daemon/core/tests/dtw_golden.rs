@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use andon_core::couple::Motion;
-use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, distance_ndim, path};
+use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, path};
 use andon_core::job::LocalCost;
 use serde_json::{Value, from_value};
 
@@ -31,25 +31,6 @@ fn both_ways(cost: LocalCost, a: &[Motion], b: &[Motion]) -> f64 {
     a.iter().for_each(|frame| online.append(frame).unwrap());
     assert_eq!(online.distance(), Some(whole));
     whole
-}
-
-fn check_real<const D: usize>(vector: &Value) {
-    let [a, b] = ["a", "b"].map(|key| from_value::<Vec<Vec<f64>>>(vector[key].clone()).unwrap());
-    if a[0].len() != D {
-        return;
-    }
-    let [a, b] =
-        [a, b].map(|rows| rows.iter().map(|row| row[..].try_into().unwrap()).collect::<Vec<[f64; D]>>());
-    let mut row = vec![f64::NAN; b.len()];
-    assert_near(distance_ndim(&a, &b, &mut row).unwrap(), &vector["distance"], 1e-9);
-}
-
-#[test]
-fn distances_of_real_vectors_are_those_of_dtaidistance() {
-    for vector in vectors("real") {
-        check_real::<5>(&vector);
-        check_real::<7>(&vector);
-    }
 }
 
 #[test]

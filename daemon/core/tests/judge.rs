@@ -1,13 +1,13 @@
-//! The judge, from scripted couples: what a worker does, and what is said about it.
+//! The verdicts on what a scripted worker does.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 
-use andon_core::anomaly::{Judge, Unusable};
+use andon_core::anomaly::{Event, Judge, Unusable};
 use andon_core::config::Method;
 use andon_core::couple::Couples;
 use andon_core::job::{Bounds, Job, NominalActivity, NominalIu};
-use andon_core::verdict::{Kind, Reason, Verdict};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
 
@@ -33,7 +33,7 @@ fn polish_and_measure() -> Job<'static> {
     teach(&[&polish(6), &measure()])
 }
 
-/// Any motion is near enough: what is left are context and bounds.
+/// Any motion is near enough, so that only context and bounds count.
 fn forgiving(job: Job<'static>) -> Job<'static> {
     let ius = |nominal: &NominalActivity<'static>| -> &'static [NominalIu<'static>] {
         nominal.ius.iter().map(|iu| NominalIu { threshold: 100.0, ..*iu }).collect::<Vec<_>>().leak()
@@ -47,30 +47,30 @@ fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
     let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
     let mut verdicts = Vec::new();
     for couples in couples {
-        judge.step(couples, &mut |verdict| verdicts.push(verdict));
+        judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
     }
-    judge.finish(&mut |verdict| verdicts.push(verdict));
+    judge.finish(&mut |event| verdicts.extend(event.verdict()));
     verdicts
 }
 
 #[track_caller]
-fn expect(job: &Job<'_>, right: &[Part], said: &[&str]) -> Vec<Verdict> {
+fn expect(job: &Job<'_>, right: &[Part], expected: &[&str]) -> Vec<Verdict> {
     let verdicts = judged(job, &stream(right, &[]));
-    assert_eq!(verdicts.iter().map(short).collect::<Vec<_>>(), said);
+    assert_eq!(verdicts.iter().map(short).collect::<Vec<_>>(), expected);
     verdicts
 }
 
 const POLISH_OK: [&str; 4] = ["r0.0 IuOk", "r0.1 IuOk", "r0.2 IuOk", "r0 ActivityOk!"];
 
 #[test]
-fn a_job_done_as_taught_is_right_and_said_at_once() {
+fn a_job_done_as_taught_is_right_as_soon_as_it_is_complete() {
     let right = [polish(6), measure()].concat();
     let verdicts = expect(
         &polish_and_measure(),
         &right,
         &[&POLISH_OK[..], &["r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk!", "r1 ActivityOk!", "JobOk"]].concat(),
     );
-    // The frame in which the brick is let go ends the job.
+    // The job ends in the frame in which the hand lets go of the brick.
     let release = (30 + 96 + 30 + 20 + 30 + 40) * PERIOD_NS;
     let job = verdicts.last().unwrap();
     assert_eq!((job.began_ns, job.ended_ns, job.decided_ns), (0, release, release + 5 * PERIOD_NS));
@@ -102,7 +102,7 @@ fn polishing_cut_short_is_too_short_although_dtw_forgives_it() {
 }
 
 #[test]
-fn a_wrong_object_is_said_when_it_is_touched_and_what_follows_is_judged_on_its_own() {
+fn a_wrong_object_is_an_anomaly_at_its_touch_and_the_following_ius_are_judged_on_their_own() {
     let wrong = polish(6).map(|mut part| {
         part.context = part.context.map(|id| if id == 5 { 3 } else { id });
         part
@@ -128,7 +128,7 @@ fn a_wrong_object_is_said_when_it_is_touched_and_what_follows_is_judged_on_its_o
 }
 
 #[test]
-fn the_wrong_order_is_said_at_the_first_touch_if_order_matters() {
+fn the_wrong_order_is_an_anomaly_at_the_first_touch_if_the_order_matters() {
     let right = [measure(), polish(6)].concat();
     let job = Job { order_matters: true, ..polish_and_measure() };
     let verdicts = expect(
@@ -150,14 +150,14 @@ fn the_wrong_order_is_said_at_the_first_touch_if_order_matters() {
 }
 
 #[test]
-fn any_order_is_right_if_it_does_not_matter() {
+fn any_order_is_right_if_the_order_does_not_matter() {
     let right = [measure(), polish(6)].concat();
     let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
-    assert_eq!(verdicts.last().unwrap().kind, Kind::JobOk);
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
 }
 
 #[test]
-fn a_step_left_out_makes_activity_and_job_incomplete() {
+fn a_missing_iu_makes_activity_and_job_incomplete() {
     // The brick is taken, moved a little and put down; it never goes to the meter.
     let right = [&polish(6)[..], &[part([1, 6, 0, 0], 30, Toward(5)), idle(20)]].concat();
     let verdicts = expect(
@@ -170,14 +170,14 @@ fn a_step_left_out_makes_activity_and_job_incomplete() {
 }
 
 #[test]
-fn an_activity_left_out_makes_the_job_incomplete_and_is_named() {
+fn a_missing_activity_makes_the_job_incomplete_and_is_named() {
     let verdicts =
         expect(&polish_and_measure(), &polish(6), &[&POLISH_OK[..], &["JobAnomaly NotCompleted"]].concat());
     assert_eq!(verdicts[4].nearest, Some(1));
 }
 
 #[test]
-fn an_activity_done_twice_is_said_at_its_second_touch() {
+fn an_activity_done_twice_is_an_anomaly_at_its_second_touch() {
     let right = [&polish(6)[..], &polish(6), &measure()].concat();
     expect(
         &polish_and_measure(),
@@ -192,7 +192,7 @@ fn an_activity_done_twice_is_said_at_its_second_touch() {
 }
 
 #[test]
-fn a_wrong_motion_is_said_in_the_middle_of_it() {
+fn a_wrong_motion_is_an_anomaly_before_its_end() {
     let mut right = polish(6).to_vec();
     right[1].motions = Toward(3);
     let verdicts = expect(
@@ -212,7 +212,7 @@ fn a_wrong_motion_is_said_in_the_middle_of_it() {
 }
 
 #[test]
-fn what_takes_longer_than_its_reference_may_be_farther_from_it() {
+fn an_iu_longer_than_its_reference_may_be_farther_from_it() {
     // 20 frames in a neighbouring direction are 3.42 away; the threshold is 3 for the 30 frames of the reference.
     let carried =
         |frames: usize| [part([1, 6, 0, 0], 20, Toward(6)), part([1, 6, 0, 0], frames - 20, Toward(5))];
@@ -222,24 +222,24 @@ fn what_takes_longer_than_its_reference_may_be_farther_from_it() {
         let verdicts = judged(job, &stream(&right, &[]));
         verdicts.into_iter().find(|verdict| verdict.activity == 1 && verdict.iu == Some(0)).unwrap()
     };
-    let said = |job, frames| {
+    let outcome = |job, frames| {
         let verdict = carry(job, frames);
-        (verdict.kind, verdict.threshold)
+        (verdict.outcome, verdict.threshold)
     };
-    assert_eq!(said(&job, 30), (Kind::IuAnomaly, Some(3.0)));
-    assert_eq!(said(&job, 45), (Kind::IuOk, Some(4.5)));
-    let as_in_the_paper = Job { slowness: 1.0, ..job };
-    assert_eq!(said(&as_in_the_paper, 45), (Kind::IuAnomaly, Some(3.0)));
+    assert_eq!(outcome(&job, 30), (Outcome::Anomaly, Some(3.0)));
+    assert_eq!(outcome(&job, 45), (Outcome::Ok, Some(4.5)));
+    let as_in_the_paper = Job { max_slowdown: 1.0, ..job };
+    assert_eq!(outcome(&as_in_the_paper, 45), (Outcome::Anomaly, Some(3.0)));
 }
 
 #[test]
-fn what_lasts_too_long_is_said_when_it_does() {
+fn an_iu_that_lasts_too_long_is_an_anomaly_in_its_first_frame_too_many() {
     let mut right = [polish(6), measure()].concat();
     right[5].frames = 200;
     let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
     let long = verdicts.iter().find(|verdict| verdict.reason == Reason::TooLong).unwrap();
-    assert_eq!((long.kind, long.early), (Kind::IuAnomaly, true));
-    // Its bound is 60 frames, and the 61st was too many.
+    assert_eq!(short(long), "r1.1 IuAnomaly TooLong!");
+    // Its bound is 60 frames; the 61st is one too many.
     assert_eq!(long.ended_ns - long.began_ns, 60 * PERIOD_NS);
 }
 
@@ -252,17 +252,21 @@ fn too_many_strokes_are_too_long_before_their_time_is_over() {
 }
 
 #[test]
-fn an_extra_iu_shifts_what_follows_and_does_not_condemn_it() {
+fn an_extra_iu_shifts_the_following_ones_and_does_not_make_them_wrong() {
     let mut right = polish(6).to_vec();
     right.splice(1..1, [part([1, 5, 5, 9], 12, Still), part([1, 5, 0, 0], 30, Toward(3))]);
-    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
-    assert_eq!(said[..3], ["r0.0 IuOk", "r0.1 IuAnomaly WrongObject!", "r0 ActivityAnomaly WrongObject!"]);
-    // The second grasp may be the end of the activity as well (and is not: its direction); polishing is found again.
-    assert_eq!(said[4..], ["r0.3 IuOk", "r0.4 IuOk", "JobAnomaly WrongObject"]);
+    let verdicts: Vec<String> =
+        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(
+        verdicts[..3],
+        ["r0.0 IuOk", "r0.1 IuAnomaly WrongObject!", "r0 ActivityAnomaly WrongObject!"]
+    );
+    // The second grasp could be the end of the activity too, but its direction is wrong; polishing is found again.
+    assert_eq!(verdicts[4..], ["r0.3 IuOk", "r0.4 IuOk", "JobAnomaly WrongObject"]);
 }
 
 #[test]
-fn a_skipped_iu_is_said_and_what_follows_is_judged_on_its_own() {
+fn a_skipped_iu_is_an_anomaly_and_the_following_ones_are_judged_on_their_own() {
     let skipping = &polish(6)[1..];
     expect(
         &polish_and_measure(),
@@ -277,23 +281,59 @@ fn a_skipped_iu_is_said_and_what_follows_is_judged_on_its_own() {
 }
 
 #[test]
-fn a_wrong_activity_may_be_done_again_but_the_job_stays_an_anomaly() {
+fn a_wrong_activity_may_be_done_again_but_the_job_remains_an_anomaly() {
     let right = [&polish(3)[..], &[part([1, 8, 0, 0], 10, Still), idle(10)], &polish(6), &measure()].concat();
-    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
-    assert!(said.contains(&"r2 ActivityOk!".into()), "{said:?}");
-    assert_eq!(said.last().unwrap(), "JobAnomaly TooShort");
-    assert_eq!(said.iter().filter(|said| said.starts_with("Job")).count(), 1);
+    let verdicts: Vec<String> =
+        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert!(verdicts.contains(&"r2 ActivityOk!".into()), "{verdicts:?}");
+    assert_eq!(verdicts.last().unwrap(), "JobAnomaly TooShort");
+    assert_eq!(verdicts.iter().filter(|verdict| verdict.starts_with("Job")).count(), 1);
 }
 
 #[test]
 fn the_next_touch_after_a_job_begins_another() {
     let right = [polish(6), measure(), polish(6), measure()].concat();
     let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
-    let jobs: Vec<&Verdict> = verdicts.iter().filter(|verdict| verdict.side.is_none()).collect();
-    assert_eq!(jobs.iter().map(|job| job.kind).collect::<Vec<_>>(), [Kind::JobOk, Kind::JobOk]);
+    let jobs: Vec<&Verdict> = verdicts.iter().filter(|verdict| verdict.level == Level::Job).collect();
+    assert_eq!(jobs.iter().map(|job| job.outcome).collect::<Vec<_>>(), [Outcome::Ok, Outcome::Ok]);
     let again = (30 + 96 + 30 + 20 + 30 + 40 + 20 + 20) * PERIOD_NS;
     assert_eq!(jobs[1].began_ns, again);
     assert_eq!(verdicts[verdicts.len() / 2].activity, 0);
+}
+
+/// The beginnings of jobs and the verdicts on them, in their order.
+fn jobs(job: &Job<'_>, couples: &[Couples]) -> Vec<String> {
+    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
+    let mut jobs = Vec::new();
+    let mut take = |event| match event {
+        Event::JobBegan { began_ns } => jobs.push(format!("began in frame {}", began_ns / PERIOD_NS)),
+        Event::Verdict(verdict) if verdict.level == Level::Job => jobs.push(short(&verdict)),
+        Event::Verdict(_) => {}
+    };
+    couples.iter().for_each(|couples| judge.step(couples, &mut take));
+    judge.finish(&mut take);
+    jobs
+}
+
+#[test]
+fn the_beginning_of_every_job_is_an_event() {
+    let right = [idle(5), part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
+    let job = teach(&[&right[1..]]);
+    let twice = [&right[..], &right].concat();
+    assert_eq!(jobs(&job, &stream(&twice, &[])), ["began in frame 5", "JobOk", "began in frame 60", "JobOk"]);
+}
+
+#[test]
+fn the_beginning_of_the_job_after_one_that_was_not_judged_is_an_event() {
+    let right = [idle(5), part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
+    let job = teach(&[&right[1..]]);
+    let mut unseen = right;
+    unseen[1].sighted = false;
+    let twice = [&unseen[..], &right].concat();
+    assert_eq!(
+        jobs(&job, &stream(&twice, &[])),
+        ["began in frame 5", "NotJudged Blind", "began in frame 60", "JobOk"]
+    );
 }
 
 #[test]
@@ -303,16 +343,16 @@ fn without_a_hand_the_job_ends_after_idle_end_ms() {
     let right = [&polish(6)[..], &[away]].concat();
     let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
     let job = verdicts.last().unwrap();
-    assert_eq!((job.kind, job.reason), (Kind::JobAnomaly, Reason::NotCompleted));
+    assert_eq!(short(job), "JobAnomaly NotCompleted");
     // 4 s after the last frame with a hand, which is 175.
     assert_eq!(job.ended_ns, (175 + 121) * PERIOD_NS);
 }
 
 #[test]
-fn a_hand_in_the_picture_may_pause_for_as_long_as_it_likes() {
+fn a_hand_in_the_picture_may_pause_for_any_time() {
     let right = [&polish(6)[..], &[idle(1000)], &measure()].concat();
     let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
-    assert_eq!(verdicts.last().unwrap().kind, Kind::JobOk);
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
 }
 
 #[test]
@@ -320,9 +360,9 @@ fn both_hands_at_once_have_verdicts_of_their_own() {
     let hold = [part([2, 4, 0, 0], 60, Toward(1)), part([2, 4, 4, 8], 60, Still), idle(20)];
     let job = teach(&[&polish(6), &hold]);
     let verdicts = judged(&job, &stream(&polish(6), &hold));
-    let said: Vec<String> = verdicts.iter().map(short).collect();
+    let verdicts: Vec<String> = verdicts.iter().map(short).collect();
     assert_eq!(
-        said,
+        verdicts,
         [
             "r0.0 IuOk",
             "l1.0 IuOk",
@@ -334,7 +374,7 @@ fn both_hands_at_once_have_verdicts_of_their_own() {
             "JobOk"
         ]
     );
-    // The same with the other hand is another thing.
+    // The same work with the other hand is wrong.
     let swapped = hold.map(|mut part| {
         part.context[0] = part.context[0].min(1);
         part
@@ -344,14 +384,14 @@ fn both_hands_at_once_have_verdicts_of_their_own() {
 }
 
 #[test]
-fn what_the_other_hand_is_doing_has_come_where_order_matters() {
+fn an_activity_may_follow_one_that_the_other_hand_is_still_doing() {
     let hold = [part([2, 4, 0, 0], 60, Toward(1)), part([2, 4, 4, 8], 60, Still), idle(20)];
     let job = Job { order_matters: true, ..teach(&[&polish(6), &hold]) };
     let last = |right: &[Part], left: &[Part]| {
         let verdicts = judged(&job, &stream(right, left));
         short(verdicts.last().unwrap())
     };
-    // Both begin in the same frame; then the second begins while the first goes on.
+    // Both begin in the same frame; then the second begins before the first has ended.
     assert_eq!(last(&polish(6), &hold), "JobOk");
     assert_eq!(last(&polish(6), &[&[idle(20)][..], &hold].concat()), "JobOk");
     assert_eq!(last(&[&[idle(20)][..], &polish(6)].concat(), &hold), "JobAnomaly WrongOrder");
@@ -360,13 +400,14 @@ fn what_the_other_hand_is_doing_has_come_where_order_matters() {
 #[test]
 fn a_wrong_activity_may_be_done_again_at_once() {
     let right = [&polish(3)[..], &polish(6), &measure()].concat();
-    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
-    assert_eq!(said[3..8], ["r0.2 IuOk", "r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk", "r1 ActivityOk!"]);
-    assert_eq!(said.last().unwrap(), "JobAnomaly TooShort");
+    let verdicts: Vec<String> =
+        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(verdicts[3..8], ["r0.2 IuOk", "r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk", "r1 ActivityOk!"]);
+    assert_eq!(verdicts.last().unwrap(), "JobAnomaly TooShort");
 }
 
 #[test]
-fn what_was_out_of_sight_is_not_judged_and_never_ok() {
+fn an_iu_that_was_out_of_sight_is_not_judged_and_never_ok() {
     let mut right = [polish(6), measure()].concat();
     right[1].sighted = false;
     expect(
@@ -387,24 +428,26 @@ fn what_was_out_of_sight_is_not_judged_and_never_ok() {
 }
 
 #[test]
-fn what_may_have_happened_unseen_is_no_anomaly() {
-    // The hand was lost with the polisher in it, and is seen again when it has put it down: polishing was not seen.
+fn ius_that_may_have_happened_out_of_sight_are_no_anomaly() {
+    // The hand is out of sight with the polisher in it, and is seen again when the polishing is over.
     let mut right = [polish(6), measure()].concat();
     right[0].sighted = false;
     right.remove(1);
-    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    let verdicts: Vec<String> =
+        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
     assert!(
-        said[0].contains("NotJudged Blind") && said.iter().all(|said| !said.contains("Anomaly")),
-        "{said:?}"
+        verdicts[0].contains("NotJudged Blind")
+            && verdicts.iter().all(|verdict| !verdict.contains("Anomaly")),
+        "{verdicts:?}"
     );
-    assert_eq!(said.last().unwrap(), "NotJudged Blind");
+    assert_eq!(verdicts.last().unwrap(), "NotJudged Blind");
 }
 
 #[test]
-fn an_iu_longer_than_can_be_compared_is_not_judged() {
+fn an_iu_too_long_to_be_compared_is_not_judged() {
     let mut job = polish_and_measure();
     let mut ius = job.activities[0].ius.to_vec();
-    let any = Bounds { least: 0, most: u32::MAX };
+    let any = Bounds { min: 0, max: u32::MAX };
     ius[0] = NominalIu { frames: any, reversals: any, threshold: f32::MAX, ..ius[0] };
     let activities = [NominalActivity { activity: 0, ius: &ius }];
     job.activities = &activities;
@@ -414,36 +457,37 @@ fn an_iu_longer_than_can_be_compared_is_not_judged() {
 }
 
 #[test]
-fn the_same_object_touched_again_goes_on_until_the_activity_has_matched() {
-    // The contact with the polisher breaks for a moment in the grasp: one activity, and the second grasp is one too many.
+fn touching_the_same_object_again_continues_the_activity_until_it_has_matched() {
+    // The contact with the polisher breaks for a moment during the grasp: that is still one activity, with one grasp too many.
     let mut right = polish(6).to_vec();
     right.splice(1..1, [idle(3), part([1, 5, 0, 0], 10, Toward(3))]);
-    let said: Vec<String> = judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
-    assert_eq!(said[1], "r0.1 IuAnomaly WrongOrder!");
-    assert!(said.iter().all(|said| !said.starts_with("r1")), "{said:?}");
+    let verdicts: Vec<String> =
+        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(verdicts[1], "r0.1 IuAnomaly WrongOrder!");
+    assert!(verdicts.iter().all(|verdict| !verdict.starts_with("r1")), "{verdicts:?}");
 }
 
 #[test]
-fn a_longer_nominal_activity_is_waited_for() {
+fn a_matched_activity_waits_while_a_longer_candidate_may_go_on() {
     let short_one = [part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
     let long = [part([1, 5, 0, 0], 30, Toward(3)), part([1, 5, 5, 6], 40, Still), idle(20)];
     let job = teach(&[&short_one, &long]);
-    // The long one, then the short one: only the end of the recording tells that it was the short one.
+    // The long one, then the short one: only the end of the recording shows that it was the short one.
     let right = [&long[..], &short_one].concat();
     expect(
         &job,
         &right,
         &["r0.0 IuOk", "r0.1 IuOk", "r0 ActivityOk!", "r1.0 IuOk", "r1 ActivityOk", "JobOk"],
     );
-    // Or the touch of the next job.
+    // Here the touch of the next job shows it.
     let right = [&long[..], &short_one, &long].concat();
-    let said: Vec<String> = judged(&job, &stream(&right, &[])).iter().map(short).collect();
-    assert_eq!(said[4..6], ["r1 ActivityOk", "JobOk"]);
-    assert_eq!(said[6], "r0.0 IuOk");
+    let verdicts: Vec<String> = judged(&job, &stream(&right, &[])).iter().map(short).collect();
+    assert_eq!(verdicts[4..6], ["r1 ActivityOk", "JobOk"]);
+    assert_eq!(verdicts[6], "r0.0 IuOk");
 }
 
 #[test]
-fn variants_of_an_activity_fulfil_the_same_one() {
+fn variants_fulfil_the_same_activity() {
     let other = [part([1, 5, 0, 0], 20, Toward(1)), part([1, 5, 5, 6], 40, Still), idle(20)];
     let taught = teach(&[&polish(6), &other, &measure()]);
     let activities: Vec<NominalActivity<'_>> = taught
@@ -454,35 +498,35 @@ fn variants_of_an_activity_fulfil_the_same_one() {
     let job = Job { activities: &activities, order_matters: true, ..taught };
     let right = [&other[..], &measure()].concat();
     let verdicts = judged(&job, &stream(&right, &[]));
-    assert_eq!(verdicts.last().unwrap().kind, Kind::JobOk);
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
 }
 
 #[test]
 fn commands_start_and_end_a_job() {
     let job = polish_and_measure();
     let mut judge = Judge::new(&job, Method::default()).unwrap();
-    let mut said = Vec::new();
+    let mut verdicts = Vec::new();
     let couples = stream(&polish(6), &[]);
-    judge.start(&mut |verdict| said.push(verdict));
+    judge.start(&mut |event| verdicts.extend(event.verdict()));
     for couples in &couples[..60] {
-        judge.step(couples, &mut |verdict| said.push(verdict));
+        judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
     }
-    judge.start(&mut |verdict| said.push(verdict));
-    let said: Vec<String> = said.iter().map(short).collect();
-    // The polishing that goes on when the command comes is cut short by it; a job that nobody has touched yet is open again.
+    judge.start(&mut |event| verdicts.extend(event.verdict()));
+    let verdicts: Vec<String> = verdicts.iter().map(short).collect();
+    // The command cuts the polishing short; then a new job is open, in which nothing has been touched.
     assert_eq!(
-        said,
+        verdicts,
         ["r0.0 IuOk", "r0.1 IuAnomaly TooShort", "r0 ActivityAnomaly TooShort!", "JobAnomaly TooShort"]
     );
     let mut ended = Vec::new();
-    judge.finish(&mut |verdict| ended.push(verdict));
+    judge.finish(&mut |event| ended.extend(event.verdict()));
     assert_eq!(ended.iter().map(short).collect::<Vec<_>>(), ["JobAnomaly NotCompleted"]);
-    // It was to begin with the next frame, and ended before that came.
+    // It was to begin with the next frame, and ended before that frame came.
     assert_eq!((ended[0].began_ns, ended[0].ended_ns), (60 * PERIOD_NS, 60 * PERIOD_NS));
 }
 
 #[test]
-fn a_job_that_cannot_be_judged_against_is_refused_by_its_place() {
+fn a_job_that_cannot_be_used_is_refused_with_the_index_of_its_fault() {
     let job = polish_and_measure();
     let refusal =
         |activities: &[NominalActivity<'_>]| Judge::new(&Job { activities, ..job }, Method::default()).err();
@@ -494,7 +538,7 @@ fn a_job_that_cannot_be_judged_against_is_refused_by_its_place() {
     let damaged = [
         NominalIu { threshold: f32::NAN, ..right[1] },
         NominalIu { reference: &[], ..right[1] },
-        NominalIu { frames: Bounds { least: 2, most: 1 }, ..right[1] },
+        NominalIu { frames: Bounds { min: 2, max: 1 }, ..right[1] },
     ];
     for damaged in damaged {
         let ius = [right[0], damaged];

@@ -1,4 +1,4 @@
-//! The judge, which sees one frame after the other, against Algorithm 1 on whole IUs; and what must hold of any work.
+//! The judge, which takes frame after frame, against Algorithm 1 on whole IUs; and properties of the verdicts on any work.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
@@ -8,7 +8,7 @@ use andon_core::config::Method;
 use andon_core::couple::{Context, Couples, Motion};
 use andon_core::input::Side;
 use andon_core::job::{Job, NominalActivity, NominalIu};
-use andon_core::verdict::{Kind, Reason, Verdict};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::script::{Motions, Part, Still, Strokes, Toward, idle, ius, part, stream, teach};
 use proptest::prelude::*;
 
@@ -27,7 +27,7 @@ fn nominal() -> [Vec<Part>; 3] {
 
 fn job() -> Job<'static> {
     let taught = teach(&nominal().each_ref().map(Vec::as_slice));
-    // No sum of costs is the square of this one: rounding decides nothing.
+    // No sum of costs is the square of this threshold, so rounding decides nothing.
     let iu = |iu: &NominalIu<'static>| NominalIu { threshold: 2.9317, ..*iu };
     let activities: Vec<NominalActivity<'static>> = taught
         .activities
@@ -40,7 +40,7 @@ fn job() -> Job<'static> {
     Job { activities: activities.leak(), ..taught }
 }
 
-/// What can go wrong in an activity. Numbers are taken modulo what there is.
+/// What can go wrong in an activity. Indices are taken modulo the number of parts.
 #[derive(Clone, Debug)]
 enum Flaw {
     None,
@@ -48,45 +48,45 @@ enum Flaw {
     Twice(usize),
     Object(usize, u16),
     Motion(usize, Motions),
-    /// So many tenths of the time.
+    /// Takes this many tenths of the time.
     Tempo(usize, usize),
-    /// Cut off after so many parts.
+    /// Is cut off after this many parts and one.
     Cut(usize),
 }
 
 fn flaw() -> impl Strategy<Value = Flaw> {
-    let place = 0..3usize;
+    let index = 0..3usize;
     prop_oneof![
         3 => Just(Flaw::None),
-        1 => place.clone().prop_map(Flaw::LeftOut),
-        1 => place.clone().prop_map(Flaw::Twice),
-        1 => (place.clone(), 5..10u16).prop_map(|(place, object)| Flaw::Object(place, object)),
-        1 => (place.clone(), 1..9i8).prop_map(|(place, bin)| Flaw::Motion(place, Toward(bin))),
-        1 => (place.clone(), 1..7usize).prop_map(|(place, strokes)| Flaw::Motion(place, Strokes(strokes))),
-        2 => (place.clone(), 3..18usize).prop_map(|(place, tenths)| Flaw::Tempo(place, tenths)),
-        1 => place.prop_map(Flaw::Cut),
+        1 => index.clone().prop_map(Flaw::LeftOut),
+        1 => index.clone().prop_map(Flaw::Twice),
+        1 => (index.clone(), 5..10u16).prop_map(|(index, object)| Flaw::Object(index, object)),
+        1 => (index.clone(), 1..9i8).prop_map(|(index, bin)| Flaw::Motion(index, Toward(bin))),
+        1 => (index.clone(), 1..7usize).prop_map(|(index, strokes)| Flaw::Motion(index, Strokes(strokes))),
+        2 => (index.clone(), 3..18usize).prop_map(|(index, tenths)| Flaw::Tempo(index, tenths)),
+        1 => index.prop_map(Flaw::Cut),
     ]
 }
 
-/// One activity after the other, each with a flaw, and the hand free in between.
+/// Several activities, each with a flaw or none, with idle time in between.
 fn work() -> impl Strategy<Value = Vec<Part>> {
     let done = |(which, flaw): (usize, Flaw)| {
         let mut parts = nominal()[which].clone();
         let count = parts.len();
         match flaw {
             Flaw::None => {}
-            Flaw::LeftOut(place) => drop(parts.remove(place % count)),
-            Flaw::Twice(place) => parts.insert(place % count, parts[place % count]),
-            Flaw::Object(place, object) => {
-                let context = &mut parts[place % count].context;
+            Flaw::LeftOut(index) => drop(parts.remove(index % count)),
+            Flaw::Twice(index) => parts.insert(index % count, parts[index % count]),
+            Flaw::Object(index, object) => {
+                let context = &mut parts[index % count].context;
                 context[if context[3] == 0 { 1 } else { 3 }] = object;
             }
-            Flaw::Motion(place, motions) => parts[place % count].motions = motions,
-            Flaw::Tempo(place, tenths) => {
-                let frames = &mut parts[place % count].frames;
+            Flaw::Motion(index, motions) => parts[index % count].motions = motions,
+            Flaw::Tempo(index, tenths) => {
+                let frames = &mut parts[index % count].frames;
                 *frames = *frames * tenths / 10;
             }
-            Flaw::Cut(place) => parts.truncate(1 + place),
+            Flaw::Cut(index) => parts.truncate(1 + index),
         }
         parts.push(idle(10));
         parts
@@ -98,12 +98,12 @@ fn work() -> impl Strategy<Value = Vec<Part>> {
 fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
     let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
     let mut verdicts = Vec::new();
-    couples.iter().for_each(|couples| judge.step(couples, &mut |verdict| verdicts.push(verdict)));
-    judge.finish(&mut |verdict| verdicts.push(verdict));
+    couples.iter().for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
+    judge.finish(&mut |event| verdicts.extend(event.verdict()));
     verdicts
 }
 
-/// The paper's algorithm with everything known: naive DTW in `f64` over whole IUs.
+/// Algorithm 1 of the paper on whole IUs, with naive DTW in `f64`.
 mod oracle {
     use super::*;
 
@@ -135,7 +135,7 @@ mod oracle {
         sums[a.len()][b.len()].sqrt()
     }
 
-    /// An IU that has ended, as far as it is compared.
+    /// The compared properties of an IU that has ended.
     pub(super) struct Seen {
         pub(super) context: Context,
         pub(super) motions: Vec<Motion>,
@@ -144,10 +144,10 @@ mod oracle {
 
     pub(super) fn is_similar(seen: &Seen, nominal: &NominalIu<'_>) -> bool {
         let frames = seen.motions.len() as u32;
-        let within = (nominal.frames.least..=nominal.frames.most).contains(&frames)
-            && (nominal.reversals.least..=nominal.reversals.most).contains(&seen.reversals);
+        let within = (nominal.frames.min..=nominal.frames.max).contains(&frames)
+            && (nominal.reversals.min..=nominal.reversals.max).contains(&seen.reversals);
         let motion = || within && dtw(&seen.motions, nominal.reference) <= f64::from(nominal.threshold);
-        // The release state has no motion of a hand.
+        // A release state has no motion of a hand.
         seen.context == nominal.context && (seen.context.0[0] == 0 || motion())
     }
 
@@ -165,62 +165,62 @@ mod oracle {
     }
 }
 
-/// The verdicts of each activity: on itself, and on its IUs in their order.
+/// For each activity, the verdict on it and those on its IUs in their order.
 fn by_activity(verdicts: &[Verdict]) -> Vec<(Verdict, Vec<Verdict>)> {
-    let activities = verdicts.iter().filter(|verdict| verdict.side.is_some() && verdict.iu.is_none());
+    let activities = verdicts.iter().filter(|verdict| verdict.level == Level::Activity);
     let mut activities: Vec<Verdict> = activities.copied().collect();
     activities.sort_by_key(|activity| activity.began_ns);
-    let next = |place: usize| activities.get(place + 1).map_or(u64::MAX, |next: &Verdict| next.began_ns);
-    let ius = |place: usize, activity: &Verdict| {
+    let next = |index: usize| activities.get(index + 1).map_or(u64::MAX, |next: &Verdict| next.began_ns);
+    let ius = |index: usize, activity: &Verdict| {
         let of_it = verdicts
             .iter()
-            .filter(|iu| iu.iu.is_some() && (activity.began_ns..next(place)).contains(&iu.began_ns));
+            .filter(|iu| iu.level == Level::Iu && (activity.began_ns..next(index)).contains(&iu.began_ns));
         let mut ius: Vec<Verdict> = of_it.copied().collect();
         ius.sort_by_key(|iu| iu.iu);
         ius
     };
-    activities.iter().enumerate().map(|(place, activity)| (*activity, ius(place, activity))).collect()
+    activities.iter().enumerate().map(|(index, activity)| (*activity, ius(index, activity))).collect()
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(128) })]
 
-    /// The judge speaks as soon as it can; with all IUs known to their ends, Algorithm 1 says the same.
+    /// The judge decides as early as it can; Algorithm 1, which knows the whole IUs, decides the same.
     #[test]
     fn no_early_verdict_is_contradicted_by_algorithm_1_on_whole_ius(work in work()) {
         let job = job();
         let verdicts = judged(&job, &stream(&work, &[]));
         let mut seen = ius(Side::Right, &work).into_iter().peekable();
         let mut done = Vec::new();
-        for (activity, said) in by_activity(&verdicts) {
+        for (activity, ius) in by_activity(&verdicts) {
             if activity.activity == 0 {
                 // Another job begins.
                 done.clear();
             }
             let mut whole = Vec::new();
-            for verdict in &said {
+            for verdict in &ius {
                 let (iu, motions) = seen.next().unwrap();
                 prop_assert_eq!((verdict.began_ns, verdict.context), (iu.began_ns, iu.context));
                 whole.push(oracle::Seen { context: iu.context, motions, reversals: iu.reversals });
             }
             let (right, equal) = oracle::algorithm_1(&job, &whole);
-            let ok: Vec<bool> = said.iter().map(|verdict| verdict.kind == Kind::IuOk).collect();
-            prop_assert!(ok[..right].iter().all(|ok| *ok), "{:?}", said);
-            prop_assert!(right == said.len() || !ok[right], "{:?}", said);
+            let ok: Vec<bool> = ius.iter().map(|verdict| verdict.outcome == Outcome::Ok).collect();
+            prop_assert!(ok[..right].iter().all(|ok| *ok), "{:?}", ius);
+            prop_assert!(right == ius.len() || !ok[right], "{:?}", ius);
             let repeated = equal.iter().all(|nominal| done.contains(&nominal.activity));
-            let expected = if equal.is_empty() || repeated { Kind::ActivityAnomaly } else { Kind::ActivityOk };
-            prop_assert_eq!(activity.kind, expected, "{:?}", said);
+            let expected = if equal.is_empty() || repeated { Outcome::Anomaly } else { Outcome::Ok };
+            prop_assert_eq!(activity.outcome, expected, "{:?}", ius);
             done.extend(equal.iter().map(|nominal| nominal.activity));
         }
         prop_assert!(seen.next().is_none(), "every IU has a verdict");
     }
 
     #[test]
-    fn a_distance_that_is_said_is_that_to_the_nearest_nominal(work in work()) {
+    fn the_distance_of_a_verdict_is_that_to_the_nearest_nominal_iu(work in work()) {
         let job = job();
         let whole = ius(Side::Right, &work);
         for verdict in judged(&job, &stream(&work, &[])) {
-            let (Some(distance), Kind::IuOk) = (verdict.distance, verdict.kind) else { continue };
+            let (Some(distance), Outcome::Ok) = (verdict.distance, verdict.outcome) else { continue };
             let (_, motions) = whole.iter().find(|(iu, _)| iu.began_ns == verdict.began_ns).unwrap();
             let of_nearest = job.activities.iter().filter(|nominal| Some(nominal.activity) == verdict.nearest);
             let distances: Vec<f64> = of_nearest
@@ -233,7 +233,7 @@ proptest! {
         }
     }
 
-    /// However much of an IU was not sighted, and wherever: it is not OK unless it was decided before, nor is what it belongs to.
+    /// An IU of which any part was not sighted is not OK, unless it was decided before; nor is its activity or job.
     #[test]
     fn nothing_is_ok_that_was_not_seen(work in work(), blind in prop::collection::vec(0..600usize, 1..4), frames in 1..20usize) {
         let mut couples = stream(&work, &[]);
@@ -243,34 +243,33 @@ proptest! {
             }
         }
         let verdicts = judged(&job(), &couples);
-        // The release state is decided in its first frame: what it hides after that is another matter.
+        // A release state is decided in its first frame; what is out of sight later does not count.
         let unseen = |verdict: &Verdict| {
             let its = couples.iter().filter(|couples| (verdict.began_ns..verdict.ended_ns).contains(&couples.captured_ns));
             its.map(|couples| couples.hands[0]).any(|couple| !couple.sighted && couple.context.is_touch())
         };
         for verdict in &verdicts {
-            match verdict.kind {
-                Kind::IuOk | Kind::ActivityOk | Kind::JobOk => prop_assert!(!unseen(verdict), "{:?}", verdict),
-                Kind::NotJudged => prop_assert_eq!(verdict.reason, Reason::Blind, "{:?}", verdict),
-                _ => {}
+            match verdict.outcome {
+                Outcome::Ok => prop_assert!(!unseen(verdict), "{:?}", verdict),
+                Outcome::NotJudged => prop_assert_eq!(verdict.reason, Reason::Blind, "{:?}", verdict),
+                Outcome::Anomaly => {}
             }
         }
     }
 
-    /// Kept for a while and judged then, or by a judge that was copied in the middle: all is said the same, at the same time.
+    /// A judge that was copied in the middle of the work gives the same verdicts.
     #[test]
-    fn another_chunking_changes_nothing(work in work(), at in 0..400usize) {
+    fn a_copy_of_the_judge_continues_with_the_same_verdicts(work in work(), at in 0..400usize) {
         let (job, couples) = (job(), stream(&work, &[]));
         let whole = judged(&job, &couples);
         let (before, after) = couples.split_at(at.min(couples.len()));
-        let mut said = Vec::new();
+        let mut verdicts = Vec::new();
         let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
-        before.iter().for_each(|couples| judge.step(couples, &mut |verdict| said.push(verdict)));
+        before.iter().for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
         let mut copy = judge.clone();
-        let mut lost = Vec::new();
-        judge.finish(&mut |verdict| lost.push(verdict));
-        after.iter().for_each(|couples| copy.step(couples, &mut |verdict| said.push(verdict)));
-        copy.finish(&mut |verdict| said.push(verdict));
-        prop_assert_eq!(said, whole);
+        judge.finish(&mut |_| {});
+        after.iter().for_each(|couples| copy.step(couples, &mut |event| verdicts.extend(event.verdict())));
+        copy.finish(&mut |event| verdicts.extend(event.verdict()));
+        prop_assert_eq!(verdicts, whole);
     }
 }

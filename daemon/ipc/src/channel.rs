@@ -1,24 +1,24 @@
-//! The channels of a station and their quality of service (DESIGN 2).
+//! The channels of a station and their quality of service.
 
 use shm_schemas::{Command, Confirmed, Couples, Detections, FrameHeader, Health, Layout, Message, Verdict};
 use std::fmt;
 
-/// An arrow of DESIGN 2.
+/// A channel: one kind of message, on its way from one role to others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Channel {
-    /// capture to perceive.
+    /// From capture to perceive.
     Frame,
-    /// perceive to encode.
+    /// From perceive to encode.
     Detections,
-    /// encode to judge.
+    /// From encode to judge.
     Couple,
-    /// judge to plc, journal, board, tail.
+    /// From judge to plc, journal and the tools.
     Verdict,
-    /// journal to plc: what is on disk.
+    /// From journal to plc: which verdicts are on disk.
     Confirmed,
-    /// every role to steward and board.
+    /// From every role to plc and the tools.
     Health,
-    /// plc and tool to judge.
+    /// From plc to judge.
     Command,
 }
 
@@ -34,7 +34,7 @@ impl Channel {
         Self::Command,
     ];
 
-    /// As in service names and logs.
+    /// The name in service names and logs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Frame => "frame",
@@ -47,36 +47,36 @@ impl Channel {
         }
     }
 
-    /// Its quality of service.
+    /// The quality of service of this channel.
     pub const fn qos(self) -> Qos {
         match self {
-            // 5 frames: twice the 2 of a paced burst, and one. 2 borrowed: the one being read and the one before it.
-            // 4 readers: perceive, board, the one that draws, a tool. More would cost 7 frames of memory each.
+            // 5 frames wait: twice the 2 of a paced burst, and one more. 2 are borrowed: the one being read and the one before it.
+            // 4 readers: perceive and three tools. Each further reader would cost 7 frames of memory.
             Self::Frame => {
                 Qos { buffer: 5, history: 0, borrowed: 2, readers: 4, writers: 1, loans: 8, burst: 2 }
             }
-            // 2 s at 30 Hz: encode must hold a debounced contact through a stall of the scheduler.
+            // 2 s at 30 Hz: a stall of the scheduler must not cost encode a contact that it is confirming.
             Self::Detections => {
                 Qos { buffer: 64, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
-            // 8 s at 30 Hz: a lost couple is a hole in a motion, so stalls are bridged for longer.
+            // 8 s at 30 Hz: a lost couple is a hole in a motion, so longer stalls are bridged.
             Self::Couple => {
                 Qos { buffer: 256, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 127 }
             }
-            // Some minutes of a busy bench, through any restart of the journal.
+            // Some minutes of a busy bench: longer than any restart of the journal.
             Self::Verdict => {
                 Qos { buffer: 1024, history: 256, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 511 }
             }
-            // Only the newest counts: it stands for all before it. 1 in the history, for a plc that starts later.
+            // Only the newest counts, because it includes all before it. A history of 1, for a plc that starts later.
             Self::Confirmed => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 1 }
             }
-            // Only the newest counts; 4 a writer so that a reader that looks once a second misses none at 2 Hz.
-            // 16 writers: 8 roles and as many tools.
+            // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
+            // 16 writers: 7 roles, and those that are dead and not yet removed.
             Self::Health => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 16, loans: 2, burst: 1 }
             }
-            // No history: a judge that starts must not obey what was said before it was there.
+            // No history: a judge that starts must not obey a command from before its start.
             Self::Command => {
                 Qos { buffer: 16, history: 0, borrowed: 2, readers: 2, writers: 4, loans: 2, burst: 7 }
             }
@@ -90,60 +90,60 @@ impl fmt::Display for Channel {
     }
 }
 
-/// Quality of service. Overflow is on everywhere: with it off, one stuck reader stops the line. What a reader did not
-/// get in time is counted by it, through `seq`.
+/// Quality of service. Overflow is on everywhere: without it, one stuck reader would stop the line. A reader counts what it did not
+/// get in time by the gaps in `seq`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Qos {
-    /// Messages that wait for one reader; the oldest gives way.
+    /// Messages that can wait for one reader; when there is one more, the oldest is lost.
     pub buffer: usize,
-    /// Newest messages that a late reader gets.
+    /// Newest messages that a reader gets which comes up later.
     pub history: usize,
-    /// Messages that a reader may hold at the same time.
+    /// Messages that one reader may hold at the same time.
     pub borrowed: usize,
-    /// Readers at the same time.
+    /// Maximum number of readers.
     pub readers: usize,
-    /// Writers at the same time.
+    /// Maximum number of writers.
     pub writers: usize,
-    /// Messages that a writer may fill at the same time. For `frame` as many as one reader keeps in use: 5 waiting,
-    /// 2 borrowed, 1 being filled; they are touched before the first frame.
+    /// Messages that a writer may fill at the same time. For `frame` as many as one reader keeps in use (5 waiting, 2 borrowed, 1 being
+    /// filled), because [`crate::FrameWriter::warm_up`] touches them all before the first frame.
     pub loans: usize,
-    /// Messages that a paced writer sends before it waits for its readers; see `pace` for why under half of `buffer`.
+    /// Messages that a paced writer sends before it waits for its readers: at most half of `buffer`, for the reason in `pace`.
     pub burst: usize,
 }
 
 impl Qos {
-    /// Messages that one writer's memory must hold so that a loan never fails (iceoryx2's own formula).
+    /// Messages that one writer's memory must hold so that a loan never fails, by iceoryx2's own formula.
     pub(crate) const fn chunks(&self) -> usize {
         self.readers * (self.buffer + self.borrowed) + self.history + self.loans
     }
 }
 
 /// A message of fixed size and the channel that carries it. Frames have ports of their own.
-pub trait Carried: Message {
-    /// The channel.
+pub trait ChannelMessage: Message {
+    /// The channel that carries it.
     const CHANNEL: Channel;
 }
 
-impl Carried for Detections {
+impl ChannelMessage for Detections {
     const CHANNEL: Channel = Channel::Detections;
 }
-impl Carried for Couples {
+impl ChannelMessage for Couples {
     const CHANNEL: Channel = Channel::Couple;
 }
-impl Carried for Verdict {
+impl ChannelMessage for Verdict {
     const CHANNEL: Channel = Channel::Verdict;
 }
-impl Carried for Confirmed {
+impl ChannelMessage for Confirmed {
     const CHANNEL: Channel = Channel::Confirmed;
 }
-impl Carried for Health {
+impl ChannelMessage for Health {
     const CHANNEL: Channel = Channel::Health;
 }
-impl Carried for Command {
+impl ChannelMessage for Command {
     const CHANNEL: Channel = Channel::Command;
 }
 
-/// Bytes of one message of each channel; frames by their limit.
+/// Bytes of one message of a channel; for frames the maximum.
 pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
     match channel {
         Channel::Frame => frame_bytes + size_of::<FrameHeader>(),
@@ -156,9 +156,12 @@ pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
     }
 }
 
-/// The layout of a message as it stands in the service's attribute.
+/// Version of what the ports tell each other by events. It must match as the layout must.
+const PROTOCOL: u32 = 2;
+
+/// The layout of a message, as the attribute of its service says it.
 pub(crate) fn layout_text<T: Layout>() -> String {
-    format!("{:016x}/{}", T::HASH, crate::PROTOCOL)
+    format!("{:016x}/{}", T::HASH, PROTOCOL)
 }
 
 #[cfg(test)]

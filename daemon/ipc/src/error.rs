@@ -4,36 +4,36 @@ use crate::channel::Channel;
 use std::io;
 use std::path::PathBuf;
 
-/// Every fault of this crate. The text is for the technician: it names the place and the remedy.
+/// Every error of this crate. The text is for the technician: it names the place and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The name of a station cannot be a part of file and unit names.
-    #[error("station name {name:?}: allowed are 1 to {most} of a-z, 0-9 and '-'")]
+    #[error("station name {name:?}: a name has 1 to {max} characters of a-z, 0-9 and '-'")]
     StationName {
         /// The name.
         name: String,
-        /// Most bytes.
-        most: usize,
+        /// Maximum number of bytes.
+        max: usize,
     },
-    /// Sockets live under the root and the kernel allows 107 bytes for their paths.
-    #[error("root directory {root:?} has {len} characters: at most {most} work, choose a shorter one")]
+    /// Sockets lie under the root, and the kernel allows 107 bytes for their paths.
+    #[error("root directory {root:?} has {len} characters and may have {max}: choose a shorter one")]
     RootTooLong {
         /// The directory.
         root: PathBuf,
         /// Its length in bytes.
         len: usize,
-        /// Most bytes.
-        most: usize,
+        /// Maximum number of bytes.
+        max: usize,
     },
     /// A relative path would mean something else in every process.
-    #[error("root directory {root:?} is not an absolute path in plain ASCII")]
+    #[error("root directory {root:?} is not an absolute path in ASCII: choose one that is")]
     RootNotAbsolute {
         /// The directory.
         root: PathBuf,
     },
     /// The root cannot be made or written to.
     #[error(
-        "root directory {root:?} is not usable: {source}; let systemd make it (RuntimeDirectory=) or choose one that user can write to"
+        "root directory {root:?} is not usable: {source}; let systemd make it (RuntimeDirectory=) or choose one that this user can write to"
     )]
     RootNotWritable {
         /// The directory.
@@ -41,48 +41,46 @@ pub enum Error {
         /// Why.
         source: io::Error,
     },
-    /// The station is another user's, whose shared memory this one cannot share.
+    /// The station belongs to another user, whose shared memory this one cannot open.
     #[error(
-        "station {station}: {root:?} belongs to another user than this process (user {own}); run this as the user of the station's units: `sudo -u andon ...`"
+        "station {station}: {root:?} does not belong to the user of this process (user {own}); run this as the user of the station's units: `sudo -u andon ...`"
     )]
     OtherUser {
         /// The station.
         station: String,
         /// Its directory.
         root: PathBuf,
-        /// The number of this process's user.
+        /// The number of the user of this process.
         own: u32,
     },
-    /// The root has been removed or replaced while in use: from now on newcomers would not find the others.
-    #[error(
-        "root directory {root:?} was removed or replaced while in use (a cleaner of temporary files?): restart all roles of this station"
-    )]
+    /// The root was removed or replaced while in use: a process that starts from now on would not find the others.
+    #[error("root directory {root:?} was removed or replaced while in use (a cleaner of temporary files?)")]
     RootVanished {
         /// The directory.
         root: PathBuf,
     },
-    /// A full /dev/shm is a SIGBUS later: refused now.
+    /// A /dev/shm that fills up later ends a process with SIGBUS, so the steward refuses to start.
     #[error(
         "/dev/shm has {free_mib} MiB free and this station needs {needed_mib} MiB: free some, enlarge it (mount -o remount,size=...) or lower the frame size"
     )]
     NoRoom {
-        /// Free now.
+        /// What is free now.
         free_mib: u64,
-        /// What all channels take when full.
+        /// What all channels take when they are full.
         needed_mib: u64,
     },
-    /// /dev/shm could not be looked at.
+    /// /dev/shm could not be read.
     #[error("/dev/shm cannot be read: {0}; is it mounted?")]
     SharedMemory(io::Error),
     /// There is a steward already.
-    #[error("station {station} has a steward already (it holds {lock:?}): one is enough")]
+    #[error("station {station} has a steward already (it holds {lock:?}): a station has one")]
     StewardRunning {
         /// The station.
         station: String,
         /// The lock file.
         lock: PathBuf,
     },
-    /// No steward, or it is not ready.
+    /// There is no steward, or it is not ready.
     #[error(
         "station {station}: no channel {channel} after {waited_ms} ms; start the steward (`andond run steward`) and look at its log"
     )]
@@ -91,7 +89,7 @@ pub enum Error {
         station: String,
         /// The channel.
         channel: Channel,
-        /// How long it was tried.
+        /// How long this process waited.
         waited_ms: u128,
     },
     /// Writer and reader are different builds.
@@ -103,14 +101,26 @@ pub enum Error {
         channel: Channel,
         /// Layout of this build.
         ours: String,
-        /// Layout that is there.
+        /// Layout of the running station.
         theirs: String,
         /// Processes that are alive in the station.
         members: String,
     },
-    /// Another process writes this channel.
+    /// iceoryx2 cannot use the service and cannot say whether somebody else does.
     #[error(
-        "channel {channel} has as many {port} as it allows (members: {members}); stop the one that is too many"
+        "channel {channel}: the description of its service cannot be read ({why}); stop every role of the station (members: {members}) and start the steward again, which then removes it"
+    )]
+    ServiceUnreadable {
+        /// The channel.
+        channel: Channel,
+        /// iceoryx2's word.
+        why: String,
+        /// Processes that are alive in the station.
+        members: String,
+    },
+    /// All ports of a kind are taken.
+    #[error(
+        "channel {channel} has as many {port} as it allows (members of the station: {members}); stop one that is not needed"
     )]
     TooManyPorts {
         /// The channel.
@@ -120,44 +130,46 @@ pub enum Error {
         /// Processes that are alive in the station.
         members: String,
     },
-    /// A frame is larger than the steward made room for.
+    /// The steward made room for smaller frames only.
     #[error(
-        "a frame of {bytes} bytes is larger than the {most} that the steward made room for: raise camera.width and camera.height and start the station again"
+        "a frame of {bytes} bytes is larger than the {max} that the steward made room for: raise camera.width and camera.height and start the station again"
     )]
     FrameTooLarge {
-        /// The frame.
+        /// Size of the frame.
         bytes: usize,
-        /// Most bytes.
-        most: usize,
+        /// Maximum number of bytes.
+        max: usize,
     },
-    /// The header of a frame promises more bytes than came.
-    #[error("frame {seq}: its header promises {promised} bytes, {bytes} came")]
+    /// The header of a frame promises more bytes than the frame has.
+    #[error(
+        "frame {seq}: its header promises {promised} bytes and it has {bytes}: writer and reader are different builds, install one version"
+    )]
     FrameTorn {
         /// Its number.
         seq: u64,
-        /// By the header.
+        /// Bytes by the header.
         promised: usize,
-        /// In the slice.
+        /// Bytes of the frame.
         bytes: usize,
     },
-    /// Sending without waiting for room first, in paced mode.
+    /// A paced writer was told to send without waiting for room first.
     #[error("channel {channel} is paced and its reader has not caught up: call wait_for_room before send")]
     NoRoomYet {
         /// The channel.
         channel: Channel,
     },
-    /// More ports than one wait can watch.
-    #[error("{ports} ports in one wait, {most} fit")]
+    /// One wait cannot watch so many ports.
+    #[error("one wait was given {ports} ports and can watch {max}: wait for fewer")]
     TooManyToWaitFor {
         /// Ports given.
         ports: usize,
-        /// Most.
-        most: usize,
+        /// Maximum number of ports.
+        max: usize,
     },
-    /// A stop was asked for while a port was being opened.
-    #[error("asked to stop while opening channel {0}")]
+    /// A stop was requested while a port was being opened.
+    #[error("a stop was requested while channel {0} was being opened")]
     Stopped(Channel),
-    /// The signal handler or the wait itself failed.
+    /// The operating system refused a call.
     #[error("{what}: {source}")]
     System {
         /// What was tried.
@@ -165,7 +177,7 @@ pub enum Error {
         /// Why it failed.
         source: io::Error,
     },
-    /// iceoryx2 refused; the text is its own word for it.
+    /// iceoryx2 refused; `why` is its own word for it.
     #[error("channel {channel}: {what} failed: {why}")]
     Transport {
         /// The channel.

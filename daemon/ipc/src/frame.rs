@@ -1,16 +1,15 @@
-//! Writing and reading frames: bytes of any length with a [`FrameHeader`], written once and read in place.
+//! Writing and reading frames: bytes of any length with a [`FrameHeader`], which are written once and read in place.
 
 use crate::channel::Channel;
 use crate::error::Error;
-use crate::node::Attempt;
 use crate::reader::{Inbound, listen, subscriber_refused};
-use crate::service::{Frames, Services, frame_bytes};
+use crate::service::{Attempt, Frames, Services, frame_bytes};
+use crate::station::Transport;
 use crate::wait::{Wake, sealed};
 use crate::writer::{Outbound, publisher_refused};
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut::SampleMut;
 use shm_schemas::{FrameHeader, RoleId};
@@ -21,23 +20,23 @@ const CHANNEL: Channel = Channel::Frame;
 /// Writes frames.
 #[derive(Debug)]
 pub struct FrameWriter {
-    // The publisher goes before the notifier, whose departure tells the readers.
-    publisher: Publisher<ipc::Service, [u8], FrameHeader>,
+    // The publisher is dropped before the notifier, whose departure the readers hear.
+    publisher: Publisher<Transport, [u8], FrameHeader>,
     outbound: Outbound,
-    most_bytes: usize,
+    max_bytes: usize,
 }
 
-/// A frame being filled, where its readers will read it. Dropped, it was never sent.
+/// A frame being filled in the place where its readers will read it. If it is dropped, it was never sent.
 #[derive(Debug)]
-pub struct FrameLoan(SampleMut<ipc::Service, [u8], FrameHeader>);
+pub struct FrameLoan(SampleMut<Transport, [u8], FrameHeader>);
 
 impl FrameLoan {
-    /// The header, zeroed at first. Number and times of its stamp are set when it is sent, except `captured_ns`.
+    /// The header, which is zero at first. Sending it sets its stamp, except `captured_ns`.
     pub fn header_mut(&mut self) -> &mut FrameHeader {
         self.0.user_header_mut()
     }
 
-    /// The pixels: the colour plane, then the depth plane. They hold some earlier frame's until written.
+    /// The pixels: the colour plane, then the depth plane. Until they are written they are those of an earlier frame.
     pub fn bytes_mut(&mut self) -> &mut [u8] {
         self.0.payload_mut()
     }
@@ -45,25 +44,25 @@ impl FrameLoan {
 
 impl FrameWriter {
     pub(crate) fn new(services: &Services<Frames>) -> Result<Self, Attempt> {
-        let most_bytes = frame_bytes(&services.messages)
+        let max_bytes = frame_bytes(&services.messages)
             .ok_or_else(|| Attempt::Failed(Error::transport(CHANNEL, "opening", "no frame size")))?;
         let publisher = services
             .messages
             .publisher_builder()
-            .initial_max_slice_len(most_bytes)
+            .initial_max_slice_len(max_bytes)
             .max_loaned_samples(CHANNEL.qos().loans)
             .create()
             .map_err(|e| publisher_refused(CHANNEL, e))?;
-        Ok(Self { publisher, outbound: Outbound::new(services, CHANNEL)?, most_bytes })
+        Ok(Self { publisher, outbound: Outbound::new(services, CHANNEL)?, max_bytes })
     }
 
     /// Touches the memory that frames of this size will use, so that the first ones are not late: the kernel clears
-    /// a page at its first use, 3 to 5 ms a frame.
+    /// a page at its first use, which takes 3 to 5 ms per frame.
     ///
     /// # Errors
     /// As [`FrameWriter::loan`].
     pub fn warm_up(&mut self, bytes: usize) -> Result<(), Error> {
-        // All at the same time, or the first would come back each time.
+        // All at the same time: a loan that is given back would be loaned again.
         let mut loans = Vec::with_capacity(CHANNEL.qos().loans);
         for _ in 0..CHANNEL.qos().loans {
             let mut loan = self.loan(bytes)?;
@@ -73,28 +72,23 @@ impl FrameWriter {
         Ok(())
     }
 
-    /// From now on waits for the readers of these roles, as [`crate::Writer::follow`].
+    /// From now on this writer waits for the readers of these roles, as with [`crate::Writer::follow`].
     pub fn follow(&mut self, readers: &[RoleId]) {
         self.outbound.follow(readers);
     }
 
-    /// Most bytes of a frame.
-    pub fn most_bytes(&self) -> usize {
-        self.most_bytes
-    }
-
-    /// A place for a frame of so many bytes in shared memory.
+    /// A place for a frame of this many bytes in shared memory.
     ///
     /// # Errors
     /// [`Error::FrameTooLarge`]; [`Error::Transport`] when more loans are open than the channel has.
     pub fn loan(&self, bytes: usize) -> Result<FrameLoan, Error> {
-        if bytes > self.most_bytes {
-            return Err(Error::FrameTooLarge { bytes, most: self.most_bytes });
+        if bytes > self.max_bytes {
+            return Err(Error::FrameTooLarge { bytes, max: self.max_bytes });
         }
         let sample =
             self.publisher.loan_slice_uninit(bytes).map_err(|e| self.outbound.error("loaning", e))?;
-        // SAFETY: the bytes are a mapped file's, which have values whether or not this program has written them, and
-        // every value is a valid u8.
+        // SAFETY: the bytes belong to a mapped file, so each has a value whether or not this program has written it, and every
+        // value is a valid u8.
         #[allow(unsafe_code)]
         let sample = unsafe { sample.assume_init() };
         Ok(FrameLoan(sample))
@@ -103,7 +97,7 @@ impl FrameWriter {
     /// Numbers the frame, sends it and wakes the readers. Returns its `seq`.
     ///
     /// # Errors
-    /// [`Error::NoRoomYet`] when the writer is paced and was not waited for; [`Error::Transport`].
+    /// [`Error::NoRoomYet`] when the writer is paced and nobody waited for room; [`Error::Transport`].
     pub fn send(&mut self, mut loan: FrameLoan) -> Result<u64, Error> {
         self.outbound.check_room()?;
         let stamp = &mut loan.header_mut().stamp;
@@ -115,10 +109,10 @@ impl FrameWriter {
     }
 }
 
-impl sealed::Tend for FrameWriter {
-    fn tend(&mut self) -> Result<Option<Wake>, Error> {
+impl sealed::Poll for FrameWriter {
+    fn poll(&mut self) -> Result<Option<Wake>, Error> {
         let publisher = &self.publisher;
-        self.outbound.tend(|| {
+        self.outbound.poll(|| {
             publisher.update_connections().map_err(|e| Error::transport(CHANNEL, "connecting a reader", e))
         })?;
         Ok(None)
@@ -131,7 +125,7 @@ impl sealed::Tend for FrameWriter {
 
 impl sealed::Room for FrameWriter {
     fn make_room(&mut self) -> Result<bool, Error> {
-        sealed::Tend::tend(self)?;
+        sealed::Poll::poll(self)?;
         Ok(self.outbound.make_room())
     }
 }
@@ -139,14 +133,14 @@ impl sealed::Room for FrameWriter {
 /// Reads frames.
 #[derive(Debug)]
 pub struct FrameReader {
-    subscriber: Subscriber<ipc::Service, [u8], FrameHeader>,
+    subscriber: Subscriber<Transport, [u8], FrameHeader>,
     inbound: Inbound,
     skipped: u64,
 }
 
-/// A frame, read where its writer filled it. The place goes back to the writer when this is dropped.
+/// A frame, read where its writer filled it. Dropping it gives the place back to the writer.
 #[derive(Debug)]
-pub struct FrameSample(Sample<ipc::Service, [u8], FrameHeader>);
+pub struct FrameSample(Sample<Transport, [u8], FrameHeader>);
 
 impl FrameSample {
     /// The header.
@@ -162,7 +156,7 @@ impl FrameSample {
     /// The colour plane, `height * stride` bytes.
     ///
     /// # Errors
-    /// [`Error::FrameTorn`] when the header promises more than came.
+    /// [`Error::FrameTorn`] when the header promises more than the frame has.
     pub fn colour(&self) -> Result<&[u8], Error> {
         self.plane(0, self.header().colour_bytes())
     }
@@ -195,7 +189,7 @@ impl FrameReader {
         Ok(Self { subscriber, inbound, skipped: 0 })
     }
 
-    /// The oldest frame that waits: for paced sources, where each counts.
+    /// The oldest frame that waits. For paced sources, where every frame counts.
     ///
     /// # Errors
     /// [`Error::Transport`] when too many samples are held.
@@ -213,7 +207,7 @@ impl FrameReader {
         }
     }
 
-    /// The newest frame; older ones that wait are given up and counted by [`FrameReader::skipped`]. For live sources,
+    /// The newest frame; older ones that wait are skipped and counted by [`FrameReader::skipped`]. For live sources,
     /// where a late frame is worth less than the next one.
     ///
     /// # Errors
@@ -227,34 +221,34 @@ impl FrameReader {
         Ok(newest)
     }
 
-    /// Frames received, with those that were skipped.
+    /// Frames received, including those that were skipped.
     pub fn received(&self) -> u64 {
         self.inbound.losses.received
     }
 
-    /// Frames that were sent while this reader was there, and that it did not get in time.
+    /// Frames that were sent while this reader was there and that it did not get in time.
     pub fn lost(&self) -> u64 {
         self.inbound.losses.lost
     }
 
-    /// Frames that [`FrameReader::take_newest`] gave up for a newer one.
+    /// Frames that [`FrameReader::take_newest`] skipped for a newer one.
     pub fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// How often the writer has been started anew since the first frame.
+    /// How often the writer has started again since the first frame.
     pub fn restarts(&self) -> u32 {
         self.inbound.losses.restarts
     }
 }
 
-impl sealed::Tend for FrameReader {
-    fn tend(&mut self) -> Result<Option<Wake>, Error> {
-        // Events first: what is sent after this look raises another one.
+impl sealed::Poll for FrameReader {
+    fn poll(&mut self) -> Result<Option<Wake>, Error> {
+        // Events first: a message that is sent after this look raises another event.
         self.inbound.hear()?;
         let pending = self.subscriber.has_samples();
         let pending = pending.map_err(|e| Error::transport(CHANNEL, "looking for messages", e))?;
-        self.inbound.tend(pending)
+        self.inbound.poll(pending)
     }
 
     fn fd(&self) -> BorrowedFd<'_> {

@@ -1,6 +1,6 @@
-//! How a role is doing, measured in its data loop and sent from there.
+//! How a role is doing, measured and sent in its data loop.
 
-use crate::clock::monotonic_ns;
+use crate::clock::MonotonicTime;
 use crate::error::Error;
 use crate::node::Node;
 use crate::writer::Writer;
@@ -8,13 +8,13 @@ use hdrhistogram::Histogram;
 use shm_schemas::{Health, RoleState, Stamp};
 use std::time::{Duration, Instant};
 
-/// Longest step that is told apart, in microseconds: a minute. Longer ones count as this.
-const LONGEST_US: u64 = 60_000_000;
+/// The longest step that is measured, in microseconds: a minute. A longer one counts as this long.
+const MAX_STEP_US: u64 = 60_000_000;
 
 /// Counts what a role does and sends it on the channel `health`.
 ///
-/// [`Heartbeat::beat`] belongs in the data loop, after every wait, whatever ended it: a loop that stands still then falls
-/// silent, which no timer thread would show. Waits must be no longer than [`Heartbeat::PERIOD`].
+/// [`Heartbeat::beat`] belongs in the data loop, after every wait, whatever ended the wait: then a loop that stands still falls
+/// silent, whereas a timer thread would go on. Waits must not be longer than [`Heartbeat::PERIOD`].
 #[derive(Debug)]
 pub struct Heartbeat {
     writer: Writer<Health>,
@@ -25,10 +25,10 @@ pub struct Heartbeat {
 }
 
 impl Heartbeat {
-    /// At 2 Hz, so that one that is late still makes it within the second that watchers allow.
+    /// 2 Hz, so that a late message still comes within the second that watchers allow.
     pub const PERIOD: Duration = Duration::from_millis(500);
 
-    /// Starts counting, in [`RoleState::Starting`].
+    /// Starts counting. The role is [`RoleState::Starting`].
     ///
     /// # Errors
     /// As [`Node::writer`].
@@ -39,8 +39,8 @@ impl Heartbeat {
             pid: std::process::id(),
             ..Health::default()
         };
-        // 2 digits: 1 % is finer than any decision that rests on it.
-        let steps = Histogram::new_with_bounds(1, LONGEST_US, 2)
+        // Two digits: 1 % is finer than any decision that depends on it.
+        let steps = Histogram::new_with_bounds(1, MAX_STEP_US, 2)
             .map_err(|e| Error::transport(crate::Channel::Health, "making the histogram of step times", e))?;
         Ok(Self { writer: node.writer()?, counts, steps, began: Instant::now(), changed: true })
     }
@@ -50,14 +50,14 @@ impl Heartbeat {
         self.counts.received += 1;
         self.counts.stamp.frame_seq = stamp.frame_seq;
         self.counts.stamp.captured_ns = stamp.captured_ns;
-        let late_us = monotonic_ns().saturating_sub(stamp.sent_ns) / 1000;
-        self.counts.lateness_us = u32::try_from(late_us).unwrap_or(u32::MAX);
+        let lateness = MonotonicTime::now().since(MonotonicTime::from_nanoseconds(stamp.sent_ns));
+        self.counts.lateness_us = u32::try_from(lateness.as_micros()).unwrap_or(u32::MAX);
     }
 
-    /// A step of the data loop is done and took so long.
+    /// A step of the data loop is done; `took` is how long it took.
     pub fn stepped(&mut self, took: Duration) {
-        let micros = u64::try_from(took.as_micros()).unwrap_or(LONGEST_US);
-        self.steps.saturating_record(micros.clamp(1, LONGEST_US));
+        let micros = u64::try_from(took.as_micros()).unwrap_or(MAX_STEP_US);
+        self.steps.saturating_record(micros.clamp(1, MAX_STEP_US));
     }
 
     /// A message was sent on the role's data channel.
@@ -65,7 +65,7 @@ impl Heartbeat {
         self.counts.sent += 1;
     }
 
-    /// Losses and restarts so far, as the reader counts them.
+    /// The losses and restarts so far, as the reader counts them.
     pub fn losses(&mut self, lost: u64, restarts: u32) {
         self.counts.losses = lost;
         self.counts.restarts_seen = restarts;
@@ -76,7 +76,7 @@ impl Heartbeat {
         self.counts.refused += 1;
     }
 
-    /// What the role is doing. A change is sent at the next [`Heartbeat::beat`].
+    /// Sets what the role is doing. The next [`Heartbeat::beat`] sends a change.
     pub fn state(&mut self, state: RoleState) {
         if self.counts.state != state.code() {
             self.counts.state = state.code();
@@ -84,12 +84,12 @@ impl Heartbeat {
         }
     }
 
-    /// The number of the last error's code.
+    /// Sets the number of the last error's code.
     pub fn error(&mut self, code: u32) {
         self.counts.last_error = code;
     }
 
-    /// Sends health if it is due. Says whether it was.
+    /// Sends health if it is due, and tells whether it was.
     ///
     /// # Errors
     /// As [`Writer::send`].

@@ -1,16 +1,17 @@
 //! What killed processes leave behind, and what iceoryx2 0.10.0 cannot remove of it by itself.
 //!
-//! A steward may be killed while it removes what another one left behind. Two states come of that which iceoryx2 never leaves:
+//! A steward may be killed while it removes what another process left behind. That leaves one of two states, which iceoryx2 never
+//! leaves again by itself:
 //!
-//! | what is left | what iceoryx2 makes of it | here |
+//! | what is left | what iceoryx2 makes of it | what removes it |
 //! |---|---|---|
-//! | the description of a service, without the shared part that goes before it | a service that is for ever being created | [`remove_half_made`] |
-//! | a dead node without its details, which go before the node | looks for the node where the default configuration has it, in vain, every time | [`remove_nameless`] |
+//! | the description of a service, without its shared part, which is removed before it | a service that is being created for ever | [`remove_incomplete`] |
+//! | a dead node without its details, which are removed before the node | it looks for the node where the default configuration would have it, each time in vain | [`remove_nameless`] |
 
 use crate::channel::Channel;
+use crate::error::Error;
 use crate::service::service_name;
-use crate::station::{Station, member};
-use crate::steward::Death;
+use crate::station::{Member, Station, Transport, member};
 use iceoryx2::identifiers::UniqueNodeId;
 use iceoryx2::node::{Node as IceNode, NodeState, NodeView};
 use iceoryx2::prelude::*;
@@ -19,11 +20,20 @@ use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path as StdPath, PathBuf};
 
-/// Removes every dead node with all that it had.
-pub(crate) fn bury(node: &IceNode<ipc::Service>) -> Vec<Death> {
+/// A process that died without leaving its station.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Death {
+    /// Who died; `None` for a process that died before it had given its name.
+    pub member: Option<Member>,
+    /// Whether everything that it left behind has been removed. If not, the next [`crate::Steward::poll`] tries again.
+    pub removed: bool,
+}
+
+/// Removes every dead node with everything that it had.
+pub(crate) fn reap(node: &IceNode<Transport>) -> Vec<Death> {
     let mut dead = Vec::new();
-    // A list that cannot be read now is read 100 ms later.
-    let _ = IceNode::<ipc::Service>::list(node.config(), |state| {
+    // A list that cannot be read now is read again 100 ms later.
+    let _ = IceNode::<Transport>::list(node.config(), |state| {
         if let NodeState::Dead(view) = state {
             dead.push(view);
         }
@@ -31,7 +41,7 @@ pub(crate) fn bury(node: &IceNode<ipc::Service>) -> Vec<Death> {
     });
     dead.into_iter()
         .map(|view| {
-            remove_half_made_tags(node.config(), view.id());
+            remove_incomplete_tags(node.config(), view.id());
             let member = view.details().as_ref().map(member);
             let removed = if member.is_some() {
                 view.try_remove_stale_resources().is_ok()
@@ -47,7 +57,7 @@ fn node_folder(config: &Config) -> PathBuf {
     PathBuf::from(config.global.node_dir().to_string())
 }
 
-/// Removes a dead node without details: its services and ports were removed before these.
+/// Removes a dead node without details. Its services and ports were removed before its details.
 fn remove_nameless(config: &Config, node: &UniqueNodeId) -> io::Result<()> {
     let id = node.value().to_string();
     for entry in fs::read_dir(node_folder(config))? {
@@ -64,40 +74,58 @@ fn remove_nameless(config: &Config, node: &UniqueNodeId) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes the tags that a dead node was just making when it was killed. iceoryx2 overlooks them, fails to remove the
-/// directory that they are in, forgets where the node belongs and reports it dead for ever. A node makes a tag before what
-/// the tag is for, so nothing else is lost with a half-made one.
-fn remove_half_made_tags(config: &Config, node: &UniqueNodeId) {
-    remove_half_made_files(&node_folder(config).join(node.value().to_string()));
+/// Removes the tags that a dead node was making when it was killed. iceoryx2 overlooks them, then fails to remove the directory
+/// that holds them, forgets where the node belongs and reports it dead for ever. A node makes a tag before it makes what the
+/// tag is for, so nothing else is lost with an incomplete tag.
+fn remove_incomplete_tags(config: &Config, node: &UniqueNodeId) {
+    remove_incomplete_files(&node_folder(config).join(node.value().to_string()));
 }
 
-/// Removes the files of a directory that are not complete: iceoryx2 takes the right to write away when they are.
-fn remove_half_made_files(directory: &StdPath) {
+/// Removes the files of a directory that are not complete: iceoryx2 makes a file read-only once it is complete.
+fn remove_incomplete_files(directory: &StdPath) {
     let Ok(entries) = fs::read_dir(directory) else { return };
     for entry in entries.flatten() {
         if entry.metadata().is_ok_and(|meta| meta.is_file() && meta.mode() & 0o200 != 0) {
-            // What cannot be removed now is tried again at the next look.
+            // What cannot be removed now is tried again the next time.
             let _ = fs::remove_file(entry.path());
         }
     }
 }
 
-/// Removes the services of a channel that are not complete. Only for the one steward: nobody else makes services.
-#[allow(unsafe_code)]
-pub(crate) fn remove_half_made(
-    node: &IceNode<ipc::Service>,
+/// Removes those services of a channel whose shared part is missing or was never finished. Only the one steward may call this: it
+/// alone creates services.
+///
+/// # Errors
+/// [`Error::ServiceUnreadable`] for a service that says nothing of its shared part: a process may be using it, so it stays.
+pub(crate) fn remove_incomplete(
+    node: &IceNode<Transport>,
     station: &Station,
     channel: Channel,
     pattern: MessagingPattern,
-) {
-    remove_half_made_files(StdPath::new(&node.config().global.service_dir().to_string()));
+) -> Result<(), Error> {
+    remove_incomplete_files(StdPath::new(&node.config().global.service_dir().to_string()));
     for back in [false, true] {
+        // A name that iceoryx2 refuses is the name of no service.
         let Ok(name) = service_name(station, channel, back) else { continue };
-        let details = ipc::Service::details(&name, node.config(), pattern);
-        let complete = details.is_ok_and(|details| details.is_some_and(|it| it.dynamic_details.is_some()));
-        if !complete {
-            // SAFETY: a service that is not complete cannot be opened, so nobody uses it.
-            let _ = unsafe { node.force_remove_service(&name, pattern) };
+        match Transport::details(&name, node.config(), pattern) {
+            Ok(Some(details)) if details.dynamic_details.is_none() => force_remove(node, &name, pattern),
+            Ok(_) => (),
+            Err(why) => {
+                let members = station.members_text();
+                return Err(Error::ServiceUnreadable { channel, why: format!("{why:?}"), members });
+            }
         }
     }
+    Ok(())
+}
+
+/// Removes a service without a shared part.
+#[allow(unsafe_code)]
+fn force_remove(node: &IceNode<Transport>, name: &ServiceName, pattern: MessagingPattern) {
+    // SAFETY: no other process may use the service. Every process that uses one has opened its shared part and is registered in it,
+    // and the shared part is removed only when nobody is registered any more. So nobody uses this service, whose shared part was
+    // just seen to be missing or unfinished. Nobody begins to use it now either: only a steward completes or creates a service,
+    // this process holds the lock of the one steward, and it creates nothing until this call returns.
+    // What cannot be removed now is tried again by the next attempt to create the channel.
+    let _ = unsafe { node.force_remove_service(name, pattern) };
 }

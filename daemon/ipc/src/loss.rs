@@ -1,23 +1,23 @@
-//! Losses, from the numbers of the messages alone.
+//! Counts losses by the numbers of the messages alone.
 
 use shm_schemas::Stamp;
 
-/// Writers whose numbers are followed at the same time: as many as the channel with most writers has.
+/// Writers whose numbers are followed at the same time: the maximum number of writers of any channel.
 const EPOCHS: usize = 16;
 
-/// What a message's number says.
+/// What the number of a message says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Arrival {
-    /// Not seen before.
+    /// It has not come before.
     New,
-    /// Seen before: the history overlaps with what came already.
+    /// It has come before: the history overlaps with what has been received.
     Again,
 }
 
 /// Follows `seq` per epoch.
 #[derive(Debug, Default)]
 pub(crate) struct LossCounter {
-    /// Epoch and its newest `seq`; the place of the oldest is taken when a new one comes.
+    /// Each epoch with its newest `seq`. A new epoch replaces the oldest one.
     newest: [(u64, u64); EPOCHS],
     next: usize,
     /// Messages that were sent and not received.
@@ -34,7 +34,7 @@ impl LossCounter {
         self.newest.iter().any(|&(known, seq)| known == epoch && seq != 0)
     }
 
-    /// `from_start`: if its epoch is a new one, every message of it was meant for this reader.
+    /// Notes a message. `from_start`: if its epoch is new, this reader was there for every message of it.
     pub(crate) fn note(&mut self, stamp: &Stamp, from_start: bool) -> Arrival {
         let known = self.newest.iter_mut().find(|(epoch, seq)| *epoch == stamp.epoch && *seq != 0);
         match known {
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_from_the_start_of_an_epoch_that_was_all_ours_is_a_loss() {
+    fn what_is_missing_at_the_start_of_an_epoch_that_began_while_listening_is_a_loss() {
         let mut counter = feed(&[(7, 100)]);
         counter.note(&Stamp { epoch: 8, seq: 4, ..Stamp::default() }, true);
         assert_eq!((counter.lost, counter.restarts), (3, 1));
@@ -82,12 +82,12 @@ mod tests {
     }
 
     #[test]
-    fn what_came_before_the_reader_is_no_loss() {
+    fn what_was_sent_before_the_reader_came_is_no_loss() {
         assert_eq!(feed(&[(7, 100), (7, 101)]).lost, 0);
     }
 
     #[test]
-    fn writers_are_counted_apart() {
+    fn each_writer_is_counted_for_itself() {
         let counter = feed(&[(7, 1), (9, 1), (7, 2), (9, 3)]);
         assert_eq!((counter.lost, counter.received, counter.restarts), (1, 4, 1));
     }

@@ -1,11 +1,11 @@
-//! A process that has joined a station: the place to get ports from and to wait at.
+//! A process that has joined a station: it opens ports and waits for them.
 
-use crate::channel::{Carried, Channel, layout_text};
+use crate::channel::{Channel, ChannelMessage, layout_text};
 use crate::error::Error;
 use crate::frame::{FrameReader, FrameWriter};
 use crate::reader::Reader;
-use crate::service::{Provide, Refusal, Services, other_build};
-use crate::station::Station;
+use crate::service::{Attempt, Provide, Refusal, other_build};
+use crate::station::{Station, Transport};
 use crate::steward::{enter, join};
 use crate::stop::Stop;
 use crate::wait::{Paced, Port, Wake, wait, wait_for_room};
@@ -16,13 +16,13 @@ use shm_schemas::{FrameHeader, Layout, RoleId};
 use std::fs::File;
 use std::time::{Duration, Instant};
 
-/// Between two tries to open what is not there yet. Only while starting.
+/// The pause between two attempts to open what is not there yet. Only used while starting.
 const TRY_AGAIN: Duration = Duration::from_millis(10);
 
-/// A member of a station. It must outlive its ports' use only as far as Rust's borrows say; ports keep what they need.
+/// A member of a station. Ports keep what they need: a node may be dropped before its ports.
 #[derive(Debug)]
 pub struct Node {
-    node: IceNode<ipc::Service>,
+    node: IceNode<Transport>,
     station: Station,
     role: RoleId,
     patience: Duration,
@@ -31,13 +31,13 @@ pub struct Node {
 }
 
 impl Node {
-    /// Joins a station, whose steward may still be starting: until `patience` is over, here and in opening ports.
+    /// Joins a station. Its steward may still be starting: this waits for at most `patience`, and so does opening a port.
     ///
     /// # Errors
     /// [`Error::NoSteward`] when the root does not appear in time, [`Error::Join`], [`Error::RootNotWritable`],
     /// [`Error::OtherUser`], [`Error::Stopped`].
     pub fn open(station: &Station, role: RoleId, patience: Duration, stop: &Stop) -> Result<Self, Error> {
-        set_log_level(LogLevel::Error); // what matters of the rest comes back as an error
+        set_log_level(LogLevel::Error); // what matters below that level is returned as an error
         let started = Instant::now();
         while !station.is_ours()? {
             give_up(station, Channel::Health, started, patience)?;
@@ -46,7 +46,7 @@ impl Node {
             }
         }
         let members_lock = enter(station, |_| Ok(()))?;
-        let node = join(station, &role.name().to_lowercase())?;
+        let node = join(station, role.name())?;
         let (station, stop) = (station.clone(), stop.clone());
         Ok(Self { node, station, role, patience, stop, _members_lock: members_lock })
     }
@@ -61,27 +61,27 @@ impl Node {
         self.role
     }
 
-    /// The wish to stop that ends its waits.
+    /// The stop that ends its waits.
     pub fn stop(&self) -> &Stop {
         &self.stop
     }
 
-    /// A reader of `T`'s channel. It gets the channel's history if the writer is there.
+    /// A reader of `T`'s channel. It gets the history of the channel if the writer is there.
     ///
     /// # Errors
     /// [`Error::NoSteward`], [`Error::LayoutMismatch`], [`Error::TooManyPorts`], [`Error::Stopped`],
     /// [`Error::Transport`].
-    pub fn reader<T: Carried>(&self) -> Result<Reader<T>, Error> {
+    pub fn reader<T: ChannelMessage>(&self) -> Result<Reader<T>, Error> {
         let services = self.services::<_, T>(T::CHANNEL)?;
         self.retry(T::CHANNEL, || Reader::new(&services, self.role))
     }
 
-    /// The writer of `T`'s channel, live: it never waits for its readers. If its predecessor was killed, this waits
-    /// until the steward has removed it.
+    /// The writer of `T`'s channel. It is live: it never waits for its readers. If its predecessor was killed, this waits
+    /// until the steward has removed that one.
     ///
     /// # Errors
     /// As [`Node::reader`].
-    pub fn writer<T: Carried>(&self) -> Result<Writer<T>, Error> {
+    pub fn writer<T: ChannelMessage>(&self) -> Result<Writer<T>, Error> {
         let services = self.services::<_, T>(T::CHANNEL)?;
         self.retry(T::CHANNEL, || Writer::new(&services))
     }
@@ -95,7 +95,7 @@ impl Node {
         self.retry(Channel::Frame, || FrameReader::new(&services, self.role))
     }
 
-    /// The writer of the channel `frame`, live, its memory touched.
+    /// The writer of the channel `frame`. It is live.
     ///
     /// # Errors
     /// As [`Node::reader`].
@@ -104,8 +104,8 @@ impl Node {
         self.retry(Channel::Frame, || FrameWriter::new(&services))
     }
 
-    /// Blocks until one of the ports has something to say, `patience` is over or a stop is asked for. Writers belong
-    /// in here as well: this is when they answer readers that come up.
+    /// Blocks until one of the ports has something to say, `patience` is over or a stop is requested. Writers belong
+    /// in here as well: this is where they answer readers that come up.
     ///
     /// # Errors
     /// [`Error::TooManyToWaitFor`], [`Error::System`], [`Error::Transport`].
@@ -113,7 +113,7 @@ impl Node {
         wait(ports, patience, &self.stop)
     }
 
-    /// Blocks until a paced writer may send one more: [`Wake::Room`], at once when it is live.
+    /// Blocks until a paced writer may send one more message: [`Wake::Room`]. A live writer always may.
     ///
     /// # Errors
     /// As [`Node::wait`].
@@ -124,8 +124,8 @@ impl Node {
     fn services<S: Provide, T: Layout>(&self, channel: Channel) -> Result<S, Error> {
         self.retry(channel, || match S::open(&self.node, &self.station) {
             Ok(services) => Ok(services),
-            // Half made is being made by the steward, or will be healed by it.
-            Err(Refusal::NotYet | Refusal::HalfMade(_)) => Err(Attempt::Again(None)),
+            // The steward is creating it, or removes what is left of it and creates it again.
+            Err(Refusal::NotYet | Refusal::Incomplete(_)) => Err(Attempt::Again(None)),
             Err(Refusal::OtherBuild) => {
                 Err(Attempt::Failed(other_build(&self.station, channel, layout_text::<T>())))
             }
@@ -162,14 +162,3 @@ fn give_up(station: &Station, channel: Channel, started: Instant, patience: Dura
     }
     Err(Error::NoSteward { station: station.name().into(), channel, waited_ms: waited.as_millis() })
 }
-
-/// How an attempt to open something ended.
-pub(crate) enum Attempt {
-    /// Not now. If a kind of port is named, all of its kind are taken, perhaps by one that is dead.
-    Again(Option<&'static str>),
-    /// Never.
-    Failed(Error),
-}
-
-/// A service pair that ports are made from.
-pub(crate) type MessageServices<T> = Services<crate::service::Messages<T>>;

@@ -1,28 +1,28 @@
-//! Going as fast as the readers do, with nothing lost (`--speed max`).
+//! Sending as fast as the readers read, without a loss (`--speed max`).
 //!
 //! A paced writer sends at most a *burst* of W messages, then waits until each reader that it follows has said
-//! `caught up`: "my queue was empty just now". A reader says so every time it finds its queue empty after it had taken
-//! something, when it comes up, and when it hears a writer come up.
+//! `caught up`: "my queue was empty just now". A reader says so every time it finds its queue empty after it has taken
+//! something, when it comes up, and when it hears that a writer came up.
 //!
-//! Events are not messages: one may be old. Why nothing is lost all the same:
+//! Events are not messages: an event may be old. Nothing is lost all the same, because:
 //!
 //! 1. Before the first message of a burst the writer drains and forgets every event that has come so far.
-//! 2. So an event that counts for burst k was raised after burst k-1 had been sent whole. At the moment it was raised
+//! 2. So an event that counts for burst k was raised after all of burst k-1 had been sent. When it was raised,
 //!    the queue was empty, hence every message up to and including burst k-1 had left the queue.
 //! 3. When the writer goes on after burst k, at most the W messages of burst k are in the queue; it then adds W.
-//!    At most 2 W are ever in the queue, and 2 W <= buffer: it never overflows. (`Qos::burst`, checked by a test.)
+//!    At most 2 W are ever in the queue, and 2 W <= buffer, so it never overflows. (`Qos::burst`; a test checks it.)
 //!
-//! Why it never hangs: after the last message of a burst is sent, the reader will take it and then find its queue
-//! empty, after step 1 of this burst; that event is still to come, or has come and counts. An event raised in the
+//! It never hangs: after the last message of a burst is sent, the reader takes it and then finds its queue
+//! empty, after step 1 of this burst. That event is still to come, or it has come and counts. An event that is raised in the
 //! middle of a burst only lets the writer go on earlier, within 3. A reader that dies says nothing: the writer's wait
-//! ends by its deadline, and the successor says `caught up` when it comes up.
+//! ends at its deadline, and the reader's successor says `caught up` when it comes up.
 //!
 //! Each stage of the line paces its own channel, so a slow journal holds back the judge, the judge holds back encode,
-//! and in the end the film waits. Live sources are never paced: a stuck reader must not stop the line.
+//! and in the end the recording waits. Live sources are never paced: a stuck reader must not stop the line.
 
 use shm_schemas::RoleId;
 
-/// Which roles, as a set of bits.
+/// A set of roles, one bit each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Roles(u32);
 
@@ -40,24 +40,24 @@ impl Roles {
     }
 }
 
-/// The state of a paced writer. One that follows nobody always has room.
+/// The state of a writer. One that follows nobody is live and always has room.
 #[derive(Debug)]
 pub(crate) struct Pace {
     follows: Roles,
-    /// Readers whose queue was empty after the last burst; while live, after the last message.
+    /// Readers whose queue was empty after the last burst; of a live writer, after the last message.
     caught_up: Roles,
     burst: usize,
     sent: usize,
 }
 
 impl Pace {
-    /// Live: never waits.
+    /// A live writer, which never waits.
     pub(crate) fn live() -> Self {
         Self { follows: Roles::default(), caught_up: Roles::default(), burst: 0, sent: 0 }
     }
 
-    /// From now on follows these readers; none of them makes it live again. The first burst waits for them as well: until
-    /// then they may not be there. What they have said while the writer was live counts: they owe it no second time.
+    /// From now on follows these readers; an empty list makes it live again. The first burst waits for them as well, because they may
+    /// not be there yet. What they said while the writer was live counts: they do not say it twice.
     pub(crate) fn follow(&mut self, readers: &[RoleId], burst: usize) {
         (self.follows, self.burst, self.sent) = (Roles::of(readers), burst, burst);
     }
@@ -71,7 +71,7 @@ impl Pace {
         self.caught_up.insert(reader);
     }
 
-    /// The burst has been sent, and the next may begin once what has come so far is forgotten (step 1).
+    /// The burst has been sent and its readers have caught up: the next may begin once what has come so far is forgotten (step 1).
     pub(crate) fn may_begin(&self) -> bool {
         self.sent >= self.burst && self.caught_up.contains(self.follows)
     }
@@ -82,12 +82,12 @@ impl Pace {
         self.caught_up = Roles::default();
     }
 
-    /// One more may be sent now.
+    /// Whether one more message may be sent now.
     pub(crate) fn has_room(&self) -> bool {
         self.is_live() || self.sent < self.burst
     }
 
-    /// One was sent.
+    /// A message was sent.
     pub(crate) fn sent(&mut self) {
         if self.is_live() {
             self.caught_up = Roles::default();
@@ -125,8 +125,8 @@ mod tests {
         assert!(pace.may_begin());
     }
 
-    /// The worst that asynchronous events can do, enumerated: a writer, a reader with a queue, and events that the
-    /// writer sees late. Every interleaving of their steps up to a depth; the queue must never exceed the buffer.
+    /// Explores the worst that asynchronous events can do: a writer, a reader with a queue, and events that the writer sees late, in
+    /// every interleaving of their steps up to a depth. The queue must never exceed the buffer.
     #[test]
     fn no_interleaving_of_writer_and_reader_overflows_two_bursts() {
         const BURST: usize = 2;
@@ -139,41 +139,41 @@ mod tests {
             event: bool,
         }
 
-        fn explore(world: World, depth: usize, worst: &mut usize, sent: usize, most_sent: &mut usize) {
+        fn explore(world: World, depth: usize, worst: &mut usize, sent: usize, max_sent: &mut usize) {
             *worst = (*worst).max(world.queued);
-            *most_sent = (*most_sent).max(sent);
+            *max_sent = (*max_sent).max(sent);
             if depth == 0 {
                 return;
             }
             let mut pace = following(&[RoleId::Encode], BURST);
             pace.sent = world.sent_in_burst;
-            // The writer: sends if it has room, else looks for the event and begins the next burst.
+            // The writer sends if it has room; otherwise it looks for the event and begins the next burst.
             if pace.has_room() {
                 pace.sent();
                 let next = World { sent_in_burst: pace.sent, queued: world.queued + 1, ..world };
-                explore(next, depth - 1, worst, sent + 1, most_sent);
+                explore(next, depth - 1, worst, sent + 1, max_sent);
             } else if world.event {
                 pace.caught_up(RoleId::Encode);
                 assert!(pace.may_begin());
                 pace.begin();
                 let next = World { sent_in_burst: 0, event: false, ..world };
-                explore(next, depth - 1, worst, sent, most_sent);
+                explore(next, depth - 1, worst, sent, max_sent);
             }
-            // The reader: takes one, or finds the queue empty and says so.
+            // The reader takes a message, or finds the queue empty and says so.
             if world.queued > 0 {
                 let next = World { queued: world.queued - 1, taken: true, ..world };
-                explore(next, depth - 1, worst, sent, most_sent);
+                explore(next, depth - 1, worst, sent, max_sent);
             } else if world.taken {
                 let next = World { taken: false, event: true, ..world };
-                explore(next, depth - 1, worst, sent, most_sent);
+                explore(next, depth - 1, worst, sent, max_sent);
             }
         }
 
         let start = World { sent_in_burst: BURST, queued: 0, taken: false, event: true };
-        let (mut worst, mut most_sent) = (0, 0);
-        explore(start, 24, &mut worst, 0, &mut most_sent);
+        let (mut worst, mut max_sent) = (0, 0);
+        explore(start, 24, &mut worst, 0, &mut max_sent);
         assert_eq!(worst, 2 * BURST, "two bursts are needed and are enough");
-        assert!(most_sent >= 4 * BURST, "the exploration went through several bursts: {most_sent}");
+        assert!(max_sent >= 4 * BURST, "the exploration must go through several bursts: {max_sent}");
     }
 
     #[test]
@@ -189,7 +189,7 @@ mod tests {
     fn a_writer_waits_for_every_reader_that_it_follows() {
         let mut pace = following(&[RoleId::Journal, RoleId::Plc], 1);
         pace.caught_up(RoleId::Journal);
-        pace.caught_up(RoleId::Board);
+        pace.caught_up(RoleId::Judge);
         assert!(!pace.may_begin());
         pace.caught_up(RoleId::Plc);
         assert!(pace.may_begin());

@@ -1,9 +1,9 @@
-//! The services behind a channel: one for the messages, two for events. The steward creates them, all others open them.
+//! The services of a channel: one for the messages, two for events. The steward creates them and all other processes open them.
 
 use crate::channel::{Channel, Qos, layout_text};
 use crate::error::Error;
 use crate::event;
-use crate::station::{Limits, Station};
+use crate::station::{Limits, Station, Transport};
 use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
@@ -16,19 +16,27 @@ use iceoryx2::service::port_factory::{event as event_factory, publish_subscribe}
 use shm_schemas::{FrameHeader, Layout};
 use std::fmt::Debug;
 
-/// Processes in one station: 8 roles, as many tools, and those that die and come back in between.
+/// Processes in one station: 7 roles, as many tools, and those that are dead and not yet removed.
 const NODES: usize = 32;
 
-/// Ports of each kind on one event service. Readers and writers of a channel, and those that are dead and not yet
-/// removed; the steward needs one for a moment when it announces a death.
+/// Ports of each kind on one event service: the readers and writers of a channel, and those that are dead and not yet
+/// removed. The steward needs one for a moment when it announces a death.
 const EVENT_PORTS: usize = 32;
 
 const LAYOUT_KEY: &str = "andon.layout";
 const FRAME_BYTES_KEY: &str = "andon.frame_bytes";
 
-pub(crate) type Messages<T> = publish_subscribe::PortFactory<ipc::Service, T, ()>;
-pub(crate) type Frames = publish_subscribe::PortFactory<ipc::Service, [u8], FrameHeader>;
-type Events = event_factory::PortFactory<ipc::Service>;
+pub(crate) type Messages<T> = publish_subscribe::PortFactory<Transport, T, ()>;
+pub(crate) type Frames = publish_subscribe::PortFactory<Transport, [u8], FrameHeader>;
+type Events = event_factory::PortFactory<Transport>;
+
+/// How an attempt to open something ended.
+pub(crate) enum Attempt {
+    /// Not now. If a kind of port is named, all ports of that kind are taken, perhaps one of them by a dead process.
+    Again(Option<&'static str>),
+    /// Never.
+    Failed(Error),
+}
 
 /// The three services of a channel. Holding them keeps them alive.
 #[derive(Debug)]
@@ -40,14 +48,14 @@ pub(crate) struct Services<M> {
     pub(crate) back: Events,
 }
 
-/// Why a service could not be had.
+/// Why a service could not be opened or created.
 #[derive(Debug)]
 pub(crate) enum Refusal {
-    /// It is not there, or not yet: try again.
+    /// It is not there yet: try again.
     NotYet,
-    /// It was left half made by a process that was killed.
-    HalfMade(MessagingPattern),
-    /// It is there, from another build.
+    /// It was left incomplete by a process that was killed, or it is damaged.
+    Incomplete(MessagingPattern),
+    /// Another build created it.
     OtherBuild,
     /// Anything else, in iceoryx2's word.
     Broken(String),
@@ -59,7 +67,7 @@ impl From<PublishSubscribeOpenError> for Refusal {
         match error {
             E::DoesNotExist | E::IsMarkedForDestruction => Self::NotYet,
             E::HangsInCreation | E::ServiceInCorruptedState => {
-                Self::HalfMade(MessagingPattern::PublishSubscribe)
+                Self::Incomplete(MessagingPattern::PublishSubscribe)
             }
             E::IncompatibleAttributes
             | E::IncompatibleTypes
@@ -84,7 +92,7 @@ impl From<PublishSubscribeOpenOrCreateError> for Refusal {
             E::PublishSubscribeCreateError(
                 PublishSubscribeCreateError::HangsInCreation
                 | PublishSubscribeCreateError::ServiceInCorruptedState,
-            ) => Self::HalfMade(MessagingPattern::PublishSubscribe),
+            ) => Self::Incomplete(MessagingPattern::PublishSubscribe),
             E::SystemInFlux
             | E::PublishSubscribeCreateError(
                 PublishSubscribeCreateError::AlreadyExists
@@ -100,7 +108,7 @@ impl From<EventOpenError> for Refusal {
         use EventOpenError as E;
         match error {
             E::DoesNotExist | E::IsMarkedForDestruction => Self::NotYet,
-            E::HangsInCreation | E::ServiceInCorruptedState => Self::HalfMade(MessagingPattern::Event),
+            E::HangsInCreation | E::ServiceInCorruptedState => Self::Incomplete(MessagingPattern::Event),
             E::IncompatibleAttributes | E::VersionMismatch | E::DoesNotSupportRequestedMaxEventId => {
                 Self::OtherBuild
             }
@@ -119,7 +127,7 @@ impl From<EventOpenOrCreateError> for Refusal {
     }
 }
 
-/// The name of a channel's services; `/back` for the events from the readers.
+/// The name of the services of a channel; the one for the events from the readers ends in `/back`.
 pub(crate) fn service_name(station: &Station, channel: Channel, back: bool) -> Result<ServiceName, Refusal> {
     let suffix = if back { "/back" } else { "" };
     ServiceName::new(&format!("andon/{}/{channel}{suffix}", station.name())).map_err(broken)
@@ -139,7 +147,7 @@ fn with_layout<T: Layout>() -> Result<AttributeVerifier, Refusal> {
     require(AttributeVerifier::new(), LAYOUT_KEY, &layout_text::<T>())
 }
 
-fn with_qos<P, H>(builder: Builder<P, H, ipc::Service>, qos: Qos) -> Builder<P, H, ipc::Service>
+fn with_qos<P, H>(builder: Builder<P, H, Transport>, qos: Qos) -> Builder<P, H, Transport>
 where
     P: Debug + IceoryxSend + ?Sized,
     H: Debug + ZeroCopySend,
@@ -154,14 +162,14 @@ where
         .subscriber_max_borrowed_samples(qos.borrowed)
 }
 
-/// Opens or creates the services of a channel: the steward alone.
+/// Opens the services of a channel, or creates them, which only the steward does.
 pub(crate) trait Provide: Sized {
-    fn create(node: &IceNode<ipc::Service>, station: &Station, limits: Limits) -> Result<Self, Refusal>;
-    fn open(node: &IceNode<ipc::Service>, station: &Station) -> Result<Self, Refusal>;
+    fn create(node: &IceNode<Transport>, station: &Station, limits: Limits) -> Result<Self, Refusal>;
+    fn open(node: &IceNode<Transport>, station: &Station) -> Result<Self, Refusal>;
 }
 
-impl<T: crate::Carried> Provide for Services<Messages<T>> {
-    fn create(node: &IceNode<ipc::Service>, station: &Station, _: Limits) -> Result<Self, Refusal> {
+impl<T: crate::ChannelMessage> Provide for Services<Messages<T>> {
+    fn create(node: &IceNode<Transport>, station: &Station, _: Limits) -> Result<Self, Refusal> {
         let name = service_name(station, T::CHANNEL, false)?;
         let builder = with_qos(node.service_builder(&name).publish_subscribe::<T>(), T::CHANNEL.qos());
         let messages = builder.open_or_create_with_attributes(&with_layout::<T>()?)?;
@@ -169,7 +177,7 @@ impl<T: crate::Carried> Provide for Services<Messages<T>> {
         Ok(Self { messages, forward, back })
     }
 
-    fn open(node: &IceNode<ipc::Service>, station: &Station) -> Result<Self, Refusal> {
+    fn open(node: &IceNode<Transport>, station: &Station) -> Result<Self, Refusal> {
         let name = service_name(station, T::CHANNEL, false)?;
         let builder = node.service_builder(&name).publish_subscribe::<T>();
         let messages = builder.open_with_attributes(&with_layout::<T>()?)?;
@@ -179,7 +187,7 @@ impl<T: crate::Carried> Provide for Services<Messages<T>> {
 }
 
 impl Provide for Services<Frames> {
-    fn create(node: &IceNode<ipc::Service>, station: &Station, limits: Limits) -> Result<Self, Refusal> {
+    fn create(node: &IceNode<Transport>, station: &Station, limits: Limits) -> Result<Self, Refusal> {
         let name = service_name(station, Channel::Frame, false)?;
         let builder = node.service_builder(&name).publish_subscribe::<[u8]>().user_header::<FrameHeader>();
         let attributes = with_layout::<FrameHeader>()?;
@@ -189,7 +197,7 @@ impl Provide for Services<Frames> {
         Ok(Self { messages, forward, back })
     }
 
-    fn open(node: &IceNode<ipc::Service>, station: &Station) -> Result<Self, Refusal> {
+    fn open(node: &IceNode<Transport>, station: &Station) -> Result<Self, Refusal> {
         let name = service_name(station, Channel::Frame, false)?;
         let builder = node.service_builder(&name).publish_subscribe::<[u8]>().user_header::<FrameHeader>();
         let messages = builder.open_with_attributes(&with_layout::<FrameHeader>()?)?;
@@ -199,14 +207,14 @@ impl Provide for Services<Frames> {
 }
 
 fn create_events(
-    node: &IceNode<ipc::Service>,
+    node: &IceNode<Transport>,
     station: &Station,
     channel: Channel,
 ) -> Result<(Events, Events), Refusal> {
     let create = |back| {
         node.service_builder(&service_name(station, channel, back)?)
             .event()
-            .event_id_max_value(event::MOST)
+            .event_id_max_value(event::MAX_ID)
             .max_notifiers(EVENT_PORTS)
             .max_listeners(EVENT_PORTS)
             .max_nodes(NODES)
@@ -220,7 +228,7 @@ fn create_events(
 }
 
 fn open_events(
-    node: &IceNode<ipc::Service>,
+    node: &IceNode<Transport>,
     station: &Station,
     channel: Channel,
 ) -> Result<(Events, Events), Refusal> {
@@ -230,12 +238,12 @@ fn open_events(
     Ok((open(false)?, open(true)?))
 }
 
-/// The size of a frame that the steward made room for.
+/// The maximum size of a frame, for which the steward made room.
 pub(crate) fn frame_bytes(frames: &Frames) -> Option<usize> {
     attribute(frames.attributes(), FRAME_BYTES_KEY)?.parse().ok()
 }
 
-/// The error for a service of another build, naming both layouts and who still holds the old one.
+/// The error for a service of another build. It names both layouts and who still holds the old one.
 pub(crate) fn other_build(station: &Station, channel: Channel, ours: String) -> Error {
     let theirs = found_layout(station, channel).unwrap_or_else(|| "an unknown one".into());
     Error::LayoutMismatch { channel, ours, theirs, members: station.members_text() }
@@ -244,7 +252,7 @@ pub(crate) fn other_build(station: &Station, channel: Channel, ours: String) -> 
 fn found_layout(station: &Station, channel: Channel) -> Option<String> {
     let name = service_name(station, channel, false).ok()?;
     let config = station.config().ok()?;
-    let details = ipc::Service::details(&name, &config, MessagingPattern::PublishSubscribe).ok()??;
+    let details = Transport::details(&name, &config, MessagingPattern::PublishSubscribe).ok()??;
     let attributes = details.static_details.attributes();
     let layout = attribute(attributes, LAYOUT_KEY)?;
     Some(match attribute(attributes, FRAME_BYTES_KEY) {

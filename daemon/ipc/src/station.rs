@@ -1,4 +1,4 @@
-//! A station: one bench, with a name and a directory of its own, so that several fit one PC.
+//! A station: one bench with a name and a directory of its own, so that one PC can serve several.
 
 use crate::channel::{Channel, message_bytes};
 use crate::error::Error;
@@ -12,27 +12,32 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path as StdPath, PathBuf};
 use std::time::Duration;
 
-/// Socket paths end at 107 bytes, and iceoryx2 appends up to 46 for prefix, id and suffix (DESIGN 2).
-const ROOT_BYTES: usize = 59;
+/// Maximum length of a root: the kernel allows 107 bytes for the path of a socket, and iceoryx2 appends up to 46 for prefix, id and
+/// suffix; two remain.
+const MAX_ROOT_BYTES: usize = 59;
 
-/// Where shared memory lives on Linux.
+/// Where Linux keeps shared memory.
 const SHM: &str = "/dev/shm";
 
-/// What queues, services and events take beside the messages: measured 11 MiB with every port in use, rounded up.
+/// What queues, services and events take besides the messages: 11 MiB were measured with every port in use; rounded up.
 const MANAGEMENT_BYTES: u64 = 16 << 20;
 
 /// How long iceoryx2 waits for another process to finish creating a service. Creation takes under 1 ms; a creator that
 /// was killed never finishes.
 const CREATION_TIMEOUT: Duration = Duration::from_millis(300);
 
-/// Names a station. Cheap to clone; opens nothing.
+/// iceoryx2's transport between processes, in the variant whose ports may be handed to another thread: a C program may open its
+/// reader in one thread and read in another. The variant for one thread would save an uncontended lock per call.
+pub(crate) type Transport = ipc_threadsafe::Service;
+
+/// The name and the directory of a station. Making one opens nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Station {
     name: String,
     root: PathBuf,
 }
 
-/// Whether a station may be called so: 1 to [`STATION_BYTES`] of a-z, 0-9 and '-'.
+/// Whether a station may have this name: 1 to [`STATION_BYTES`] of a-z, 0-9 and '-'.
 pub fn is_station_name(name: &str) -> bool {
     let allowed = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-';
     (1..=STATION_BYTES).contains(&name.len()) && name.bytes().all(allowed)
@@ -41,12 +46,12 @@ pub fn is_station_name(name: &str) -> bool {
 /// What the steward makes room for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Most bytes of a frame, colour and depth together.
+    /// Maximum size of a frame in bytes, colour and depth together.
     pub frame_bytes: usize,
 }
 
 impl Default for Limits {
-    /// 1920x1080 RGB and 1280x720 depth, the largest that a RealSense D4xx gives at 30 Hz.
+    /// 1920 x 1080 RGB and 1280 x 720 depth, the largest pictures that a RealSense D4xx gives at 30 Hz.
     fn default() -> Self {
         Self { frame_bytes: 1920 * 1080 * 3 + 1280 * 720 * 2 }
     }
@@ -76,20 +81,20 @@ impl Station {
         Self::under(name, &StdPath::new("/run/andon").join(name))
     }
 
-    /// The station `name` under another root: for tests and demonstrations without root rights.
+    /// The station `name` under another root: for tests and demonstrations without the rights of root.
     ///
     /// # Errors
     /// As [`Station::new`], and [`Error::RootTooLong`], [`Error::RootNotAbsolute`].
     pub fn under(name: &str, root: &StdPath) -> Result<Self, Error> {
         if !is_station_name(name) {
-            return Err(Error::StationName { name: name.into(), most: STATION_BYTES });
+            return Err(Error::StationName { name: name.into(), max: STATION_BYTES });
         }
         let text = root.to_str().filter(|text| text.is_ascii() && root.is_absolute());
         let Some(text) = text else {
             return Err(Error::RootNotAbsolute { root: root.into() });
         };
-        if text.len() > ROOT_BYTES {
-            return Err(Error::RootTooLong { root: root.into(), len: text.len(), most: ROOT_BYTES });
+        if text.len() > MAX_ROOT_BYTES {
+            return Err(Error::RootTooLong { root: root.into(), len: text.len(), max: MAX_ROOT_BYTES });
         }
         Ok(Self { name: name.into(), root: root.into() })
     }
@@ -104,8 +109,8 @@ impl Station {
         &self.root
     }
 
-    /// Whether its directory is there and this process's user owns it. What lies in shared memory is readable by its
-    /// owner alone: root would join, hear nothing, and leave files that the steward cannot remove.
+    /// Whether its directory is there and belongs to the user of this process. Only its owner can read shared memory here: the user
+    /// root would join, hear nothing, and leave files that the steward cannot remove.
     pub(crate) fn is_ours(&self) -> Result<bool, Error> {
         let own = rustix::process::geteuid().as_raw();
         let other = || Error::OtherUser { station: self.name.clone(), root: self.root.clone(), own };
@@ -117,11 +122,11 @@ impl Station {
         }
     }
 
-    /// The processes that have joined and are alive. Empty when nothing can be read.
+    /// The processes that have joined and are alive; none when the list cannot be read.
     pub fn members(&self) -> Vec<Member> {
         let mut members = Vec::new();
         let Ok(config) = self.config() else { return members };
-        let _ = IceNode::<ipc::Service>::list(&config, |state| {
+        let _ = IceNode::<Transport>::list(&config, |state| {
             if let NodeState::Alive(node) = state {
                 members.extend(node.details().as_ref().map(member));
             }
@@ -130,22 +135,22 @@ impl Station {
         members
     }
 
-    /// For error texts.
+    /// The members, for error texts.
     pub(crate) fn members_text(&self) -> String {
         let members: Vec<String> = self.members().iter().map(Member::to_string).collect();
         if members.is_empty() { "nobody".into() } else { members.join(", ") }
     }
 
-    /// What the names of this station's files in /dev/shm begin with. The root is part of it, so that stations of the
+    /// What the names of this station's files in /dev/shm begin with. It depends on the root, so that stations with the
     /// same name under different roots never meet.
     pub fn shm_prefix(&self) -> String {
-        // FNV-1a, as in the layouts: it only has to tell directories apart.
+        // FNV-1a, as for the layouts: it only has to distinguish directories.
         let fold = |hash: u32, byte: u8| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193);
         let hash = self.root.as_os_str().as_encoded_bytes().iter().copied().fold(0x811c_9dc5, fold);
         format!("andon_{}_{hash:08x}_", self.name)
     }
 
-    /// The settings of iceoryx2 for this station. Only the steward removes dead nodes: one cleaner, one report.
+    /// The settings of iceoryx2 for this station. Only the steward removes dead nodes, so that each death is reported once.
     pub(crate) fn config(&self) -> Result<Config, Error> {
         let refused = |why: String| Error::Join { station: self.name.clone(), root: self.root.clone(), why };
         let root =
@@ -161,7 +166,7 @@ impl Station {
         Ok(config)
     }
 
-    /// Makes the root and proves that this user can write to it.
+    /// Makes the root and checks that this user can write to it.
     pub(crate) fn make_root(&self) -> Result<(), Error> {
         let probe = self.root.join(format!(".write-probe-{}", std::process::id()));
         fs::DirBuilder::new()
@@ -173,12 +178,12 @@ impl Station {
             .map_err(|source| Error::RootNotWritable { root: self.root.clone(), source })
     }
 
-    /// Device and inode of the root: another one under the same path is another directory.
+    /// Device and inode of the root, which another directory under the same path does not share.
     pub(crate) fn root_identity(&self) -> io::Result<(u64, u64)> {
         fs::metadata(&self.root).map(|meta| (meta.dev(), meta.ino()))
     }
 
-    /// Refuses when /dev/shm cannot hold every channel full. What this station holds already counts as free.
+    /// Refuses when /dev/shm cannot hold every channel when it is full. What this station holds already counts as free.
     pub(crate) fn check_room(&self, limits: Limits) -> Result<(), Error> {
         let needed = needed_bytes(limits);
         let stat = statvfs(SHM).map_err(|e| Error::SharedMemory(e.into()))?;
@@ -196,7 +201,7 @@ impl Station {
         for entry in fs::read_dir(SHM)? {
             let entry = entry?;
             if entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
-                // Gone in between is nothing held. st_blocks counts 512 bytes whatever the file system's block is.
+                // A file that is gone by now holds nothing. st_blocks counts blocks of 512 bytes on every file system.
                 held += entry.metadata().map_or(0, |meta| meta.blocks() * 512);
             }
         }
@@ -211,7 +216,7 @@ pub(crate) fn member(details: &iceoryx2::node::NodeDetails) -> Member {
     }
 }
 
-/// All channels full, in bytes.
+/// Bytes of all channels when they are full.
 fn needed_bytes(limits: Limits) -> u64 {
     let channels = Channel::ALL.iter().map(|&channel| {
         let qos = channel.qos();
@@ -237,12 +242,12 @@ mod tests {
 
     #[test]
     fn a_root_that_leaves_no_space_for_socket_names_is_refused() {
-        let long = format!("/{}", "r".repeat(ROOT_BYTES));
+        let long = format!("/{}", "r".repeat(MAX_ROOT_BYTES));
         assert!(matches!(
             Station::under("bench", StdPath::new(&long)),
             Err(Error::RootTooLong { len: 60, .. })
         ));
-        assert!(Station::under("bench", StdPath::new(&long[..ROOT_BYTES])).is_ok());
+        assert!(Station::under("bench", StdPath::new(&long[..MAX_ROOT_BYTES])).is_ok());
         assert!(matches!(Station::under("bench", StdPath::new("run")), Err(Error::RootNotAbsolute { .. })));
     }
 
@@ -258,7 +263,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mine = Station::under("bench", folder.path()).unwrap();
         assert!(mine.is_ours().unwrap());
-        // Only root may give a directory away; everybody else is not root, whose directory this is.
+        // Only root may give a directory away. Any other user is not root, to whom `/` belongs.
         let given = std::os::unix::fs::chown(folder.path(), Some(1), Some(1)).is_ok();
         let theirs = if given { mine } else { Station::under("bench", StdPath::new("/")).unwrap() };
         assert!(matches!(theirs.is_ours(), Err(Error::OtherUser { .. })));

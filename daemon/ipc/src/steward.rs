@@ -1,10 +1,10 @@
-//! The steward: owns every service of a station and removes what the dead leave behind. It moves no data.
+//! The steward: it owns every service of a station and removes what dead processes leave behind. It carries no data.
 
-use crate::channel::{Carried, Channel, layout_text};
+use crate::channel::{Channel, ChannelMessage, layout_text};
 use crate::error::Error;
-use crate::leftovers;
+use crate::leftovers::{self, Death};
 use crate::service::{Frames, Messages, Provide, Refusal, Services, other_build};
-use crate::station::{Limits, Member, Station};
+use crate::station::{Limits, Station, Transport};
 use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
 use shm_schemas::{Command, Confirmed, Couples, Detections, FrameHeader, Health, Layout, Verdict};
@@ -13,41 +13,32 @@ use std::io;
 use std::thread;
 use std::time::Duration;
 
-/// How often [`Steward::tend`] should be called: what a reader may take to hear of a killed writer.
-pub const TEND_PERIOD: Duration = Duration::from_millis(100);
+/// The period of [`Steward::poll`]: the longest time until a reader hears that its writer was killed.
+pub const POLL_PERIOD: Duration = Duration::from_millis(100);
 
-/// Held exclusively by the steward.
+/// The steward holds it exclusively.
 const STEWARD_LOCK: &str = "steward.lock";
 
-/// Held shared by every member. Who gets it exclusively is alone in the station.
+/// Every member holds it shared. A process that gets it exclusively is alone in the station.
 const MEMBERS_LOCK: &str = "members.lock";
 
-/// Tries to create a channel: each heals one leftover, and a channel has three services.
+/// Attempts to create a channel. Each removes one leftover, and a channel has three services.
 const ATTEMPTS: u32 = 8;
 
-/// A process that died without leaving.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Death {
-    /// Who; `None` when it died before it had said its name.
-    pub member: Option<Member>,
-    /// Whether everything that it left behind has been removed. If not, the next [`Steward::tend`] tries again.
-    pub removed: bool,
-}
-
-/// Owns the services of a station while it lives. Dropping it leaves them to those who have them open; if nobody has,
-/// everything is removed.
+/// Owns the services of a station while it lives. When it is dropped, the services remain for those who have them open; if nobody
+/// has, everything is removed.
 #[derive(Debug)]
 pub struct Steward {
-    // Declared in the order in which they must go: services, node, locks.
+    // Fields are dropped in this order, as they must be: services, node, locks.
     _services: AllServices,
-    node: IceNode<ipc::Service>,
+    node: IceNode<Transport>,
     station: Station,
     root_identity: (u64, u64),
     _last_one_out: LastOneOut,
     _steward_lock: File,
 }
 
-/// The steward's share of the members' lock. If nobody else has one when it goes, nothing is left behind.
+/// The steward's share of the members' lock. If nobody else has one when this is dropped, everything is removed.
 #[derive(Debug)]
 struct LastOneOut {
     lock: File,
@@ -77,20 +68,20 @@ struct AllServices {
 impl Steward {
     /// Creates the root and all services of a station, or takes over those that are in use.
     ///
-    /// When nobody else is in the station, whatever killed processes have left is removed first.
+    /// When nobody else is in the station, it first removes whatever killed processes have left.
     ///
     /// # Errors
     /// [`Error::RootNotWritable`], [`Error::NoRoom`], [`Error::StewardRunning`], [`Error::LayoutMismatch`] when members
-    /// of another build are alive, [`Error::Join`], [`Error::Transport`].
+    /// of another build are alive, [`Error::ServiceUnreadable`], [`Error::Join`], [`Error::Transport`].
     pub fn create(station: &Station, limits: Limits) -> Result<Self, Error> {
-        set_log_level(LogLevel::Error); // what matters of the rest comes back as an error
+        set_log_level(LogLevel::Error); // what matters below that level is returned as an error
         station.make_root()?;
         let steward_lock = lock_as_steward(station)?;
         let last_one_out = LastOneOut { lock: enter(station, sweep)?, station: station.clone() };
         station.check_room(limits)?;
         let root_identity = station.root_identity().map_err(|e| not_writable(station, e))?;
         let node = join(station, "steward")?;
-        leftovers::bury(&node);
+        leftovers::reap(&node);
         let services = AllServices {
             _frame: create::<_, FrameHeader>(&node, station, limits, Channel::Frame)?,
             _detections: create_messages(&node, station, limits)?,
@@ -110,36 +101,31 @@ impl Steward {
         })
     }
 
-    /// Removes what dead members left behind, which wakes their readers, and reports who died. Takes about 0.1 ms when
-    /// nobody did; to be called every [`TEND_PERIOD`].
+    /// Removes what dead members left behind, which wakes their readers, and reports who died. It takes about 0.1 ms when
+    /// nobody did, and should be called every [`POLL_PERIOD`].
     ///
     /// # Errors
-    /// [`Error::RootVanished`] when the root is not the directory any more that the station was created in.
-    pub fn tend(&mut self) -> Result<Vec<Death>, Error> {
+    /// [`Error::RootVanished`] when the root is no longer the directory in which the station was created.
+    pub fn poll(&mut self) -> Result<Vec<Death>, Error> {
         if self.station.root_identity().ok() != Some(self.root_identity) {
             return Err(Error::RootVanished { root: self.station.root().into() });
         }
-        Ok(leftovers::bury(&self.node))
-    }
-
-    /// The station.
-    pub fn station(&self) -> &Station {
-        &self.station
+        Ok(leftovers::reap(&self.node))
     }
 }
 
-fn create_messages<T: Carried>(
-    node: &IceNode<ipc::Service>,
+fn create_messages<T: ChannelMessage>(
+    node: &IceNode<Transport>,
     station: &Station,
     limits: Limits,
 ) -> Result<Services<Messages<T>>, Error> {
     create::<_, T>(node, station, limits, T::CHANNEL)
 }
 
-/// Creates the services of one channel. The lock says that there is no other steward, and only stewards create: what is
-/// half made was left by one that was killed, and nobody can have opened it.
+/// Creates the services of one channel. The lock says that there is no other steward, and only stewards create services: an
+/// incomplete one was left by a steward that was killed.
 fn create<S: Provide, T: Layout>(
-    node: &IceNode<ipc::Service>,
+    node: &IceNode<Transport>,
     station: &Station,
     limits: Limits,
     channel: Channel,
@@ -148,13 +134,13 @@ fn create<S: Provide, T: Layout>(
     for _ in 0..ATTEMPTS {
         match S::create(node, station, limits) {
             Ok(services) => return Ok(services),
-            Err(Refusal::HalfMade(pattern)) => {
-                last = format!("half-made {pattern:?} service");
-                leftovers::remove_half_made(node, station, channel, pattern);
+            Err(Refusal::Incomplete(pattern)) => {
+                last = format!("an incomplete {pattern:?} service was left");
+                leftovers::remove_incomplete(node, station, channel, pattern)?;
             }
             Err(Refusal::NotYet) => {
-                // Its last user is just removing it: a few system calls.
-                last = "service is being removed".into();
+                // Its last user is removing it, which takes a few system calls.
+                last = "the service is being removed".into();
                 thread::sleep(Duration::from_millis(20));
             }
             Err(Refusal::OtherBuild) => {
@@ -167,8 +153,8 @@ fn create<S: Provide, T: Layout>(
     Err(Error::transport(channel, "creating", last))
 }
 
-/// Joins as an iceoryx2 node with signals left alone.
-pub(crate) fn join(station: &Station, name: &str) -> Result<IceNode<ipc::Service>, Error> {
+/// Joins as an iceoryx2 node that handles no signals.
+pub(crate) fn join(station: &Station, name: &str) -> Result<IceNode<Transport>, Error> {
     let refused =
         |why: String| Error::Join { station: station.name().into(), root: station.root().into(), why };
     let name = NodeName::new(name).map_err(|e| refused(format!("{e:?}")))?;
@@ -176,11 +162,11 @@ pub(crate) fn join(station: &Station, name: &str) -> Result<IceNode<ipc::Service
         .name(&name)
         .config(&station.config()?)
         .signal_handling_mode(SignalHandlingMode::Disabled)
-        .create::<ipc::Service>()
+        .create::<Transport>()
         .map_err(|e| refused(format!("{e:?}")))
 }
 
-/// Takes the members' lock shared; calls `when_alone` first if nobody else has it.
+/// Takes the members' lock shared. If nobody else has it, calls `when_alone` first.
 pub(crate) fn enter(
     station: &Station,
     when_alone: impl FnOnce(&Station) -> io::Result<()>,
@@ -190,7 +176,7 @@ pub(crate) fn enter(
     if lock.try_lock().is_ok() {
         when_alone(station).map_err(|e| not_writable(station, e))?;
     }
-    // Another steward cannot have it exclusively for longer than its sweep.
+    // Another process has it exclusively for no longer than a sweep.
     lock.lock_shared().map_err(|e| not_writable(station, e))?;
     Ok(lock)
 }
@@ -211,7 +197,7 @@ fn not_writable(station: &Station, source: io::Error) -> Error {
     Error::RootNotWritable { root: station.root().into(), source }
 }
 
-/// Removes everything but the locks: called only by who is alone in the station.
+/// Removes everything but the locks. Only for a process that is alone in the station.
 fn sweep(station: &Station) -> io::Result<()> {
     for entry in fs::read_dir(station.root())? {
         let entry = entry?;

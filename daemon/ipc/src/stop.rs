@@ -1,4 +1,4 @@
-//! The wish to stop: a flag that any wait sees at once.
+//! The request to stop, which every wait sees at once.
 
 use crate::error::Error;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -9,10 +9,10 @@ use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Asked to stop? Clones share one answer; there is no way back.
+/// Whether a stop was requested. Clones share one answer, and a request cannot be taken back.
 ///
-/// It is a socket that becomes readable, not only a flag: a signal that arrives between looking at the flag and
-/// blocking would otherwise be slept through.
+/// It is a socket that becomes readable, not a flag: a wait would sleep through a signal that arrives after it looked at the flag
+/// and before it blocks.
 #[derive(Clone, Debug)]
 pub struct Stop(Arc<Pair>);
 
@@ -23,18 +23,18 @@ struct Pair {
 }
 
 impl Stop {
-    /// One that only [`Stop::request`] sets.
+    /// A stop that only [`Stop::request`] requests.
     ///
     /// # Errors
     /// [`Error::System`] when the process has no file descriptors left.
     pub fn new() -> Result<Self, Error> {
         let (readable, write) = UnixStream::pair().map_err(|e| Error::system("making a socket pair", e))?;
-        // A signal handler must never block: one byte is as good as many.
+        // A signal handler must never block, and one byte is enough.
         write.set_nonblocking(true).map_err(|e| Error::system("making a socket non-blocking", e))?;
         Ok(Self(Arc::new(Pair { readable, write })))
     }
 
-    /// One that SIGTERM and SIGINT set, for the whole process.
+    /// A stop that SIGTERM and SIGINT request, for the whole process.
     ///
     /// # Errors
     /// [`Error::System`] when the handlers cannot be installed.
@@ -48,18 +48,18 @@ impl Stop {
         Ok(stop)
     }
 
-    /// Asks to stop.
+    /// Requests a stop.
     pub fn request(&self) {
-        // Full means that it was asked before.
+        // A full socket means that a stop was requested before.
         let _ = (&self.0.write).write(&[1]);
     }
 
-    /// Whether it was asked.
+    /// Whether a stop was requested.
     pub fn requested(&self) -> bool {
         self.wait(Duration::ZERO)
     }
 
-    /// Waits, at most for so long, and says whether it was asked.
+    /// Waits for a request, at most for `patience`, and tells whether there was one.
     pub fn wait(&self, patience: Duration) -> bool {
         let until = Instant::now() + patience;
         loop {
@@ -68,7 +68,7 @@ impl Stop {
             match poll(&mut fds, Some(&left)) {
                 Ok(ready) => return ready > 0,
                 Err(error) if io::Error::from(error).kind() == io::ErrorKind::Interrupted => (),
-                // Nothing but a bad argument is left, and there is none: stopping is the safe answer.
+                // Only a bad argument is left as a cause, and there is none: stopping is the safe answer.
                 Err(_) => return true,
             }
         }
@@ -79,7 +79,7 @@ impl Stop {
     }
 }
 
-/// For `poll`; more than the type holds becomes its most.
+/// The duration for `poll`; one that is too long for the type becomes its maximum.
 pub(crate) fn timespec(duration: Duration) -> Timespec {
     Timespec {
         tv_sec: i64::try_from(duration.as_secs()).unwrap_or(i64::MAX),
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_clone_sees_the_wish_and_it_stays() {
+    fn a_clone_sees_the_request_and_it_stays() {
         let stop = Stop::new().unwrap();
         let other = stop.clone();
         assert!(!other.requested());

@@ -1,4 +1,4 @@
-//! Waiting: for messages, for room, for the wish to stop; always with a deadline, and the answer says why it ended.
+//! Waiting for messages, for room and for the request to stop. Every wait has a deadline and tells why it ended.
 
 use crate::channel::Channel;
 use crate::error::Error;
@@ -8,11 +8,11 @@ use std::io;
 use std::os::fd::BorrowedFd;
 use std::time::{Duration, Instant};
 
-/// Ports in one wait: no role has more than its input, its output, commands and health.
-const PORTS: usize = 8;
+/// Maximum number of ports in one wait. No role has more than its input, its output, commands and health.
+const MAX_PORTS: usize = 8;
 
-/// Blocked for so long, a wait looks at its ports again. Nothing is found unless two notifiers of one listener met in
-/// the one interleaving that `event::drain` cannot put right; then it costs this much once instead of the message.
+/// A wait that has blocked for this long looks at its ports again. It finds nothing unless two notifiers of one listener met in
+/// the one interleaving that `event::drain` cannot repair; then a message is late by this much, once, instead of lost.
 const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 /// Why a wait ended.
@@ -20,18 +20,18 @@ const LOOK_AGAIN: Duration = Duration::from_millis(250);
 pub enum Wake {
     /// At least one reader has a message.
     Sample,
-    /// The paced writer may send one more.
+    /// The paced writer may send one more message.
     Room,
-    /// A writer has gone and everything that it sent has been taken. Said once for each departure.
+    /// A writer has left and everything that it sent has been taken. Told once per departure.
     WriterGone {
         /// Its channel.
         channel: Channel,
         /// How it left.
         departure: Departure,
     },
-    /// The time is over.
+    /// The deadline has passed.
     DeadlineMissed,
-    /// A stop was asked for.
+    /// A stop was requested.
     Stop,
 }
 
@@ -44,12 +44,12 @@ pub enum Departure {
     Died,
 }
 
-/// Something that [`crate::Node::wait`] can wait at: every reader and writer of this crate.
-pub trait Port: sealed::Tend {}
+/// What [`crate::Node::wait`] can wait for: every reader and writer of this crate.
+pub trait Port: sealed::Poll {}
 
-impl<T: sealed::Tend> Port for T {}
+impl<T: sealed::Poll> Port for T {}
 
-/// A writer that can be made to wait for its readers.
+/// A writer that can wait for its readers.
 pub trait Paced: sealed::Room {}
 
 impl<T: sealed::Room> Paced for T {}
@@ -57,15 +57,15 @@ impl<T: sealed::Room> Paced for T {}
 pub(crate) mod sealed {
     use super::{BorrowedFd, Error, Wake};
 
-    pub trait Tend {
-        /// Deals with every event that has come. Says what there is to wake up for.
-        fn tend(&mut self) -> Result<Option<Wake>, Error>;
-        /// Becomes readable when an event comes.
+    pub trait Poll {
+        /// Handles every event that has come, and tells why to wake up, if there is a reason.
+        fn poll(&mut self) -> Result<Option<Wake>, Error>;
+        /// The descriptor that becomes readable when an event comes.
         fn fd(&self) -> BorrowedFd<'_>;
     }
 
-    pub trait Room: Tend {
-        /// Whether one more may be sent; begins the next burst if it may.
+    pub trait Room: Poll {
+        /// Whether one more message may be sent. Begins the next burst if one may begin.
         fn make_room(&mut self) -> Result<bool, Error>;
     }
 }
@@ -77,14 +77,14 @@ pub(crate) fn wait(ports: &mut [&mut dyn Port], patience: Duration, stop: &Stop)
             return Ok(Wake::Stop);
         }
         for port in ports.iter_mut() {
-            if let Some(wake) = port.tend()? {
+            if let Some(wake) = port.poll()? {
                 return Ok(wake);
             }
         }
-        let mut fds = [stop.fd(); PORTS + 1];
+        let mut fds = [stop.fd(); MAX_PORTS + 1];
         let watched = fds.get_mut(1..=ports.len());
         let Some(watched) = watched else {
-            return Err(Error::TooManyToWaitFor { ports: ports.len(), most: PORTS });
+            return Err(Error::TooManyToWaitFor { ports: ports.len(), max: MAX_PORTS });
         };
         for (fd, port) in watched.iter_mut().zip(ports.iter()) {
             *fd = port.fd();
@@ -114,19 +114,19 @@ pub(crate) fn wait_for_room(
     }
 }
 
-/// Sleeps until a descriptor is readable or it is time to look again. False when the time is over.
+/// Sleeps until a descriptor is readable or it is time to look again. False when the deadline has passed.
 fn block(fds: &[BorrowedFd<'_>], until: Instant) -> Result<bool, Error> {
     let left = until.saturating_duration_since(Instant::now());
     if left.is_zero() {
         return Ok(false);
     }
     let Some(first) = fds.first() else { return Ok(false) };
-    // Places that no port takes watch the first descriptor once more, which changes nothing.
-    let mut polls: [PollFd<'_>; PORTS + 1] =
+    // Entries that no port needs watch the first descriptor again, which changes nothing.
+    let mut polls: [PollFd<'_>; MAX_PORTS + 1] =
         std::array::from_fn(|i| PollFd::from_borrowed_fd(*fds.get(i).unwrap_or(first), PollFlags::IN));
     match poll(&mut polls, Some(&timespec(left.min(LOOK_AGAIN)))) {
         Ok(_) => Ok(true),
-        // A signal that is not ours to handle: look again.
+        // A signal that somebody else handles: look again.
         Err(error) if io::Error::from(error).kind() == io::ErrorKind::Interrupted => Ok(true),
         Err(error) => Err(Error::system("waiting for events", error)),
     }

@@ -1,12 +1,12 @@
 //! Writing messages of fixed size, in place.
 
-use crate::channel::{Carried, Channel};
-use crate::clock::monotonic_ns;
+use crate::channel::{Channel, ChannelMessage};
+use crate::clock::MonotonicTime;
 use crate::error::Error;
 use crate::event;
-use crate::node::{Attempt, MessageServices};
 use crate::pace::Pace;
-use crate::service::Services;
+use crate::service::{Attempt, Messages, Services};
+use crate::station::Transport;
 use crate::wait::{Wake, sealed};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
@@ -18,12 +18,12 @@ use shm_schemas::{RoleId, Stamp};
 use std::ops::{Deref, DerefMut};
 use std::os::fd::BorrowedFd;
 
-/// What every writer has beside its publisher: numbers, events and pace.
+/// What every writer has besides its publisher: numbers, events and pace.
 #[derive(Debug)]
 pub(crate) struct Outbound {
     channel: Channel,
-    notifier: Notifier<ipc::Service>,
-    listener: Listener<ipc::Service>,
+    notifier: Notifier<Transport>,
+    listener: Listener<Transport>,
     pace: Pace,
     epoch: u64,
     seq: u64,
@@ -32,13 +32,20 @@ pub(crate) struct Outbound {
 impl Outbound {
     pub(crate) fn new<M>(services: &Services<M>, channel: Channel) -> Result<Self, Attempt> {
         let failed = |what, why: String| Attempt::Failed(Error::Transport { channel, what, why });
-        // The listener first: readers that hear the notifier come up answer at once.
+        // The listener first: readers answer at once when they hear that the notifier came up.
         let listener = services.back.listener_builder().create();
         let listener = listener.map_err(|e| failed("creating a listener", format!("{e:?}")))?;
         let notifier =
             services.forward.notifier_builder().default_event_id(EventId::new(event::SAMPLE)).create();
         let notifier = notifier.map_err(|e| failed("creating a notifier", format!("{e:?}")))?;
-        Ok(Self { channel, notifier, listener, pace: Pace::live(), epoch: monotonic_ns(), seq: 0 })
+        Ok(Self {
+            channel,
+            notifier,
+            listener,
+            pace: Pace::live(),
+            epoch: MonotonicTime::now().nanoseconds(),
+            seq: 0,
+        })
     }
 
     pub(crate) fn follow(&mut self, readers: &[RoleId]) {
@@ -49,23 +56,23 @@ impl Outbound {
     pub(crate) fn stamp(&self, stamp: &mut Stamp) {
         stamp.epoch = self.epoch;
         stamp.seq = self.seq + 1;
-        stamp.sent_ns = monotonic_ns();
+        stamp.sent_ns = MonotonicTime::now().nanoseconds();
     }
 
-    /// Refuses before anything is sent that a paced reader might lose.
+    /// Refuses to send a message that a paced reader might lose.
     pub(crate) fn check_room(&self) -> Result<(), Error> {
         if self.pace.has_room() { Ok(()) } else { Err(Error::NoRoomYet { channel: self.channel }) }
     }
 
-    /// After a message was sent: counts it and wakes the readers.
+    /// Counts a message that was sent and wakes the readers.
     pub(crate) fn sent(&mut self) -> Result<(), Error> {
         self.seq += 1;
         self.pace.sent();
         event::notify(&self.notifier, self.channel, event::SAMPLE)
     }
 
-    /// Deals with what readers have said; `connect` hands the history to those that came up.
-    pub(crate) fn tend(&mut self, connect: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
+    /// Handles what readers have said. `connect` hands the history to those that came up.
+    pub(crate) fn poll(&mut self, connect: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
         let mut came_up = false;
         let pace = &mut self.pace;
         event::drain(&self.listener, self.channel, |id| match event::caught_up_by(id) {
@@ -74,13 +81,13 @@ impl Outbound {
         })?;
         if came_up {
             connect()?;
-            // There may be history now.
+            // Those that came up may have the history now.
             event::notify(&self.notifier, self.channel, event::SAMPLE)?;
         }
         Ok(())
     }
 
-    /// After `tend`: whether one more may be sent. The events that `tend` drained are the ones to forget: they were
+    /// After `poll`: whether one more message may be sent. `poll` has drained the events that must be forgotten: those that were
     /// raised before the burst that may begin now.
     pub(crate) fn make_room(&mut self) -> bool {
         if self.pace.may_begin() {
@@ -102,10 +109,10 @@ impl Outbound {
     }
 }
 
-/// Turns iceoryx2's refusal of a publisher into a reason to try again or not.
+/// Tells whether to try again after iceoryx2 has refused a publisher.
 pub(crate) fn publisher_refused(channel: Channel, error: PublisherCreateError) -> Attempt {
     match error {
-        // Perhaps a dead one that the steward has not removed yet.
+        // One of them may be dead, and the steward has not removed it yet.
         PublisherCreateError::ExceedsMaxSupportedPublishers => Attempt::Again(Some("writers")),
         other => Attempt::Failed(Error::transport(channel, "creating a writer", other)),
     }
@@ -113,18 +120,19 @@ pub(crate) fn publisher_refused(channel: Channel, error: PublisherCreateError) -
 
 /// Writes messages of type `T` on its channel.
 #[derive(Debug)]
-pub struct Writer<T: Carried> {
-    // The publisher goes before the notifier, whose departure tells the readers.
-    publisher: Publisher<ipc::Service, T, ()>,
+pub struct Writer<T: ChannelMessage> {
+    // The publisher is dropped before the notifier, whose departure the readers hear.
+    publisher: Publisher<Transport, T, ()>,
     outbound: Outbound,
 }
 
-/// A message being filled, where its readers will read it. It begins zeroed, as `T::default()`. Dropped, it was never sent.
+/// A message being filled in the place where its readers will read it. At first it is `T::default()`. If it is dropped, it was never
+/// sent.
 #[derive(Debug)]
-pub struct Loan<T: Carried>(SampleMut<ipc::Service, T, ()>);
+pub struct Loan<T: ChannelMessage>(SampleMut<Transport, T, ()>);
 
-impl<T: Carried> Loan<T> {
-    /// Takes over which frame the message rests on from the message that it follows from.
+impl<T: ChannelMessage> Loan<T> {
+    /// Rests on the same frame as `source`, the message from which this one follows.
     pub fn follow(&mut self, source: &Stamp) {
         let stamp = self.stamp_mut();
         stamp.frame_seq = source.frame_seq;
@@ -132,21 +140,21 @@ impl<T: Carried> Loan<T> {
     }
 }
 
-impl<T: Carried> Deref for Loan<T> {
+impl<T: ChannelMessage> Deref for Loan<T> {
     type Target = T;
     fn deref(&self) -> &T {
         self.0.payload()
     }
 }
 
-impl<T: Carried> DerefMut for Loan<T> {
+impl<T: ChannelMessage> DerefMut for Loan<T> {
     fn deref_mut(&mut self) -> &mut T {
         self.0.payload_mut()
     }
 }
 
-impl<T: Carried> Writer<T> {
-    pub(crate) fn new(services: &MessageServices<T>) -> Result<Self, Attempt> {
+impl<T: ChannelMessage> Writer<T> {
+    pub(crate) fn new(services: &Services<Messages<T>>) -> Result<Self, Attempt> {
         let publisher = services
             .messages
             .publisher_builder()
@@ -156,8 +164,8 @@ impl<T: Carried> Writer<T> {
         Ok(Self { publisher, outbound: Outbound::new(services, T::CHANNEL)? })
     }
 
-    /// From now on waits for the readers of these roles: before each [`Writer::send`], [`crate::Node::wait_for_room`]
-    /// must have said [`Wake::Room`]. For sources that can wait; nobody else, see `pace`.
+    /// From now on this writer waits for the readers of these roles: before each [`Writer::send`], [`crate::Node::wait_for_room`]
+    /// must have returned [`Wake::Room`]. Only for sources that can wait; `pace` tells why. No roles make it live again.
     pub fn follow(&mut self, readers: &[RoleId]) {
         self.outbound.follow(readers);
     }
@@ -174,7 +182,7 @@ impl<T: Carried> Writer<T> {
     /// Numbers the message, sends it and wakes the readers. Returns its `seq`.
     ///
     /// # Errors
-    /// [`Error::NoRoomYet`] when the writer is paced and was not waited for; [`Error::Transport`].
+    /// [`Error::NoRoomYet`] when the writer is paced and nobody waited for room; [`Error::Transport`].
     pub fn send(&mut self, mut loan: Loan<T>) -> Result<u64, Error> {
         self.outbound.check_room()?;
         self.outbound.stamp(loan.stamp_mut());
@@ -184,10 +192,10 @@ impl<T: Carried> Writer<T> {
     }
 }
 
-impl<T: Carried> sealed::Tend for Writer<T> {
-    fn tend(&mut self) -> Result<Option<Wake>, Error> {
+impl<T: ChannelMessage> sealed::Poll for Writer<T> {
+    fn poll(&mut self) -> Result<Option<Wake>, Error> {
         let publisher = &self.publisher;
-        self.outbound.tend(|| {
+        self.outbound.poll(|| {
             publisher.update_connections().map_err(|e| Error::transport(T::CHANNEL, "connecting a reader", e))
         })?;
         Ok(None)
@@ -198,9 +206,9 @@ impl<T: Carried> sealed::Tend for Writer<T> {
     }
 }
 
-impl<T: Carried> sealed::Room for Writer<T> {
+impl<T: ChannelMessage> sealed::Room for Writer<T> {
     fn make_room(&mut self) -> Result<bool, Error> {
-        sealed::Tend::tend(self)?;
+        sealed::Poll::poll(self)?;
         Ok(self.outbound.make_room())
     }
 }

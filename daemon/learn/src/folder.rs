@@ -1,4 +1,4 @@
-//! A folder of recordings, whose names say who did what: `p<person>_<what>_r<repetition>.tracks.jsonl`.
+//! A folder of recordings whose names say who did what: `p<person>_<what>_r<repetition>.tracks.jsonl`.
 
 use crate::recording::TrackReader;
 use crate::run::{Run, RunError};
@@ -6,19 +6,19 @@ use andon_core::config::Method;
 use andon_core::input::Space;
 use std::path::{Path, PathBuf};
 
-/// The ending of a track file.
-pub const ENDING: &str = ".tracks.jsonl";
+/// The ending of a track file's name.
+const ENDING: &str = ".tracks.jsonl";
 
 /// A run whose name says who did what.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labelled {
-    /// The person's number.
+    /// The number of the person.
     pub person: u32,
-    /// What was done.
+    /// What the person did: the middle part of the name, such as an activity or a flaw.
     pub what: String,
-    /// The how-manieth time.
+    /// Repetition number.
     pub repetition: u32,
-    /// The run.
+    /// The run itself.
     pub run: Run,
 }
 
@@ -28,24 +28,24 @@ pub enum FolderError {
     /// The folder or a file cannot be read.
     #[error("{}: {source}", path.display())]
     Io {
-        /// Which.
+        /// The folder or file.
         path: PathBuf,
-        /// Why.
+        /// Why it cannot be read.
         source: std::io::Error,
     },
     /// There is no recording in the folder.
-    #[error("{}: there is no file p<person>_<what>_r<repetition>{ENDING} in this folder", .0.display())]
+    #[error("{}: there is no recording p<person>_<what>_r<repetition>{ENDING} in this folder", .0.display())]
     Empty(PathBuf),
     /// A recording was refused.
     #[error(transparent)]
     Run(#[from] RunError),
 }
 
-/// Reads all recordings of a folder whose names say who did what, in the order of their names. `progress` is called with the
-/// share that is done. Files of other names are left alone.
+/// Reads all recordings of a folder whose names say who did what, in the order of person, what and repetition. Files with other names are
+/// ignored. `progress` is called with the share that is done, 0 to 1.
 ///
 /// # Errors
-/// The first file that cannot be read, or that is refused; a folder without any.
+/// The first file that cannot be read or is refused, or a folder without a recording.
 pub fn read(
     folder: &Path,
     method: &Method,
@@ -54,19 +54,19 @@ pub fn read(
     let files = files(folder)?;
     let count = files.len() as f64;
     let mut runs = Vec::with_capacity(files.len());
-    for (place, (path, (person, what, repetition))) in files.into_iter().enumerate() {
+    for (index, (path, (person, what, repetition))) in files.into_iter().enumerate() {
         let bytes = std::fs::read(&path).map_err(|source| FolderError::Io { path: path.clone(), source })?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         runs.push(Labelled { person, what, repetition, run: Run::read(&name, &bytes, method)? });
-        progress((place + 1) as f64 / count);
+        progress((index + 1) as f64 / count);
     }
     Ok(runs)
 }
 
-/// The space that the first recording of a folder is in.
+/// The space that the coordinates of the first recording of a folder are in.
 ///
 /// # Errors
-/// If it cannot be read, or there is none.
+/// If the folder has no recording, or the first one cannot be read.
 pub fn space(folder: &Path) -> Result<Space, FolderError> {
     let files = files(folder)?;
     // `files` is never empty.
@@ -77,10 +77,10 @@ pub fn space(folder: &Path) -> Result<Space, FolderError> {
     Ok(reader.header().space)
 }
 
-/// Person, what and repetition.
+/// Person, what was done, and repetition number.
 pub type Label = (u32, String, u32);
 
-/// The recordings of a folder with what their names say, in the order of that.
+/// The recordings of a folder with their labels, in the order of the labels; at least one.
 fn files(folder: &Path) -> Result<Vec<(PathBuf, Label)>, FolderError> {
     let io = |source| FolderError::Io { path: folder.to_owned(), source };
     let mut files = Vec::new();
@@ -97,7 +97,7 @@ fn files(folder: &Path) -> Result<Vec<(PathBuf, Label)>, FolderError> {
     Ok(files)
 }
 
-/// Person, what and repetition of a file's name.
+/// What the name of a file says; `None` if it is not the name of a labelled recording.
 pub fn label(file: &str) -> Option<Label> {
     let (person, rest) = file.strip_suffix(ENDING)?.strip_prefix('p')?.split_once('_')?;
     let (what, repetition) = rest.rsplit_once("_r")?;

@@ -2,17 +2,22 @@
 //!
 //! The data path, in the order of the modules:
 //!
-//! [`recording`] a track file → [`run`] its activities and IUs, by the code that runs live → [`teach`] nominal
-//! activities, barycentres, thresholds, bounds → [`job_file`] the job as it is kept.
+//! [`recording`] reads a track file → [`run`] finds its activities and IUs with the code that runs live → [`teach`] derives nominal
+//! activities, barycentres, thresholds and bounds, the latter two by a [`rule`] → [`job_file`] keeps the job.
+//!
+//! [`folder`], [`analysis`] and [`experiment`] repeat what the paper did with its recordings.
 #![forbid(unsafe_code)]
 
 pub mod analysis;
-pub mod barycentre;
+mod barycentre;
 pub mod cluster;
+pub mod digest;
 pub mod experiment;
 pub mod folder;
 pub mod job_file;
 pub mod recording;
+pub mod rule;
 pub mod run;
+mod statistics;
 pub mod teach;
 pub mod warp;

@@ -1,6 +1,6 @@
 //! A run: one recording of a whole job, encoded, segmented and judged by the code that runs live.
 
-use crate::job_file::sha256_hex;
+use crate::digest::sha256_hex;
 use crate::recording::{self, NamedObject, Recording, TrackError};
 use andon_core::anomaly::{self, Judge};
 use andon_core::config::Method;
@@ -13,31 +13,31 @@ use andon_core::verdict::Verdict;
 /// One Interaction Unit of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iu {
-    /// The context that it is in.
+    /// The context of the IU.
     pub context: Context,
-    /// Its motion after the opening-closing filter, one a frame of the grid.
+    /// Its motion after the opening-closing filter, one motion per frame of the grid.
     pub motion: Vec<Motion>,
-    /// How often the motion turned back.
+    /// Number of times that the motion reversed its direction.
     pub reversals: u32,
-    /// When it began, in nanoseconds of the recording.
+    /// When it began, in nanoseconds of source time.
     pub began_ns: u64,
-    /// When the next one began.
+    /// When it ended and the next one began, in nanoseconds of source time.
     pub ended_ns: u64,
-    /// False where hand or object were out of sight for too long.
+    /// False if the hand or an object was out of sight for too long.
     pub sighted: bool,
 }
 
 /// One activity of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Activity {
-    /// Whose hand.
+    /// The hand that carried it out.
     pub side: Side,
-    /// Its IUs in order.
+    /// Its IUs in the order of time.
     pub ius: Vec<Iu>,
 }
 
 impl Activity {
-    /// The contexts of its IUs in order.
+    /// The contexts of its IUs in the order of time.
     pub fn contexts(&self) -> Vec<Context> {
         self.ius.iter().map(|iu| iu.context).collect()
     }
@@ -46,36 +46,36 @@ impl Activity {
 /// One recording of a whole job, encoded and segmented.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Run {
-    /// Its name, without folders.
+    /// The name of the recording, without folders.
     pub name: String,
     /// SHA-256 of the bytes that it was read from, in hexadecimal.
     pub sha256: String,
     /// The objects that may appear in it.
     pub objects: Vec<NamedObject>,
-    /// What the judge takes, in time order.
+    /// The couples that the judge works on, in the order of time.
     pub couples: Vec<Couples>,
-    /// Its activities in the order in which they began.
+    /// The activities in the order in which they began, each with at least one IU.
     pub activities: Vec<Activity>,
 }
 
-/// Why a recording is no run.
+/// Why no run was made of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The track file was refused.
     #[error(transparent)]
     Track(#[from] TrackError),
-    /// The encoder does not take the method or the objects.
+    /// The encoder refuses the method or the objects.
     #[error("{name}: the recording cannot be encoded: {unusable:?}")]
     Unusable {
         /// The run's name.
         name: String,
-        /// Why.
+        /// Why they are refused.
         unusable: couple::Unusable,
     },
 }
 
 impl Run {
-    /// Reads, encodes and segments a track file. `name` is how reports call it.
+    /// Reads, encodes and segments a track file. `name` is its name in reports.
     ///
     /// # Errors
     /// The first line that cannot be trusted, or a method or objects that cannot be used.
@@ -83,7 +83,7 @@ impl Run {
         Self::new(name, &sha256_hex(bytes), &recording::read(name, bytes)?, method)
     }
 
-    /// Encodes and segments a recording. `sha256` is that of the bytes it comes from.
+    /// Encodes and segments a recording. `sha256` is the digest of the bytes that it comes from.
     ///
     /// # Errors
     /// If the method or the objects cannot be used.
@@ -95,7 +95,7 @@ impl Run {
             JobSegmenter::new(method).map_err(|fault| unusable(couple::Unusable::Method(fault)))?;
         let mut couples: Vec<Couples> = Vec::with_capacity(recording.frames.len());
         for frame in &recording.frames {
-            // A refused frame has changed nothing; the reader lets none through.
+            // A refused frame changes nothing, and the reader lets none through.
             let _ = encoder.step(frame, &mut |made| couples.push(made));
         }
         encoder.flush(&mut |made| couples.push(made));
@@ -117,7 +117,7 @@ impl Run {
         })
     }
 
-    /// The verdicts of the live judge on this run.
+    /// The verdicts that the live judge gives on this run.
     ///
     /// # Errors
     /// If the method or the job cannot be used.
@@ -125,20 +125,20 @@ impl Run {
         let mut judge = Judge::<Vec<_>>::with_memory(job, *method)?;
         let mut verdicts = Vec::new();
         for couples in &self.couples {
-            judge.step(couples, &mut |verdict| verdicts.push(verdict));
+            judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
         }
-        judge.finish(&mut |verdict| verdicts.push(verdict));
+        judge.finish(&mut |event| verdicts.extend(event.verdict()));
         Ok(verdicts)
     }
 }
 
-/// Gathers the events of the segmenter into activities and IUs.
+/// Collects the events of the segmenter into activities and IUs.
 #[derive(Default)]
 struct Collector {
     activities: Vec<Activity>,
-    /// The activity that each hand is in, right then left.
+    /// Index of the open activity of each hand, by [`Side::index`].
     open: [Option<usize>; 2],
-    /// The motion of the IU that each hand is in.
+    /// The motion of the open IU of each hand.
     motion: [Vec<Motion>; 2],
 }
 
@@ -146,15 +146,15 @@ impl Collector {
     fn take(&mut self, event: Event) {
         match event {
             Event::ActivityBegan { side, .. } => {
-                self.open[slot(side)] = Some(self.activities.len());
+                self.open[side.index()] = Some(self.activities.len());
                 self.activities.push(Activity { side, ius: Vec::new() });
             }
-            Event::IuBegan { side, .. } => self.motion[slot(side)].clear(),
-            Event::IuFrame { side, motion, .. } => self.motion[slot(side)].push(motion),
+            Event::IuBegan { side, .. } => self.motion[side.index()].clear(),
+            Event::IuFrame { side, motion, .. } => self.motion[side.index()].push(motion),
             Event::IuEnded { side, iu } => {
-                let motion = std::mem::take(&mut self.motion[slot(side)]);
-                let activity = self.open[slot(side)].and_then(|open| self.activities.get_mut(open));
-                // Without a frame there is nothing to compare.
+                let motion = std::mem::take(&mut self.motion[side.index()]);
+                let activity = self.open[side.index()].and_then(|open| self.activities.get_mut(open));
+                // An IU without a frame cannot be compared.
                 if let Some(activity) = activity.filter(|_| !motion.is_empty()) {
                     activity.ius.push(Iu {
                         context: iu.context,
@@ -166,15 +166,8 @@ impl Collector {
                     });
                 }
             }
-            Event::ActivityEnded { side, .. } => self.open[slot(side)] = None,
+            Event::ActivityEnded { side, .. } => self.open[side.index()] = None,
             Event::JobBegan { .. } | Event::Eru { .. } | Event::JobEnded { .. } => {}
         }
-    }
-}
-
-fn slot(side: Side) -> usize {
-    match side {
-        Side::Right => 0,
-        Side::Left => 1,
     }
 }

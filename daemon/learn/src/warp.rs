@@ -1,4 +1,4 @@
-//! The DTW of `andon_core`, with memory that grows as needed.
+//! The DTW of [`andon_core::dtw`], with memory that grows as needed.
 
 use andon_core::couple::Motion;
 use andon_core::dtw::{self, LocalCosts, Refused, Scratch};
@@ -13,12 +13,12 @@ pub struct Warp {
 }
 
 impl Warp {
-    /// Memory for this cost.
+    /// Empty memory for this local cost.
     pub fn new(cost: LocalCost) -> Self {
         Self { costs: LocalCosts::new(cost), scratch: Box::default(), moves: Vec::new() }
     }
 
-    /// The DTW distance.
+    /// The DTW distance: the root of the sum of the squared local costs along the warping path.
     ///
     /// # Errors
     /// If a sequence is empty or longer than an IU may be.
@@ -26,7 +26,7 @@ impl Warp {
         dtw::distance(&self.costs, a, b, &mut self.scratch)
     }
 
-    /// The DTW distance if it is at most `bound`.
+    /// The DTW distance, or `None` if it exceeds `bound`.
     ///
     /// # Errors
     /// If a sequence is empty or longer than an IU may be.
@@ -39,7 +39,7 @@ impl Warp {
         dtw::distance_within(&self.costs, a, b, bound, &mut self.scratch)
     }
 
-    /// Calls `visit` with each pair of places of the warping path, from the last to the first.
+    /// Calls `visit` with each pair of frame indices `(in a, in b)` of the warping path, from the last to the first.
     ///
     /// # Errors
     /// If a sequence is empty or longer than an IU may be.
@@ -57,7 +57,7 @@ impl Warp {
         Ok(())
     }
 
-    /// All distances between sequences, as a symmetric matrix row by row.
+    /// The distances between all pairs of sequences.
     ///
     /// # Errors
     /// If a sequence is empty or longer than an IU may be.
@@ -75,26 +75,23 @@ impl Warp {
     }
 }
 
-/// A symmetric matrix of distances.
+/// A symmetric matrix of DTW distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DistanceMatrix {
+    /// Number of rows and of columns.
     side: usize,
+    /// Row by row.
     values: Vec<f64>,
 }
 
 impl DistanceMatrix {
-    /// Rows, and columns.
-    pub fn side(&self) -> usize {
-        self.side
-    }
-
-    /// The distance of two sequences.
+    /// The distance between sequences `i` and `j`.
     pub fn get(&self, i: usize, j: usize) -> f64 {
         self.values[i * self.side + j]
     }
 
-    /// The member of a group with the least sum of squared distances to the group; `None` for an empty group.
-    pub fn medoid(&self, group: &[usize]) -> Option<usize> {
+    /// The member of a group with the smallest sum of squared distances to the group; `None` if the group is empty.
+    pub(crate) fn medoid(&self, group: &[usize]) -> Option<usize> {
         let spread = |i: usize| group.iter().map(|&j| self.get(i, j).powi(2)).sum::<f64>();
         group.iter().copied().min_by(|&a, &b| spread(a).total_cmp(&spread(b)).then(a.cmp(&b)))
     }

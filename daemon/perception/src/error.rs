@@ -1,10 +1,31 @@
-//! What can go wrong, each in one sentence that says where and what to do.
+//! What can go wrong. Each message is a sentence that says where, and what to do.
 
-use crate::image::PixelFormat;
+use crate::pixel_format::PixelFormat;
 use std::path::PathBuf;
 
-/// What makes the files of [`PerceptionConfig::runtime`](crate::PerceptionConfig::runtime).
+/// The command that makes the files of [`PerceptionConfig::runtime`](crate::PerceptionConfig::runtime).
 pub(crate) const REMEDY: &str = "run `make setup`";
+
+/// A file of [`PerceptionConfig::runtime`](crate::PerceptionConfig::runtime).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RuntimeFile {
+    /// The library that runs the models.
+    OnnxRuntime,
+    /// The model that finds palms.
+    PalmModel,
+    /// The model that finds the landmarks of a hand.
+    LandmarkModel,
+}
+
+impl std::fmt::Display for RuntimeFile {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::OnnxRuntime => "ONNX Runtime",
+            Self::PalmModel => "the palm model",
+            Self::LandmarkModel => "the hand landmark model",
+        })
+    }
+}
 
 /// Why there is no perceiver, or no detections.
 #[derive(Debug, thiserror::Error)]
@@ -12,37 +33,37 @@ pub enum PerceptionError {
     /// A file that the perceiver needs is not there.
     #[error("{what} is missing: {} does not exist; {REMEDY}", path.display())]
     Missing {
-        /// What the file is.
-        what: &'static str,
+        /// The file.
+        what: RuntimeFile,
         /// Where it was looked for.
         path: PathBuf,
     },
     /// A file that the perceiver needs cannot be read.
     #[error("{what} cannot be read from {}: {source}; let this user read it, or {REMEDY}", path.display())]
     Unreadable {
-        /// What the file is.
-        what: &'static str,
+        /// The file.
+        what: RuntimeFile,
         /// Where it is.
         path: PathBuf,
-        /// What the system says.
+        /// The system's reason.
         source: std::io::Error,
     },
-    /// A file is there and is not the one that was provisioned.
+    /// A file is not the one that was provisioned.
     #[error("{what} is corrupt: {} does not have the pinned SHA-256; {REMEDY}", path.display())]
     Corrupt {
-        /// What the file is.
-        what: &'static str,
+        /// The file.
+        what: RuntimeFile,
         /// Where it is.
         path: PathBuf,
     },
     /// ONNX Runtime refuses a file.
     #[error("{what} cannot be loaded from {}: {reason}; {REMEDY}", path.display())]
     Refused {
-        /// What the file is.
-        what: &'static str,
+        /// The file.
+        what: RuntimeFile,
         /// Where it is.
         path: PathBuf,
-        /// What ONNX Runtime says.
+        /// ONNX Runtime's reason.
         reason: String,
     },
     /// A setting is out of its range.
@@ -55,20 +76,20 @@ pub enum PerceptionError {
         /// What is allowed.
         range: &'static str,
     },
-    /// The sizes of a picture do not fit one another.
+    /// The sizes of a picture contradict one another.
     #[error(
-        "a picture of {width} x {height} {format:?} with {stride} bytes a row and {bytes} bytes in all is none that can be read"
+        "a picture of {width} x {height} {format:?} with {stride} bytes per row and {bytes} bytes in all cannot be read"
     )]
     Image {
-        /// Pixels a row.
+        /// Pixels per row.
         width: usize,
-        /// Rows.
+        /// Number of rows.
         height: usize,
         /// Bytes from one row to the next.
         stride: usize,
         /// How the bytes of a pixel are ordered.
         format: PixelFormat,
-        /// Bytes in all.
+        /// Number of bytes in all.
         bytes: usize,
     },
     /// The calibration is for pictures of another size.
@@ -76,19 +97,19 @@ pub enum PerceptionError {
         "the calibration is for pictures of {} x {}, this one is {width} x {height}; calibrate again", for_pictures[0], for_pictures[1]
     )]
     CalibratedFor {
-        /// Width and height that it is for.
+        /// Width and height of the pictures that it is for.
         for_pictures: [usize; 2],
-        /// Pixels a row.
+        /// Pixels per row.
         width: usize,
-        /// Rows.
+        /// Number of rows.
         height: usize,
     },
     /// A hand model failed on a frame.
     #[error("{what} failed on a frame: {reason}")]
     Inference {
-        /// Which model.
-        what: &'static str,
-        /// What ONNX Runtime says.
+        /// The model.
+        what: RuntimeFile,
+        /// ONNX Runtime's reason.
         reason: String,
     },
     /// OpenCV failed.
@@ -96,9 +117,22 @@ pub enum PerceptionError {
     OpenCv {
         /// What was being done.
         doing: &'static str,
-        /// What OpenCV says.
+        /// OpenCV's reason.
         source: opencv::Error,
     },
+}
+
+impl PerceptionError {
+    /// The file of the runtime folder that is missing, damaged or refused, if it is one.
+    pub fn unusable_file(&self) -> Option<RuntimeFile> {
+        match self {
+            Self::Missing { what, .. }
+            | Self::Unreadable { what, .. }
+            | Self::Corrupt { what, .. }
+            | Self::Refused { what, .. } => Some(*what),
+            _ => None,
+        }
+    }
 }
 
 /// Names what was being done when OpenCV failed.

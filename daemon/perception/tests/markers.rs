@@ -4,10 +4,9 @@
 
 mod common;
 
-use andon_perception::config::MarkerObject;
+use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig};
 use andon_perception::detections::ObjectDetection;
-use andon_perception::markers::Dictionary;
-use andon_perception::{ImageView, Perceiver, PerceptionConfig, PerceptionError, PixelFormat};
+use andon_perception::{Dictionary, ImageView, Perceiver, PerceptionConfig, PerceptionError, PixelFormat};
 use common::{DAYLIGHT, Drawn, Light, centre_px, gray, picture, straight_down};
 
 /// A bench of 0.8 m in 640 pixels: markers of 36 mm have 29 pixels.
@@ -15,18 +14,20 @@ const PX_PER_M: f64 = 800.0;
 const SIDE_M: f64 = 0.036;
 
 fn perceiver(ids: &[u16]) -> Perceiver {
-    Perceiver::new(&config(ids)).unwrap()
+    Perceiver::new(&config(ids), None).unwrap()
 }
 
 fn config(ids: &[u16]) -> PerceptionConfig {
     let objects = ids.iter().map(|&id| MarkerObject { id, side_m: SIDE_M as f32 }).collect();
-    let mut config = PerceptionConfig::new("unused", objects);
-    config.hands.sides.clear();
-    config
+    PerceptionConfig {
+        runtime: "unused".into(),
+        hands: HandsConfig { sides: Vec::new(), ..HandsConfig::default() },
+        markers: MarkersConfig { objects, ..MarkersConfig::default() },
+    }
 }
 
 fn see(perceiver: &mut Perceiver, image: ImageView<'_>) -> Vec<ObjectDetection> {
-    perceiver.perceive(image, 0, 0).unwrap().objects.to_vec()
+    perceiver.perceive(image, 0).unwrap().objects.to_vec()
 }
 
 fn small_picture(markers: &[Drawn], light: Light) -> Vec<u8> {
@@ -94,7 +95,7 @@ fn the_first_corner_is_the_top_left_of_the_markers_own_picture() {
 }
 
 #[test]
-fn what_stands_higher_is_not_moved_sideways() {
+fn a_marker_that_stands_higher_is_not_moved_sideways() {
     // 10 cm above a bench 76 cm away, and on it.
     let high = Drawn { enlarged: 0.76 / 0.66, ..Drawn::new(5, [0.2, -0.12], SIDE_M, 0.4) };
     let low = Drawn::new(6, [-0.1, 0.1], SIDE_M, 0.0);
@@ -126,11 +127,11 @@ fn markers_are_seen_in_dim_light_and_in_noise() {
 }
 
 #[test]
-fn a_large_picture_is_as_exact_on_every_frame() {
+fn a_large_picture_is_equally_exact_on_every_frame() {
     let camera = straight_down(1280, 720, 1600.0);
     let markers = [2, 4].map(|id| Drawn::new(id, [0.1 * f64::from(id) - 0.3, 0.08], SIDE_M, 0.5));
     let mut perceiver = perceiver(&[2, 4]);
-    // The first frame tells the size of the markers; from the second on half the picture's size is enough.
+    // The first frame gives the size of the markers; from the second on, half the picture's size is enough.
     for seed in 1..4 {
         let pixels = picture(1280, 720, &camera, &markers, Dictionary::default(), Light { seed, ..DAYLIGHT });
         let objects = see(&mut perceiver, gray(1280, 720, &pixels));
@@ -157,7 +158,7 @@ fn every_pixel_format_shows_the_same() {
     let pixels = small_picture(&[marker], DAYLIGHT);
     let expected = see(&mut perceiver(&[1]), gray(640, 480, &pixels));
     for format in [PixelFormat::Bgr8, PixelFormat::Rgb8, PixelFormat::Bgra8, PixelFormat::Rgba8] {
-        // Rows with padding, filled with what must not be read.
+        // Rows with padding, which must not be read.
         let stride = 640 * format.bytes() + 13;
         let mut data = vec![255; stride * 480];
         for (row, line) in pixels.chunks_exact(640).enumerate() {
@@ -174,15 +175,19 @@ fn every_pixel_format_shows_the_same() {
 #[test]
 fn other_dictionaries_are_read_by_name() {
     for name in ["DICT_5X5_100", "DICT_6X6_250", "DICT_APRILTAG_36h11"] {
-        let dictionary = Dictionary::named(name).unwrap();
+        let dictionary = Dictionary::all().find(|dictionary| dictionary.name() == name).unwrap();
         let marker = Drawn::new(17, [0.0, 0.1], 0.05, 0.2);
         let pixels = picture(640, 480, &straight_down(640, 480, PX_PER_M), &[marker], dictionary, DAYLIGHT);
         let mut config = config(&[17]);
         config.markers.dictionary = dictionary;
         config.markers.objects[0].side_m = 0.05;
-        assert_seen(&see(&mut Perceiver::new(&config).unwrap(), gray(640, 480, &pixels)), &marker, 1.0, 0.5);
+        assert_seen(
+            &see(&mut Perceiver::new(&config, None).unwrap(), gray(640, 480, &pixels)),
+            &marker,
+            1.0,
+            0.5,
+        );
     }
-    assert!(Dictionary::named("DICT_3X3_1").is_none());
 }
 
 #[test]
@@ -194,12 +199,12 @@ fn a_marker_at_rest_stays_at_rest_and_a_lifted_one_is_followed() {
         let height = 0.1 * (frame.saturating_sub(20).min(10) as f64) / 10.0;
         let marker = Drawn { enlarged: 0.76 / (0.76 - height), ..Drawn::new(5, [0.22, 0.1], SIDE_M, 0.2) };
         let pixels = small_picture(&[marker], Light { seed: frame + 1, noise: 6.0, ..DAYLIGHT });
-        let detections = perceiver.perceive(gray(640, 480, &pixels), frame * 33_333_333, frame).unwrap();
+        let detections = perceiver.perceive(gray(640, 480, &pixels), frame * 33_333_333).unwrap();
         assert_seen(&detections.objects, &marker, 3.0, 1.0);
         positions.push(position(&detections.objects[0]));
     }
     let steps = positions[5..20].windows(2).map(|pair| 1e3 * distance(pair[0], pair[1]));
-    // 0.5 mm a frame are 15 mm/s, half of what counts as motion.
+    // 0.5 mm per frame is 15 mm/s, half of what counts as motion.
     assert!(steps.fold(0.0, f64::max) < 0.5);
 }
 
@@ -227,10 +232,10 @@ fn settings_out_of_range_are_refused_by_name() {
     let refused = |change: &dyn Fn(&mut PerceptionConfig)| {
         let mut config = config(&[1, 2]);
         change(&mut config);
-        match Perceiver::new(&config) {
+        match Perceiver::new(&config, None) {
             Err(PerceptionError::Setting { key, .. }) => key,
             Err(error) => panic!("{error}"),
-            Ok(_) => panic!("it was taken"),
+            Ok(_) => panic!("it was accepted"),
         }
     };
     assert_eq!(refused(&|config| config.markers.objects[0].side_m = f32::NAN), "side_m");
@@ -238,12 +243,12 @@ fn settings_out_of_range_are_refused_by_name() {
     assert_eq!(refused(&|config| config.markers.objects[1].id = 1), "id");
     assert_eq!(refused(&|config| config.markers.objects[1].id = 50), "id");
     assert_eq!(refused(&|config| config.markers.threshold_constant = -1.0), "threshold_constant");
-    assert_eq!(refused(&|config| config.hands.least_palm_score = 1.5), "least_palm_score");
+    assert_eq!(refused(&|config| config.hands.min_palm_score = 1.5), "min_palm_score");
     assert_eq!(refused(&|config| config.hands.search_every_frames = 0), "search_every_frames");
 }
 
 #[test]
-fn a_picture_whose_sizes_do_not_fit_is_refused() {
+fn a_picture_whose_sizes_contradict_one_another_is_refused() {
     let data = [0; 100];
     for (width, height, stride) in
         [(0, 10, 10), (10, 0, 10), (11, 10, 10), (10, 11, 10), (usize::MAX, 1, usize::MAX)]

@@ -3,8 +3,8 @@
 
     read_verdicts.py STATION [--root DIR] [--count N]
 
-Prints one JSON object a line. It must run as the user that Andon runs as: shared memory belongs to one user.
-Any other version of the wheel is refused by Andon's 0.10.0, and so is an Andon of another build (LAYOUT).
+Prints one JSON object per line. Run it as the user that Andon runs as: shared memory belongs to one user.
+The wheel must have this version, and Andon must be the build that this file belongs to (LAYOUT).
 """
 
 import argparse
@@ -17,15 +17,16 @@ import time
 import iceoryx2 as iox2
 
 # The layout of `Verdict` and of the events in this build of Andon; a test compares it.
-LAYOUT = "0322923fd0086a58/1"
-# How long a station may take to start, in seconds.
+LAYOUT = "5aa3f1a0b7c950e5/2"
+# The longest time for a station to start, in seconds.
 PATIENCE_S = 20
-# Longest wait for an event; after it the queue is looked at anyway.
+# The longest wait for an event, in ms. The queue is read after it in any case.
 WAIT_MS = 250
-# Events from the writer, as the steward sets them up.
+# Event numbers of a writer that has left or died.
 GONE, DEAD = 2, 3
 
-KINDS = {1: "IuOk", 2: "IuAnomaly", 3: "ActivityOk", 4: "ActivityAnomaly", 5: "JobOk", 6: "JobAnomaly", 7: "NotJudged"}
+LEVELS = {1: "iu", 2: "activity", 3: "job"}
+OUTCOMES = {1: "ok", 2: "anomaly", 3: "not_judged"}
 REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong", "NotCompleted", "Unknown", "Blind",
            "Overload"]
 
@@ -51,12 +52,13 @@ class Verdict(ctypes.Structure):
         ("activity", ctypes.c_uint16),
         ("iu", ctypes.c_uint16),
         ("nearest", ctypes.c_uint16),
-        ("kind", ctypes.c_uint8),
+        ("level", ctypes.c_uint8),
+        ("outcome", ctypes.c_uint8),
         ("reason", ctypes.c_uint8),
         ("hand", ctypes.c_uint8),
         ("early", ctypes.c_uint8),
         ("station", ctypes.c_char * 16),
-        ("reserved", ctypes.c_uint8 * 2),
+        ("reserved", ctypes.c_uint8),
     ]
 
     @staticmethod
@@ -65,7 +67,7 @@ class Verdict(ctypes.Structure):
 
 
 def shm_prefix(station, root):
-    """What the names of the station's shared memory begin with: FNV-1a of the root."""
+    """The prefix of the names of the station's shared memory; it contains FNV-1a of the root."""
     folded = 0x811C9DC5
     for byte in root.encode():
         folded = (folded ^ byte) * 0x01000193 & 0xFFFFFFFF
@@ -73,11 +75,11 @@ def shm_prefix(station, root):
 
 
 def open_station(station, root):
-    """Opens the verdict channel; waits for a steward that is still starting. Creates nothing."""
+    """Opens the verdict channel, and waits for a steward that is still starting. Creates no service."""
     config = iox2.config.default()
     config.global_cfg.root_path = iox2.Path.new(root)
     config.global_cfg.prefix = iox2.FileName.new(shm_prefix(station, root))
-    # The steward alone cleans up.
+    # Only the steward cleans up.
     config.global_cfg.service.cleanup_dead_nodes_on_open = False
     config.global_cfg.node.cleanup_dead_nodes_on_creation = False
     config.global_cfg.node.cleanup_dead_nodes_on_destruction = False
@@ -103,7 +105,8 @@ def as_dict(verdict):
     index = lambda value: None if value == 0xFFFF else value
     return {
         "seq": verdict.seq,
-        "kind": KINDS.get(verdict.kind, "NotJudged"),
+        "level": LEVELS.get(verdict.level),
+        "outcome": OUTCOMES.get(verdict.outcome, "not_judged"),
         "reason": REASONS[verdict.reason] if verdict.reason < len(REASONS) else "Unknown",
         "hand": {1: "right", 2: "left"}.get(verdict.hand),
         "activity": index(verdict.activity),
@@ -121,17 +124,17 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("station")
     arguments.add_argument("--root", help="the station's directory (default /run/andon/STATION)")
-    arguments.add_argument("--count", type=int, default=0, help="end after so many verdicts")
+    arguments.add_argument("--count", type=int, default=0, help="end after this many verdicts")
     arguments = arguments.parse_args()
     root = arguments.root or f"/run/andon/{arguments.station}"
 
     iox2.set_log_level(iox2.LogLevel.Error)
-    # Held while this process is a member: nobody then takes the station for an abandoned one.
+    # While this lock is held, nobody takes the station for an abandoned one.
     members = open(f"{root}/members.lock", "a")
     fcntl.flock(members, fcntl.LOCK_SH)
     node, verdicts, forward, back = open_station(arguments.station, root)
-    # In this order: the listener first, so that nothing that is sent from now on passes unheard; the notifier last,
-    # because it announces this reader to the writer.
+    # The listener comes first, so that it hears of everything that is sent from now on. The notifier comes last, because it
+    # announces this reader to the writer.
     listener = forward.listener_builder().create()
     subscriber = verdicts.subscriber_builder().create()
     notifier = back.notifier_builder().create()
@@ -144,7 +147,7 @@ def main():
                 print("judge gone", file=sys.stderr, flush=True)
         while (sample := subscriber.receive()) is not None:
             verdict = sample.payload().contents
-            # A reader that comes up while the writer sends may get the same message by both ways.
+            # A reader that starts while the writer sends may get the same message from the history and from the queue.
             if verdict.seq > newest.get(verdict.epoch, 0):
                 newest[verdict.epoch] = verdict.seq
                 received += 1

@@ -3,16 +3,16 @@
  *   cc -Idaemon/plc/include soft_plc.c -landon_plc -o soft_plc
  *   ./soft_plc STATION [COUNT [ROOT]]
  *
- * Prints every verdict; ends after COUNT of them (0: never) with the latencies from the judge's sending to here. */
+ * Prints every verdict. Ends after COUNT verdicts (0: never) and prints how long they took from the judge to this program. */
 #define _POSIX_C_SOURCE 199309L
 #include "andon.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
-/* One cycle of the PLC: when nothing has come for so long, it does its other work. */
+/* One cycle of the PLC: after this long without a verdict it does its other work. */
 #define CYCLE_US 10000
-/* How long a station may take to start. */
+/* The longest time for a station to start. */
 #define PATIENCE_MS 5000
 
 static uint64_t monotonic_ns(void) {
@@ -27,15 +27,11 @@ static int by_size(const void *a, const void *b) {
 }
 
 /* Anything that is not known to be right is not right. */
-static const char *outcome(uint8_t kind) {
-    switch (kind) {
-    case ANDON_KIND_IU_OK:
-    case ANDON_KIND_ACTIVITY_OK:
-    case ANDON_KIND_JOB_OK:
+static const char *word(uint8_t outcome) {
+    switch (outcome) {
+    case ANDON_OUTCOME_OK:
         return "ok";
-    case ANDON_KIND_IU_ANOMALY:
-    case ANDON_KIND_ACTIVITY_ANOMALY:
-    case ANDON_KIND_JOB_ANOMALY:
+    case ANDON_OUTCOME_ANOMALY:
         return "nok";
     default:
         return "not-judged";
@@ -69,7 +65,7 @@ int main(int argc, char **argv) {
             received++;
             ready = 1;
             printf("verdict %llu %s reason %u distance %g station %s\n", (unsigned long long)verdict.seq,
-                   outcome(verdict.kind), verdict.reason, (double)verdict.distance, verdict.station);
+                   word(verdict.outcome), verdict.reason, (double)verdict.distance, verdict.station);
             break;
         case ANDON_RESULT_WRITER_GONE:
             ready = 0; /* Silence is never OK. */

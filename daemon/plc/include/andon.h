@@ -8,155 +8,75 @@
 #include <stdint.h>
 
 /**
- * In place of an index that has no meaning for this kind of verdict.
+ * What is judged.
  */
-#define ANDON_NO_INDEX 65535
-
-/**
- * Bytes of a station's name with the zero behind it.
- */
-#define ANDON_STATION_BYTES 17
-
-/**
- * How a call ended: not negative is no fault.
- */
-enum AndonResult
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : int32_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
+enum AndonLevel {
   /**
-   * Nothing came in time; or: done.
+   * One IU.
    */
-  ANDON_RESULT_NOTHING = 0,
+  ANDON_LEVEL_IU = 1,
   /**
-   * A verdict is in `out`.
+   * One activity.
    */
-  ANDON_RESULT_VERDICT = 1,
+  ANDON_LEVEL_ACTIVITY = 2,
   /**
-   * The judge is gone, stopped or dead: nothing comes until it is back. Said once. Drop ready.
+   * The whole job.
    */
-  ANDON_RESULT_WRITER_GONE = 2,
-  /**
-   * A null pointer, or text that is not UTF-8.
-   */
-  ANDON_RESULT_ARGUMENT = -1,
-  /**
-   * The station's name or root cannot be used.
-   */
-  ANDON_RESULT_STATION = -2,
-  /**
-   * The station has no steward.
-   */
-  ANDON_RESULT_NO_STEWARD = -3,
-  /**
-   * The station runs another build.
-   */
-  ANDON_RESULT_OTHER_BUILD = -4,
-  /**
-   * Too many readers.
-   */
-  ANDON_RESULT_TOO_MANY_READERS = -5,
-  /**
-   * Shared memory or the system refused.
-   */
-  ANDON_RESULT_SYSTEM = -6,
-  /**
-   * A fault in this library; the reader cannot be used any more, only closed.
-   */
-  ANDON_RESULT_INTERNAL = -7,
+  ANDON_LEVEL_JOB = 3,
 };
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum AndonResult AndonResult;
-#else
-typedef int32_t AndonResult;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
 
 /**
- * What is judged, and how it came out.
+ * How it came out.
  */
-enum AndonKind
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
+enum AndonOutcome {
   /**
-   * The IU is right.
+   * It is right.
    */
-  ANDON_KIND_IU_OK = 1,
+  ANDON_OUTCOME_OK = 1,
   /**
-   * The IU cannot be right any more.
+   * It cannot be right any more.
    */
-  ANDON_KIND_IU_ANOMALY = 2,
+  ANDON_OUTCOME_ANOMALY = 2,
   /**
-   * The activity is right.
+   * There was too little to decide by.
    */
-  ANDON_KIND_ACTIVITY_OK = 3,
-  /**
-   * The activity cannot be right any more.
-   */
-  ANDON_KIND_ACTIVITY_ANOMALY = 4,
-  /**
-   * The job is right.
-   */
-  ANDON_KIND_JOB_OK = 5,
-  /**
-   * The job cannot be right any more.
-   */
-  ANDON_KIND_JOB_ANOMALY = 6,
-  /**
-   * There was too little to go by.
-   */
-  ANDON_KIND_NOT_JUDGED = 7,
+  ANDON_OUTCOME_NOT_JUDGED = 3,
 };
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum AndonKind AndonKind;
-#else
-typedef uint8_t AndonKind;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
 
 /**
  * The rule that decided.
  */
-enum AndonReason
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
+enum AndonReason {
   /**
    * Nothing is wrong.
    */
   ANDON_REASON_NONE = 0,
   /**
-   * The context belongs to no nominal activity.
+   * The context is in no nominal activity that can still be meant: a wrong object, or the wrong hand.
    */
   ANDON_REASON_WRONG_OBJECT = 1,
   /**
-   * The context or the activity does not belong here.
+   * The IU belongs to the activity, or the activity to the job, but not at this point.
    */
   ANDON_REASON_WRONG_ORDER = 2,
   /**
-   * The DTW distance is over the threshold of every candidate.
+   * The movement differs: the DTW distance is over the threshold of every candidate.
    */
   ANDON_REASON_MOTION = 3,
   /**
-   * Less than in any correct demonstration's bounds.
+   * Fewer frames, or fewer reversals of the movement, than the demonstrations allow.
    */
   ANDON_REASON_TOO_SHORT = 4,
   /**
-   * More than in any correct demonstration's bounds.
+   * More frames, or more reversals of the movement, than the demonstrations allow.
    */
   ANDON_REASON_TOO_LONG = 5,
   /**
-   * The activity or the job ended before its last part.
+   * The activity or the job ended before its last IU or activity.
    */
   ANDON_REASON_NOT_COMPLETED = 6,
   /**
-   * It could not be told.
+   * It could not be judged, for none of the other reasons.
    */
   ANDON_REASON_UNKNOWN = 7,
   /**
@@ -164,30 +84,19 @@ enum AndonReason
    */
   ANDON_REASON_BLIND = 8,
   /**
-   * A capacity was full.
+   * There was more to judge than there is room for.
    */
   ANDON_REASON_OVERLOAD = 9,
 };
-#ifndef __cplusplus
-#if __STDC_VERSION__ >= 202311L
-typedef enum AndonReason AndonReason;
-#else
-typedef uint8_t AndonReason;
-#endif // __STDC_VERSION__ >= 202311L
-#endif // __cplusplus
 
 /**
  * Which hand.
  */
-enum AndonHand
-#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
-  : uint8_t
-#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
- {
+enum AndonHand {
   /**
    * No hand: verdicts on jobs.
    */
-  ANDON_HAND_NONE = 0,
+  ANDON_HAND_ = 0,
   /**
    * The right hand.
    */
@@ -197,11 +106,71 @@ enum AndonHand
    */
   ANDON_HAND_LEFT = 2,
 };
+
+/**
+ * In place of an index that has no meaning on this level.
+ */
+#define ANDON_NO_INDEX 65535
+
+/**
+ * Bytes of a station's name, with the zero at its end.
+ */
+#define ANDON_STATION_BYTES 17
+
+/**
+ * How a call ended. Negative numbers are faults.
+ */
+enum AndonResult
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  /**
+   * No verdict came in time; for the other functions: it is done.
+   */
+  ANDON_RESULT_NOTHING = 0,
+  /**
+   * A verdict is in `out`.
+   */
+  ANDON_RESULT_VERDICT = 1,
+  /**
+   * The judge has been stopped or has died, and no verdict comes until it is back. Returned once: drop your own ready bit.
+   */
+  ANDON_RESULT_WRITER_GONE = 2,
+  /**
+   * A pointer is null, or a text is not UTF-8.
+   */
+  ANDON_RESULT_ARGUMENT = -1,
+  /**
+   * The station's name or root is not allowed.
+   */
+  ANDON_RESULT_STATION = -2,
+  /**
+   * The station has no steward, or it was not ready in time.
+   */
+  ANDON_RESULT_NO_STEWARD = -3,
+  /**
+   * The station runs another version of Andon.
+   */
+  ANDON_RESULT_OTHER_BUILD = -4,
+  /**
+   * The verdict channel has as many readers as it allows.
+   */
+  ANDON_RESULT_TOO_MANY_READERS = -5,
+  /**
+   * Shared memory or the operating system refused.
+   */
+  ANDON_RESULT_SYSTEM = -6,
+  /**
+   * A fault in this library. The reader can only be closed.
+   */
+  ANDON_RESULT_INTERNAL = -7,
+};
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
-typedef enum AndonHand AndonHand;
+typedef enum AndonResult AndonResult;
 #else
-typedef uint8_t AndonHand;
+typedef int32_t AndonResult;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
@@ -215,15 +184,15 @@ typedef struct AndonReader AndonReader;
  */
 typedef struct AndonVerdict {
   /**
-   * Number among its judge's, from 1. A jump is a loss.
+   * Number of the verdict since this start of the judge, from 1. A jump is a loss.
    */
   uint64_t seq;
   /**
-   * One per start of the judge.
+   * Number of this start of the judge.
    */
   uint64_t epoch;
   /**
-   * The newest frame it rests on.
+   * Number of the newest frame that the verdict rests on.
    */
   uint64_t frame_seq;
   /**
@@ -239,15 +208,15 @@ typedef struct AndonVerdict {
    */
   uint64_t model_hash;
   /**
-   * When what is judged began, source time in nanoseconds.
+   * When the IU, activity or job began, source time in nanoseconds.
    */
   uint64_t began_ns;
   /**
-   * When it ended, source time in nanoseconds.
+   * When it ended, or when it was decided if that was earlier, source time in nanoseconds.
    */
   uint64_t ended_ns;
   /**
-   * The newest couple the decision rests on, source time in nanoseconds.
+   * Time of the newest feature couple that the decision rests on, source time in nanoseconds.
    */
   uint64_t decided_ns;
   /**
@@ -255,37 +224,41 @@ typedef struct AndonVerdict {
    */
   uint64_t decided_utc_ns;
   /**
-   * The job.
+   * The job that is watched.
    */
   uint32_t job_id;
   /**
-   * DTW distance to the nearest nominal; NaN none.
+   * DTW distance to the nearest nominal; NaN if none was computed.
    */
   float distance;
   /**
-   * The threshold it was held against; NaN none.
+   * The threshold that the distance was compared with; NaN if there is none.
    */
   float threshold;
   /**
-   * Context features x_c.
+   * Context features x_c of the IU; of its first IU for an activity; 0 for a job.
    */
   uint16_t x_c[4];
   /**
-   * Number of the activity in this job, from 0, or ANDON_NO_INDEX.
+   * Index of the activity in this job, from 0, or ANDON_NO_INDEX.
    */
   uint16_t activity;
   /**
-   * Number of the IU in its activity, from 0, or ANDON_NO_INDEX.
+   * Index of the IU in its activity, from 0, or ANDON_NO_INDEX.
    */
   uint16_t iu;
   /**
-   * The nominal activity it is judged against, or ANDON_NO_INDEX.
+   * Index of the nominal activity that it was judged against, or ANDON_NO_INDEX.
    */
   uint16_t nearest;
   /**
-   * An AndonKind. A number that is not in the list comes from another build: treat it as not judged.
+   * An AndonLevel.
    */
-  uint8_t kind;
+  uint8_t level;
+  /**
+   * An AndonOutcome. Treat a number that is not in the list as not judged: it comes from another version.
+   */
+  uint8_t outcome;
   /**
    * An AndonReason.
    */
@@ -295,7 +268,7 @@ typedef struct AndonVerdict {
    */
   uint8_t hand;
   /**
-   * 1: said before the IU ended.
+   * 1 if the verdict came before the IU ended, otherwise 0.
    */
   uint8_t early;
   /**
@@ -305,23 +278,23 @@ typedef struct AndonVerdict {
 } AndonVerdict;
 
 /**
- * What the reader has seen since it was opened.
+ * What the reader has received since it was opened.
  */
 typedef struct AndonStatus {
   /**
-   * Verdicts received.
+   * Number of verdicts received.
    */
   uint64_t received;
   /**
-   * Verdicts sent and not received in time.
+   * Number of verdicts that were sent and not read in time.
    */
   uint64_t lost;
   /**
-   * Starts of the judge after the first.
+   * Number of restarts of the judge.
    */
   uint32_t restarts;
   /**
-   * 1: the judge went away and nothing has come since.
+   * 1 if the judge has gone away and no verdict has come since, otherwise 0.
    */
   uint8_t writer_gone;
   /**
@@ -336,9 +309,12 @@ extern "C" {
 
 /**
  * Opens the verdict channel of `station`. `root` is the station's directory, null for `/run/andon/STATION`. Waits for at most
- * `patience_ms` for a station that is still starting. Gives ANDON_RESULT_NOTHING and `*out`, or a fault and null.
+ * `patience_ms` for a station that is still starting. Returns ANDON_RESULT_NOTHING and writes the reader to `*out`, or returns a
+ * fault and writes null.
  *
- * A reader belongs to one thread at a time. The newest 256 verdicts come first, as they were sent before.
+ * A reader may be handed from one thread to another, as from the one that starts a program to its cyclic task. It is called by one
+ * thread at a time: the caller lets one call return before the next begins. The newest 256 verdicts come first, as they were sent
+ * before.
  *
  * # Safety
  * `root` (or null) and `station` are zero-terminated; `out` can be written.
@@ -349,19 +325,19 @@ AndonResult andon_open(const char *root,
                        struct AndonReader **out);
 
 /**
- * The next verdict into `*out`: ANDON_RESULT_VERDICT. A look at what is there takes no lock and waits for nobody; only where nothing
- * is there, and `timeout_us` is not 0, it blocks, at most for so long: ANDON_RESULT_NOTHING. A judge that goes away ends the wait:
- * ANDON_RESULT_WRITER_GONE.
+ * Writes the next verdict to `*out` and returns ANDON_RESULT_VERDICT. When none is there, waits for at most `timeout_us` and returns
+ * ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a
+ * verdict is there, the call waits for nobody.
  *
  * # Safety
- * `reader` is from `andon_open`, not closed, and not in use in another thread; `out` can be written.
+ * `reader` is from `andon_open`, not closed, and no other call with it is running; `out` can be written.
  */
 AndonResult andon_next(struct AndonReader *reader,
                        uint64_t timeout_us,
                        struct AndonVerdict *out);
 
 /**
- * What the reader has seen, into `*out`: ANDON_RESULT_NOTHING.
+ * Writes what the reader has received so far to `*out` and returns ANDON_RESULT_NOTHING.
  *
  * # Safety
  * As `andon_next`.
@@ -369,7 +345,7 @@ AndonResult andon_next(struct AndonReader *reader,
 AndonResult andon_status(const struct AndonReader *reader, struct AndonStatus *out);
 
 /**
- * Closes a reader; null does nothing.
+ * Closes a reader. Null is allowed and does nothing.
  *
  * # Safety
  * `reader` is null or from `andon_open`, and is not used any more.
@@ -377,8 +353,8 @@ AndonResult andon_status(const struct AndonReader *reader, struct AndonStatus *o
 void andon_close(struct AndonReader *reader);
 
 /**
- * What was wrong in the last call of this thread that failed, with the remedy; empty at first. Valid until the next call that
- * fails in this thread.
+ * What was wrong in the last call of this thread that failed, with the remedy; empty if none has failed. The text is valid until
+ * the next call of this thread that fails.
  */
 const char *andon_last_error(void);
 

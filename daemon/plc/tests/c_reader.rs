@@ -4,6 +4,7 @@
 mod station;
 
 use andon_plc::c_abi::*;
+use shm_schemas::{VerdictLevel, VerdictOutcome};
 use station::TestStation;
 use std::ffi::{CStr, CString};
 use std::io::{BufRead, BufReader};
@@ -55,7 +56,7 @@ fn a_c_program_reads_every_verdict_as_it_was_written_and_hears_that_the_judge_ha
     let mut judge = station.judge();
     let (mut child, mut lines) = started(&program, &station, "1000");
     for number in 1..=500 {
-        judge.say(number);
+        judge.send(number);
         judge.idle(Duration::from_millis(1));
     }
     drop(judge);
@@ -65,7 +66,7 @@ fn a_c_program_reads_every_verdict_as_it_was_written_and_hears_that_the_judge_ha
     assert_eq!(first[500], "judge gone, ready 0");
     let mut judge = station.judge();
     for number in 1..=500 {
-        judge.say(number);
+        judge.send(number);
         judge.idle(Duration::from_millis(1));
     }
     let rest: Vec<String> = lines.collect();
@@ -81,7 +82,7 @@ fn a_program_in_cpp_can_include_the_header() {
     let source = dir.path().join("a.cpp");
     std::fs::write(
         &source,
-        "#include \"andon.h\"\nint main() { AndonReader *r = 0; andon_close(r); return ANDON_KIND_IU_OK; }\n",
+        "#include \"andon.h\"\nint main() { AndonReader *r = 0; andon_close(r); return ANDON_OUTCOME_OK; }\n",
     )
     .unwrap();
     let include = format!("-I{}/include", env!("CARGO_MANIFEST_DIR"));
@@ -116,8 +117,57 @@ fn bad_arguments_are_answered_with_a_number_and_a_text() {
     }
 }
 
+/// As a soft PLC does that opens the reader when it starts and reads in its cyclic task.
 #[test]
-fn a_look_without_patience_does_not_wait_and_the_status_counts() {
+fn a_reader_that_was_opened_in_one_thread_reads_in_another() {
+    struct Handed(*mut AndonReader);
+    // SAFETY: the header allows it; no two threads use the reader at the same time here.
+    unsafe impl Send for Handed {}
+
+    let station = TestStation::new();
+    let mut judge = station.judge();
+    let root = CString::new(station.station.root().to_str().unwrap()).unwrap();
+    let name = CString::new("plctest").unwrap();
+    let opened = std::thread::spawn(move || {
+        let mut reader = std::ptr::null_mut();
+        // SAFETY: the texts and `reader` live to the end of this closure.
+        let result = unsafe { andon_open(root.as_ptr(), name.as_ptr(), 5000, &mut reader) };
+        assert_eq!(result, AndonResult::Nothing);
+        Handed(reader)
+    });
+    let Handed(reader) = opened.join().unwrap();
+    judge.send(1);
+    let mut verdict = std::mem::MaybeUninit::<AndonVerdict>::uninit();
+    // SAFETY: the reader is open, the thread that opened it has ended, and it is closed once.
+    unsafe {
+        assert_eq!(andon_next(reader, 5_000_000, verdict.as_mut_ptr()), AndonResult::Verdict);
+        assert_eq!(verdict.assume_init().seq, 1);
+        andon_close(reader);
+    }
+}
+
+/// More than the verdict channel allows.
+const MANY: usize = 64;
+
+#[test]
+fn one_reader_too_many_is_refused() {
+    let station = TestStation::new();
+    let root = CString::new(station.station.root().to_str().unwrap()).unwrap();
+    let name = CString::new("plctest").unwrap();
+    let mut readers = [std::ptr::null_mut(); MANY];
+    // SAFETY: every pointer lives to the end of this function; each reader is closed once, and null is allowed.
+    unsafe {
+        let refused = readers.iter_mut().find_map(|reader| {
+            let result = andon_open(root.as_ptr(), name.as_ptr(), 5000, reader);
+            (result != AndonResult::Nothing).then_some(result)
+        });
+        assert_eq!(refused, Some(AndonResult::TooManyReaders), "{}", last_error());
+        readers.into_iter().for_each(|reader| andon_close(reader));
+    }
+}
+
+#[test]
+fn a_timeout_of_0_does_not_wait_and_the_status_follows_the_judge() {
     let station = TestStation::new();
     let mut judge = station.judge();
     let root = CString::new(station.station.root().to_str().unwrap()).unwrap();
@@ -129,12 +179,24 @@ fn a_look_without_patience_does_not_wait_and_the_status_counts() {
     unsafe {
         assert_eq!(andon_open(root.as_ptr(), name.as_ptr(), 5000, &mut reader), AndonResult::Nothing);
         assert_eq!(andon_next(reader, 0, verdict.as_mut_ptr()), AndonResult::Nothing);
-        judge.say(3);
+        judge.send(3);
         assert_eq!(andon_next(reader, 5_000_000, verdict.as_mut_ptr()), AndonResult::Verdict);
-        let verdict = verdict.assume_init();
-        assert_eq!((verdict.seq, verdict.kind, verdict.distance), (1, AndonKind::IuAnomaly as u8, 1.5));
+        let first = verdict.assume_init_ref();
+        assert_eq!((first.seq, first.distance), (1, 1.5));
+        assert_eq!((first.level, first.outcome), (VerdictLevel::Iu.code(), VerdictOutcome::Anomaly.code()));
         assert_eq!(andon_status(reader, &mut status), AndonResult::Nothing);
-        assert_eq!((status.received, status.lost, status.writer_gone), (1, 0, 0));
+        assert_eq!((status.received, status.lost, status.restarts, status.writer_gone), (1, 0, 0, 0));
+
+        drop(judge);
+        let mut next = || andon_next(reader, 5_000_000, verdict.as_mut_ptr());
+        assert_eq!(next(), AndonResult::WriterGone);
+        assert_eq!(andon_status(reader, &mut status), AndonResult::Nothing);
+        assert_eq!((status.restarts, status.writer_gone), (0, 1));
+        let mut judge = station.judge();
+        judge.send(3);
+        assert_eq!(next(), AndonResult::Verdict);
+        assert_eq!(andon_status(reader, &mut status), AndonResult::Nothing);
+        assert_eq!((status.received, status.restarts, status.writer_gone), (2, 1, 0));
         andon_close(reader);
     }
 }

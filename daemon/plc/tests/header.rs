@@ -1,38 +1,79 @@
 //! `include/andon.h` and `REGISTERS.md` are what the code says.
 #![allow(clippy::unwrap_used)]
 
+use shm_schemas::{HandCode, VerdictLevel, VerdictOutcome, VerdictReason};
 use std::fs;
 use std::path::Path;
 
 /// Set to write the header instead of comparing it.
 const WRITE: &str = "ANDON_WRITE_HEADER";
 
+/// An enum of the wire as C sees it: the name, what it is, and its words with number and meaning.
+fn c_enum(name: &str, title: &str, words: impl Iterator<Item = (&'static str, u8, &'static str)>) -> String {
+    let constants = words.map(|(word, number, meaning)| {
+        let constant = screaming(&format!("{name}_{word}"));
+        format!("  /**\n   * {meaning}\n   */\n  {constant} = {number},\n")
+    });
+    format!("/**\n * {title}\n */\nenum {name} {{\n{}}};", constants.collect::<String>())
+}
+
+/// `WrongObject` and `wrong_object` as `WRONG_OBJECT`.
+fn screaming(name: &str) -> String {
+    let mut constant = String::new();
+    let mut is_after_small = false;
+    for letter in name.chars() {
+        if letter.is_uppercase() && is_after_small {
+            constant.push('_');
+        }
+        is_after_small = letter.is_lowercase();
+        constant.push(letter.to_ascii_uppercase());
+    }
+    constant
+}
+
+/// The enums of a verdict, from the wire's own tables.
+fn enums() -> String {
+    macro_rules! words {
+        ($kind:ty) => {
+            <$kind>::ALL.iter().map(|word| (word.name(), word.code(), word.meaning()))
+        };
+    }
+    [
+        c_enum("AndonLevel", "What is judged.", words!(VerdictLevel)),
+        c_enum("AndonOutcome", "How it came out.", words!(VerdictOutcome)),
+        c_enum("AndonReason", "The rule that decided.", words!(VerdictReason)),
+        c_enum("AndonHand", "Which hand.", words!(HandCode)),
+    ]
+    .join("\n\n")
+}
+
 #[test]
 fn the_header_is_what_cbindgen_makes_of_the_code() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
+    let mut config = cbindgen::Config::from_file(root.join("cbindgen.toml")).unwrap();
+    config.after_includes = Some(format!("\n{}", enums()));
     // The sources by name: cbindgen would otherwise ask cargo for every crate of the workspace.
     let builder = cbindgen::Builder::new()
         .with_config(config)
         .with_src(root.join("src/c_abi/types.rs"))
         .with_src(root.join("src/c_abi/reader.rs"))
         .with_src(root.join("src/c_abi/mod.rs"));
-    let mut made = Vec::new();
-    builder.generate().unwrap().write(&mut made);
-    let made = String::from_utf8(made).unwrap();
+    let mut generated = Vec::new();
+    builder.generate().unwrap().write(&mut generated);
+    let generated = String::from_utf8(generated).unwrap();
     let path = root.join("include/andon.h");
     if std::env::var_os(WRITE).is_some() {
-        fs::write(&path, &made).unwrap();
+        fs::write(&path, &generated).unwrap();
     }
-    let there = fs::read_to_string(&path).unwrap();
-    assert!(there == made, "include/andon.h is old: {WRITE}=1 cargo test -p andon-plc --test header");
+    let shipped = fs::read_to_string(&path).unwrap();
+    assert!(shipped == generated, "include/andon.h is old: {WRITE}=1 cargo test -p andon-plc --test header");
 }
 
 #[test]
 fn the_register_document_is_what_the_table_says() {
-    let there = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("REGISTERS.md")).unwrap();
+    let shipped = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("REGISTERS.md")).unwrap();
     assert!(
-        there == andon_plc::registers::document(),
+        shipped == andon_plc::registers::document(),
         "REGISTERS.md is old: cargo run -p andon-plc --example registers > daemon/plc/REGISTERS.md"
     );
 }

@@ -36,15 +36,17 @@ fn a_python_program_reads_every_verdict_as_it_was_written() {
     let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
     assert_eq!(lines.next().as_deref(), Some("open"));
     for number in 1..=300 {
-        judge.say(number);
+        judge.send(number);
         judge.idle(Duration::from_millis(1));
     }
     let lines: Vec<String> = lines.collect();
     assert!(child.wait().unwrap().success());
     assert_eq!(lines.len(), 300);
     for (line, number) in lines.iter().zip(1..) {
-        let (kind, reason) = if number % 3 == 0 { ("IuAnomaly", "Motion") } else { ("IuOk", "None") };
-        let start = format!("{{\"seq\": {number}, \"kind\": \"{kind}\", \"reason\": \"{reason}\", ");
+        let (outcome, reason) = if number % 3 == 0 { ("anomaly", "Motion") } else { ("ok", "None") };
+        let start = format!(
+            "{{\"seq\": {number}, \"level\": \"iu\", \"outcome\": \"{outcome}\", \"reason\": \"{reason}\", "
+        );
         assert!(line.starts_with(&start), "{line}");
         assert!(line.contains(&format!("\"distance\": {:?},", number as f32 / 2.0)), "{line}");
     }

@@ -2,14 +2,13 @@
 //!
 //! A camera stamps its pictures with one of three clocks; Andon computes with CLOCK_MONOTONIC alone.
 //!
-//! - *Hardware*: the camera's own microseconds, 32 bits, from an unknown beginning. A picture arrives some time after it
-//!   was taken: the exposure's end, the transfer, the scheduler. The least such delay of the last seconds is the best
-//!   guess of the distance between the two clocks: jitter only ever adds to it. What remains unknown is that least
-//!   delay itself, a constant of the mode.
-//! - *System* and *global*: CLOCK_REALTIME, stamped by the driver or computed by the SDK. Both of the computer's clocks
-//!   are read when a picture arrives, so a step of the wall clock is followed at once.
+//! - *Hardware*: the camera's own clock, 32 bits of microseconds from an unknown start. A picture arrives some time after it was taken:
+//!   exposure, transfer and scheduler take their time. The minimum of this delay over the last seconds is the best estimate of the offset
+//!   between the two clocks, since jitter only ever adds to it. The minimum delay itself stays unknown; it is a constant of the mode.
+//! - *System* and *global*: CLOCK_REALTIME, stamped by the driver or computed by the SDK. Both clocks of the computer are read when a
+//!   picture arrives, so a step of the wall clock is followed at once.
 //!
-//! A recording has its own time, which begins at its first frame: [`RecordingClock`].
+//! A recording has its own time, which starts at its first frame: [`RecordingClock`].
 
 /// Which clock stamped a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,7 +24,7 @@ pub enum Domain {
 /// A picture's time as its sensor gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SensorTime {
-    /// Milliseconds since the clock's beginning.
+    /// Milliseconds since the start of the clock.
     pub ms: f64,
     /// Which clock.
     pub domain: Domain,
@@ -46,25 +45,24 @@ impl Arrival {
         use rustix::time::{ClockId, clock_gettime};
         let read = |clock| {
             let time = clock_gettime(clock);
-            // Neither clock is before its beginning on a running system; nanoseconds are below 1e9.
+            // Neither clock is negative on a running system, and nanoseconds are below 1e9.
             u64::try_from(time.tv_sec).unwrap_or(0) * 1_000_000_000 + u64::try_from(time.tv_nsec).unwrap_or(0)
         };
         Self { monotonic_ns: read(ClockId::Monotonic), realtime_ns: read(ClockId::Realtime) }
     }
 }
 
-/// The hardware clock of a D400 counts microseconds in 32 bits: it starts again every 71 minutes.
+/// The hardware clock of a D400 counts microseconds in 32 bits, so it wraps every 71 minutes.
 const HARDWARE_PERIOD_NS: i64 = (1_i64 << 32) * 1000;
 
-/// A least delay is trusted for one to two of these spans. Two crystals differ by up to 50 millionths: 0.5 ms in 10 s,
-/// less than the jitter of a USB frame.
-const TRUST_NS: u64 = 5_000_000_000;
+/// A minimum delay is used for one to two of these spans. Two crystals differ by up to 50 millionths, which is 0.5 ms in 10 s and less than
+/// the jitter of a USB frame.
+const SPAN_NS: u64 = 5_000_000_000;
 
-/// A wall-clock stamp this far from its arrival is a stamp from before a step of that clock: no mode holds a picture
-/// back for a second.
+/// A wall-clock stamp that is this far from its arrival precedes a step of that clock: no mode delays a picture by a second.
 const IMPLAUSIBLE_NS: i64 = 1_000_000_000;
 
-/// Undoes the wrap of a clock that starts again.
+/// Removes the wraps of the hardware clock.
 #[derive(Clone, Copy, Debug, Default)]
 struct Unwrap {
     turns: i64,
@@ -72,12 +70,12 @@ struct Unwrap {
 }
 
 impl Unwrap {
-    /// The time without wraps, and whether the clock has jumped back.
+    /// The time without wraps, and whether the clock has jumped back for another reason.
     fn push(&mut self, time: SensorTime) -> (i64, bool) {
         let raw = (time.ms * 1e6) as i64;
         let mut jumped = false;
         if let Some(last) = self.last.filter(|&last| raw < last) {
-            // From the last tenth to the first tenth is a wrap: pictures come more often than every seven minutes.
+            // A jump from the last tenth to the first is a wrap: pictures come more often than every seven minutes.
             let tenth = HARDWARE_PERIOD_NS / 10;
             if time.domain == Domain::Hardware && last > HARDWARE_PERIOD_NS - tenth && raw < tenth {
                 self.turns += 1;
@@ -95,17 +93,17 @@ impl Unwrap {
 pub struct CameraClock {
     domain: Option<Domain>,
     unwrap: Unwrap,
-    /// Least arrival minus stamp in this span of `TRUST_NS` and in the one before it.
-    least: [Option<i64>; 2],
+    /// Minimum of arrival minus stamp in this span of `SPAN_NS` and in the one before.
+    min: [Option<i64>; 2],
     span_began_ns: u64,
     last_ns: u64,
 }
 
 impl CameraClock {
-    /// CLOCK_MONOTONIC of the moment that `time` names, in nanoseconds.
+    /// `time` on CLOCK_MONOTONIC, in nanoseconds.
     ///
-    /// Never later than the arrival, and later than the result before it, so that no reader sees time stand still.
-    /// A camera that starts its clock anew is followed from that picture on.
+    /// It is never later than the arrival, and always later than the previous result, so that no reader sees time stand still. A camera that
+    /// restarts its clock is followed from that picture on.
     pub fn captured_ns(&mut self, time: SensorTime, arrival: Arrival) -> u64 {
         if self.domain.replace(time.domain) != Some(time.domain) {
             self.forget();
@@ -131,47 +129,47 @@ impl CameraClock {
         }
         let distance = now - stamp;
         let arrived = now.unsigned_abs();
-        if arrived.saturating_sub(self.span_began_ns) > TRUST_NS {
-            self.least = [None, self.least[0]];
+        if arrived.saturating_sub(self.span_began_ns) > SPAN_NS {
+            self.min = [None, self.min[0]];
             self.span_began_ns = arrived;
         }
-        let least = self.least[0].map_or(distance, |least| least.min(distance));
-        self.least[0] = Some(least);
-        stamp + self.least[1].map_or(least, |before| before.min(least))
+        let min = self.min[0].map_or(distance, |min| min.min(distance));
+        self.min[0] = Some(min);
+        stamp + self.min[1].map_or(min, |before| before.min(min))
     }
 
     fn forget(&mut self) {
         self.unwrap = Unwrap::default();
-        self.least = [None; 2];
+        self.min = [None; 2];
     }
 }
 
-/// The time of a recording: nanoseconds since its first frame, through repetitions too.
+/// The time of a recording: nanoseconds since its first frame.
 #[derive(Clone, Debug, Default)]
 pub struct RecordingClock {
     unwrap: Unwrap,
     /// What is added to a stamp.
     shift: i64,
     last_ns: i64,
-    /// The newest distance of two frames: the best guess of the one from the last frame back to the first.
+    /// The newest interval between two frames, which is the best estimate of an interval in which the clock has jumped back.
     period: i64,
     began: bool,
 }
 
 impl RecordingClock {
-    /// Nanoseconds since the first frame of the recording; a repetition goes on where the last one ended.
+    /// Nanoseconds since the first frame of the recording. Where the camera has restarted its clock, the time continues without a jump.
     pub fn since_first_ns(&mut self, time: SensorTime) -> u64 {
-        let (stamp, again) = self.unwrap.push(time);
+        let (stamp, jumped) = self.unwrap.push(time);
         if !self.began {
             self.began = true;
             self.shift = -stamp;
-        } else if again {
+        } else if jumped {
             self.shift = self.last_ns + self.period - stamp;
         } else {
             self.period = stamp + self.shift - self.last_ns;
         }
         self.last_ns = stamp + self.shift;
-        // Stamps after the first are later than it, or are shifted behind the one before.
+        // Not negative: every later stamp is greater than the first, or is shifted behind the one before.
         u64::try_from(self.last_ns).unwrap_or(0)
     }
 }

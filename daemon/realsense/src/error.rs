@@ -1,8 +1,8 @@
-//! What can go wrong, each in one sentence that says what to do.
+//! What can go wrong, each with one sentence that says what to do.
 
 use std::path::PathBuf;
 
-/// Why there are no frames, and what to do about it.
+/// Why no frames come, and what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Error {
     /// librealsense could not be loaded.
@@ -10,13 +10,13 @@ pub enum Error {
     Library {
         /// The file that was tried.
         library: PathBuf,
-        /// What the loader said.
+        /// The cause that the loader gives.
         detail: String,
     },
     /// Nothing is attached.
     #[error("no RealSense camera is attached; plug it into a USB 3 port (blue, or marked SS)")]
     NoCamera,
-    /// A camera is attached that this user may not open.
+    /// This user may not open the attached camera.
     #[error(
         "the RealSense camera may not be opened, {} is closed to this user; install 60-andon-realsense.rules in /etc/udev/rules.d, run `udevadm control --reload`, and plug the camera in again",
         .node.display()
@@ -27,7 +27,7 @@ pub enum Error {
     },
     /// A camera is attached, but the SDK does not see it.
     #[error(
-        "a RealSense camera is on the USB bus but does not answer; plug it out and in again, and try another cable if that does not help"
+        "a RealSense camera is on the USB bus but does not answer; unplug it and plug it in again, and try another cable if that does not help"
     )]
     Unresponsive,
     /// The link is too slow for the mode.
@@ -37,39 +37,39 @@ pub enum Error {
     UsbSpeed {
         /// The camera.
         serial: String,
-        /// The version of its link.
+        /// The version of USB that its link has.
         usb: String,
-        /// What was asked for.
+        /// The requested mode.
         mode: String,
     },
-    /// Not the camera that was asked for.
+    /// The requested camera is not attached.
     #[error(
         "camera {serial} is not attached, only {attached}; correct the serial number, or plug that camera in"
     )]
     SerialNotFound {
-        /// Which was asked for.
+        /// The requested serial number.
         serial: String,
-        /// Which are there.
+        /// The serial numbers of the attached cameras.
         attached: String,
     },
-    /// More than one camera and none chosen.
+    /// More than one camera is attached and none has been chosen.
     #[error("several RealSense cameras are attached ({attached}); choose one by its serial number")]
     Ambiguous {
-        /// Which are there.
+        /// The serial numbers of the attached cameras.
         attached: String,
     },
-    /// The camera has no such mode.
+    /// The camera does not offer the mode.
     #[error("camera {serial} has no mode {mode}; it has {offered}")]
     Mode {
         /// The camera.
         serial: String,
-        /// What was asked for.
+        /// The requested mode.
         mode: String,
-        /// What it has for that stream at that size or rate.
+        /// The modes that it offers for this stream.
         offered: String,
     },
-    /// A value that the camera does not take.
-    #[error("camera {serial} does not take {value} for {option}; {allowed}")]
+    /// The camera does not accept a value.
+    #[error("camera {serial} does not accept {value} for {option}; {allowed}")]
     Option {
         /// The camera.
         serial: String,
@@ -77,10 +77,10 @@ pub enum Error {
         option: &'static str,
         /// The value.
         value: f32,
-        /// What it takes.
+        /// What it accepts.
         allowed: String,
     },
-    /// Another process has the camera.
+    /// Another process is using the camera.
     #[error(
         "camera {serial} is in use by another program; stop that one (realsense-viewer, another andond) first"
     )]
@@ -88,15 +88,13 @@ pub enum Error {
         /// The camera.
         serial: String,
     },
-    /// The camera is there but silent.
+    /// The camera is attached but sends nothing.
     #[error(
-        "camera {serial} has sent no picture for {seconds} s and is started again; if this repeats, try another cable and port"
+        "camera {serial} has sent no picture for 2 s and is started again; if this repeats, try another cable and port"
     )]
     Silent {
         /// The camera.
         serial: String,
-        /// For how long.
-        seconds: u64,
     },
     /// The camera went away.
     #[error("camera {serial} has been unplugged; it is opened again as soon as it is back")]
@@ -104,28 +102,28 @@ pub enum Error {
         /// The camera.
         serial: String,
     },
-    /// No such file.
+    /// The recording cannot be read.
     #[error("cannot read the recording {}: {detail}", .file.display())]
     NoRecording {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// The cause that the system gives.
         detail: String,
     },
-    /// Not a recording, or one without what is wanted.
-    #[error("{} is not a recording with {wanted}: {detail}; record it again with these streams on", .file.display())]
+    /// The file is no recording, or lacks a stream.
+    #[error("{} is not a recording with {wanted}: {detail}; record it again with these streams", .file.display())]
     Recording {
         /// The file.
         file: PathBuf,
-        /// Which streams.
+        /// The streams that are needed.
         wanted: &'static str,
-        /// What the SDK said.
+        /// The cause that the SDK gives.
         detail: String,
     },
-    /// A picture in a format that is not understood.
+    /// The format of the colour pictures is not supported.
     #[error("the colour stream has the format {format}; choose rgb8, bgr8 or yuyv")]
     Format {
-        /// The SDK's name of it.
+        /// The name that the SDK gives it.
         format: String,
     },
     /// The memory for a frame is too small.
@@ -138,12 +136,14 @@ pub enum Error {
         /// Bytes of the memory.
         given: usize,
     },
-    /// The SDK failed in a way that has no remedy of its own.
-    #[error("librealsense failed at {step}: {detail}; if it repeats, plug the camera out and in again")]
+    /// The SDK failed for a reason without a remedy of its own.
+    #[error(
+        "librealsense failed at {step}: {detail}; if this repeats, unplug the camera and plug it in again"
+    )]
     Sdk {
         /// What was being done.
         step: &'static str,
-        /// What it said.
+        /// The cause that it gives.
         detail: String,
     },
 }

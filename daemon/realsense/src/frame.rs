@@ -17,10 +17,10 @@ pub enum PixelFormat {
     Z16,
 }
 
-/// How the coefficients of [`Intrinsics::coefficients`] bend the picture.
+/// How [`Intrinsics::coefficients`] distort the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distortion {
-    /// Not at all.
+    /// No distortion.
     None,
     /// Brown-Conrady (k1, k2, p1, p2, k3), as OpenCV: from undistorted to distorted.
     BrownConrady,
@@ -28,7 +28,7 @@ pub enum Distortion {
     InverseBrownConrady,
     /// Brown-Conrady with the tangential part applied to the already radially distorted point.
     ModifiedBrownConrady,
-    /// One that no D400 has; its coefficients must not be used.
+    /// A model that no D400 has; its coefficients must not be used.
     Other,
 }
 
@@ -57,13 +57,13 @@ pub struct Extrinsics {
 /// Layout and optics of one picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
-    /// Pixels in a row.
+    /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
     /// Bytes from one row to the next.
     pub stride: u32,
-    /// Bytes of a pixel.
+    /// Format of a pixel.
     pub format: PixelFormat,
     /// The camera's intrinsics.
     pub intrinsics: Intrinsics,
@@ -85,8 +85,6 @@ pub struct DepthPlane {
     pub unit_m: f32,
     /// From the depth camera to the colour camera.
     pub colour_from_depth: Extrinsics,
-    /// When the depth was taken, relative to the colour picture, in nanoseconds.
-    pub lag_ns: i64,
 }
 
 /// All that is known of a frame besides its pixels.
@@ -94,15 +92,15 @@ pub struct DepthPlane {
 pub struct FrameInfo {
     /// The sensor's own number of the colour picture.
     pub number: u64,
-    /// Frames that were lost just before this one, at the sensor or on the way.
+    /// Number of frames that were lost just before this one, at the sensor or on the way.
     pub dropped: u32,
-    /// When the colour picture was captured, CLOCK_MONOTONIC; of a recording: when it was played.
+    /// When the colour picture was captured, or played from a recording, in nanoseconds on CLOCK_MONOTONIC.
     pub captured_ns: u64,
-    /// Source time: `captured_ns` of a camera, nanoseconds since the first frame of a recording.
+    /// Source time: `captured_ns` for a camera, nanoseconds since the first frame for a recording.
     pub source_ns: u64,
     /// Layout and optics of the colour picture.
     pub colour: Plane,
-    /// The depth picture; `None` when depth is off or missing from this frame.
+    /// The depth picture, `None` when depth is off or missing from this frame.
     pub depth: Option<DepthPlane>,
 }
 
@@ -113,7 +111,7 @@ impl FrameInfo {
     }
 }
 
-/// Writes the planes one after the other, each byte once.
+/// Writes one plane after the other, each byte once, and returns their length.
 ///
 /// # Errors
 /// [`Error::Room`] when `target` is shorter than the planes together; nothing is written then.

@@ -1,32 +1,28 @@
 //! RealSense frames in, nothing else: colour and depth of a D400 camera, live or from a `.bag` recording.
 //!
-//! A [`settings::Settings`] is opened to a `Source`, which hands out frames; a frame tells its [`frame::FrameInfo`] and
-//! is then written once, colour before depth, into memory that the caller has loaned (DESIGN 2, channel `frame`):
+//! A [`settings::Settings`] is opened to a `Source`, which hands out frames. A frame tells its [`frame::FrameInfo`] and is then written
+//! once, colour before depth, into memory that the caller provides:
 //!
 //! ```ignore
 //! let mut source = andon_realsense::Source::open(settings)?;
-//! match source.next(Duration::from_millis(200)) {
-//!     Next::Frame(frame) => {
-//!         let mut loan = frames.loan(frame.info().bytes())?;
-//!         frame.write_to(loan.bytes_mut())?;
-//!     }
-//!     Next::Lost(why) => tracing::warn!("{why}"), // it comes back by itself
-//!     Next::Nothing => {}
-//!     Next::Ended => return Ok(()),
+//! while let Some(frame) = source.next_frame()? {
+//!     let mut loan = frames.loan(frame.info().bytes())?;
+//!     frame.write_to(loan.bytes_mut())?;
 //! }
 //! ```
 //!
-//! Only the feature `realsense` brings `Source`; librealsense itself is loaded at run time from the folder that
-//! `provision.py` fills, so that nothing here needs it to be built. What can be wrong is decided without it too, and
-//! tested without a camera: [`clock`] maps the sensor's time to CLOCK_MONOTONIC, [`recovery`] brings an unplugged camera
-//! back, [`usb`] finds out why no camera is there.
+//! An [`Error`] ends the source: whoever owns it decides whether and when to open another one.
+//!
+//! Only the feature `realsense` brings `Source`. It loads librealsense at run time from the folder that `provision.py` fills, so nothing
+//! here needs the library to be built. Whatever can be decided without the library is tested without it: [`clock`] maps the sensor's
+//! time to CLOCK_MONOTONIC, [`wait`] says when a camera is silent, and [`usb`] finds out why no camera is there.
 
 pub mod clock;
 pub mod error;
 pub mod frame;
-pub mod recovery;
 pub mod settings;
 pub mod usb;
+pub mod wait;
 
 #[cfg(feature = "realsense")]
 mod sdk;
@@ -34,4 +30,3 @@ mod sdk;
 pub use sdk::{Frame, Source};
 
 pub use error::Error;
-pub use recovery::Next;

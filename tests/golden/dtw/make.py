@@ -3,7 +3,7 @@
 
     python3 -m venv VENV && VENV/bin/pip install dtaidistance==2.5.1 numpy && VENV/bin/python make.py
 
-The inputs come from a fixed seed; running it again changes nothing.
+The inputs come from a fixed seed, so running this again changes nothing.
 """
 
 import json
@@ -16,27 +16,27 @@ from dtaidistance import dtw, dtw_ndim
 
 LENGTHS = [(1, 1), (1, 7), (9, 4), (31, 33), (32, 32), (64, 65), (150, 150), (97, 180)]
 BINS = [4, 8, 12, 16, 36]
-# Places of `Motion` that are directions: θ_hj, φ_hj, θ_jl, φ_jl.
+# Indices of the features of `Motion` that are directions: θ_hj, φ_hj, θ_jl, φ_jl.
 DIRECTIONS = (1, 2, 4, 5)
 
 
 def motions(rng, frames, bins, elevated):
-    """Motions as the method makes them: each held for some frames."""
-    held = []
-    while len(held) < frames:
+    """A sequence as the method produces it, in which each motion lasts for some frames."""
+    sequence = []
+    while len(sequence) < frames:
         theta = [rng.randint(0, bins) if elevated else 0 for _ in range(2)]
         motion = [rng.randint(-1, 1), theta[0], rng.randint(0, bins), rng.randint(0, 1)]
         motion += [theta[1], rng.randint(0, bins), rng.randint(0, 1)]
-        held += [motion] * rng.randint(1, 6)
-    return held[:frames]
+        sequence += [motion] * rng.randint(1, 6)
+    return sequence[:frames]
 
 
 def on_circle(motion, bins):
-    """Directions as points on the unit circle, rest as its centre; the other features as they are."""
-    point = [float(motion[place]) for place in range(7) if place not in DIRECTIONS]
-    for place in DIRECTIONS:
-        angle = math.tau * motion[place] / bins
-        point += [math.cos(angle), math.sin(angle)] if motion[place] else [0.0, 0.0]
+    """The motion with directions as points on the unit circle and rest as its centre; the other features are unchanged."""
+    point = [float(motion[index]) for index in range(7) if index not in DIRECTIONS]
+    for index in DIRECTIONS:
+        angle = math.tau * motion[index] / bins
+        point += [math.cos(angle), math.sin(angle)] if motion[index] else [0.0, 0.0]
     return point
 
 
@@ -46,11 +46,8 @@ def distance(a, b):
 
 def main():
     rng = random.Random(2026)
-    vectors = {"real": [], "ordinal": [], "circular": []}
+    vectors = {"ordinal": [], "circular": []}
     for n, m in LENGTHS:
-        for dimensions in (5, 7):
-            a, b = ([[round(rng.gauss(0, 3), 6) for _ in range(dimensions)] for _ in range(k)] for k in (n, m))
-            vectors["real"].append({"a": a, "b": b, "distance": distance(a, b)})
         for elevated in (False, True):
             a, b = motions(rng, n, 8, elevated), motions(rng, m, 8, elevated)
             _, paths = dtw_ndim.warping_paths(numpy.array(a, dtype=float), numpy.array(b, dtype=float))

@@ -1,4 +1,4 @@
-//! Bytes as a worker: frames for the encoder, or couples past it, and a job to judge them by.
+//! Bytes as a worker: frames for the encoder, or couples that bypass it, and a job to judge them by.
 
 use super::Input;
 use super::ledger::Ledger;
@@ -10,10 +10,10 @@ use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
 use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
 
-/// Objects that the bytes can speak of.
+/// Number of objects that the bytes can refer to.
 const KNOWN: u8 = 6;
 
-/// Contexts that the bytes can speak of: grasp, place, release, of either hand.
+/// Contexts that the bytes can refer to: idle, and grasp, contact and release by either hand.
 const CONTEXTS: [[u16; 4]; 8] = [
     [0, 0, 0, 0],
     [1, 1, 0, 0],
@@ -25,23 +25,23 @@ const CONTEXTS: [[u16; 4]; 8] = [
     [1, 5, 5, 1],
 ];
 
-/// Runs the whole core on a worker made of `bytes`.
+/// Runs the whole core on a worker that is made of `bytes`.
 pub fn couple_stream(bytes: &[u8]) {
     let mut input = Input(bytes);
     let method = method(&mut input);
     let taught: Vec<Vec<Taught>> = (0..1 + input.below(4)).map(|_| activity(&mut input)).collect();
     let lent: Vec<Vec<NominalIu<'_>>> =
         taught.iter().map(|ius| ius.iter().map(Taught::lend).collect()).collect();
-    // Two sequences each fulfil the same activity.
+    // Each activity is fulfilled by two sequences.
     let activities: Vec<NominalActivity<'_>> =
-        (0u16..).zip(&lent).map(|(place, ius)| NominalActivity { activity: place / 2, ius }).collect();
+        (0u16..).zip(&lent).map(|(index, ius)| NominalActivity { activity: index / 2, ius }).collect();
     let cost = match input.below(4) {
         0 => LocalCost::Ordinal,
         _ => LocalCost::Circular { bins: method.bins },
     };
     let order_matters = input.below(2) == 0;
-    let slowness = 1.0 + input.below(3) as f32;
-    let job = Job { activities: &activities, order_matters, cost, slowness };
+    let max_slowdown = 1.0 + input.below(3) as f32;
+    let job = Job { activities: &activities, order_matters, cost, max_slowdown };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {
@@ -49,7 +49,7 @@ pub fn couple_stream(bytes: &[u8]) {
     } else {
         line.take_frames(&mut input, method);
     }
-    line.judge.finish(&mut |verdict| line.ledger.say(verdict));
+    line.judge.finish(&mut |event| line.ledger.record(event));
     line.ledger.check();
 }
 
@@ -58,18 +58,18 @@ fn method(input: &mut Input<'_>) -> Method {
     Method {
         space: if input.below(2) == 0 { Space::Plane } else { Space::Metric },
         rate_hz: [1.0, 15.0, 30.0, 60.0][usize::from(input.below(4))],
-        // Mostly the default: most others have no scale that is exact enough, and to find the best one takes longer than all the rest.
+        // Mostly the default: most other numbers have no scale that is exact enough, and finding the best one takes longer than everything else.
         bins: [4, 7, 12].get(usize::from(input.below(32))).copied().unwrap_or(default.bins),
         persist_frames: 1 + input.below(15),
         filter_frames: 1 + 2 * input.below(16),
         blind_ms: 4 * u32::from(input.byte()),
-        // 0 ends a job in the first frame without a hand.
+        // With 0, a job ends in the first frame without a hand.
         idle_end_ms: 20 * u32::from(input.byte()),
         ..default
     }
 }
 
-/// One nominal IU, owned.
+/// One nominal IU with its own memory.
 struct Taught {
     context: Context,
     reference: Vec<Motion>,
@@ -90,10 +90,8 @@ fn activity(input: &mut Input<'_>) -> Vec<Taught> {
 }
 
 fn taught(input: &mut Input<'_>) -> Taught {
-    let bounds = |input: &mut Input<'_>| Bounds {
-        least: u32::from(input.below(8)),
-        most: 4 * u32::from(input.byte()),
-    };
+    let bounds =
+        |input: &mut Input<'_>| Bounds { min: u32::from(input.below(8)), max: 4 * u32::from(input.byte()) };
     Taught {
         context: Context(CONTEXTS[usize::from(input.below(8))]),
         reference: vec![motion(input); usize::from(input.byte())],
@@ -103,7 +101,7 @@ fn taught(input: &mut Input<'_>) -> Taught {
     }
 }
 
-/// Any motion, in range or not.
+/// A motion whose features may be out of range.
 fn motion(input: &mut Input<'_>) -> Motion {
     let directions = [input.below(10) as i8 - 1, input.below(10) as i8];
     match input.below(4) {
@@ -112,7 +110,7 @@ fn motion(input: &mut Input<'_>) -> Motion {
     }
 }
 
-/// The judge, and what it has said.
+/// The judge, and a ledger of its verdicts.
 struct Line<'a> {
     judge: Judge<'a, Vec<OnlineDtw<'a>>>,
     ledger: Ledger,
@@ -120,16 +118,16 @@ struct Line<'a> {
 
 impl Line<'_> {
     fn step(&mut self, couples: &Couples) {
-        self.ledger.see(couples);
-        self.judge.step(couples, &mut |verdict| self.ledger.say(verdict));
+        self.ledger.observe(couples);
+        self.judge.step(couples, &mut |event| self.ledger.record(event));
     }
 
     fn command(&mut self) {
         self.ledger.command();
-        self.judge.start(&mut |verdict| self.ledger.say(verdict));
+        self.judge.start(&mut |event| self.ledger.record(event));
     }
 
-    /// Couples that no encoder has checked: any sequence of contexts, for any number of frames.
+    /// Feeds the judge couples that no encoder has checked: any sequence of contexts, each for any number of frames.
     fn take_couples(&mut self, input: &mut Input<'_>) {
         self.ledger.expect_anything();
         let mut captured_ns = 0;
@@ -139,7 +137,7 @@ impl Line<'_> {
             }
             let contexts = Side::ALL.map(|_| Context(CONTEXTS[usize::from(input.below(8))]));
             let (sighted, seen) = (input.below(8) != 0, input.below(8) != 0);
-            // Long enough, now and then, for an IU that is longer than can be compared.
+            // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
                 255 => 2100,
                 frames => usize::from(frames % 64),
@@ -147,7 +145,7 @@ impl Line<'_> {
             for _ in 0..frames {
                 captured_ns += 1 + u64::from(input.byte()) * 1_000_000;
                 let hand = |side: Side| Couple {
-                    context: contexts[side.place()],
+                    context: contexts[side.index()],
                     sighted,
                     seen,
                     ..Couple::idle(side, captured_ns)
@@ -164,29 +162,25 @@ impl Line<'_> {
     fn take_frames(&mut self, input: &mut Input<'_>, method: Method) {
         let shapes: Vec<ObjectShape> = (1..=u16::from(KNOWN)).map(shape).collect();
         let Ok(mut encoder) = Encoder::new(method, &shapes) else { return };
-        // What the encoder promises of one step.
-        let most = (f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0).ceil() as usize
+        // The encoder promises at most this number of couples per step.
+        let max = (f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0).ceil() as usize
             + usize::from(method.persist_frames)
             + 2;
         let mut worker = Worker { captured_ns: input.word() >> input.below(64), ..Worker::default() };
         let mut made = Vec::new();
-        let (mut taken, mut refused) = (0, 0);
         while !input.is_empty() {
             if input.byte() == 0 {
                 self.command();
             }
             let frame = worker.frame(input);
-            match encoder.step(&frame, &mut |couples| made.push(couples)) {
-                Ok(()) => taken += 1,
-                Err(_) => refused += 1,
+            if encoder.step(&frame, &mut |couples| made.push(couples)).is_err() {
+                assert!(made.is_empty(), "a refused frame changes nothing");
             }
-            assert!(made.len() <= most, "{} couples in one step, at most {most} are promised", made.len());
+            assert!(made.len() <= max, "{} couples in one step, at most {max} are promised", made.len());
             made.drain(..).for_each(|couples| self.step(&couples));
         }
         encoder.flush(&mut |couples| made.push(couples));
         made.drain(..).for_each(|couples| self.step(&couples));
-        let counts = encoder.counts();
-        assert_eq!((counts.taken + counts.surplus, counts.late + counts.repeated), (taken, refused));
     }
 }
 
@@ -195,7 +189,7 @@ fn shape(id: u16) -> ObjectShape {
     ObjectShape { id, interaction_points: points.into_iter().take(1 + usize::from(id) % 2).collect() }
 }
 
-/// Where everything is, in centimetres.
+/// The positions of hands and objects, in centimetres.
 #[derive(Default)]
 struct Worker {
     captured_ns: u64,
@@ -204,7 +198,7 @@ struct Worker {
 }
 
 impl Worker {
-    /// Moves what the bytes say, for a time that they say.
+    /// Moves hands and objects as the bytes say, and lets as much time pass as they say.
     fn frame(&mut self, input: &mut Input<'_>) -> Frame {
         const PERIOD_NS: u64 = 33_333_333;
         self.captured_ns = match input.byte() {
@@ -226,9 +220,16 @@ impl Worker {
             self.objects[object] = self.hands[0];
         }
         let mut frame = Frame { captured_ns: self.captured_ns, ..Frame::default() };
+        self.add_hands(&mut frame, what);
+        self.add_objects(&mut frame, what, object);
+        frame
+    }
+
+    /// Adds the hands that the bits of `what` do not hide.
+    fn add_hands(&self, frame: &mut Frame, what: u8) {
         for (side, at) in Side::ALL.into_iter().zip(self.hands) {
-            if what >> side.place() & 1 == 0 {
-                // One too many, or one that is no number, is part of it.
+            if what >> side.index() & 1 == 0 {
+                // A hand that finds no room, or whose position is not a number, is part of the test.
                 let at = metres(at, what == 255);
                 let hand = Hand {
                     side,
@@ -240,21 +241,21 @@ impl Worker {
                 let _ = frame.hands.push(hand);
             }
         }
-        for (place, at) in self.objects.into_iter().enumerate() {
-            if what & 8 == 0 || place != object {
+    }
+
+    /// Adds the objects, except for `moved` if a bit of `what` hides it. Some values of `what` give ids, poses or numbers that are wrong.
+    fn add_objects(&self, frame: &mut Frame, what: u8, moved: usize) {
+        for (index, at) in self.objects.into_iter().enumerate() {
+            if what & 8 == 0 || index != moved {
                 let orientation = [f32::from(what), 1.0, 0.0, f32::from(what >> 4)];
                 let position = metres(at, what == 254);
-                let _ = frame.objects.push(Object {
-                    id: place as u16 + u16::from(what != 253),
-                    position,
-                    orientation,
-                });
+                let id = index as u16 + u16::from(what != 253);
+                let _ = frame.objects.push(Object { id, position, orientation });
             }
         }
         while what == 252 && frame.objects.len() < OBJECTS {
             let _ = frame.objects.push(Object { id: 9, position: [0.0; 3], orientation: [0.0; 4] });
         }
-        frame
     }
 }
 

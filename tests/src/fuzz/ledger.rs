@@ -1,28 +1,29 @@
-//! Verdicts that must agree with the couples and with each other.
+//! Checks that verdicts agree with the couples and with each other.
 
+use andon_core::anomaly::Event;
 use andon_core::couple::{Context, Couple, Couples};
 use andon_core::input::Side;
-use andon_core::verdict::{Kind, Reason, Verdict};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use std::collections::BTreeSet;
 
-/// Frames in which the context of a hand is the same.
+/// Consecutive frames in which the context of a hand is the same.
 #[derive(Clone, Copy)]
 struct Stretch {
     context: Context,
     began_ns: u64,
     newest_ns: u64,
-    /// The first frame that was not sighted.
+    /// The time of the first frame that was not sighted.
     blind_ns: Option<u64>,
 }
 
-/// What was seen and what was said.
+/// The couples that were observed, and the verdicts on them.
 #[derive(Default)]
 pub(super) struct Ledger {
     stretches: [Vec<Stretch>; 2],
-    said: Vec<Verdict>,
-    /// Commands cut IUs in two.
+    verdicts: Vec<Verdict>,
+    /// There was a command, and a command cuts an IU in two.
     commanded: bool,
-    /// The couples come from no encoder: contexts may follow each other that cannot.
+    /// The couples come from no encoder, so that contexts may follow each other that could not otherwise.
     anything: bool,
 }
 
@@ -35,37 +36,38 @@ impl Ledger {
         self.commanded = true;
     }
 
-    pub(super) fn see(&mut self, couples: &Couples) {
+    pub(super) fn observe(&mut self, couples: &Couples) {
         assert!(couples.captured_ns <= couples.known_ns);
         for (couple, stretches) in couples.hands.iter().zip(&mut self.stretches) {
-            see_hand(couple, stretches);
+            observe_hand(couple, stretches);
         }
     }
 
-    pub(super) fn say(&mut self, verdict: Verdict) {
-        self.said.push(verdict);
+    pub(super) fn record(&mut self, event: Event) {
+        self.verdicts.extend(event.verdict());
     }
 
-    /// Holds all that was said against what was seen.
+    /// Compares all verdicts with the couples.
     pub(super) fn check(&self) {
-        self.said.iter().for_each(check_alone);
+        self.verdicts.iter().for_each(check_alone);
         let mut given = BTreeSet::new();
-        for verdict in self.said.iter().filter(|verdict| verdict.side.is_some()) {
+        for verdict in self.verdicts.iter().filter(|verdict| verdict.level != Level::Job) {
             let key = (verdict.side, verdict.began_ns, verdict.iu);
-            assert!(given.insert(key) || self.commanded, "said twice: {verdict:?}");
+            assert!(given.insert(key) || self.commanded, "given twice: {verdict:?}");
         }
         for side in Side::ALL {
-            let of_hand = || self.said.iter().filter(move |verdict| verdict.side == Some(side));
-            let ius: Vec<&Verdict> = of_hand().filter(|verdict| verdict.iu.is_some()).collect();
-            let activities: Vec<&Verdict> = of_hand().filter(|verdict| verdict.iu.is_none()).collect();
-            ius.iter().for_each(|iu| self.check_iu(iu, &self.stretches[side.place()], &activities));
+            let of_hand = || self.verdicts.iter().filter(move |verdict| verdict.side == Some(side));
+            let ius: Vec<&Verdict> = of_hand().filter(|verdict| verdict.level == Level::Iu).collect();
+            let activities: Vec<&Verdict> =
+                of_hand().filter(|verdict| verdict.level == Level::Activity).collect();
+            ius.iter().for_each(|iu| self.check_iu(iu, &self.stretches[side.index()], &activities));
             if !self.anything {
                 activities.iter().for_each(|activity| check_activity(activity, &ius));
             }
         }
     }
 
-    // A check that fails ends the run, as the assertions around it do.
+    // A check that fails ends the run, like the assertions around it.
     #[allow(clippy::panic)]
     fn check_iu(&self, iu: &Verdict, stretches: &[Stretch], activities: &[&Verdict]) {
         let its = |activity: &&&Verdict| activity.activity == iu.activity && activity.began_ns <= iu.began_ns;
@@ -76,13 +78,13 @@ impl Ledger {
         let Some(stretch) = stretch else { return };
         assert_eq!(stretch.context, iu.context, "{iu:?}");
         assert!(stretch.began_ns == iu.began_ns || self.commanded, "an IU begins with its context: {iu:?}");
-        if iu.kind == Kind::IuOk && stretch.began_ns == iu.began_ns {
+        if iu.outcome == Outcome::Ok && stretch.began_ns == iu.began_ns {
             assert!(stretch.blind_ns.is_none_or(|blind| blind >= iu.ended_ns), "OK, but not seen: {iu:?}");
         }
     }
 }
 
-fn see_hand(couple: &Couple, stretches: &mut Vec<Stretch>) {
+fn observe_hand(couple: &Couple, stretches: &mut Vec<Stretch>) {
     let now_ns = couple.captured_ns;
     let same = stretches.last_mut().filter(|stretch| stretch.context == couple.context);
     let blind_ns = (!couple.sighted).then_some(now_ns);
@@ -103,27 +105,31 @@ fn see_hand(couple: &Couple, stretches: &mut Vec<Stretch>) {
     }
 }
 
-/// What must hold of every verdict.
+/// Checks what must hold for every verdict.
 fn check_alone(verdict: &Verdict) {
-    let right = matches!(verdict.kind, Kind::IuOk | Kind::ActivityOk | Kind::JobOk);
-    assert_eq!(right, verdict.reason == Reason::None, "a reason for what is not right only: {verdict:?}");
+    let right = verdict.outcome == Outcome::Ok;
+    assert_eq!(
+        right,
+        verdict.reason == Reason::None,
+        "only a verdict that is not OK has a reason: {verdict:?}"
+    );
     let unseen = matches!(verdict.reason, Reason::Blind | Reason::Unknown | Reason::Overload);
-    assert_eq!(verdict.kind == Kind::NotJudged, unseen, "{verdict:?}");
+    assert_eq!(verdict.outcome == Outcome::NotJudged, unseen, "{verdict:?}");
     assert!(verdict.began_ns <= verdict.ended_ns, "{verdict:?}");
     assert!(verdict.distance.is_none_or(|distance| distance >= 0.0 && distance.is_finite()), "{verdict:?}");
     assert_eq!(verdict.distance.is_some(), verdict.threshold.is_some(), "{verdict:?}");
-    if verdict.kind == Kind::IuOk {
+    if verdict.level == Level::Iu && right {
         assert!(verdict.distance <= verdict.threshold, "{verdict:?}");
     }
 }
 
-/// An activity is right only if all of its IUs are, and the IUs are only if it is.
+/// Checks that all IUs of an OK activity are OK, and that an activity with an anomalous IU is an anomaly.
 fn check_activity(activity: &Verdict, ius: &[&Verdict]) {
     let within = |iu: &&&Verdict| (activity.began_ns..activity.ended_ns).contains(&iu.began_ns);
     let mut ius = ius.iter().filter(within);
-    if activity.kind == Kind::ActivityOk {
-        assert!(ius.all(|iu| iu.kind == Kind::IuOk), "{activity:?}");
-    } else if let Some(wrong) = ius.find(|iu| iu.kind == Kind::IuAnomaly) {
-        assert_eq!(activity.kind, Kind::ActivityAnomaly, "{wrong:?} {activity:?}");
+    if activity.outcome == Outcome::Ok {
+        assert!(ius.all(|iu| iu.outcome == Outcome::Ok), "{activity:?}");
+    } else if let Some(wrong) = ius.find(|iu| iu.outcome == Outcome::Anomaly) {
+        assert_eq!(activity.outcome, Outcome::Anomaly, "{wrong:?} {activity:?}");
     }
 }

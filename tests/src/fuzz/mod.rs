@@ -1,5 +1,5 @@
-//! What the fuzzer calls, and the tests with seeded bytes: whatever the bytes are, nothing may panic, hang or take memory without bound,
-//! and what is said must agree with itself.
+//! The functions that the fuzzer calls, and the tests with bytes from fixed seeds: whatever the bytes are, nothing may panic, hang or use
+//! unlimited memory, and the verdicts must be consistent.
 //!
 //! The targets in `tests/fuzz` include this module by its path, so that they build without the rest of this crate.
 
@@ -10,7 +10,7 @@ mod ledger;
 pub use couple_stream::couple_stream;
 pub use files::{job_file, seal, track_file};
 
-/// The bytes of one input, taken from the front. What is missing is 0.
+/// The bytes of one input, which are consumed from the front. Missing bytes are 0.
 struct Input<'b>(&'b [u8]);
 
 impl Input<'_> {
@@ -20,7 +20,7 @@ impl Input<'_> {
         *first
     }
 
-    /// One of `0..count`.
+    /// A number below `count`.
     fn below(&mut self, count: u8) -> u8 {
         self.byte() % count
     }

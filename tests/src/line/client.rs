@@ -1,8 +1,15 @@
-//! A Modbus client of plain bytes: it shares no code with the server.
+//! A Modbus client of plain bytes. It shares no code with the server.
 
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
+
+/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Addresses of registers, as `REGISTERS.md` lists them.
+const STATUS: u16 = 0;
+const EPOCH: u16 = 38;
+const CONTROL: u16 = 100;
 
 /// Bits of the status word, as `REGISTERS.md` numbers them.
 #[allow(missing_docs)] // their names are their meaning
@@ -13,11 +20,18 @@ pub mod status {
     pub const ERROR: u16 = 128;
 }
 
+/// Bits of the control word, as `REGISTERS.md` numbers them.
+#[allow(missing_docs)] // their names are their meaning
+pub mod control {
+    pub const ENABLE: u16 = 1;
+    pub const ACKNOWLEDGE: u16 = 16;
+}
+
 /// A connection to the line's PLC side.
 pub struct Modbus(TcpStream);
 
 impl Modbus {
-    /// Connects, once.
+    /// Tries to connect once.
     ///
     /// # Errors
     /// Nobody listens.
@@ -33,8 +47,8 @@ impl Modbus {
     }
 
     /// Connects as soon as somebody listens; panics after a minute.
-    pub fn wait(port: u16) -> Self {
-        let until = Instant::now() + Duration::from_secs(60);
+    pub fn connect_when_up(port: u16) -> Self {
+        let until = Instant::now() + PATIENCE;
         loop {
             match Self::connect(port) {
                 Ok(client) => return client,
@@ -47,24 +61,35 @@ impl Modbus {
     /// Reads registers.
     ///
     /// # Errors
-    /// The connection broke, or the answer is no list of registers.
+    /// The connection broke, or the request was refused.
     pub fn read(&mut self, address: u16, count: u16) -> io::Result<Vec<u16>> {
         let ([a, b], [c, d]) = (address.to_be_bytes(), count.to_be_bytes());
-        let answer = self.ask(&[3, a, b, c, d])?;
+        let answer = self.request(&[3, a, b, c, d])?;
         if answer.first() != Some(&3) {
             return Err(io::Error::other(format!("exception {answer:?}")));
         }
         Ok(answer[2..].chunks(2).map(|two| u16::from_be_bytes([two[0], two[1]])).collect())
     }
 
-    /// Writes one register.
+    /// Writes the control word.
     ///
     /// # Errors
     /// The connection broke, or the write was refused.
-    pub fn write(&mut self, address: u16, value: u16) -> io::Result<()> {
-        let ([a, b], [c, d]) = (address.to_be_bytes(), value.to_be_bytes());
-        let answer = self.ask(&[6, a, b, c, d])?;
+    pub fn control(&mut self, word: u16) -> io::Result<()> {
+        let ([a, b], [c, d]) = (CONTROL.to_be_bytes(), word.to_be_bytes());
+        let answer = self.request(&[6, a, b, c, d])?;
         if answer.first() == Some(&6) { Ok(()) } else { Err(io::Error::other(format!("refused {answer:?}"))) }
+    }
+
+    /// Sets `enable`, and nothing else. Panics where that is refused.
+    pub fn enable(&mut self) {
+        self.control(control::ENABLE).unwrap();
+    }
+
+    /// Takes over the offered result: sets `acknowledge` and clears it. Panics where that is refused.
+    pub fn acknowledge(&mut self) {
+        self.control(control::ENABLE | control::ACKNOWLEDGE).unwrap();
+        self.enable();
     }
 
     /// The status word.
@@ -72,23 +97,30 @@ impl Modbus {
     /// # Errors
     /// As [`Modbus::read`].
     pub fn status(&mut self) -> io::Result<u16> {
-        Ok(self.read(0, 1)?[0])
+        Ok(self.read(STATUS, 1)?[0])
+    }
+
+    /// Epoch and `seq` of the verdict on the registers, for the word order "big".
+    pub fn result(&mut self) -> (u64, u64) {
+        let words = self.read(EPOCH, 8).unwrap();
+        let number = |words: &[u16]| words.iter().fold(0, |number, word| number << 16 | u64::from(*word));
+        (number(&words[..4]), number(&words[4..]))
     }
 
     /// Reads until the status word has all these bits; panics after a minute.
     pub fn wait_for(&mut self, bits: u16) {
-        let until = Instant::now() + Duration::from_secs(60);
+        let until = Instant::now() + PATIENCE;
         loop {
             let word = self.status().unwrap();
             if word & bits == bits {
                 return;
             }
-            assert!(Instant::now() < until, "status {word:#b}, wanted {bits:#b}");
+            assert!(Instant::now() < until, "status {word:#b}, expected {bits:#b}");
             std::thread::sleep(Duration::from_millis(5));
         }
     }
 
-    fn ask(&mut self, pdu: &[u8]) -> io::Result<Vec<u8>> {
+    fn request(&mut self, pdu: &[u8]) -> io::Result<Vec<u8>> {
         let mut frame = vec![0, 1, 0, 0, 0, u8::try_from(pdu.len() + 1).unwrap(), 1];
         frame.extend_from_slice(pdu);
         self.0.write_all(&frame)?;

@@ -1,13 +1,13 @@
-//! What is in the journal, read from its CSV.
+//! The rows of the journal, read from the CSV that `andond history` prints.
 
-/// A row of the journal, in the order of writing.
+/// One row.
 #[derive(Clone, Debug)]
 enum Row {
     Verdict { epoch: u64, seq: u64 },
     Gap { restart: bool, epoch: u64, first: u64, last: Option<u64> },
 }
 
-/// What is in the journal.
+/// The journal's rows, in the order of writing.
 #[derive(Clone, Debug)]
 pub struct Journalled(Vec<Row>);
 
@@ -15,15 +15,15 @@ impl Journalled {
     pub(super) fn read(csv: &str) -> Self {
         let mut lines = csv.lines();
         let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-        let place = |name: &str| header.iter().position(|column| *column == name).unwrap();
-        let [entry, why, epoch, seq, last] = ["entry", "reason", "epoch", "seq", "last_seq"].map(place);
+        let index_of = |name: &str| header.iter().position(|column| *column == name).unwrap();
+        let [entry, reason, epoch, seq, last] = ["entry", "reason", "epoch", "seq", "last_seq"].map(index_of);
         let row = |line: &str| {
             let fields: Vec<&str> = line.split(',').collect();
             let (epoch, seq) = (fields[epoch].parse().unwrap(), fields[seq].parse().unwrap());
             match fields[entry] {
                 "verdict" => Row::Verdict { epoch, seq },
                 _ => Row::Gap {
-                    restart: fields[why] == "restart",
+                    restart: fields[reason] == "restart",
                     epoch,
                     first: seq,
                     last: fields[last].parse().ok(),
@@ -42,26 +42,26 @@ impl Journalled {
         self.0.iter().filter_map(verdict).collect()
     }
 
-    /// How many gaps are recorded.
+    /// The number of gaps that are recorded.
     pub fn gaps(&self) -> usize {
         self.0.len() - self.verdicts().len()
     }
 
-    /// Those of `sent` that are not there and that no gap stands for.
+    /// Those verdicts of `sent` that have no row and that no gap stands for.
     pub fn unexplained(&self, sent: &[(u64, u64)]) -> Vec<(u64, u64)> {
-        let there: std::collections::HashSet<_> = self.verdicts().into_iter().collect();
+        let written: std::collections::HashSet<_> = self.verdicts().into_iter().collect();
         sent.iter()
-            .filter(|verdict| !there.contains(verdict) && !self.has_gap_for(**verdict))
+            .filter(|verdict| !written.contains(verdict) && !self.has_gap_for(**verdict))
             .copied()
             .collect()
     }
 
     fn has_gap_for(&self, (epoch, seq): (u64, u64)) -> bool {
-        self.0.iter().enumerate().any(|(place, row)| {
+        self.0.iter().enumerate().any(|(index, row)| {
             let Row::Gap { restart, epoch: of, first, last } = row else { return false };
             if *restart {
-                // It stands for the end of one judge, and for every judge before the one whose verdict comes next.
-                let until = self.0[place..].iter().find_map(|row| match row {
+                // It stands for the rest of one judge's verdicts, and for those of every judge before the one that comes next.
+                let until = self.0[index..].iter().find_map(|row| match row {
                     Row::Verdict { epoch, .. } => Some(*epoch),
                     Row::Gap { .. } => None,
                 });

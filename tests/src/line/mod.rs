@@ -1,7 +1,7 @@
-//! A whole line as its real processes, fed by a simulated worker's track file: a station of its own under /tmp.
+//! A whole line: the real roles as processes of a station of their own under /tmp, fed by the track file of a simulated worker.
 //!
-//! It is started and supervised as systemd would, and watched only from outside: by the channels, by Modbus, by `andond`'s
-//! own commands and by `/proc`.
+//! The roles are started and supervised as systemd does it, and watched from outside only: by the channels, by Modbus, by
+//! the commands of `andond` and by `/proc`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod client;
@@ -9,7 +9,7 @@ mod journalled;
 mod process;
 mod watcher;
 
-pub use client::{Modbus, status};
+pub use client::{Modbus, control, status};
 pub use journalled::Journalled;
 pub use process::{Process, andond, own_memory_kib};
 pub use watcher::{Watcher, role_id};
@@ -28,24 +28,15 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// Prints the report of a long check and writes it to a file.
-pub fn report(path: &str, text: &str) {
-    println!("{text}");
-    if let Some(folder) = Path::new(path).parent() {
-        fs::create_dir_all(folder).unwrap();
-    }
-    fs::write(path, text).unwrap();
-}
-
 /// The roles of a line without pictures, in the order in which a target starts them.
 pub const ROLES: [&str; 6] = ["steward", "perceive", "encode", "judge", "journal", "plc"];
 
-/// How the worker is played.
+/// How the worker's recording is played.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
-    /// As fast as the readers go, instead of at the worker's own pace.
+    /// As fast as the readers take it, instead of at the worker's own pace.
     pub at_full_speed: bool,
-    /// Again and again.
+    /// From the start again at its end, for ever.
     pub repeat: bool,
     /// Whether the PLC may write.
     pub writes: bool,
@@ -59,7 +50,14 @@ impl Default for Settings {
     }
 }
 
-/// A station with its files. Dropped, it leaves nothing behind.
+impl Settings {
+    /// The worker repeats the job for ever, at their own pace.
+    pub fn live() -> Self {
+        Self { at_full_speed: false, repeat: true, ..Self::default() }
+    }
+}
+
+/// A station with its files. Nothing of it is left when this is dropped.
 pub struct Line {
     /// Running roles; see [`Line::start`].
     pub roles: Vec<Process>,
@@ -67,7 +65,7 @@ pub struct Line {
     pub station: Station,
     /// Where Modbus listens.
     pub port: u16,
-    /// Variables that roles started from now on get.
+    /// Environment variables of the roles that are started from now on.
     pub environment: Vec<(&'static str, OsString)>,
     folder: TempDir,
 }
@@ -116,7 +114,7 @@ impl Line {
         self.roles.last_mut().unwrap()
     }
 
-    /// Starts every role; what is told from the beginning can be heard.
+    /// Starts every role. The watcher is there before anything is sent.
     pub fn launch(&mut self) -> Watcher {
         self.start("steward");
         let watcher = Watcher::join(&self.station);
@@ -134,7 +132,7 @@ impl Line {
         watcher
     }
 
-    /// Changes the recording that will be played.
+    /// Changes the frames of the recording before it is played.
     pub fn edit_tracks(&self, edit: impl FnOnce(&mut [Frame])) {
         let mut recording = recording::read("work", &fs::read(self.tracks()).unwrap()).unwrap();
         edit(&mut recording.frames);
@@ -153,13 +151,13 @@ impl Line {
         self.roles.iter_mut().find(|running| running.role == role).unwrap()
     }
 
-    /// What a role has logged since the station was laid out.
+    /// Everything that a role has logged, over all of its starts.
     pub fn log(&self, role: &str) -> String {
         fs::read_to_string(self.log_path(role)).unwrap_or_default()
     }
 
-    /// Waits for a message in a role's log, which must end with what to do; panics after a minute.
-    pub fn logs(&self, role: &str, code: &str, remedy: &str) {
+    /// Waits for a message with this code, which must contain this remedy, in a role's log; panics after a minute.
+    pub fn wait_for_log(&self, role: &str, code: &str, remedy: &str) {
         let until = Instant::now() + Duration::from_secs(60);
         loop {
             let log = self.log(role);
@@ -167,7 +165,7 @@ impl Line {
                 assert!(message.contains(remedy), "{message}");
                 return;
             }
-            assert!(Instant::now() < until, "{role} does not say {code}:\n{log}");
+            assert!(Instant::now() < until, "{role} does not log {code}:\n{log}");
             std::thread::sleep(Duration::from_millis(20));
         }
     }
@@ -181,31 +179,31 @@ impl Line {
         process::run(command, &self.config(), arguments)
     }
 
-    /// As [`Line::stop`], without the steward: it cleans up only after those who left before it.
+    /// As [`Line::stop`], without the steward, which cleans up after those that left before it.
     pub fn stop_all_but_steward(&mut self) -> Vec<String> {
         self.stop_these(&ROLES[1..])
     }
 
-    /// Stops every role along the data path, so that each takes what the one before it has sent, and the steward last;
-    /// says which did not end well.
+    /// Stops every role along the data path, so that each takes what the one before it has sent, and the steward last.
+    /// Returns the roles that did not end with success, and how they ended.
     pub fn stop(&mut self) -> Vec<String> {
-        let mut bad = self.stop_all_but_steward();
-        bad.extend(self.stop_these(&ROLES[..1]));
-        bad
+        let mut failures = self.stop_all_but_steward();
+        failures.extend(self.stop_these(&ROLES[..1]));
+        failures
     }
 
     fn stop_these(&mut self, names: &[&str]) -> Vec<String> {
-        let mut bad = Vec::new();
+        let mut failures = Vec::new();
         for &name in names {
-            let Some(place) = self.roles.iter().position(|role| role.role == name) else { continue };
-            if let Err(how) = self.roles.remove(place).stop() {
-                bad.push(format!("{name}: {how}"));
+            let Some(index) = self.roles.iter().position(|role| role.role == name) else { continue };
+            if let Err(how) = self.roles.remove(index).stop() {
+                failures.push(format!("{name}: {how}"));
             }
         }
-        bad
+        failures
     }
 
-    /// What the journal holds, by the real command.
+    /// The rows of the journal, by `andond history`.
     pub fn journal(&self) -> Journalled {
         let output = self.command("history", &["--csv"]);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -235,8 +233,7 @@ fn performance(person: u64, repetition: u64) -> Performance {
 }
 
 fn save(path: &Path, recording: &recording::Recording) {
-    let file = BufWriter::new(fs::File::create(path).unwrap());
-    let mut file = file;
+    let mut file = BufWriter::new(fs::File::create(path).unwrap());
     recording::write(&mut file, &recording.header, &recording.frames).unwrap();
 }
 
@@ -264,7 +261,7 @@ fn configuration(settings: Settings, root: &Path, port: u16, header: &Header) ->
     text
 }
 
-/// The job, taught by the real command; once a process, because it is the same for every line.
+/// The job, taught by `andond teach`: once per process, because it is the same for every line.
 fn job(config: &Path) -> &'static [u8] {
     static JOB: OnceLock<Vec<u8>> = OnceLock::new();
     JOB.get_or_init(|| {

@@ -1,4 +1,4 @@
-//! The real binary: its roles as processes, its commands as runs.
+//! The real binary: its roles as processes, and its commands.
 
 use rustix::process::{Pid, Signal, kill_process};
 use std::ffi::OsString;
@@ -7,16 +7,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// What a unit grants a role to stop in.
+/// The time that a unit gives a role to stop.
 const GRACE: Duration = Duration::from_secs(5);
 
-/// The binary, beside the program or the test that runs.
+/// Path of the binary: beside this program, or one folder up where this is a test.
 pub fn andond() -> PathBuf {
     let own = std::env::current_exe().unwrap();
     let folders = own.ancestors().skip(1).take(2);
     let found = folders.map(|folder| folder.join("andond")).find(|path| path.is_file());
     found.unwrap_or_else(|| {
-        panic!("andond is not beside {}: build it first with `cargo build -p andond --bins`", own.display())
+        panic!("andond is not beside {}: build it first with `cargo build --workspace --bins`", own.display())
     })
 }
 
@@ -31,7 +31,7 @@ pub(super) fn run(command: &str, config: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// A role that runs. Dropped, it is killed.
+/// A role that runs. It is killed when this is dropped.
 pub struct Process {
     /// Its name.
     pub role: &'static str,
@@ -73,18 +73,18 @@ impl Process {
         let _ = kill_process(pid, signal);
     }
 
-    /// SIGKILL, and gone.
+    /// Sends SIGKILL and waits for the end.
     pub fn kill(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 
-    /// How it ended, if it has.
+    /// The exit status, if it has ended.
     pub fn ended(&mut self) -> Option<ExitStatus> {
         self.child.try_wait().unwrap()
     }
 
-    /// How it ends; panics after a minute, which no role takes.
+    /// Waits for the end and gives the exit status; panics after a minute, which no role takes.
     pub fn wait(&mut self) -> ExitStatus {
         let until = Instant::now() + Duration::from_secs(60);
         loop {
@@ -96,7 +96,7 @@ impl Process {
         }
     }
 
-    /// SIGTERM, and how it did not end well.
+    /// Sends SIGTERM and waits. The error says how it ended instead of with success.
     pub(super) fn stop(mut self) -> Result<(), String> {
         self.signal(Signal::TERM);
         let until = Instant::now() + GRACE;
@@ -117,7 +117,7 @@ impl Drop for Process {
     }
 }
 
-/// Memory of a process that is its own, in KiB: without files and shared memory.
+/// A process's own memory in KiB: without files and shared memory.
 pub fn own_memory_kib(pid: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:"))?;

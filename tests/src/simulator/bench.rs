@@ -1,4 +1,4 @@
-//! The parts on the bench, and where they lie.
+//! The parts on the bench, and their poses.
 
 use super::{Random, Vector, add, turn};
 use andon_core::input::ObjectShape;
@@ -7,29 +7,50 @@ use andon_learn::recording::NamedObject;
 /// A part that can be taken.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
-    /// Identity.
+    /// The part's id.
     pub id: u16,
-    /// What a person calls it.
+    /// The name that people use for it.
     pub name: &'static str,
-    /// Where it is taken, in its own frame, in metres.
+    /// Grasp point, in metres in the part's own frame, like all points here.
     pub grasp: Vector,
-    /// The point that is brought to another part, in its own frame.
+    /// The point that is brought to another part.
     pub tip: Vector,
-    /// The point that another part's tip is brought to, in its own frame.
+    /// The point to which the tip of another part is brought.
     pub work: Vector,
-    /// Where it can be touched, in its own frame.
+    /// Interaction points.
     pub points: &'static [Vector],
 }
+
+/// The id of the meter.
+pub(super) const METER_ID: u16 = 3;
+/// The id of the polisher.
+pub(super) const POLISHER_ID: u16 = 5;
+/// The id of the brick.
+pub(super) const BRICK_ID: u16 = 6;
 
 /// The parts of the paper's experiments.
 pub(super) const PARTS: [Part; 7] = [
     part(1, "profile", [0.0, 0.0], [0.11, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.11, 0.0]]),
     part(2, "corner", [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.0, 0.03]]),
-    part(3, "meter", [0.02, 0.0], [0.12, 0.0], [-0.05, 0.0], &[[-0.05, 0.0], [0.02, 0.0], [0.12, 0.0]]),
-    part(4, "box", [0.0, 0.1], [0.0, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.02, 0.02], [0.02, -0.02]]),
-    part(5, "polisher", [0.0, 0.0], [0.105, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.105, 0.015], [0.105, -0.015]]),
     part(
-        6,
+        METER_ID,
+        "meter",
+        [0.02, 0.0],
+        [0.12, 0.0],
+        [-0.05, 0.0],
+        &[[-0.05, 0.0], [0.02, 0.0], [0.12, 0.0]],
+    ),
+    part(4, "box", [0.0, 0.1], [0.0, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.02, 0.02], [0.02, -0.02]]),
+    part(
+        POLISHER_ID,
+        "polisher",
+        [0.0, 0.0],
+        [0.105, 0.0],
+        [0.0, 0.0],
+        &[[0.0, 0.0], [0.105, 0.015], [0.105, -0.015]],
+    ),
+    part(
+        BRICK_ID,
         "brick",
         [-0.03, 0.0],
         [0.06, 0.0],
@@ -54,13 +75,13 @@ impl Part {
     /// The part with this id.
     ///
     /// # Panics
-    /// If there is none: a script names only what [`PARTS`] has.
+    /// If there is none: scripts name only parts of the paper's experiments.
     #[allow(clippy::panic)]
     pub fn of(id: u16) -> Self {
         PARTS.into_iter().find(|part| part.id == id).unwrap_or_else(|| panic!("no part has id {id}"))
     }
 
-    /// As a track file's header has it.
+    /// The part as it is in the header of a track file.
     pub fn named(&self) -> NamedObject {
         let points = self.points.iter().map(|[x, y]| [*x as f32, *y as f32, 0.0]);
         NamedObject {
@@ -70,39 +91,42 @@ impl Part {
     }
 }
 
-/// Place and turn on the bench.
+/// Position and direction on the bench.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Metres.
+    /// Position in metres.
     pub at: Vector,
-    /// Radians, counter-clockwise.
+    /// Direction in radians, counter-clockwise.
     pub yaw: f64,
 }
 
 impl Pose {
-    /// Where a point of the thing is on the bench.
+    /// The position on the bench of a point of the part's own frame.
     pub fn point(&self, own: Vector) -> Vector {
         add(self.at, turn(own, self.yaw))
     }
 }
 
-/// Where the parts lie before the first movement.
+/// A part of a plan: id, x and y in metres, yaw in radians.
+pub type PlannedPart = (u16, f64, f64, f64);
+
+/// The bench before the first movement.
 #[derive(Clone, Debug)]
 pub struct Bench {
-    /// The parts that are there.
+    /// The parts and their poses.
     pub parts: Vec<(Part, Pose)>,
-    /// Where the hand rests.
+    /// Rest position of the hand, in metres.
     pub rest: Vector,
 }
 
 impl Bench {
-    /// Parts at places: id, x, y in metres, yaw in radians.
-    pub fn new(places: &[(u16, f64, f64, f64)]) -> Self {
-        let parts = places.iter().map(|&(id, x, y, yaw)| (Part::of(id), Pose { at: [x, y], yaw })).collect();
+    /// A bench with these parts.
+    pub fn new(parts: &[PlannedPart]) -> Self {
+        let parts = parts.iter().map(|&(id, x, y, yaw)| (Part::of(id), Pose { at: [x, y], yaw })).collect();
         Self { parts, rest: [0.15, -0.28] }
     }
 
-    /// Moves each part a little on its own: nobody puts things exactly where the plan says.
+    /// Moves each part a little by itself, because nobody puts parts exactly where the plan says. The deviations are in metres and radians.
     pub fn jitter(&mut self, random: &mut Random, deviation_m: f64, deviation_yaw: f64) {
         for (_, pose) in &mut self.parts {
             pose.at = add(pose.at, [deviation_m * random.normal(), deviation_m * random.normal()]);
@@ -110,12 +134,25 @@ impl Bench {
         }
     }
 
-    /// Shifts and turns the whole bench about its middle.
+    /// Shifts the whole bench, and turns it about its centre.
     pub fn move_all(&mut self, shift: Vector, yaw: f64) {
         for (_, pose) in &mut self.parts {
             *pose = Pose { at: add(shift, turn(pose.at, yaw)), yaw: pose.yaw + yaw };
         }
         self.rest = add(shift, turn(self.rest, yaw));
+    }
+
+    /// The pose of a part; the origin if it is not on the bench.
+    pub(super) fn pose(&self, id: u16) -> Pose {
+        let found = self.parts.iter().find(|(part, _)| part.id == id);
+        found.map_or(Pose { at: [0.0; 2], yaw: 0.0 }, |(_, pose)| *pose)
+    }
+
+    /// Moves a part to a pose.
+    pub(super) fn set_pose(&mut self, id: u16, pose: Pose) {
+        for (_, own) in self.parts.iter_mut().filter(|(part, _)| part.id == id) {
+            *own = pose;
+        }
     }
 
     /// Shifts and turns one part.

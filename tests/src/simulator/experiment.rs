@@ -1,27 +1,30 @@
-//! The recordings of the paper's two experiments.
+//! The recordings of the paper's two experiments, and of a shop floor.
 
-use super::job::{Flaw, Layout, Performance, perform, perform_activity};
+use super::activity::{Layout, perform_activity};
+use super::flaw::Flaw;
+use super::job::perform;
 use super::movement::Truth;
 use super::noise::Noise;
+use super::performance::Performance;
 use andon_learn::recording::{self, Recording};
 use std::io;
 use std::path::Path;
 
 /// The activities of the first experiment, in the paper's order.
-pub const ACTIVITIES: [&str; 5] = ["boxing", "measuring", "assembly", "disassembly", "polishing"];
+const ACTIVITIES: [&str; 5] = ["boxing", "measuring", "assembly", "disassembly", "polishing"];
 
 /// One recording of an experiment.
 #[derive(Clone, Debug)]
 pub struct Recorded {
-    /// Its name without ending: `p<person>_<what>_r<repetition>`.
+    /// The name of the file without its ending: `p<person>_<what>_r<repetition>`.
     pub name: String,
     /// What was seen.
     pub recording: Recording,
-    /// What happened.
+    /// What truly happened.
     pub truth: Truth,
 }
 
-/// Experiment 1: 10 people, 5 activities, 4 repetitions, and drilling once in each of three layouts.
+/// Experiment 1: 10 people carry out 5 activities with 4 repetitions, and drill once in each of three layouts.
 pub fn experiment_1(seed: u64, noise: Noise) -> Vec<Recorded> {
     let mut all = Vec::new();
     for person in 1..=10 {
@@ -40,7 +43,7 @@ pub fn experiment_1(seed: u64, noise: Noise) -> Vec<Recorded> {
     all
 }
 
-/// Experiment 2: 7 people, the job 3 times correctly, once as `J1` and once as `J2`.
+/// Experiment 2: 7 people do the job 3 times correctly, once as `J1` and once as `J2`.
 pub fn experiment_2(seed: u64, noise: Noise) -> Vec<Recorded> {
     let mut all = Vec::new();
     for person in 1..=7 {
@@ -48,14 +51,14 @@ pub fn experiment_2(seed: u64, noise: Noise) -> Vec<Recorded> {
             [(Flaw::None, 1), (Flaw::None, 2), (Flaw::None, 3), (Flaw::J1, 1), (Flaw::J2, 1)]
         {
             let (recording, truth) = perform(&Performance { seed, person, repetition, noise }, flaw);
-            all.push(Recorded { name: format!("p{person}_{}_r{repetition}", flaw.word()), recording, truth });
+            all.push(Recorded { name: format!("p{person}_{}_r{repetition}", flaw.name()), recording, truth });
         }
     }
     all
 }
 
-/// The shop floor: five people show the job correctly once each (`taught`), then three others do it with every flaw, and
-/// with everything that looks like one and is none.
+/// The shop floor: five people show the job correctly once each (`taught`). Then three others do it with every flaw, and with every harmless
+/// variation that looks like a flaw.
 pub fn floor(seed: u64, noise: Noise) -> Vec<Recorded> {
     let mut all = Vec::new();
     let mut record = |person, what: &str, flaw| {
@@ -67,7 +70,7 @@ pub fn floor(seed: u64, noise: Noise) -> Vec<Recorded> {
     }
     for person in 6..=8 {
         for flaw in Flaw::ALL {
-            record(person, flaw.word(), flaw);
+            record(person, flaw.name(), flaw);
         }
     }
     all
@@ -76,7 +79,7 @@ pub fn floor(seed: u64, noise: Noise) -> Vec<Recorded> {
 /// Writes recordings as track files into a folder.
 ///
 /// # Errors
-/// When the folder cannot be written.
+/// If the folder cannot be written.
 pub fn save(folder: &Path, recorded: &[Recorded]) -> io::Result<()> {
     std::fs::create_dir_all(folder)?;
     for one in recorded {

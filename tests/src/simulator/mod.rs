@@ -1,25 +1,33 @@
-//! People at a bench, simulated: test equipment with contacts and labels known.
+//! Simulated people at a bench: recordings for tests, with known contacts and labels.
 //!
-//! A [`Person`] carries out a [`Script`] on a [`Bench`]: reaches, carries, strokes and holds with minimum-jerk movements
-//! (Flash and Hogan 1985), at a speed, with a path, dwell and grip of their own. [`Noise`] then takes away what a
-//! camera and a tracker would take away. All of it follows from one seed, on every machine.
+//! A [`Person`] carries out a [`Script`] on a [`Bench`]: the person reaches, carries, strokes and holds with minimum-jerk movements (Flash
+//! and Hogan 1985), each person with a speed, path, dwell time and grip of their own. [`Noise`] then removes what a camera and a tracker
+//! would not see. Everything follows from one seed, on every machine.
 //!
-//! What it leaves out: the height over the bench (plane mode only), the forearm, the other fingers, learning and
-//! fatigue. It shares no code with the method: what it says of contacts comes from the script, not from distances.
+//! The simulation leaves out the height above the bench (there is only plane mode), the forearm, the other fingers, learning and fatigue.
+//! It shares no code with the method: the contacts in its labels come from the script, not from distances.
 
+mod activity;
 mod bench;
 mod experiment;
+mod flaw;
 mod job;
 mod movement;
 mod noise;
+mod performance;
 mod person;
+mod script;
 
-pub use bench::{Bench, Part, Pose};
-pub use experiment::{ACTIVITIES, Recorded, experiment_1, experiment_2, floor, save};
-pub use job::{Expected, Flaw, Layout, Performance, perform, perform_activity};
-pub use movement::{Action, Instant, Labels, Script, TrueIu, Truth};
+pub use activity::{Layout, perform_activity};
+pub use bench::{Bench, Part, PlannedPart, Pose};
+pub use experiment::{Recorded, experiment_1, experiment_2, floor, save};
+pub use flaw::{Expected, Flaw};
+pub use job::perform;
+pub use movement::{Instant, Truth};
 pub use noise::Noise;
+pub use performance::Performance;
 pub use person::Person;
+pub use script::{Action, Labels, Script, TrueIu};
 
 use oorandom::Rand64;
 
@@ -31,9 +39,9 @@ pub(crate) type Vector = [f64; 2];
 pub struct Random(Rand64);
 
 impl Random {
-    /// The stream of this seed and these labels; streams of different labels are independent.
+    /// The stream of random numbers for this seed and these labels; streams with different labels are independent.
     pub fn new(seed: u64, labels: &[u64]) -> Self {
-        // FNV-1a over the words: neighbouring seeds must not give neighbouring streams.
+        // FNV-1a, because neighbouring seeds must not give similar streams.
         let state = [seed]
             .iter()
             .chain(labels)
@@ -50,22 +58,22 @@ impl Random {
     }
 
     /// Uniform in a range.
-    pub fn between(&mut self, least: f64, most: f64) -> f64 {
-        least + (most - least) * self.uniform()
+    pub fn between(&mut self, min: f64, max: f64) -> f64 {
+        min + (max - min) * self.uniform()
     }
 
-    /// Normal with mean 0 and deviation 1 (Box and Muller).
+    /// Normal with mean 0 and standard deviation 1 (Box and Muller).
     pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.uniform()).cos()
     }
 
-    /// A factor around 1 whose logarithm has this deviation, at most two deviations off.
+    /// A factor around 1 whose logarithm is normal with this standard deviation, cut off at two deviations.
     pub fn factor(&mut self, deviation: f64) -> f64 {
         (deviation * self.normal().clamp(-2.0, 2.0)).exp()
     }
 
-    /// A whole number under `count`.
+    /// A uniform integer below `count`.
     pub fn index(&mut self, count: usize) -> usize {
         self.0.rand_range(0..count as u64) as usize
     }

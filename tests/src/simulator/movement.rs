@@ -1,113 +1,46 @@
-//! From a script to where everything is at each instant, without noise.
+//! From a script to the true positions at each instant, without noise.
 
 use super::bench::{Bench, Part, Pose};
+use super::script::{Action, Labels, Script, TrueIu};
 use super::{Person, Random, Vector, add, length, scale, subtract, turn};
 use andon_core::couple::Context;
 use andon_core::input::Side;
 
-/// One thing that a person does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Action {
-    /// Goes to a part and takes it.
-    Take(u16),
-    /// Brings the held part's tip to the work point of another part, coming from this direction in that part's frame.
-    Bring {
-        /// The other part.
-        to: u16,
-        /// Direction that the held part points in, in the frame of the other, in radians.
-        heading: f64,
-        /// How far from the work point it comes to lie, in metres.
-        gap_m: f64,
-    },
-    /// Pulls the held part away from what it touches, to a place relative to where it is, in the frame of the held part.
-    Pull(Vector),
-    /// Puts the held part down at a place on the bench.
-    Put(Pose),
-    /// Rubs to and fro along a direction in the frame of the part that is rubbed.
-    Stroke {
-        /// The part that is rubbed.
-        on: u16,
-        /// To-and-fro movements.
-        count: u32,
-        /// Direction in radians.
-        along: f64,
-    },
-    /// Holds still, in seconds.
-    Hold(f64),
-    /// Stops in the middle of the next movement for so many seconds.
-    Hesitate(f64),
-    /// Lets go.
-    Release,
-    /// Takes the hand to its rest.
-    Rest,
-    /// Takes the hand out of the picture, for so many seconds.
-    LeavePicture(f64),
-    /// From here on everything takes this share of the time.
-    Tempo(f64),
-}
+/// Maximum distance between tip and work point of parts that touch, in metres.
+const TOUCHING_M: f64 = 0.012;
 
-/// What is done, in order, and with which hand.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Script {
-    /// The hand.
-    pub side: Side,
-    /// What it does.
-    pub actions: Vec<Action>,
-}
+/// The length of the straight way along which a part is brought to another one, in metres.
+const APPROACH_M: f64 = 0.12;
 
-/// An IU as the script means it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrueIu {
-    /// Its context.
-    pub context: Context,
-    /// When the hand arrives, or the parts meet, in seconds: within about 0.3 s of the contact by distance.
-    pub began_s: f64,
-}
-
-/// The contexts that a script means, activity by activity. A part that is let go while it touches another goes on as
-/// `[0, 0, j, l]` for as long as nothing else is taken.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Labels {
-    /// The IUs of each activity.
-    pub activities: Vec<Vec<TrueIu>>,
-}
-
-impl Labels {
-    /// The contexts alone.
-    pub fn contexts(&self) -> Vec<Vec<Context>> {
-        self.activities.iter().map(|ius| ius.iter().map(|iu| iu.context).collect()).collect()
-    }
-}
-
-/// Where everything is at one instant.
+/// The true positions at one instant.
 #[derive(Clone, Debug)]
 pub struct Instant {
-    /// Seconds.
-    pub t: f64,
-    /// Middle of the finger tips; `None` while the hand is out of the picture.
+    /// Time since the beginning, in seconds.
+    pub time_s: f64,
+    /// Centre of the finger tips on the bench, in metres; `None` while the hand is out of the picture.
     pub grip: Option<Vector>,
-    /// Direction of the fingers in radians.
+    /// Direction of the fingers in radians; 0 points away from the person.
     pub hand_yaw: f64,
-    /// 0 open, 1 closed.
+    /// 0 if the hand is open, 1 if it is closed.
     pub closed: f64,
-    /// The part that is held.
+    /// Id of the held part.
     pub held: Option<u16>,
-    /// Each part's pose.
+    /// Id and pose of each part.
     pub poses: Vec<(u16, Pose)>,
 }
 
-/// What really happened.
+/// What truly happened.
 #[derive(Clone, Debug)]
 pub struct Truth {
-    /// Whose hand.
+    /// The hand.
     pub side: Side,
-    /// At each frame.
+    /// One instant per frame.
     pub instants: Vec<Instant>,
-    /// What it means.
+    /// The IUs that were intended.
     pub labels: Labels,
 }
 
-/// Carries out a script.
+/// Carries out a script, at `rate_hz` instants per second.
 pub(super) fn carry_out(
     script: &Script,
     person: &Person,
@@ -124,29 +57,36 @@ pub(super) fn carry_out(
         side: script.side,
         closed: 0.0,
         held: None,
-        resting_at: Vec::new(),
+        resting_at: touching(bench),
         tempo: 1.0,
         hesitate_s: 0.0,
         instants: Vec::new(),
         labels: Labels::default(),
     };
-    for (part, pose) in &bench.parts {
-        for (other, there) in &bench.parts {
-            if part.id != other.id && length(subtract(pose.point(part.tip), there.point(other.work))) < 0.012
-            {
-                actor.resting_at.push((part.id, other.id));
-            }
-        }
-    }
     actor.hold(0.5);
     for action in &script.actions {
         actor.act(*action);
     }
-    // The hand stays where it is, until the recording is stopped.
+    // The hand stays where it is until the recording is stopped.
     actor.hold(0.8);
     Truth { side: script.side, instants: actor.instants, labels: actor.labels }
 }
 
+/// The pairs of parts whose tip and work point touch before the first movement.
+fn touching(bench: &Bench) -> Vec<(u16, u16)> {
+    let mut pairs = Vec::new();
+    for (part, pose) in &bench.parts {
+        for (other, other_pose) in &bench.parts {
+            let gap_m = length(subtract(pose.point(part.tip), other_pose.point(other.work)));
+            if part.id != other.id && gap_m < TOUCHING_M {
+                pairs.push((part.id, other.id));
+            }
+        }
+    }
+    pairs
+}
+
+/// Carries out one action after the other, and records an instant per frame.
 struct Actor<'a> {
     person: &'a Person,
     random: &'a mut Random,
@@ -155,16 +95,19 @@ struct Actor<'a> {
     grip: Option<Vector>,
     side: Side,
     closed: f64,
-    /// The part that is held, and where it is in the hand: grip point in the part's frame.
+    /// The held part, and the point of its frame that the hand holds.
     held: Option<(Part, Vector)>,
+    /// Each part that touches another one, and the id of that other part.
     resting_at: Vec<(u16, u16)>,
+    /// Multiple of the usual time that an action takes.
     tempo: f64,
+    /// Seconds for which the next movement stops in its middle.
     hesitate_s: f64,
     instants: Vec<Instant>,
     labels: Labels,
 }
 
-/// Progress of a minimum-jerk movement, 0..1 over 0..1 (Flash and Hogan 1985).
+/// Progress of a minimum-jerk movement, 0 to 1, at a share of its duration, 0 to 1 (Flash and Hogan 1985).
 fn minimum_jerk(share: f64) -> f64 {
     let share = share.clamp(0.0, 1.0);
     share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share)
@@ -183,7 +126,7 @@ impl Actor<'_> {
             Action::Release => self.release(),
             Action::Rest => self.go(self.bench.rest, None, 0.0),
             Action::LeavePicture(seconds) => self.leave_picture(seconds),
-            Action::Tempo(share) => self.tempo = share,
+            Action::Tempo(factor) => self.tempo = factor,
         }
     }
 
@@ -191,7 +134,7 @@ impl Actor<'_> {
         let part = Part::of(id);
         let slack = [0.004 * self.random.normal(), 0.004 * self.random.normal()];
         let own = add(add(part.grasp, self.person.grip_offset_m), slack);
-        self.go(self.pose(id).point(own), None, 0.0);
+        self.go(self.bench.pose(id).point(own), None, 0.0);
         self.closed = 1.0;
         self.held = Some((part, own));
         let context = match self.resting_at.iter().find(|(j, _)| *j == id) {
@@ -206,13 +149,13 @@ impl Actor<'_> {
     fn bring(&mut self, to: u16, heading: f64, gap_m: f64) {
         let Some((part, _)) = self.held else { return };
         self.part_from(part.id);
-        let there = self.pose(to);
+        let there = self.bench.pose(to);
         let yaw = there.yaw + heading + 0.03 * self.random.normal();
         let slack = 0.003 * self.random.normal();
         let tip = add(there.point(Part::of(to).work), turn([-gap_m - slack, slack], yaw));
         let pose = Pose { at: subtract(tip, turn(part.tip, yaw)), yaw };
-        // It comes in along its heading, from 12 cm away.
-        let before = Pose { at: subtract(pose.at, turn([0.12, 0.0], yaw)), yaw };
+        // It arrives along its heading.
+        let before = Pose { at: subtract(pose.at, turn([APPROACH_M, 0.0], yaw)), yaw };
         self.carry(before, 0.6);
         self.carry(pose, 0.0);
         self.label(self.context(part.id, to));
@@ -222,7 +165,7 @@ impl Actor<'_> {
 
     fn pull(&mut self, by: Vector) {
         let Some((part, _)) = self.held else { return };
-        let pose = self.pose(part.id);
+        let pose = self.bench.pose(part.id);
         self.carry(Pose { at: pose.point(by), yaw: pose.yaw }, 0.0);
         self.part_from(part.id);
     }
@@ -237,9 +180,9 @@ impl Actor<'_> {
 
     fn stroke(&mut self, on: u16, count: u32, along: f64) {
         let Some((part, _)) = self.held else { return };
-        let middle = self.pose(part.id);
-        let along = self.pose(on).yaw + along;
-        let reach = |share: f64| Pose { at: add(middle.at, turn([share, 0.0], along)), ..middle };
+        let middle = self.bench.pose(part.id);
+        let along = self.bench.pose(on).yaw + along;
+        let reach = |way_m: f64| Pose { at: add(middle.at, turn([way_m, 0.0], along)), ..middle };
         for half in 0..2 * count {
             let stroke = 0.5 * self.person.stroke_m * self.random.factor(0.08);
             let end = if half % 2 == 0 { stroke } else { -stroke };
@@ -270,18 +213,19 @@ impl Actor<'_> {
         self.hold(seconds);
     }
 
-    /// Carries the held part to a pose in the person's own time; `flow` is the share of the movement that is not
-    /// slowed down at its end, because the next one takes over.
+    /// Carries the held part to a pose in the person's own time; see [`move_hand`](Self::move_hand) for `flow`.
     fn carry(&mut self, pose: Pose, flow: f64) {
         let Some((_, own)) = self.held else { return };
         self.go(pose.point(own), Some(pose), flow);
     }
 
+    /// Carries the held part straight to a pose in this time.
     fn carry_in(&mut self, pose: Pose, seconds: f64) {
         let Some((_, own)) = self.held else { return };
         self.move_hand(pose.point(own), Some(pose), seconds, 0.0, 0.0);
     }
 
+    /// Moves the hand, and the held part to a pose, in the person's own time.
     fn go(&mut self, to: Vector, part: Option<Pose>, flow: f64) {
         let way = self.grip.map_or(0.0, |grip| length(subtract(to, grip)));
         if way < 1e-4 {
@@ -292,14 +236,16 @@ impl Actor<'_> {
         self.move_hand(to, part, seconds, bow, flow);
     }
 
+    /// Moves the hand, and the held part to a pose. `bow` is the sideways bow of the path in metres. `flow`, 0 to 1, says how much of the
+    /// slowing down at the end is left out because the next movement takes over.
     fn move_hand(&mut self, to: Vector, part: Option<Pose>, seconds: f64, bow: f64, flow: f64) {
         let Some(from) = self.grip else { return };
         let way = subtract(to, from);
         let aside = scale(turn(way, std::f64::consts::FRAC_PI_2), bow / length(way).max(1e-6));
-        let start = self.held.map(|(part, _)| self.pose(part.id));
+        let start = self.held.map(|(part, _)| self.bench.pose(part.id));
         let frames = (seconds * self.tempo * self.rate_hz).round().max(1.0) as usize;
-        let pause_at = (std::mem::take(&mut self.hesitate_s), frames / 2);
-        // A movement that flows into the next one is cut before it comes to rest.
+        let pause_s = std::mem::take(&mut self.hesitate_s);
+        // A movement that flows into the next one is cut off before it comes to rest.
         let cut = 1.0 - 0.4 * flow;
         let whole = minimum_jerk(cut);
         for frame in 1..=frames {
@@ -309,11 +255,11 @@ impl Actor<'_> {
             self.grip = Some(grip);
             if let (Some((held, own)), Some(start), Some(end)) = (self.held, start, part) {
                 let yaw = start.yaw + progress * (end.yaw - start.yaw);
-                self.set_pose(held.id, Pose { at: subtract(grip, turn(own, yaw)), yaw });
+                self.bench.set_pose(held.id, Pose { at: subtract(grip, turn(own, yaw)), yaw });
             }
             self.record();
-            if pause_at.0 > 0.0 && frame == pause_at.1 {
-                self.hold(pause_at.0);
+            if pause_s > 0.0 && frame == frames / 2 {
+                self.hold(pause_s);
             }
         }
     }
@@ -326,13 +272,17 @@ impl Actor<'_> {
 
     fn record(&mut self) {
         self.instants.push(Instant {
-            t: self.instants.len() as f64 / self.rate_hz,
+            time_s: self.now_s(),
             grip: self.grip,
             hand_yaw: self.hand_yaw(),
             closed: self.closed,
             held: self.held.map(|(part, _)| part.id),
             poses: self.bench.parts.iter().map(|(part, pose)| (part.id, *pose)).collect(),
         });
+    }
+
+    fn now_s(&self) -> f64 {
+        self.instants.len() as f64 / self.rate_hz
     }
 
     /// The fingers point away from the shoulder, which is in front of the bench.
@@ -345,6 +295,7 @@ impl Actor<'_> {
         away[1].atan2(away[0]) - std::f64::consts::FRAC_PI_2
     }
 
+    /// Ends the contact of a held part with another one.
     fn part_from(&mut self, id: u16) {
         let before = self.resting_at.len();
         self.resting_at.retain(|(j, _)| *j != id);
@@ -358,21 +309,11 @@ impl Actor<'_> {
         if l == 0 { Context([hand, j, 0, 0]) } else { Context([hand, j, j, l]) }
     }
 
+    /// Labels the beginning of an IU.
     fn label(&mut self, context: Context) {
-        let began_s = self.instants.len() as f64 / self.rate_hz;
+        let began_s = self.now_s();
         if let Some(activity) = self.labels.activities.last_mut() {
             activity.push(TrueIu { context, began_s });
-        }
-    }
-
-    fn pose(&self, id: u16) -> Pose {
-        let found = self.bench.parts.iter().find(|(part, _)| part.id == id);
-        found.map_or(Pose { at: [0.0; 2], yaw: 0.0 }, |(_, pose)| *pose)
-    }
-
-    fn set_pose(&mut self, id: u16, pose: Pose) {
-        for (_, there) in self.bench.parts.iter_mut().filter(|(part, _)| part.id == id) {
-            *there = pose;
         }
     }
 }

@@ -2,32 +2,32 @@
 
 use super::Random;
 
-/// A person. Spreads are those of healthy adults at unconstrained bench work: movement times differ by about a fifth
-/// between people and by less than a tenth within one.
+/// A person. The spreads are those of healthy adults at unconstrained bench work: movement times differ by about a fifth between people,
+/// and by less than a tenth between repetitions of one person.
 #[derive(Clone, Debug)]
 pub struct Person {
     /// Movement time relative to the average.
     pub tempo: f64,
-    /// Sideways bow of a path, as a share of its length; positive bows to the left.
+    /// Sideways bow of a path, as a share of its length; positive values bow to the left.
     pub bow: f64,
-    /// Seconds of stillness after taking and before letting go.
+    /// Time for which the hand is still after taking and before releasing a part, in seconds.
     pub dwell_s: f64,
-    /// Half the distance between index and ring tip in a grip, in metres.
+    /// Half the distance between index tip and ring tip in a grip, in metres.
     pub grip_m: f64,
-    /// Where the person takes a thing, relative to its grasp point, in metres.
+    /// Offset from the grasp point of a part to the point at which the person takes it, in metres.
     pub grip_offset_m: [f64; 2],
     /// Length of a stroke in metres.
     pub stroke_m: f64,
-    /// Seconds of half a stroke.
+    /// Duration of half a stroke in seconds.
     pub half_stroke_s: f64,
-    /// Middle knuckle to middle tip in metres, in the plane.
+    /// Distance between middle knuckle and middle tip in the plane, in metres.
     pub finger_m: f64,
-    /// Where this person's bench has its parts, relative to the plan, in metres for each part.
+    /// Twice the standard deviation of the parts on this person's bench from the plan, in metres.
     pub layout_m: f64,
 }
 
 impl Person {
-    /// The person of this number under this seed.
+    /// The person with this number under this seed.
     pub fn new(seed: u64, number: u64) -> Self {
         let mut random = Random::new(seed, &[1, number]);
         Self {
@@ -43,7 +43,7 @@ impl Person {
         }
     }
 
-    /// The same person on another day, or in the next repetition.
+    /// The same person in another repetition.
     pub fn repetition(&self, random: &mut Random) -> Self {
         Self {
             tempo: self.tempo * random.factor(0.07),
@@ -55,7 +55,7 @@ impl Person {
         }
     }
 
-    /// Seconds of a movement of this length: Fitts' law for a target of 3 cm.
+    /// Duration in seconds of a movement of this length, by Fitts' law for a target of 3 cm.
     pub fn movement_s(&self, length_m: f64) -> f64 {
         self.tempo * (0.25 + 0.17 * (length_m / 0.03 + 1.0).log2())
     }

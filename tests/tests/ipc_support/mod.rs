@@ -1,4 +1,4 @@
-//! A station of its own for each test, and processes in it.
+//! A station for each test, and processes in it.
 #![allow(clippy::unwrap_used, clippy::panic, dead_code, unreachable_pub)]
 
 use andon_ipc::{Limits, Node, Station, Steward, Stop};
@@ -9,16 +9,16 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::Duration;
 use tempfile::TempDir;
 
-/// For whatever must happen sooner or later; only a test that fails waits for so long.
+/// For what must happen sooner or later. Only a test that fails waits for this long.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// Enough for the frames of most tests, and little memory.
+/// Enough for the frames of most tests, in little memory.
 pub const SMALL: Limits = Limits { frame_bytes: 64 * 48 * 3 };
 
-/// A station under a directory of its own. Dropped, it leaves no file behind.
+/// A station under a directory of its own. When it is dropped, it leaves no file behind.
 pub struct Bench {
     pub station: Station,
-    // Under /tmp whatever TMPDIR says: the path must be short.
+    // Under /tmp, whatever TMPDIR says, because the path must be short.
     _root: TempDir,
 }
 
@@ -43,14 +43,14 @@ impl Bench {
         peer
     }
 
-    /// As [`Bench::start`], with a word as the last argument.
+    /// Does the same as [`Bench::start`], with a word as the last argument.
     pub fn start_with(&self, task: &str, arguments: &[u64], word: &str) -> Peer {
         let mut peer = self.spawn(task, arguments, word);
         peer.until("up");
         peer
     }
 
-    /// Starts `ipc_peer` and does not wait.
+    /// Starts `ipc_peer` without waiting for it.
     pub fn spawn(&self, task: &str, arguments: &[u64], word: &str) -> Peer {
         let mut command = Command::new(env!("CARGO_BIN_EXE_ipc_peer"));
         command.arg(task).arg(self.station.name()).arg(self.station.root());
@@ -58,7 +58,7 @@ impl Bench {
         command.args(Some(word).filter(|word| !word.is_empty()));
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let lines = BufReader::new(child.stdout.take().unwrap());
-        Peer { child, lines, said: Vec::new() }
+        Peer { child, lines, output: Vec::new() }
     }
 
     /// Files of this station in /dev/shm.
@@ -78,32 +78,32 @@ impl Drop for Bench {
     }
 }
 
-/// A process that the test has started. Dropped, it is killed.
+/// A process that the test has started. When it is dropped, it is killed.
 pub struct Peer {
     child: Child,
     lines: BufReader<ChildStdout>,
-    said: Vec<String>,
+    output: Vec<String>,
 }
 
 impl Peer {
-    /// Reads what it says until a line that begins so; returns the rest of that line.
+    /// Reads its output up to a line that begins with `begin`, and returns the rest of that line.
     pub fn until(&mut self, begin: &str) -> String {
         loop {
             let mut line = String::new();
             let bytes = self.lines.read_line(&mut line).unwrap();
-            assert!(bytes > 0, "ended without saying {begin:?}; it said {:?}", self.said);
-            self.said.push(line.trim().to_owned());
+            assert!(bytes > 0, "it ended without printing {begin:?}; its output: {:?}", self.output);
+            self.output.push(line.trim().to_owned());
             if let Some(rest) = line.trim().strip_prefix(begin) {
                 return rest.to_owned();
             }
         }
     }
 
-    /// A number that it has said or will say.
+    /// A number that it has printed or will print.
     pub fn number(&mut self, key: &str) -> u64 {
         let begin = format!("{key}=");
-        let said = self.said.iter().find_map(|line| line.strip_prefix(&begin)).map(str::to_owned);
-        said.unwrap_or_else(|| self.until(&begin)).parse().unwrap()
+        let earlier = self.output.iter().find_map(|line| line.strip_prefix(&begin)).map(str::to_owned);
+        earlier.unwrap_or_else(|| self.until(&begin)).parse().unwrap()
     }
 
     pub fn pid(&self) -> u32 {
@@ -115,22 +115,22 @@ impl Peer {
         rustix::process::kill_process(pid, signal).unwrap();
     }
 
-    /// SIGKILL, and gone.
+    /// Kills it with SIGKILL and waits for its end. Returns its process id.
     pub fn kill(mut self) -> u32 {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
         self.child.id()
     }
 
-    /// SIGTERM; it must end well.
+    /// Stops it with SIGTERM. It must end without an error.
     pub fn stop(mut self) {
         self.signal(rustix::process::Signal::TERM);
-        assert!(self.child.wait().unwrap().success(), "it said {:?}", self.said);
+        assert!(self.child.wait().unwrap().success(), "its output: {:?}", self.output);
     }
 
-    /// It ends by itself, and well.
+    /// Waits for its end. It must end by itself and without an error.
     pub fn finish(mut self) {
-        assert!(self.child.wait().unwrap().success(), "it said {:?}", self.said);
+        assert!(self.child.wait().unwrap().success(), "its output: {:?}", self.output);
     }
 }
 

@@ -1,28 +1,30 @@
-//! Runs of the recording as motion capture saw them, and what can be composed of them.
+//! The runs as recorded by motion capture, and what is composed of them.
 
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side, Space};
 use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
 use std::path::PathBuf;
 
-/// Frames a second.
+/// Frame rate of the recording.
 pub(crate) const RATE_HZ: f32 = 60.0;
 
-/// Markers in the order of the columns: hand top, right, left, thumb, index, middle, box back, left.
+/// Number of markers, in the order of the columns: hand top, right, left, thumb, index, middle, box back, left.
 const MARKERS: usize = 8;
 
-/// What stands on the bench.
+/// Id of the box, which is moved from the shelf to the table and back.
 pub(crate) const BOX: u16 = 1;
+/// Id of the table.
 pub(crate) const TABLE: u16 = 2;
+/// Id of the shelf.
 pub(crate) const SHELF: u16 = 3;
 
-/// Where the hand takes the box, in its frame: the middle of the finger tips while it moves, in the middle of the runs.
+/// Where the hand holds the box, in metres in the frame of the box: the centre of the finger tips while it moves, as median over the runs.
 const GRASP: Point = [0.01, 0.115, 0.0];
 
-/// Where the box rests: on the table, and on the shelf, where its place differs by 6 cm to both sides.
+/// Where the box rests on the table and on the shelf, in metres. On the shelf the position varies by 6 cm to both sides.
 const TABLE_AT: Point = [-0.05, 0.12, -0.345];
 const SHELF_AT: Point = [0.50, -0.775, 0.19];
 
-/// One frame: each marker in metres, or `None` where it was not seen.
+/// One frame: the position of each marker in metres, or `None` if it was not seen.
 #[derive(Clone, Debug)]
 struct Instant {
     number: i64,
@@ -34,7 +36,7 @@ struct Instant {
 pub(crate) struct Capture {
     instants: Vec<Instant>,
     labels: Vec<(String, i64, i64)>,
-    /// Turn of everything about the vertical, in radians.
+    /// Rotation of everything about the vertical axis, in radians.
     yaw: f32,
 }
 
@@ -78,7 +80,7 @@ impl Capture {
         self.keep(|number| number <= last)
     }
 
-    /// First back to the shelf, then to the table.
+    /// Moves the box back to the shelf first, and to the table afterwards.
     pub(crate) fn halves_swapped(self) -> Self {
         let middle = self.label("move_to_rest_right").1;
         let mut second = self.clone().keep(|number| number > middle);
@@ -86,13 +88,13 @@ impl Capture {
         second
     }
 
-    /// Ends in the middle of the way back to the shelf.
+    /// Ends halfway back to the shelf.
     pub(crate) fn cut_short(self) -> Self {
         let (from, to) = self.label("move_obj_shelf");
         self.keep(|number| number <= (from + to) / 2)
     }
 
-    /// Each frame twice as late, and halfway between each two of them another.
+    /// Has each frame at twice its time, and another frame halfway between each two frames.
     pub(crate) fn half_speed(self) -> Self {
         let halfway = |one: &Instant, next: &Instant| Instant {
             number: one.number,
@@ -105,24 +107,24 @@ impl Capture {
         Self { instants, ..self }
     }
 
-    /// With the whole bench turned by 30 degrees about the vertical.
+    /// Has the whole bench turned by 30 degrees about the vertical axis.
     pub(crate) fn turned(mut self) -> Self {
         self.yaw = 30_f32.to_radians();
         self
     }
 
-    /// As a tracker would have it.
+    /// The run as a tracker would record it.
     pub(crate) fn recording(&self) -> Recording {
-        let frames = self.instants.iter().enumerate().map(|(place, instant)| self.frame(place, instant));
+        let frames = self.instants.iter().enumerate().map(|(index, instant)| self.frame(index, instant));
         Recording { header: header(), frames: frames.collect(), truncation: None }
     }
 
-    fn frame(&self, place: usize, instant: &Instant) -> Frame {
-        let captured_ns = (place as f64 / f64::from(RATE_HZ) * 1e9).round() as u64;
+    fn frame(&self, index: usize, instant: &Instant) -> Frame {
+        let captured_ns = (index as f64 / f64::from(RATE_HZ) * 1e9).round() as u64;
         let mut frame = Frame { captured_ns, ..Frame::default() };
         let turned = instant.markers.map(|marker| marker.map(|point| turn(point, self.yaw)));
         let [top, right, left, thumb, index, middle, back, side] = turned;
-        // A tip that was not seen is where the others are.
+        // A tip that was not seen is assumed where the others are.
         let tips = [thumb, index, middle];
         if let (Some(hand), Some(seen)) = (mean(&[top, right, left]), mean(&tips)) {
             let tips = tips.map(|tip| tip.unwrap_or(seen));
@@ -144,7 +146,7 @@ impl Capture {
 fn instant(line: &str) -> Instant {
     let mut fields = line.split(',');
     let number = fields.next().unwrap().parse().unwrap();
-    // Seconds are the number over the rate.
+    // The column of seconds is skipped: it is the number divided by the rate.
     let values: Vec<Option<f32>> =
         fields.skip(1).map(|field| field.parse().ok().map(|mm: f32| 0.001 * mm)).collect();
     let point = |marker: usize| Some([values[3 * marker]?, values[3 * marker + 1]?, values[3 * marker + 2]?]);
@@ -178,7 +180,7 @@ fn turn([x, y, z]: Point, yaw: f32) -> Point {
     [cos * x - sin * y, sin * x + cos * y, z]
 }
 
-/// The mean of what was seen.
+/// The mean of the points that were seen; `None` if none was seen.
 fn mean(points: &[Option<Point>]) -> Option<Point> {
     let seen: Vec<Point> = points.iter().copied().flatten().collect();
     let count = seen.len() as f32;

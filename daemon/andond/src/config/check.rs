@@ -1,4 +1,4 @@
-//! What no key can know alone: whether values fit each other, and whether what they name is there.
+//! What cannot be checked key by key: whether values fit each other, and whether the files that they name exist.
 
 use super::document::Document;
 use super::fault::Fault;
@@ -10,23 +10,23 @@ use andon_core::input::Space;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// The station's directory must stay under this many characters: iceoryx2 puts the names of its services behind it,
-/// and a Unix socket's path ends at 108 (DESIGN 2).
+/// The station's directory must be shorter than this, in characters: iceoryx2 appends the names of its services to it, and
+/// the path of a Unix socket has at most 108 (unix(7)).
 pub(super) const ROOT_CHARACTERS: usize = 60;
 
-/// A deadline must leave room for this many frames, or one late frame is an alarm.
+/// A deadline must be at least this many frames long, or one late frame raises an alarm.
 const DEADLINE_FRAMES: f32 = 2.0;
 
-/// Whether what the tools make must be there: the job and the calibration.
+/// Whether the files that the tools make, the job and the calibration, must exist.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Learned {
-    /// It must be there.
+    /// They must exist.
     Needed,
-    /// It is about to be made.
+    /// They are about to be made.
     Awaited,
 }
 
-/// All faults between keys. A key that was refused already is not accused again.
+/// All faults between keys. A key that was refused already is not reported again.
 pub(super) fn check(
     config: &Config,
     documents: &[Document<'_>],
@@ -53,15 +53,15 @@ struct Checks<'d> {
 }
 
 impl Checks<'_> {
-    /// Reports `problem` at `key`, unless that or one of the keys that it was held against was refused before.
+    /// Reports `problem` at `key`, unless the key, or one of the keys that it was compared with, was refused before.
     fn fault(&mut self, key: &str, against: &[&str], problem: String) {
         let refused = |key: &&str| self.origins.get(*key).is_some_and(|origin| origin.refused);
         if refused(&key) || against.iter().any(refused) {
             return;
         }
-        // A default has no line: the fault lies with whoever changed what it is held against.
-        let place = |key: &&str| self.origins.get(*key).and_then(|origin| origin.place.as_ref());
-        let at = place(&key).or_else(|| against.iter().find_map(place));
+        // A default has no line: the fault lies in the key that was changed and that it was compared with.
+        let location = |key: &&str| self.origins.get(*key).and_then(|origin| origin.location.as_ref());
+        let at = location(&key).or_else(|| against.iter().find_map(location));
         let number = at.map_or(self.documents.len().saturating_sub(1), |(number, _)| *number);
         let Some(document) = self.documents.get(number) else { return };
         let fault = Fault {
@@ -75,10 +75,10 @@ impl Checks<'_> {
         self.faults.push(fault);
     }
 
-    /// The line of a key for use in another key's message.
+    /// The line of a key, for the message of another key.
     fn line(&self, key: &str) -> String {
-        let place = self.origins.get(key).and_then(|origin| origin.place.as_ref());
-        place.map_or("its default".into(), |(number, span)| {
+        let location = self.origins.get(key).and_then(|origin| origin.location.as_ref());
+        location.map_or("its default".into(), |(number, span)| {
             format!("line {}", self.documents[*number].line(span.start))
         })
     }
@@ -155,8 +155,8 @@ impl Checks<'_> {
         let markers = config.perception.dictionary.markers();
         for (index, object) in objects.iter().enumerate() {
             let [id, name] = ["id", "name"].map(|key| format!("objects[{index}].{key}"));
-            // 0 stands where the id is missing, which has been reported.
-            if object.id >= markers {
+            // 0 stands for a missing id, which has been reported.
+            if usize::from(object.id) >= markers {
                 let problem =
                     format!("must be below {markers}, the number of markers in perception.dictionary");
                 self.fault(&id, &["perception.dictionary"], problem);
@@ -232,17 +232,17 @@ impl Checks<'_> {
         if !config.camera.source.is_live() {
             return;
         }
-        let least_ms = DEADLINE_FRAMES * 1000.0 / config.camera.rate_hz;
+        let min_ms = DEADLINE_FRAMES * 1000.0 / config.camera.rate_hz;
         for (name, deadline_ms) in config.health.clone().deadlines() {
-            if (*deadline_ms as f32) < least_ms {
-                let problem = format!("must be at least {least_ms:.0} ms, two frames at camera.rate_hz");
+            if (*deadline_ms as f32) < min_ms {
+                let problem = format!("must be at least {min_ms:.0} ms, two frames at camera.rate_hz");
                 self.fault(&format!("health.{name}"), &["camera.rate_hz"], problem);
             }
         }
     }
 }
 
-/// `objects[2].id` as it is called in a message.
+/// `objects[2].id` as a message calls it: `objects.id`.
 fn without_index(key: &str) -> String {
     match (key.find('['), key.find(']')) {
         (Some(begin), Some(end)) => format!("{}{}", &key[..begin], &key[end + 1..]),

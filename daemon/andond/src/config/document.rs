@@ -1,11 +1,11 @@
-//! One file of the configuration: its text, its tables and where things stand in it.
+//! One file of the configuration: its text, its tables, and the lines of both.
 
 use super::fault::Fault;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 
-/// Longest value that a message shows, in characters: it should stay on one line of a terminal.
+/// Longest value that a message shows, in characters: the message should stay on one line of a terminal.
 const SHOWN_CHARACTERS: usize = 60;
 
 /// A file that could be read.
@@ -18,7 +18,7 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Reads `path`, or says in `faults` why that is not possible.
+    /// Reads `path`, or reports in `faults` why that is impossible.
     pub(super) fn open(path: &Path, faults: &mut Vec<Fault>) -> Option<Self> {
         let read = std::fs::read_to_string(path).and_then(|text| Ok((text, std::path::absolute(path)?)));
         match read {
@@ -45,13 +45,13 @@ pub(super) struct Document<'f> {
 }
 
 impl<'f> Document<'f> {
-    /// Parses `file`. What TOML cannot make sense of goes to `faults`, the rest is kept.
+    /// Parses `file`. What is not TOML is reported in `faults`, the rest is kept.
     pub(super) fn parse(file: &'f File, faults: &mut Vec<Fault>) -> Self {
         let (table, errors) = DeTable::parse_recoverable(&file.text);
         let document =
             Self { path: &file.path, folder: &file.folder, table: table.into_inner(), text: &file.text };
         let line = |error: &toml::de::Error| error.span().map(|span| document.line(span.start));
-        // One slip upsets the parser more than once on the same line.
+        // One mistake can cause several errors of the parser on the same line.
         let firsts = errors.chunk_by(|a, b| line(a) == line(b)).filter_map(|errors| errors.first());
         faults.extend(
             firsts
@@ -60,12 +60,13 @@ impl<'f> Document<'f> {
         document
     }
 
-    /// The line of a place, from 1.
+    /// The number of the line that holds byte `at`, from 1.
     pub(super) fn line(&self, at: usize) -> usize {
         1 + self.text.bytes().take(at).filter(|byte| *byte == b'\n').count()
     }
 
-    /// The value of `key`, which stands at a place, cut to one line; `None` where that is a section's heading.
+    /// The text of the value of `key`, in the bytes of `span`, cut to one line; `None` where these are the heading of a
+    /// section.
     pub(super) fn shown(&self, key: &str, span: Range<usize>) -> Option<String> {
         let text = self.text.get(span)?;
         if text.trim_matches(['[', ']']) == key {

@@ -1,4 +1,4 @@
-//! What is wrong with a configuration, said so that it can be put right.
+//! What is wrong with a configuration, in words by which a person can correct it.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -6,17 +6,17 @@ use std::path::PathBuf;
 /// One fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
-    /// The file that it is in.
+    /// The file.
     pub file: PathBuf,
     /// The line, from 1; `None` where something is missing from the whole file.
     pub line: Option<usize>,
     /// The key with its section, as in `camera.rate_hz`; `None` where the file is not TOML.
     pub key: Option<String>,
-    /// The value as it stands in the file, or the default that is in force there.
+    /// The value as the file has it, or the default that is in force.
     pub value: Option<String>,
     /// What is wrong, with what is allowed.
     pub problem: String,
-    /// A key or a word that was likely meant.
+    /// The key or the word that was probably meant.
     pub likely: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! Writes a configuration as a file that reads back as the same one.
+//! Writes a configuration as a file that reads back as the same configuration.
 
 use super::Config;
 use super::keys::Keys;
@@ -45,17 +45,6 @@ impl Keys for Writer {
 
     fn key<T: Value>(&mut self, name: &'static str, value: &mut T, _: T::Limit, _: &'static str) {
         self.0 += &format!("{name} = {}\n", value.write());
-    }
-
-    fn required<T: Value>(
-        &mut self,
-        name: &'static str,
-        value: &mut T,
-        limit: T::Limit,
-        _: &'static str,
-        meaning: &'static str,
-    ) {
-        self.key(name, value, limit, meaning);
     }
 
     fn optional<T: Value>(

@@ -1,11 +1,11 @@
-//! How a section declares its keys: once, for the reader of files and for the writer of the reference.
+//! How a section declares its keys: once, for the reader of files and for the writers.
 
 use super::value::Value;
 
 /// Walks over all keys of the configuration in the order of the reference.
 ///
-/// A section is declared by one function over this trait, so that name, default, allowed range and meaning of a
-/// key stand in one place and the reference cannot say anything else than the reader enforces.
+/// A section is declared by one function over this trait. The name, the default, the allowed range and the meaning of a key
+/// are therefore written once, and the reference cannot differ from what the reader enforces.
 pub(super) trait Keys: Sized {
     /// A section `[name]`.
     fn section(&mut self, name: &'static str, meaning: &'static str, keys: impl FnOnce(&mut Self));
@@ -28,9 +28,11 @@ pub(super) trait Keys: Sized {
         name: &'static str,
         value: &mut T,
         limit: T::Limit,
-        example: &'static str,
+        _example: &'static str,
         meaning: &'static str,
-    );
+    ) {
+        self.key(name, value, limit, meaning);
+    }
 
     /// A key that may be left out. `example` is TOML.
     fn optional<T: Value>(

@@ -1,4 +1,4 @@
-//! The configuration: TOML files in, one typed [`Config`] or every fault at once out (DESIGN 6).
+//! The configuration: from TOML files to one typed [`Config`], or to every fault at once.
 //!
 //! ```
 //! use andond::config::Config;
@@ -11,8 +11,9 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 //!
-//! Each key is declared once (`sections`), over a visitor (`keys`): one visitor reads files (`read`), another one
-//! writes the annotated reference (`reference`). What several keys must agree on is in `check`.
+//! Each key is declared once (`sections`) for a visitor (`keys`): one visitor reads files (`read`), one writes the annotated
+//! reference (`reference`), one writes the configuration in force (`in_force`). What several keys must agree on is in
+//! `check`.
 
 mod check;
 mod document;
@@ -29,7 +30,7 @@ pub use in_force::in_force;
 pub use reference::reference;
 pub use sections::bench::{Bench, Object};
 pub use sections::camera::{Camera, Source, Speed};
-pub use sections::perception::{Dictionary, HandModel, Perception};
+pub use sections::perception::{HandModel, Perception};
 pub use sections::service::{Health, Journal, Log, Plc};
 pub use sections::station::Station;
 
@@ -39,9 +40,10 @@ use check::Learned;
 use document::{Document, File};
 use keys::Keys;
 use read::Reader;
+use shm_schemas::RoleId;
 use std::path::{Path, PathBuf};
 
-/// Where the journals are kept that have no path of their own; `StateDirectory=` of the units.
+/// The folder of a journal without a path of its own: `StateDirectory=` of the units.
 const STATE: &str = "/var/lib/andon";
 
 /// The configuration of one station.
@@ -55,7 +57,7 @@ pub struct Config {
     pub bench: Bench,
     /// How hands and objects are found.
     pub perception: Perception,
-    /// What carries a marker.
+    /// The things that carry a marker.
     pub objects: Vec<Object>,
     /// The constants of the method, with the bench's `space`.
     pub method: Method,
@@ -79,7 +81,7 @@ impl Config {
         Self::read(paths, Learned::Needed)
     }
 
-    /// As [`Config::load`], for the tools that make the job and the calibration: these need not be there yet.
+    /// As [`Config::load`], for the tools that make the job or the calibration: neither needs to exist yet.
     ///
     /// # Errors
     /// As [`Config::load`].
@@ -93,7 +95,7 @@ impl Config {
             paths.iter().filter_map(|path| File::open(path.as_ref(), &mut faults)).collect();
         let documents: Vec<Document<'_>> =
             files.iter().map(|file| Document::parse(file, &mut faults)).collect();
-        // What cannot be read may hold anything: to call a key missing then, or unfit, would only confuse.
+        // A file that cannot be read may hold any key: to call a key missing would only confuse.
         let complete = faults.is_empty();
         let mut config = Self::default();
         let mut reader = Reader::new(&documents, complete);
@@ -105,8 +107,9 @@ impl Config {
         if complete {
             faults.extend(check::check(&config, &documents, &origins, learned));
         }
-        let place = |fault: &Fault| (paths.iter().position(|path| path.as_ref() == fault.file), fault.line);
-        faults.sort_by_key(place);
+        let position =
+            |fault: &Fault| (paths.iter().position(|path| path.as_ref() == fault.file), fault.line);
+        faults.sort_by_key(position);
         if faults.is_empty() { Ok(config) } else { Err(Faults(faults)) }
     }
 
@@ -116,14 +119,9 @@ impl Config {
         k.section("camera", "where the frames come from.", |k| self.camera.keys(k));
         k.section("bench", "the frame of reference.", |k| self.bench.keys(&mut self.method.space, k));
         k.section("perception", "how hands and objects are found.", |k| self.perception.keys(k));
-        k.list(
-            "objects",
-            "a section for each thing that carries a marker.",
-            &mut self.objects,
-            |object, k| {
-                object.keys(k);
-            },
-        );
+        k.list("objects", "one section per thing that carries a marker.", &mut self.objects, |object, k| {
+            object.keys(k);
+        });
         k.section("method", "the constants of the method.", |k| sections::method::keys(&mut self.method, k));
         k.section("journal", "where verdicts are kept.", |k| self.journal.keys(k));
         k.section("plc", "the Modbus TCP server.", |k| self.plc.keys(k));
@@ -131,7 +129,7 @@ impl Config {
         k.section("log", "how much is logged.", |k| self.log.keys(k));
     }
 
-    /// The station's directory, `<root>/<name>`: its services' files live there.
+    /// The station's directory, `<root>/<name>`: the files of its services live there.
     #[must_use]
     pub fn root(&self) -> PathBuf {
         self.station.root.join(&self.station.name)
@@ -142,6 +140,27 @@ impl Config {
     pub fn journal_path(&self) -> PathBuf {
         let default = || Path::new(STATE).join(format!("{}.sqlite", self.station.name));
         self.journal.path.clone().unwrap_or_else(default)
+    }
+
+    /// The roles that this station needs: the steward, then the others in the order of the data path.
+    #[must_use]
+    pub fn roles(&self) -> Vec<RoleId> {
+        let is_needed = |role: &RoleId| match role {
+            // A track file has no pictures to capture.
+            RoleId::Capture => self.camera.source != Source::Tracks,
+            RoleId::Plc => self.plc.enable,
+            _ => true,
+        };
+        let roles = [
+            RoleId::Steward,
+            RoleId::Capture,
+            RoleId::Perceive,
+            RoleId::Encode,
+            RoleId::Judge,
+            RoleId::Journal,
+            RoleId::Plc,
+        ];
+        roles.into_iter().filter(is_needed).collect()
     }
 
     /// The constants of the method.

@@ -8,39 +8,39 @@ use std::collections::HashMap;
 use std::ops::Range;
 use toml::de::{DeTable, DeValue};
 
-/// How alike two keys must be (Jaro-Winkler, 0 to 1) before one is offered for the other: a swapped, a missing or
-/// a wrong letter is over 0.9, keys that only share their beginning are under 0.8.
+/// How alike two keys must be (Jaro-Winkler, 0 to 1) before one is suggested for the other. With one letter swapped, missing
+/// or wrong they are over 0.9; keys that only share their beginning are under 0.8.
 const ALIKE: f64 = 0.85;
 
-/// A place in the files: the document's number and the bytes in it.
-pub(super) type Place = (usize, Range<usize>);
+/// A location in the files: the index of the document, and the bytes in it.
+pub(super) type Location = (usize, Range<usize>);
 
-/// Where a key got its value from.
+/// Where the value of a key comes from.
 pub(super) struct Origin {
     /// `None` for a default.
-    pub(super) place: Option<Place>,
+    pub(super) location: Option<Location>,
     /// The value as it is shown.
     pub(super) shown: Option<String>,
-    /// What stands there is not allowed: the key still has the value from before.
+    /// The value is not allowed: the key still has the one from before.
     pub(super) refused: bool,
 }
 
 /// The open section in one document: where it begins, and its keys.
-type Part<'d> = (Place, &'d DeTable<'d>);
+type Part<'d> = (Location, &'d DeTable<'d>);
 
 /// A key that nobody declared.
 struct Unknown {
     section: String,
     name: String,
-    key_place: Place,
-    value_place: Place,
+    key_location: Location,
+    value_location: Location,
     is_section: bool,
 }
 
 /// The visitor that fills the configuration from files; a later file wins.
 pub(super) struct Reader<'d> {
     documents: &'d [Document<'d>],
-    /// Everything could be read, so that what is not there is missing.
+    /// Every file could be read, so that a key that was not found is missing.
     complete: bool,
     faults: Vec<Fault>,
     origins: HashMap<String, Origin>,
@@ -73,7 +73,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// Where each key got its value (`camera.path`, `objects[2].id`), and all faults.
+    /// The origin of each key (`camera.path`, `objects[2].id`), and all faults.
     pub(super) fn finish(mut self) -> (HashMap<String, Origin>, Vec<Fault>) {
         self.leave();
         let unknown = std::mem::take(&mut self.unknown);
@@ -81,15 +81,15 @@ impl<'d> Reader<'d> {
             let likely = self.likely_key(&key.section, &key.name);
             let name = joined(&key.section, &key.name);
             let kind = if key.is_section { "section" } else { "key" };
-            let mut fault = self.fault(&key.value_place, &name, format!("is not a {kind} that exists"));
-            fault.line = Some(self.documents[key.key_place.0].line(key.key_place.1.start));
+            let mut fault = self.fault(&key.value_location, &name, format!("is not a {kind} that exists"));
+            fault.line = Some(self.documents[key.key_location.0].line(key.key_location.1.start));
             fault.likely = likely;
             self.faults.push(fault);
         }
         (self.origins, self.faults)
     }
 
-    fn fault(&self, (number, span): &Place, key: &str, problem: String) -> Fault {
+    fn fault(&self, (number, span): &Location, key: &str, problem: String) -> Fault {
         let document = &self.documents[*number];
         Fault {
             file: document.path.to_owned(),
@@ -101,7 +101,7 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// A key that is like `name`: of the same section, or the very same name in another one.
+    /// A key that resembles `name`: one of the same section, or the same name in another section.
     fn likely_key(&self, section: &str, name: &str) -> Option<String> {
         let here = self.declared.iter().filter(|(s, _)| s == section).map(|(_, key)| *key);
         most_alike(name, here).map(|key| format!("`{key}`")).or_else(|| {
@@ -110,8 +110,8 @@ impl<'d> Reader<'d> {
         })
     }
 
-    /// Every place of the open section's key, in the order of the files.
-    fn found(&mut self, name: &'static str) -> Vec<(Place, &'d DeValue<'d>)> {
+    /// Every occurrence of a key of the open section, in the order of the files.
+    fn found(&mut self, name: &'static str) -> Vec<(Location, &'d DeValue<'d>)> {
         self.declared.push((self.section.clone(), name));
         let of = |((number, _), table): &Part<'d>| {
             let (_, value) = table.iter().find(|(key, _)| key.get_ref() == name)?;
@@ -138,7 +138,7 @@ impl<'d> Reader<'d> {
         self.parts = parts;
     }
 
-    /// Notes what the open section has and nobody declared.
+    /// Keeps the keys of the open section that nobody declared.
     fn leave(&mut self) {
         for ((number, _), table) in &self.parts {
             for (key, value) in table.iter() {
@@ -147,8 +147,8 @@ impl<'d> Reader<'d> {
                     self.unknown.push(Unknown {
                         section: self.section.clone(),
                         name: key.get_ref().to_string(),
-                        key_place: (*number, key.span()),
-                        value_place: (*number, value.span()),
+                        key_location: (*number, key.span()),
+                        value_location: (*number, value.span()),
                         is_section: value.get_ref().is_table(),
                     });
                 }
@@ -156,31 +156,32 @@ impl<'d> Reader<'d> {
         }
     }
 
-    /// Reads `name` from every file, so that faults in overridden values are found too. The last one counts.
+    /// Reads `name` from every file, so that faults in overridden values are found as well. The last value counts.
     fn read<T: Value>(&mut self, name: &'static str, limit: &T::Limit, mut take: impl FnMut(T)) -> bool {
         let found = self.found(name);
         let present = !found.is_empty();
-        for (place, raw) in found {
-            // The parser puts an empty value where it could not find one, which it has reported.
-            if place.1.is_empty() {
+        for (location, raw) in found {
+            // The parser puts an empty value where it found none, which it has reported.
+            if location.1.is_empty() {
                 continue;
             }
-            let value = T::read(raw, limit, self.documents[place.0].folder);
+            let value = T::read(raw, limit, self.documents[location.0].folder);
             let refused = value.is_none();
             match value {
                 Some(value) => take(value),
                 None => {
                     let problem = format!("must be {}", T::allowed(limit));
-                    let mut fault = self.fault(&place, &joined(&self.section, name), problem);
+                    let mut fault = self.fault(&location, &joined(&self.section, name), problem);
                     fault.likely = raw
                         .as_str()
-                        .and_then(|word| most_alike(word, T::words().iter().copied()))
+                        .and_then(|word| most_alike(word, T::words().into_iter()))
                         .map(|word| format!("{word:?}"));
                     self.faults.push(fault);
                 }
             }
-            let shown = self.documents[place.0].shown(name, place.1.clone());
-            self.origins.insert(joined(&self.element, name), Origin { place: Some(place), shown, refused });
+            let shown = self.documents[location.0].shown(name, location.1.clone());
+            self.origins
+                .insert(joined(&self.element, name), Origin { location: Some(location), shown, refused });
         }
         present
     }
@@ -189,11 +190,11 @@ impl<'d> Reader<'d> {
 impl Keys for Reader<'_> {
     fn section(&mut self, name: &'static str, _: &'static str, keys: impl FnOnce(&mut Self)) {
         let mut parts = Vec::new();
-        for (place, raw) in self.found(name) {
+        for (location, raw) in self.found(name) {
             match raw.as_table() {
-                Some(table) => parts.push((place, table)),
+                Some(table) => parts.push((location, table)),
                 None => {
-                    let fault = self.fault(&place, name, format!("must be a section, written [{name}]"));
+                    let fault = self.fault(&location, name, format!("must be a section, written [{name}]"));
                     self.faults.push(fault);
                 }
             }
@@ -208,7 +209,7 @@ impl Keys for Reader<'_> {
         items: &mut Vec<T>,
         keys: impl Fn(&mut T, &mut Self),
     ) {
-        for (place, raw) in self.found(name) {
+        for (location, raw) in self.found(name) {
             let tables = raw.as_array().and_then(|array| {
                 array
                     .iter()
@@ -217,18 +218,19 @@ impl Keys for Reader<'_> {
             });
             let Some(tables) = tables else {
                 let problem = format!("must be sections, each written [[{name}]]");
-                let fault = self.fault(&place, name, problem);
+                let fault = self.fault(&location, name, problem);
                 self.faults.push(fault);
                 continue;
             };
             items.clear();
             for (index, (span, table)) in tables.into_iter().enumerate() {
                 let mut item = T::default();
-                let part = vec![((place.0, span), table)];
+                let part = vec![((location.0, span), table)];
                 self.enter(name, format!("{name}[{index}]"), part, |reader| keys(&mut item, reader));
                 items.push(item);
             }
-            self.origins.insert(name.to_owned(), Origin { place: Some(place), shown: None, refused: false });
+            self.origins
+                .insert(name.to_owned(), Origin { location: Some(location), shown: None, refused: false });
         }
     }
 
@@ -236,7 +238,8 @@ impl Keys for Reader<'_> {
         let default = value.write();
         if !self.read(name, &limit, |read| *value = read) {
             let shown = Some(format!("{default} (default)"));
-            self.origins.insert(joined(&self.element, name), Origin { place: None, shown, refused: false });
+            self.origins
+                .insert(joined(&self.element, name), Origin { location: None, shown, refused: false });
         }
     }
 

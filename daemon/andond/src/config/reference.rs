@@ -7,12 +7,12 @@ use super::value::Value;
 const HEAD: &str = "\
 Andon: every key, its meaning, what is allowed, and its default.
 
-A station needs one file that gives its name and its objects, and what differs from here: see stations/demo.toml. \
+A station needs one file with its name, its objects and whatever differs from this page: see stations/demo.toml. \
 Files are read in the order in which they are given; a later one overrides key by key, and `objects` as a whole. \
-Relative paths start at the folder of the file that they stand in. A key that does not exist is a fault; all \
-faults are reported at once, and then nothing starts. `andond check FILE...` does only that.";
+A relative path starts at the folder of the file that contains it. A key that does not exist is a fault; all \
+faults are reported at once, and then nothing starts. `andond check -c FILE` only checks.";
 
-/// Longest line, in bytes: what a terminal of a technician shows without breaking it.
+/// Longest line, in bytes: a technician's terminal shows it without a break.
 const WIDTH: usize = 110;
 
 /// The reference, `config/andon.toml`.
@@ -27,7 +27,7 @@ pub fn reference() -> String {
 /// The visitor that writes what it sees.
 struct Writer {
     text: String,
-    /// The keys belong to an example.
+    /// Whether the keys belong to an example, which is commented out.
     commented: bool,
 }
 

@@ -1,4 +1,4 @@
-//! The kinds of values that a key can have: what is allowed, how it is read, how it is written.
+//! The kinds of values that a key can have: which values are allowed, and how they are read and written.
 
 use std::fmt::{Debug, Display};
 use std::net::IpAddr;
@@ -10,7 +10,7 @@ use toml::de::DeValue;
 
 /// A kind of value.
 pub(super) trait Value: Sized {
-    /// What narrows it, such as a range.
+    /// What restricts it, such as a range.
     type Limit;
 
     /// What is allowed, so that it completes "must be ...".
@@ -22,32 +22,32 @@ pub(super) trait Value: Sized {
     /// The value as TOML.
     fn write(&self) -> String;
 
-    /// All words that are allowed, where it is a choice of words.
-    fn words() -> &'static [&'static str] {
-        &[]
+    /// All words that are allowed, where the value is one of several words.
+    fn words() -> Vec<&'static str> {
+        Vec::new()
     }
 }
 
 /// An inclusive range with its unit; the unit is empty for a count.
 pub(super) struct Within<T> {
-    least: T,
-    most: T,
+    min: T,
+    max: T,
     unit: &'static str,
 }
 
-/// From `least` to `most`, both included.
-pub(super) fn within<T>(least: T, most: T, unit: &'static str) -> Within<T> {
-    Within { least, most, unit }
+/// From `min` to `max`, both included.
+pub(super) fn within<T>(min: T, max: T, unit: &'static str) -> Within<T> {
+    Within { min, max, unit }
 }
 
 impl<T: Debug + PartialOrd> Within<T> {
     fn describe(&self, kind: &str) -> String {
         let space = if self.unit.is_empty() { "" } else { " " };
-        format!("{kind} from {:?} to {:?}{space}{}", self.least, self.most, self.unit)
+        format!("{kind} from {:?} to {:?}{space}{}", self.min, self.max, self.unit)
     }
 
     fn hold(&self, value: T) -> Option<T> {
-        (value >= self.least && value <= self.most).then_some(value)
+        (value >= self.min && value <= self.max).then_some(value)
     }
 }
 
@@ -111,9 +111,9 @@ impl Value for bool {
 
 /// What a text may consist of.
 pub(super) enum Text {
-    /// What is safe in a file name, a unit name and a service name.
+    /// What is safe in the name of a file, a unit and a service.
     Name,
-    /// Anything that can be read on one line.
+    /// Any text on one line.
     Line,
 }
 
@@ -148,7 +148,7 @@ impl Value for String {
     }
 }
 
-/// A path. A relative one is resolved against the folder of the file that it stands in.
+/// A path. A relative one starts at the folder of the file that contains it.
 impl Value for PathBuf {
     type Limit = ();
 
@@ -203,26 +203,26 @@ impl Value for [f32; 3] {
 
 /// How many, and of what.
 pub(super) struct Several<L> {
-    least: usize,
-    most: usize,
+    min: usize,
+    max: usize,
     each: L,
 }
 
-/// From `least` to `most` values, each within `each`.
-pub(super) fn several<L>(least: usize, most: usize, each: L) -> Several<L> {
-    Several { least, most, each }
+/// From `min` to `max` values, each within `each`.
+pub(super) fn several<L>(min: usize, max: usize, each: L) -> Several<L> {
+    Several { min, max, each }
 }
 
 impl<T: Value> Value for Vec<T> {
     type Limit = Several<T::Limit>;
 
     fn allowed(limit: &Self::Limit) -> String {
-        format!("a list of {} to {}, each {}", limit.least, limit.most, T::allowed(&limit.each))
+        format!("a list of {} to {}, each {}", limit.min, limit.max, T::allowed(&limit.each))
     }
 
     fn read(raw: &DeValue<'_>, limit: &Self::Limit, folder: &Path) -> Option<Self> {
         let array = raw.as_array()?;
-        if !(limit.least..=limit.most).contains(&array.len()) {
+        if !(limit.min..=limit.max).contains(&array.len()) {
             return None;
         }
         array.iter().map(|raw| T::read(raw.get_ref(), &limit.each, folder)).collect()
@@ -233,7 +233,7 @@ impl<T: Value> Value for Vec<T> {
         format!("[{}]", items.join(", "))
     }
 
-    fn words() -> &'static [&'static str] {
+    fn words() -> Vec<&'static str> {
         T::words()
     }
 }
@@ -257,32 +257,37 @@ pub(super) fn one_of(words: &[&str]) -> String {
     text
 }
 
-/// Makes a choice of words of an enum that already exists.
+/// Makes a key of a type that is a choice of words: one whose values name themselves, of all of which `$all` is an
+/// iterable; or an enum with a word for each variant.
 macro_rules! words {
-    ($kind:ty { $($variant:path = $word:literal),+ $(,)? }) => {
+    ($kind:ty, $all:expr, $name:expr) => {
         impl $crate::config::value::Value for $kind {
             type Limit = ();
 
             fn allowed((): &()) -> String {
-                $crate::config::value::one_of(Self::words())
+                $crate::config::value::one_of(&Self::words())
             }
 
             fn read(raw: &toml::de::DeValue<'_>, (): &(), _: &std::path::Path) -> Option<Self> {
-                match raw.as_str()? {
-                    $($word => Some($variant),)+
-                    _ => None,
-                }
+                let text = raw.as_str()?;
+                $all.into_iter().find(|value| $name(*value) == text)
             }
 
             fn write(&self) -> String {
-                let word = match self { $($variant => $word,)+ };
-                format!("{word:?}")
+                format!("{:?}", $name(*self))
             }
 
-            fn words() -> &'static [&'static str] {
-                &[$($word),+]
+            fn words() -> Vec<&'static str> {
+                $all.into_iter().map($name).collect()
             }
         }
+    };
+    ($kind:ty { $($variant:path = $word:literal),+ $(,)? }) => {
+        $crate::config::value::words!(
+            $kind,
+            [$($variant),+],
+            |value: $kind| match value { $($variant => $word,)+ }
+        );
     };
 }
 pub(super) use words;

@@ -1,7 +1,8 @@
 //! Logs: readable text on a terminal, fields in the journal under systemd, and a stable code on every message.
 //!
 //! INFO is a transition that a technician cares about, DEBUG an IU, TRACE a frame. An error is handled once: logged
-//! or returned. What is logged at INFO and above has a [`code`]; its message ends with what to do:
+//! or returned. What is logged at INFO and above has a [`code`]; its message ends with what to do, which is the remedy of
+//! the code:
 //!
 //! ```
 //! use andond::log::{code, log};
@@ -34,7 +35,7 @@ pub struct Code {
     pub number: u32,
     /// The number as it is written: `AND-104`.
     pub name: &'static str,
-    /// How grave it is.
+    /// How serious it is.
     pub level: tracing::Level,
     /// What it means, in one line.
     pub meaning: &'static str,
@@ -43,13 +44,17 @@ pub struct Code {
 }
 
 impl Code {
-    /// The text of a message with this code, and a note for [`last_error`]. For [`log!`], which calls it only where
-    /// the level is on.
+    /// The text of a message with this code. For [`log!`], which formats it only where the level is on.
     #[doc(hidden)]
-    pub fn say<'a>(&'static self, message: fmt::Arguments<'a>) -> impl fmt::Display + 'a {
-        Said { code: self, message }
+    pub fn text<'a>(
+        &'static self,
+        message: fmt::Arguments<'a>,
+        remedy: &'static str,
+    ) -> impl fmt::Display + 'a {
+        Text { code: self, message, remedy }
     }
 
+    /// Keeps the code for [`last_error`].
     #[doc(hidden)]
     pub fn note(&self) {
         if self.level <= tracing::Level::WARN {
@@ -58,35 +63,41 @@ impl Code {
     }
 }
 
-struct Said<'a> {
+struct Text<'a> {
     code: &'static Code,
     message: fmt::Arguments<'a>,
+    remedy: &'static str,
 }
 
-impl fmt::Display for Said<'_> {
+impl fmt::Display for Text<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", self.code.name, self.message)?;
-        if !self.code.remedy.is_empty() {
-            write!(f, ". {}", self.code.remedy)?;
+        if !self.remedy.is_empty() {
+            write!(f, ". {}", self.remedy)?;
         }
         Ok(())
     }
 }
 
 /// Logs a message with a code: `log!(code::CAMERA_GONE, { device = %path }, "{path} does not answer")`; the fields
-/// may be left out. The message has no full stop at its end: the remedy follows.
+/// may be left out. The message has no full stop at its end: the remedy of the code follows. An error whose own text says
+/// what to do is logged as `log!(code::DISK_FULL, remedied: "{error}")`, and no remedy follows.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __log {
-    ($code:path, { $($fields:tt)* }, $($message:tt)+) => {{
+    (@event $code:path, $remedy:expr, { $($fields:tt)* }, $($message:tt)+) => {{
         const LEVEL: ::tracing::Level = $code.level;
         $code.note();
         ::tracing::event!(
             LEVEL,
             { code = $code.name, $($fields)* },
             "{}",
-            $code.say(::std::format_args!($($message)+))
+            $code.text(::std::format_args!($($message)+), $remedy)
         );
     }};
+    ($code:path, remedied: $($message:tt)+) => { $crate::log::log!(@event $code, "", {}, $($message)+) };
+    ($code:path, { $($fields:tt)* }, $($message:tt)+) => {
+        $crate::log::log!(@event $code, $code.remedy, { $($fields)* }, $($message)+)
+    };
     ($code:path, $($message:tt)+) => { $crate::log::log!($code, {}, $($message)+) };
 }

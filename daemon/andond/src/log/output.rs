@@ -18,19 +18,19 @@ use tracing_subscriber::util::{SubscriberInitExt, TryInitError};
 /// Overrides the configured level: a level, or levels for modules, as in `info,andond::role::judge=trace`.
 const VARIABLE: &str = "ANDON_LOG";
 
-/// How much is logged.
+/// Which messages are logged.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Level {
     /// What stops or endangers the line.
     Error,
-    /// And what somebody should look after.
+    /// Also what somebody should look at.
     Warn,
-    /// And transitions that a technician cares about.
+    /// Also the transitions that a technician cares about.
     #[default]
     Info,
-    /// And each IU.
+    /// Also each IU.
     Debug,
-    /// And each frame.
+    /// Also each frame.
     Trace,
 }
 
@@ -72,7 +72,8 @@ pub fn start(role: &str, station: &str, level: Level) -> Result<(), TryInitError
     registry.with(text).try_init()
 }
 
-/// systemd says by device and inode which stream it connected to the journal: it may have been redirected since.
+/// systemd names the stream that it connected to the journal by device and inode: standard error may have been redirected
+/// since.
 fn stderr_is_journal() -> bool {
     let Ok(stream) = std::env::var("JOURNAL_STREAM") else { return false };
     let stderr = std::io::stderr().as_fd().try_clone_to_owned().map(File::from);
@@ -80,7 +81,7 @@ fn stderr_is_journal() -> bool {
     stream == format!("{}:{}", metadata.dev(), metadata.ino())
 }
 
-/// One line of text: time, level, role, message, fields. The code stands in the message already.
+/// One line of text: time, level, role, message, fields. The message begins with the code.
 struct Text {
     role: String,
 }

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use andon_core::couple::Couple;
-use andon_core::verdict::{Kind, Verdict};
+use andon_core::verdict::{Outcome, Verdict};
 use shm_schemas::{Detections, HandDetection, flag};
 
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, RED, WHITE};
 use crate::recording::View;
-use crate::report::{Names, is_anomaly, side_name, verdict_sentence};
+use crate::report::{Names, verdict_sentence};
 use crate::video::pipe::PictureFormat;
 use crate::video::{FilmWriter, VideoError};
 
@@ -18,16 +18,16 @@ const PANEL: u32 = 124;
 /// How many lines of verdicts stay on the panel.
 const LINES: usize = 4;
 
-/// Width of a letter of the verdicts, in pixels: OpenCV's plain font at the scale below, the widest letters of a sentence.
+/// Width of a letter of the verdicts, in pixels: that of the widest letters of OpenCV's plain font at the scale below.
 const LETTER_PX: usize = 8;
 
 /// Scale of the verdicts' letters.
 const LETTER_SCALE: f64 = 0.42;
 
-/// For how long the red frame stays after the cord was pulled, in nanoseconds.
+/// For how long the red frame stays after an anomaly, in nanoseconds.
 const ALARM_NS: u64 = 2_000_000_000;
 
-/// For how long the last picture stays, in seconds: time to read three lines.
+/// For how long the last picture stays, in seconds: the time to read three lines.
 pub const END_S: f64 = 2.0;
 
 /// The bones of a hand, as pairs of landmarks in MediaPipe's order.
@@ -79,7 +79,7 @@ pub struct Annotator {
 }
 
 impl Annotator {
-    /// Starts the film; its pictures are as wide as `format` says and a panel higher.
+    /// Starts the film. Its pictures are as wide as `format` says, and higher by the panel.
     ///
     /// # Errors
     /// That the file cannot be written.
@@ -91,7 +91,7 @@ impl Annotator {
         Ok(Self { film, canvas, names, verdicts: Vec::new(), alarm_until_ns: 0 })
     }
 
-    /// Adds one picture: what it shows, the newest couples of the hands, the verdicts that came with it.
+    /// Adds one picture with what was seen in it, the newest couples of the hands, and the verdicts that came with it.
     ///
     /// # Errors
     /// That the film cannot be written.
@@ -109,7 +109,7 @@ impl Annotator {
         }
         self.draw_contacts(view.seen, couples)?;
         self.verdicts.extend_from_slice(verdicts);
-        if verdicts.iter().any(is_anomaly) {
+        if verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly) {
             self.alarm_until_ns = now_ns + ALARM_NS;
         }
         self.draw_panel(view.format.height as f32, couples)?;
@@ -119,7 +119,7 @@ impl Annotator {
         Ok(self.film.write(now_ns, self.canvas.pixels())?)
     }
 
-    /// Shows the last picture for [`END_S`] more, with the verdicts that came when there was no more to see.
+    /// Shows the last picture for another [`END_S`] seconds, with the verdicts that came after it.
     ///
     /// # Errors
     /// As [`Annotator::draw`].
@@ -143,7 +143,7 @@ impl Annotator {
         for object in seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0) {
             self.canvas.outline(&object.corners_px, GREEN)?;
             let [x, y] = object.corners_px[0];
-            self.canvas.words([x, y - 6.0], &self.names.object(object.id), 0.45, WHITE)?;
+            self.canvas.text([x, y - 6.0], &self.names.object(object.id), 0.45, WHITE)?;
         }
         Ok(())
     }
@@ -184,16 +184,16 @@ impl Annotator {
             .map(|couple| {
                 format!(
                     "{} {:?} {}",
-                    side_name(couple.side),
+                    couple.side.name(),
                     couple.context.0,
                     self.names.context(couple.context)
                 )
             })
             .collect();
         let running = if running.is_empty() { "idle".to_string() } else { running.join("   ") };
-        self.canvas.words([8.0, top + 20.0], &format!("IU: {running}"), 0.5, WHITE)?;
+        self.canvas.text([8.0, top + 20.0], &format!("IU: {running}"), 0.5, WHITE)?;
         let letters = self.canvas.width() / LETTER_PX;
-        // A verdict has a line at least: older ones cannot be among the newest lines.
+        // A verdict has at least one line: older ones cannot be among the newest lines.
         let oldest = self.verdicts.len().saturating_sub(LINES);
         let lines: Vec<(Colour, String)> = self.verdicts[oldest..]
             .iter()
@@ -202,15 +202,15 @@ impl Annotator {
                 wrap(&sentence, letters).into_iter().map(|line| (colour(verdict), line))
             })
             .collect();
-        for (place, (colour, line)) in lines[lines.len().saturating_sub(LINES)..].iter().enumerate() {
-            let at = [8.0, top + 44.0 + 22.0 * place as f32];
-            self.canvas.words(at, line, LETTER_SCALE, *colour)?;
+        for (row, (colour, line)) in lines[lines.len().saturating_sub(LINES)..].iter().enumerate() {
+            let at = [8.0, top + 44.0 + 22.0 * row as f32];
+            self.canvas.text(at, line, LETTER_SCALE, *colour)?;
         }
         Ok(())
     }
 }
 
-/// Breaks a sentence between words; what goes on is indented.
+/// Breaks a sentence between words, and indents every line but the first.
 fn wrap(sentence: &str, letters: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in sentence.split(' ') {
@@ -235,10 +235,10 @@ fn centre(seen: &Detections, id: u16) -> Option<[f32; 2]> {
 }
 
 fn colour(verdict: &Verdict) -> Colour {
-    match verdict.kind {
-        Kind::NotJudged => AMBER,
-        _ if is_anomaly(verdict) => RED,
-        _ => GREEN,
+    match verdict.outcome {
+        Outcome::Ok => GREEN,
+        Outcome::Anomaly => RED,
+        Outcome::NotJudged => AMBER,
     }
 }
 

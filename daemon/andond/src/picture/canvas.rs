@@ -13,7 +13,7 @@ pub(super) const AMBER: Colour = [0, 170, 255];
 pub(super) const BLUE: Colour = [230, 160, 40];
 pub(super) const DARK: Colour = [40, 30, 30];
 
-/// A picture of its own, as large as the film's with a panel below.
+/// A picture that is as large as the film's with a panel below.
 pub(super) struct Canvas {
     pixels: Vec<u8>,
     width: u32,
@@ -33,7 +33,7 @@ impl Canvas {
         self.width as usize
     }
 
-    /// Lays a picture of the same width on top and darkens what is below it.
+    /// Shows a picture of the same width at the top, and darkens the rest.
     pub(super) fn show(&mut self, picture: &[u8]) {
         let (above, below) =
             self.pixels.split_at_mut(picture.len().min(self.width as usize * self.height as usize * 3));
@@ -68,11 +68,11 @@ impl Canvas {
         Ok(())
     }
 
-    /// Words with a dark edge, so that they can be read on anything. OpenCV's letters are ASCII.
-    pub(super) fn words(
+    /// Text with a dark edge, so that it can be read on any background. OpenCV's letters are ASCII.
+    pub(super) fn text(
         &mut self,
         at: [f32; 2],
-        words: &str,
+        text: &str,
         scale: f64,
         colour: Colour,
     ) -> opencv::Result<()> {
@@ -81,7 +81,7 @@ impl Canvas {
                 let font = imgproc::FONT_HERSHEY_SIMPLEX;
                 imgproc::put_text(
                     mat,
-                    words,
+                    text,
                     point(at),
                     font,
                     scale,

@@ -3,4 +3,4 @@
 mod annotator;
 mod canvas;
 
-pub use annotator::{Annotator, END_S};
+pub use annotator::{AnnotateError, Annotator, END_S};

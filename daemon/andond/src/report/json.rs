@@ -1,19 +1,15 @@
-//! JSON lines. The names are an interface: programs outside read them (DESIGN 5).
+//! JSON lines. The names are an interface: programs outside read them.
 
 use andon_core::input::Side;
-use andon_core::verdict::{Kind, Verdict};
+use andon_core::verdict::{Level, Verdict};
 use serde::Serialize;
+use shm_schemas::verdict_kind;
+
+use crate::wire::verdict::{level, outcome, reason};
 
 /// Seconds on the recording's own time.
 fn seconds(ns: u64) -> f64 {
     ns as f64 / 1e9
-}
-
-pub(crate) fn side_name(side: Side) -> &'static str {
-    match side {
-        Side::Right => "right",
-        Side::Left => "left",
-    }
 }
 
 /// A distance as JSON can carry it: no number where there is none.
@@ -26,8 +22,10 @@ fn number(value: Option<f32>) -> Option<f64> {
 #[derive(Debug, Serialize)]
 pub struct VerdictLine {
     seq: u64,
-    kind: String,
-    reason: String,
+    kind: &'static str,
+    level: &'static str,
+    outcome: &'static str,
+    reason: &'static str,
     hand: Option<&'static str>,
     activity: Option<u16>,
     iu: Option<u16>,
@@ -44,12 +42,15 @@ pub struct VerdictLine {
 impl VerdictLine {
     /// The line of verdict number `seq`.
     pub fn new(seq: u64, verdict: &Verdict) -> Self {
-        let of_job = verdict.side.is_none();
+        let (level, outcome) = (level(verdict.level), outcome(verdict.outcome));
+        let of_job = verdict.level == Level::Job;
         Self {
             seq,
-            kind: format!("{:?}", verdict.kind),
-            reason: format!("{:?}", verdict.reason),
-            hand: verdict.side.map(side_name),
+            kind: verdict_kind(level, outcome),
+            level: level.name(),
+            outcome: outcome.name(),
+            reason: reason(verdict.reason).name(),
+            hand: verdict.side.map(Side::name),
             activity: (!of_job).then_some(verdict.activity),
             iu: verdict.iu,
             context: (!of_job).then_some(verdict.context.0),
@@ -84,7 +85,7 @@ impl EventLine {
     pub fn new(level: &'static str, side: Side, context: [u16; 4], began_ns: u64, ended_ns: u64) -> Self {
         Self {
             level,
-            hand: Some(side_name(side)),
+            hand: Some(side.name()),
             context: Some(context),
             began_s: seconds(began_ns),
             ended_s: seconds(ended_ns),
@@ -103,21 +104,17 @@ impl EventLine {
     }
 }
 
-/// Whether this verdict is on a whole job.
-pub(crate) fn is_job(verdict: &Verdict) -> bool {
-    matches!(verdict.kind, Kind::JobOk | Kind::JobAnomaly) || verdict.side.is_none()
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use andon_core::couple::Context;
-    use andon_core::verdict::Reason;
+    use andon_core::verdict::{Outcome, Reason};
 
     fn verdict() -> Verdict {
         Verdict {
-            kind: Kind::IuAnomaly,
+            level: Level::Iu,
+            outcome: Outcome::Anomaly,
             reason: Reason::Motion,
             side: Some(Side::Right),
             nearest: Some(1),
@@ -138,13 +135,13 @@ mod tests {
         let line = serde_json::to_string(&VerdictLine::new(7, &verdict())).unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1}"#
         );
     }
 
     #[test]
     fn a_job_verdict_has_no_hand_no_place_and_no_context() {
-        let job = Verdict { kind: Kind::JobOk, side: None, iu: None, ..verdict() };
+        let job = Verdict { level: Level::Job, outcome: Outcome::Ok, side: None, iu: None, ..verdict() };
         let line: serde_json::Value = serde_json::to_value(VerdictLine::new(1, &job)).unwrap();
         for key in ["hand", "activity", "iu", "context", "threshold"] {
             assert!(line[key].is_null(), "{key}");

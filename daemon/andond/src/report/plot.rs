@@ -18,12 +18,12 @@ pub struct Band {
     pub ended_ns: u64,
 }
 
-/// All that is drawn of one hand.
+/// Everything that is drawn of one hand.
 #[derive(Clone, Debug, Default)]
 pub struct Timeline {
-    /// Whose it is.
+    /// The name of the hand.
     pub title: String,
-    /// Feature couples, one a frame of the grid.
+    /// Feature couples, one per frame of the grid.
     pub couples: Vec<Couple>,
     /// IUs in order.
     pub ius: Vec<Band>,
@@ -31,7 +31,7 @@ pub struct Timeline {
     pub activities: Vec<Band>,
 }
 
-// Pixels: a page that a browser shows without scrolling sideways, lanes that a finger can point at.
+// Pixels: a page that a browser shows without scrolling sideways, and lanes that a finger can point at.
 const WIDTH: f64 = 1200.0;
 const LEFT: f64 = 150.0;
 const RIGHT: f64 = 20.0;
@@ -100,14 +100,14 @@ fn draw_timeline(
     }
     draw_context(out, timeline, names, axis, y);
     y += LANE + GAP;
-    for (feature, (title, least, most)) in FEATURES.iter().enumerate() {
+    for (feature, (title, min, max)) in FEATURES.iter().enumerate() {
         let values = || timeline.couples.iter().map(|couple| f64::from(couple.motion.0[feature]));
-        // Plane mode has no elevation: an empty lane says nothing.
+        // Plane mode has no elevation, and an empty lane shows nothing.
         if title.starts_with('θ') && values().all(|value| value == 0.0) {
             continue;
         }
-        let most = if *most > 1.0 { f64::from(bins) } else { *most };
-        draw_steps(out, title, (*least, most), timeline, feature, axis, y);
+        let max = if *max > 1.0 { f64::from(bins) } else { *max };
+        draw_steps(out, title, (*min, max), timeline, feature, axis, y);
         y += LANE + GAP;
     }
     y + GAP
@@ -122,7 +122,7 @@ fn draw_bands(out: &mut String, title: &str, bands: &[Band], axis: &Axis, y: f64
         let colour = labels.binary_search(&band.label.as_str()).map_or(0, |at| at % COLOURS.len());
         let (x, end) = (axis.x(band.began_ns), axis.x(band.ended_ns));
         rectangle(out, x, y, end - x, LANE, COLOURS[colour], &band.label);
-        // Some 6.5 pixels a letter: what does not fit is in the tool tip.
+        // A letter is about 6.5 pixels wide. A label that does not fit is in the tool tip.
         if (end - x) > 6.5 * band.label.chars().count() as f64 {
             text(out, x + 4.0, y + LANE / 2.0 + 4.0, "start", "normal", &band.label);
         }
@@ -138,11 +138,11 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
         let (first, last) = (&run[0], &run[run.len() - 1]);
         let x = axis.x(first.captured_ns);
         let width = axis.x(last.captured_ns) - x;
-        let place = contexts.binary_search(&first.context).unwrap_or(0) as f64;
+        let level = contexts.binary_search(&first.context).unwrap_or(0) as f64;
         let step = LANE / contexts.len().max(1) as f64;
         let label = format!("{:?} {}", first.context.0, names.context(first.context));
         let colour = if first.sighted { "#333333" } else { "#cc3311" };
-        rectangle(out, x, y + LANE - (place + 1.0) * step, width.max(1.0), step, colour, &label);
+        rectangle(out, x, y + LANE - (level + 1.0) * step, width.max(1.0), step, colour, &label);
     }
 }
 
@@ -185,11 +185,11 @@ fn draw_seconds(out: &mut String, axis: &Axis, y: f64) -> f64 {
     y + 24.0
 }
 
-fn text(out: &mut String, x: f64, y: f64, anchor: &str, weight: &str, words: &str) {
+fn text(out: &mut String, x: f64, y: f64, anchor: &str, weight: &str, label: &str) {
     let _ = writeln!(
         out,
         "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-weight=\"{weight}\">{}</text>",
-        escape(words)
+        escape(label)
     );
 }
 

@@ -1,6 +1,6 @@
 //! Finds steps of the machine's clock: verdicts carry UTC times, and whoever reads them must know when these jumped.
 
-use andon_ipc::{monotonic_ns, utc_ns};
+use andon_ipc::{MonotonicTime, UtcTime};
 
 use crate::log::{code, log};
 
@@ -33,7 +33,7 @@ impl ClockWatch {
 }
 
 fn offset_ns() -> i128 {
-    i128::from(utc_ns()) - i128::from(monotonic_ns())
+    i128::from(UtcTime::now().nanoseconds()) - i128::from(MonotonicTime::now().nanoseconds())
 }
 
 #[cfg(test)]

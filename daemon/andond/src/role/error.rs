@@ -1,15 +1,15 @@
 //! Why a role cannot go on: the exit code and the code in the log.
 
 use andon_ipc::Error as Ipc;
+use andon_journal::JournalError;
 use andon_learn::job_file::JobFileError;
 use andon_learn::recording::TrackError;
-use andon_perception::PerceptionError;
+use andon_perception::{PerceptionError, RuntimeFile};
 
 use crate::exit::Code;
-use crate::journal::JournalError;
 use crate::log::{code, log};
 use crate::perception::SetupError;
-use crate::video::source::OpenError;
+use crate::video::OpenError;
 
 /// Why a role cannot go on.
 #[derive(Debug, thiserror::Error)]
@@ -81,10 +81,12 @@ impl RoleError {
             Self::Setup(error) => {
                 match error {
                     SetupError::Calibration(_) => log!(code::CALIBRATION_REFUSED, "{error}"),
-                    SetupError::Perception(
-                        PerceptionError::Missing { what, .. } | PerceptionError::Corrupt { what, .. },
-                    ) if what.contains("ONNX Runtime") => log!(code::ONNXRUNTIME_MISSING, "{error}"),
-                    SetupError::Perception(_) => log!(code::MODEL_MISSING, "{error}"),
+                    SetupError::Perception(cause)
+                        if cause.unusable_file() == Some(RuntimeFile::OnnxRuntime) =>
+                    {
+                        log!(code::ONNXRUNTIME_MISSING, remedied: "{error}");
+                    }
+                    SetupError::Perception(_) => log!(code::MODEL_MISSING, remedied: "{error}"),
                 }
                 Code::Configuration
             }
@@ -129,24 +131,24 @@ impl RoleError {
 }
 
 /// Logs what is wrong with the camera.
-pub(super) fn report_camera(error: &OpenError) {
+pub fn report_camera(error: &OpenError) {
     match error {
         OpenError::Gone(_) => log!(code::CAMERA_GONE, "{error}"),
         OpenError::NotAllowed(_) => log!(code::CAMERA_NOT_ALLOWED, "{error}"),
-        OpenError::Refused(_) => log!(code::CAMERA_REFUSED, "{error}"),
-        OpenError::Unfit(_) | OpenError::Unsupported(_) => log!(code::REALSENSE_UNFIT, "{error}"),
+        OpenError::Refused(_) => log!(code::CAMERA_REFUSED, remedied: "{error}"),
+        OpenError::Unfit(_) | OpenError::Unsupported(_) => log!(code::REALSENSE_UNFIT, remedied: "{error}"),
     }
 }
 
 /// Logs what is wrong with the journal. What needs a person's hand at the file is not tried again.
 pub(super) fn report_journal(error: &JournalError) -> Code {
     match error {
-        JournalError::Locked { .. } => log!(code::JOURNAL_LOCKED, "{error}"),
+        JournalError::Locked { .. } => log!(code::JOURNAL_LOCKED, remedied: "{error}"),
         JournalError::Damaged { .. } | JournalError::Newer { .. } => {
-            log!(code::JOURNAL_DAMAGED, "{error}");
+            log!(code::JOURNAL_DAMAGED, remedied: "{error}");
             return Code::Configuration;
         }
-        _ => log!(code::DISK_FULL, "{error}"),
+        _ => log!(code::DISK_FULL, remedied: "{error}"),
     }
     Code::Fault
 }
@@ -161,10 +163,11 @@ fn report_ipc(error: &Ipc) -> Code {
             return Code::Configuration;
         }
         Ipc::RootVanished { .. } => log!(code::ROOT_DELETED, "{error}"),
-        Ipc::NoRoom { .. } | Ipc::SharedMemory(_) => log!(code::SHM_FULL, "{error}"),
+        Ipc::NoRoom { .. } | Ipc::SharedMemory(_) => log!(code::SHM_FULL, remedied: "{error}"),
         Ipc::StewardRunning { .. } => log!(code::STEWARD_TWICE, "{error}"),
         Ipc::NoSteward { .. } => log!(code::STEWARD_MISSING, "{error}"),
-        Ipc::LayoutMismatch { .. } => log!(code::OTHER_VERSION, "{error}"),
+        Ipc::LayoutMismatch { .. } => log!(code::OTHER_VERSION, remedied: "{error}"),
+        Ipc::ServiceUnreadable { .. } => log!(code::SERVICE_UNUSABLE, remedied: "{error}"),
         _ => log!(code::SERVICE_UNUSABLE, "{error}"),
     }
     Code::Fault

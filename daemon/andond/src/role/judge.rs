@@ -1,122 +1,136 @@
 //! `judge`: feature couples to verdicts, by the taught job.
 
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::path::Path;
 
-use andon_core::anomaly;
+use andon_core::anomaly::{self, Event};
 use andon_core::dtw::OnlineDtw;
 use andon_core::job::Job;
-use andon_core::verdict::{Kind, Reason, Verdict as CoreVerdict};
-use andon_ipc::{Node, Reader, Wake, Writer, utc_ns};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict as CoreVerdict};
+use andon_ipc::{Node, Port, Reader, UtcTime, Writer};
 use andon_learn::job_file::JobFile;
-use shm_schemas::{Command as CommandMessage, Couples, RoleId, Stamp, Verdict, flag};
+use shm_schemas::{Command as CommandMessage, Couples, RoleId, Verdict};
 
-use super::job::JobWatch;
-use super::{Pulse, RoleError, WAIT};
+use super::RoleError;
+use super::cycle::{Cycle, Role, Turn};
+use super::jobs::{self, Wanted};
+use super::output::Output;
 use crate::config::Config;
-use crate::fit;
 use crate::log::{code, log};
 use crate::report::{Names, verdict_sentence};
 use crate::wire::command::Command;
 use crate::wire::verdict::{Sender, station_name};
 use crate::wire::{self};
 
-/// Runs until it is asked to stop. A job that is loaded is watched in a session of its own.
+/// Runs until it is asked to stop. Each job that is loaded has a session of its own.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
-    let mut line = Line {
-        node,
+    let mut ports = Ports {
         couples: node.reader()?,
         commands: node.reader()?,
-        verdicts: node.writer()?,
-        pulse: Pulse::new(node)?,
-        paced: false,
+        verdicts: Output::new(node.writer()?, &[RoleId::Journal]),
     };
+    let mut cycle = Cycle::new(node)?;
     let mut job = config.station.job.clone();
     loop {
-        let next = match &job {
-            Some(path) => watch(&mut line, config, path)?,
-            None => {
-                log!(code::NO_JOB, "no job is selected");
-                line.idle()?
-            }
+        let wanted = match &job {
+            Some(path) => watch(path, config, &mut ports, &mut cycle)?,
+            None => idle(&mut ports, &mut cycle)?,
         };
-        match next {
-            Next::Stop => return Ok(()),
-            Next::Load { job_id, model_hash } => job = select(config, job_id, model_hash, job),
-        }
+        // A session that does not ask for another job was asked to stop.
+        let Some(wanted) = wanted else { return Ok(()) };
+        job = jobs::select(config, wanted, job);
     }
 }
 
-/// Why a session ended.
-enum Next {
-    Stop,
-    Load { job_id: u32, model_hash: u64 },
-}
-
-struct Line<'a> {
-    node: &'a Node,
+struct Ports {
     couples: Reader<Couples>,
     commands: Reader<CommandMessage>,
-    verdicts: Writer<Verdict>,
-    pulse: Pulse,
-    paced: bool,
+    verdicts: Output<Writer<Verdict>>,
 }
 
-/// Reads a job file.
-fn load(path: &Path) -> Result<JobFile, RoleError> {
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| RoleError::Job { path: name.clone(), reason: error.to_string() })?;
-    Ok(JobFile::parse(&name, &bytes)?)
-}
+impl Ports {
+    fn all(&mut self) -> Vec<&mut dyn Port> {
+        vec![self.verdicts.port(), &mut self.commands, &mut self.couples]
+    }
 
-/// Looks for the job that the PLC names. What does not fit leaves the old one in force.
-fn select(config: &Config, job_id: u32, model_hash: u64, running: Option<PathBuf>) -> Option<PathBuf> {
-    let folder = &config.station.jobs;
-    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let fits = |path: &PathBuf| {
-        load(path).is_ok_and(|file| {
-            let wanted = file.id == job_id && (model_hash == 0 || file.model_hash() == model_hash);
-            wanted && fit::station(&file, config).is_ok()
-        })
-    };
-    match files.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).find(fits) {
-        Some(path) => Some(path),
-        None => {
-            log!(
-                code::JOB_REFUSED,
-                "no job {job_id} of the wanted version that fits this station in {}",
-                folder.display()
-            );
-            running
+    /// The next command. What is no command is counted and logged.
+    fn take_command(&mut self, cycle: &mut Cycle<'_>) -> Result<Option<Command>, RoleError> {
+        while let Some(message) = self.commands.take()? {
+            match wire::command::read(&message) {
+                Ok(command) => return Ok(Some(command)),
+                Err(unknown) => {
+                    cycle.liveness().refused();
+                    log!(code::COMMAND_REFUSED, "{unknown}");
+                }
+            }
         }
+        Ok(None)
     }
 }
 
-fn watch(line: &mut Line<'_>, config: &Config, path: &Path) -> Result<Next, RoleError> {
-    let file = load(path)?;
-    fit::station(&file, config)
-        .map_err(|reason| RoleError::Job { path: path.display().to_string(), reason })?;
-    let sender = Sender {
-        job_id: file.id,
-        model_hash: file.model_hash(),
-        station: station_name(&config.station.name),
-    };
+/// Waits for the command that names a job.
+fn idle(ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<Option<Wanted>, RoleError> {
+    log!(code::NO_JOB, "no job is selected");
+    let mut idle = Idle { ports, wanted: None };
+    cycle.run(&mut idle)?;
+    Ok(idle.wanted)
+}
+
+/// Without a job nothing is judged, and the role is not ready; only commands count.
+struct Idle<'p> {
+    ports: &'p mut Ports,
+    wanted: Option<Wanted>,
+}
+
+impl Role for Idle<'_> {
+    const INPUT_IS_STEADY: bool = true;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        self.ports.all()
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        cycle.take(&mut self.ports.couples)?;
+        while let Some(command) = self.ports.take_command(cycle)? {
+            match command {
+                Command::LoadJob { job_id, model_hash } => {
+                    self.wanted = Some(Wanted { job_id, model_hash });
+                    return Ok(Turn::Left);
+                }
+                Command::Start => log!(code::COMMAND_REFUSED, "Start: no job is loaded"),
+                Command::Enable | Command::Disable | Command::Abort => (),
+            }
+        }
+        Ok(Turn::Idle)
+    }
+}
+
+/// Watches a job until another one is asked for.
+fn watch(
+    path: &Path,
+    config: &Config,
+    ports: &mut Ports,
+    cycle: &mut Cycle<'_>,
+) -> Result<Option<Wanted>, RoleError> {
+    let file = jobs::load(path, config)?;
     log!(code::JOB_LOADED, { job = %path.display() }, "watching the job {:?} ({})", file.name, path.display());
-    let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
     file.with_job(|job| {
-        let session = Session {
-            line,
+        let mut session = Session {
+            ports,
             job,
             file: &file,
-            sender,
-            names,
+            sender: Sender {
+                job_id: file.id,
+                model_hash: file.model_hash(),
+                station: station_name(&config.station.name),
+            },
+            names: Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone()))),
             judge: judge(job, &file)?,
-            enabled: true,
-            watch: JobWatch::default(),
-            newest: Stamp::default(),
+            events: Vec::new(),
+            is_enabled: true,
+            wanted: None,
         };
-        session.run()
+        cycle.run(&mut session)?;
+        Ok(session.wanted)
     })
 }
 
@@ -127,181 +141,104 @@ fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<Judge<'j>, RoleError> {
     Judge::with_memory(job, file.method).map_err(|error| RoleError::Method(format!("{error:?}")))
 }
 
-impl Line<'_> {
-    /// What a message asks of the judge. One that is no command is counted and told.
-    fn command(&mut self, message: &CommandMessage) -> Option<Command> {
-        match wire::command::read(message) {
-            Ok(command) => command,
-            Err(unknown) => {
-                self.pulse.refused();
-                log!(code::COMMAND_REFUSED, "{unknown}");
-                None
-            }
-        }
-    }
-
-    /// Without a job nothing is judged; only commands count.
-    fn idle(&mut self) -> Result<Next, RoleError> {
-        loop {
-            let wake =
-                self.node.wait(&mut [&mut self.couples, &mut self.commands, &mut self.verdicts], WAIT)?;
-            if wake == Wake::Stop {
-                return Ok(Next::Stop);
-            }
-            while self.couples.take()?.is_some() {}
-            while let Some(message) = self.commands.take()? {
-                match self.command(&message) {
-                    Some(Command::LoadJob { job_id, model_hash }) => {
-                        return Ok(Next::Load { job_id, model_hash });
-                    }
-                    Some(Command::Start) => log!(code::COMMAND_REFUSED, "Start: no job is loaded"),
-                    _ => (),
-                }
-            }
-            self.pulse.beat_after(&wake)?;
-        }
-    }
-}
-
-/// One job being watched.
-struct Session<'s, 'l, 'j> {
-    line: &'s mut Line<'l>,
+/// One job that is watched.
+struct Session<'s, 'j> {
+    ports: &'s mut Ports,
     job: &'j Job<'j>,
     file: &'s JobFile,
     sender: Sender,
     names: Names,
     judge: Judge<'j>,
-    enabled: bool,
-    watch: JobWatch,
-    newest: Stamp,
+    /// What the judge has said and nobody has heard yet.
+    events: Vec<Event>,
+    is_enabled: bool,
+    /// The job that a command asks for instead.
+    wanted: Option<Wanted>,
 }
 
-impl Session<'_, '_, '_> {
-    fn run(mut self) -> Result<Next, RoleError> {
-        loop {
-            let line = &mut *self.line;
-            let wake =
-                line.node.wait(&mut [&mut line.couples, &mut line.commands, &mut line.verdicts], WAIT)?;
-            if wake == Wake::Stop {
-                return Ok(Next::Stop);
-            }
-            while let Some(message) = self.line.commands.take()? {
-                if let Some(next) = self.obey(&message)? {
-                    return Ok(next);
-                }
-            }
-            while let Some(couples) = self.line.couples.take()? {
-                self.step(&couples)?;
-            }
-            let (lost, restarts) = (self.line.couples.lost(), self.line.couples.restarts());
-            self.line.pulse.losses(lost, restarts);
-            self.line.pulse.beat_after(&wake)?;
-        }
+impl Role for Session<'_, '_> {
+    const INPUT_IS_STEADY: bool = true;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        self.ports.all()
     }
 
-    fn obey(&mut self, message: &CommandMessage) -> Result<Option<Next>, RoleError> {
-        let Some(command) = self.line.command(message) else { return Ok(None) };
-        log!(code::COMMAND, "{command:?}");
+    /// Commands first: couples are older by the time that perception takes.
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        while let Some(command) = self.ports.take_command(cycle)? {
+            log!(code::COMMAND, "{command:?}");
+            self.obey(command, cycle)?;
+            if self.wanted.is_some() {
+                return Ok(Turn::Left);
+            }
+        }
+        let Some(couples) = cycle.take(&mut self.ports.couples)? else { return Ok(Turn::Idle) };
+        if cycle.is_at_end() {
+            self.finish(cycle)?;
+        } else if self.is_enabled {
+            let couples = wire::couples::read(&couples);
+            self.judge.step(&couples, &mut |event| self.events.push(event));
+            self.publish(cycle)?;
+        }
+        Ok(Turn::Stepped)
+    }
+}
+
+impl Session<'_, '_> {
+    fn obey(&mut self, command: Command, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         match command {
-            Command::Enable => self.enabled = true,
+            Command::Enable => self.is_enabled = true,
             Command::Disable => {
-                self.finish()?;
-                self.enabled = false;
+                self.finish(cycle)?;
+                self.is_enabled = false;
             }
             Command::Start => {
-                self.judge_with(|judge, emit| judge.start(&mut |verdict| emit(verdict)))?;
-                self.watch.commanded(true);
-                self.tell_start();
+                self.judge.start(&mut |event| self.events.push(event));
+                self.publish(cycle)?;
             }
-            Command::Abort => self.finish()?,
+            Command::Abort => self.finish(cycle)?,
             Command::LoadJob { job_id, model_hash } => {
-                self.finish()?;
-                return Ok(Some(Next::Load { job_id, model_hash }));
+                self.finish(cycle)?;
+                self.wanted = Some(Wanted { job_id, model_hash });
             }
         }
-        Ok(None)
-    }
-
-    fn step(&mut self, couples: &Couples) -> Result<(), RoleError> {
-        let began = Instant::now();
-        self.newest = couples.stamp;
-        self.line.pulse.received(&couples.stamp);
-        let paced = couples.flags & flag::PACED != 0;
-        if paced != self.line.paced {
-            self.line.paced = paced;
-            self.line.verdicts.follow(if paced { &[RoleId::Journal] } else { &[] });
-        }
-        if couples.flags & flag::END_OF_STREAM != 0 {
-            self.finish()?;
-            self.line.pulse.finished();
-        } else if self.enabled {
-            let couples = wire::couples::read(couples);
-            if self.watch.begins(&couples) {
-                self.tell_start();
-            }
-            let ended = self.judge_with(|judge, emit| judge.step(&couples, &mut |verdict| emit(verdict)))?;
-            if ended && self.watch.ended() {
-                self.tell_start();
-            }
-        }
-        self.line.pulse.stepped(began.elapsed());
         Ok(())
     }
 
     /// Ends the job; what comes next belongs to a new one.
-    fn finish(&mut self) -> Result<(), RoleError> {
-        self.judge_with(|judge, emit| judge.finish(&mut |verdict| emit(verdict)))?;
+    fn finish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        self.judge.finish(&mut |event| self.events.push(event));
         self.judge = judge(self.job, self.file)?;
-        self.watch.commanded(false);
+        self.publish(cycle)
+    }
+
+    /// Logs and sends what the judge has said.
+    fn publish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        for event in self.events.drain(..) {
+            match event {
+                Event::JobBegan { .. } => log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name),
+                Event::Verdict(verdict) => {
+                    log_verdict(&verdict, &self.names);
+                    let sender = &self.sender;
+                    self.ports.verdicts.send(cycle, |message| {
+                        wire::verdict::write(&verdict, sender, UtcTime::now(), message);
+                    })?;
+                }
+            }
+        }
         Ok(())
     }
-
-    fn tell_start(&self) {
-        log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name);
-    }
-
-    /// Lets the judge say something, and publishes it. Whether the job has ended.
-    fn judge_with(
-        &mut self,
-        act: impl FnOnce(&mut Judge<'_>, &mut dyn FnMut(CoreVerdict)),
-    ) -> Result<bool, RoleError> {
-        let (mut outcome, mut ended) = (Ok(()), false);
-        let Self { line, judge, sender, names, newest, .. } = self;
-        act(judge, &mut |verdict| {
-            if outcome.is_ok() {
-                ended |= matches!(verdict.kind, Kind::JobOk | Kind::JobAnomaly);
-                tell(&verdict, names);
-                outcome = publish(line, sender, newest, &verdict);
-            }
-        });
-        outcome.map(|()| ended)
-    }
-}
-
-fn publish(
-    line: &mut Line<'_>,
-    sender: &Sender,
-    rests_on: &Stamp,
-    verdict: &CoreVerdict,
-) -> Result<(), RoleError> {
-    super::wait_for_room(line.node, &mut line.verdicts, &mut line.pulse)?;
-    let mut message = line.verdicts.loan()?;
-    message.follow(rests_on);
-    wire::verdict::write(verdict, sender, utc_ns(), &mut message);
-    line.verdicts.send(message)?;
-    line.pulse.sent();
-    Ok(())
 }
 
 /// What a technician reads: jobs and anomalies, each IU only on request.
-fn tell(verdict: &CoreVerdict, names: &Names) {
+fn log_verdict(verdict: &CoreVerdict, names: &Names) {
     let sentence = verdict_sentence(verdict, names);
-    match verdict.kind {
-        Kind::IuOk | Kind::ActivityOk => tracing::debug!("{sentence}"),
-        Kind::JobOk => log!(code::JOB_OK, "{sentence}"),
-        Kind::JobAnomaly => log!(code::JOB_ANOMALY, "{sentence}"),
-        Kind::IuAnomaly | Kind::ActivityAnomaly => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
-        Kind::NotJudged if verdict.reason == Reason::Overload => log!(code::OVERLOAD, "{sentence}"),
-        Kind::NotJudged => log!(code::NOT_JUDGED, "{sentence}"),
+    match (verdict.outcome, verdict.level) {
+        (Outcome::Ok, Level::Job) => log!(code::JOB_OK, "{sentence}"),
+        (Outcome::Ok, Level::Iu | Level::Activity) => tracing::debug!("{sentence}"),
+        (Outcome::Anomaly, Level::Job) => log!(code::JOB_ANOMALY, "{sentence}"),
+        (Outcome::Anomaly, Level::Iu | Level::Activity) => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
+        (Outcome::NotJudged, _) if verdict.reason == Reason::Overload => log!(code::OVERLOAD, "{sentence}"),
+        (Outcome::NotJudged, _) => log!(code::NOT_JUDGED, "{sentence}"),
     }
 }

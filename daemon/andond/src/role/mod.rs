@@ -1,60 +1,66 @@
-//! The processes of the line, one file a role, in the order of the data path. Each receives, steps and publishes.
+//! The processes of the line, one file per role. What they share is in [`cycle`]: each waits, takes, steps and publishes alike.
 
-pub mod capture;
+mod capture;
 mod clock;
+mod cycle;
 mod encode;
 mod error;
-mod job;
+mod jobs;
 mod journal;
 mod judge;
+mod liveness;
+mod output;
 mod perceive;
+mod player;
 mod plc;
-mod pulse;
-mod rate;
-mod sight;
 mod steward;
+mod tracks;
+mod visibility;
 
 use std::time::Duration;
 
 use clap::ValueEnum as _;
 
-use andon_ipc::{Node, Station, Stop, Wake};
+use andon_ipc::{Node, Station, Stop};
 use shm_schemas::RoleId;
 
-use crate::cli::Role;
+use crate::cli;
 use crate::config::Config;
 use crate::exit::Code;
 use crate::log::{self, code, log};
 
-pub use error::RoleError;
-pub use pulse::Pulse;
+pub use cycle::{Cycle, Ended, Flagged, Input, Role, Turn};
+pub use error::{RoleError, report_camera};
+pub use liveness::Liveness;
+pub use output::{Output, Publish};
+pub use player::{Played, Player, Recording};
 
 /// How long a role waits for its steward: a station boots its units side by side.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 /// Longest wait for a message: the heartbeat has to come around.
-const WAIT: Duration = andon_ipc::Heartbeat::PERIOD;
+pub const WAIT: Duration = andon_ipc::Heartbeat::PERIOD;
 
 /// Runs a role until it is asked to stop, and says how it ended.
-pub fn run(role: Role, config: &Config) -> Code {
+pub fn run(role: cli::Role, config: &Config) -> Code {
     start_log(role, config);
     match role {
-        Role::Steward => finish(
+        cli::Role::Steward => finish(
             Stop::on_signals()
                 .map_err(RoleError::from)
                 .and_then(|stop| steward::run(&station(config)?, config, &stop)),
         ),
-        Role::Capture => finish(capture::replace_this_process()),
-        Role::Perceive => run_with(config, RoleId::Perceive, |node| perceive::run(node, config)),
-        Role::Encode => run_with(config, RoleId::Encode, |node| encode::run(node, config)),
-        Role::Judge => run_with(config, RoleId::Judge, |node| judge::run(node, config)),
-        Role::Journal => run_with(config, RoleId::Journal, |node| journal::run(node, config)),
-        Role::Plc => run_with(config, RoleId::Plc, |node| plc::run(node, config)),
+        cli::Role::Capture => finish(capture::replace_this_process()),
+        cli::Role::Perceive => run_with(config, RoleId::Perceive, |node| perceive::run(node, config)),
+        cli::Role::Encode => run_with(config, RoleId::Encode, |node| encode::run(node, config)),
+        cli::Role::Judge => run_with(config, RoleId::Judge, |node| judge::run(node, config)),
+        cli::Role::Journal => run_with(config, RoleId::Journal, |node| journal::run(node, config)),
+        cli::Role::Plc => run_with(config, RoleId::Plc, |node| plc::run(node, config)),
     }
 }
 
 /// Starts the log of a role's process.
-pub fn start_log(role: Role, config: &Config) {
+pub fn start_log(role: cli::Role, config: &Config) {
     let name = role.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
     // It fails where a test or a tool has started one: then that one is used.
     let _ = log::start(&name, &config.station.name, config.log.level);
@@ -86,26 +92,4 @@ fn finish(outcome: Result<(), RoleError>) -> Code {
 /// A root that cannot be one.
 pub fn station(config: &Config) -> Result<Station, RoleError> {
     Ok(Station::under(&config.station.name, &config.root())?)
-}
-
-/// How long a paced writer waits for a reader that does not go on: longer than any restart takes.
-const STUCK: Duration = Duration::from_secs(30);
-
-/// Waits until a paced writer may send; a live one never waits.
-fn wait_for_room(
-    node: &Node,
-    writer: &mut impl andon_ipc::Paced,
-    pulse: &mut Pulse,
-) -> Result<(), RoleError> {
-    let began = std::time::Instant::now();
-    loop {
-        match node.wait_for_room(writer, WAIT)? {
-            Wake::Room => return Ok(()),
-            Wake::Stop => return Err(RoleError::Stopped),
-            wake => pulse.beat_after(&wake)?,
-        }
-        if began.elapsed() > STUCK {
-            return Err(RoleError::NoProgress(STUCK));
-        }
-    }
 }

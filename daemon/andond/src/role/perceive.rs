@@ -1,18 +1,14 @@
 //! `perceive`: frames to detections. Where an outside tracker sees instead, its track file is played.
 
-use std::fs::File;
-use std::io::BufReader;
-use std::time::{Duration, Instant};
-
-use andon_core::input::Space;
-use andon_ipc::{FrameReader, FrameSample, Node, Wake, Writer, monotonic_ns};
-use andon_learn::recording::TrackReader;
+use andon_ipc::{FrameReader, FrameSample, Node, Port, Writer};
 use andon_perception::metric::MetricScene;
 use andon_perception::{Detections as Seen, ImageView, Perceiver, PerceptionError, PixelFormat};
-use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId, flag};
+use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId};
 
-use super::{Pulse, RoleError, WAIT};
-use crate::config::{Config, Source, Speed};
+use super::cycle::{Cycle, Role, Turn};
+use super::output::Output;
+use super::{RoleError, tracks};
+use crate::config::{Config, Source};
 use crate::log::{code, log};
 use crate::metric::{PlaceError, Placer};
 use crate::perception::SetupError;
@@ -21,123 +17,101 @@ use crate::{perception, wire};
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     if config.camera.source == Source::Tracks {
-        return play_tracks(node, config);
+        return tracks::run(node, config);
     }
-    // Before the ports: a model that is missing is said at once, and a frame that comes early is not kept waiting.
+    // Before the ports: a model that is missing is reported at once, and a frame that comes early is not kept waiting.
     let perceiver = perception::perceiver(config)?;
     let placer = Placer::new(config).map_err(SetupError::from)?;
     let mut role = Perceive {
-        node,
-        detections: node.writer()?,
+        config,
+        detections: Output::new(node.writer()?, &[RoleId::Encode]),
         frames: node.frame_reader()?,
         perceiver,
         placer,
-        without_bench: false,
-        perceiver_epoch: 0,
-        paced: false,
+        is_without_bench: false,
+        source_epoch: 0,
         dropped: 0,
-        pulse: Pulse::new(node)?,
     };
-    loop {
-        let wake = node.wait(&mut [&mut role.frames, &mut role.detections], WAIT)?;
-        if wake == Wake::Stop {
-            return Ok(());
-        }
-        while let Some(frame) = role.take()? {
-            role.step(&frame, config)?;
-            // Frames may come faster than they are seen: neither signs of life nor a stop wait for a pause.
-            role.beat(&wake)?;
-            if node.stop().requested() {
-                return Ok(());
-            }
-        }
-        role.beat(&wake)?;
-    }
+    Cycle::new(node)?.run(&mut role)?;
+    Ok(())
 }
 
 struct Perceive<'a> {
-    node: &'a Node,
+    config: &'a Config,
     frames: FrameReader,
-    detections: Writer<Detections>,
+    detections: Output<Writer<Detections>>,
     perceiver: Perceiver,
     /// In metric mode.
     placer: Option<Placer>,
-    /// Whether it was told that the bench is not found.
-    without_bench: bool,
-    perceiver_epoch: u64,
-    paced: bool,
+    /// Whether it was logged that the bench is not found.
+    is_without_bench: bool,
+    /// Of the source that the perceiver has seen; 0 before the first.
+    source_epoch: u64,
     /// Frames lost and skipped up to the newest one.
     dropped: u64,
-    pulse: Pulse,
+}
+
+impl Role for Perceive<'_> {
+    const INPUT_IS_STEADY: bool = true;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![self.detections.port(), &mut self.frames]
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        let Some(frame) = cycle.take(&mut self.frames)? else { return Ok(Turn::Idle) };
+        let header = frame.header();
+        self.follow_source(header.stamp.epoch)?;
+        let dropped = self.frames.lost() + self.frames.skipped();
+        let newly_dropped = dropped - std::mem::replace(&mut self.dropped, dropped);
+        let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
+        self.detections.send(cycle, |message| {
+            message.source_ns = header.source_ns;
+            message.flags = header.flags;
+            message.dropped = header.dropped.saturating_add(newly_dropped as u32);
+            message.width = header.width;
+            message.height = header.height;
+            match seen {
+                Some((seen, Some(scene))) => wire::detections::write_metric(&seen, &scene, message),
+                Some((seen, None)) => wire::detections::write(&seen, message),
+                None => (),
+            }
+        })?;
+        Ok(Turn::Stepped)
+    }
 }
 
 impl Perceive<'_> {
-    /// Every frame of a source that waits; of a live one the newest, because a late frame is worth less than the next.
-    fn take(&mut self) -> Result<Option<FrameSample>, RoleError> {
-        Ok(if self.paced { self.frames.take()? } else { self.frames.take_newest()? })
-    }
-
-    fn beat(&mut self, wake: &Wake) -> Result<(), RoleError> {
-        self.pulse.losses(self.frames.lost() + self.frames.skipped(), self.frames.restarts());
-        Ok(self.pulse.beat_after(wake)?)
-    }
-
-    fn step(&mut self, frame: &FrameSample, config: &Config) -> Result<(), RoleError> {
-        let began = Instant::now();
-        let header = frame.header();
-        self.pulse.received(&header.stamp);
-        let paced = header.flags & flag::PACED != 0;
-        if paced != self.paced {
-            self.paced = paced;
-            self.detections.follow(if paced { &[RoleId::Encode] } else { &[] });
+    /// Nothing that was learnt from the pictures of another source holds.
+    fn follow_source(&mut self, epoch: u64) -> Result<(), RoleError> {
+        let known = std::mem::replace(&mut self.source_epoch, epoch);
+        if known != 0 && known != epoch {
+            self.perceiver = perception::perceiver(self.config)?;
+            self.placer = Placer::new(self.config).map_err(SetupError::from)?;
         }
-        if header.stamp.epoch != self.perceiver_epoch {
-            // Another source: nothing that was learnt of the old picture holds.
-            if self.perceiver_epoch != 0 {
-                self.perceiver = perception::perceiver(config)?;
-                self.placer = Placer::new(config).map_err(SetupError::from)?;
-            }
-            self.perceiver_epoch = header.stamp.epoch;
-        }
-        let dropped = self.frames.lost() + self.frames.skipped();
-        super::wait_for_room(self.node, &mut self.detections, &mut self.pulse)?;
-        let mut message = self.detections.loan()?;
-        message.follow(&header.stamp);
-        message.source_ns = header.source_ns;
-        message.flags = header.flags;
-        message.dropped = header.dropped.saturating_add((dropped - self.dropped) as u32);
-        message.width = header.width;
-        message.height = header.height;
-        self.dropped = dropped;
-        if header.flags & flag::END_OF_STREAM == 0 {
-            let image = view(header, frame.colour()?)?;
-            let seen = self.perceiver.perceive(image, header.source_ns, header.stamp.seq)?;
-            match self.scene(frame, &seen)? {
-                Some(scene) => wire::detections::write_metric(&seen, &scene, &mut message),
-                None => wire::detections::write(&seen, &mut message),
-            }
-        } else {
-            self.pulse.finished();
-        }
-        self.detections.send(message)?;
-        self.pulse.sent();
-        self.pulse.stepped(began.elapsed());
         Ok(())
     }
-}
 
-impl Perceive<'_> {
+    /// What a frame shows, with its scene in metric mode.
+    fn perceive(&mut self, frame: &FrameSample) -> Result<(Seen, Option<MetricScene>), RoleError> {
+        let header = frame.header();
+        let image = view(header, frame.colour()?)?;
+        let seen = self.perceiver.perceive(image, header.source_ns)?;
+        let scene = self.scene(frame, &seen)?;
+        Ok((seen, scene))
+    }
+
     /// What was seen in three dimensions; `None` in plane mode. While the bench is not found, nothing is placed.
     fn scene(&mut self, frame: &FrameSample, seen: &Seen) -> Result<Option<MetricScene>, RoleError> {
         let Some(placer) = &mut self.placer else { return Ok(None) };
         match placer.place(frame.header(), frame.depth()?, seen) {
             Ok(scene) => {
-                self.without_bench = false;
+                self.is_without_bench = false;
                 Ok(Some(scene.unwrap_or_default()))
             }
             Err(PlaceError::NoBench(error)) => {
-                if !std::mem::replace(&mut self.without_bench, true) {
-                    log!(code::BENCH_NOT_FOUND, "{error}");
+                if !std::mem::replace(&mut self.is_without_bench, true) {
+                    log!(code::BENCH_NOT_FOUND, remedied: "{error}");
                 }
                 Ok(Some(MetricScene::default()))
             }
@@ -162,77 +136,4 @@ fn view<'a>(header: &FrameHeader, colour: &'a [u8]) -> Result<ImageView<'a>, Per
         }
     };
     ImageView::new(header.width as usize, header.height as usize, header.stride as usize, format, colour)
-}
-
-/// Plays the track file at its own rate or as fast as the readers go.
-fn play_tracks(node: &Node, config: &Config) -> Result<(), RoleError> {
-    let mut detections: Writer<Detections> = node.writer()?;
-    let mut pulse = Pulse::new(node)?;
-    let paced = config.camera.speed == Speed::Max;
-    if paced {
-        detections.follow(&[RoleId::Encode]);
-    }
-    let space = if config.method.space == Space::Metric { flag::METRIC } else { 0 };
-    let flags = space | if paced { flag::PACED } else { 0 };
-    let mut offset_ns = 0;
-    let mut seq = 0;
-    loop {
-        let began = monotonic_ns();
-        let mut newest_ns = 0;
-        let mut step_ns = 0;
-        let mut tracks = tracks(config)?;
-        for frame in tracks.by_ref() {
-            let mut frame = frame?;
-            step_ns = frame.captured_ns.saturating_sub(newest_ns);
-            newest_ns = frame.captured_ns;
-            let due_ns = began + newest_ns;
-            if !paced && node.stop().wait(Duration::from_nanos(due_ns.saturating_sub(monotonic_ns()))) {
-                return Ok(());
-            }
-            let stepped = Instant::now();
-            frame.captured_ns += offset_ns;
-            seq += 1;
-            super::wait_for_room(node, &mut detections, &mut pulse)?;
-            let mut message = detections.loan()?;
-            message.stamp.frame_seq = seq;
-            message.stamp.captured_ns = if paced { monotonic_ns() } else { due_ns };
-            message.source_ns = frame.captured_ns;
-            message.flags = flags;
-            wire::detections::write_frame(&frame, &mut message);
-            detections.send(message)?;
-            pulse.sent();
-            pulse.stepped(stepped.elapsed());
-            pulse.beat()?;
-        }
-        if let Some(truncation) = tracks.truncation() {
-            log!(code::TRACK_CUT_SHORT, "{truncation}");
-        }
-        // Once more from the start, as if the tracker had gone on.
-        offset_ns += newest_ns + step_ns;
-        if !config.camera.repeat {
-            break;
-        }
-    }
-    super::wait_for_room(node, &mut detections, &mut pulse)?;
-    let mut end = detections.loan()?;
-    end.source_ns = offset_ns;
-    end.flags = flags | flag::END_OF_STREAM;
-    detections.send(end)?;
-    log!(code::RECORDING_ENDED, "the track file is at its end");
-    pulse.finished();
-    loop {
-        let wake = node.wait(&mut [&mut detections], WAIT)?;
-        if wake == Wake::Stop {
-            return Ok(());
-        }
-        pulse.beat()?;
-    }
-}
-
-fn tracks(config: &Config) -> Result<TrackReader<BufReader<File>>, RoleError> {
-    // The configuration is refused without a path for this source.
-    let path = config.camera.path.clone().unwrap_or_default();
-    let file =
-        File::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
-    Ok(TrackReader::new(&path.display().to_string(), BufReader::new(file))?)
 }

@@ -1,12 +1,12 @@
-//! `andond analyze`: which interactions of a folder are alike, as a report.
+//! `andond analyze`: compares and clusters the interactions of a folder of recordings, and writes a report.
 
 use andon_learn::analysis::{Analysis, Kind, report};
 use andon_learn::experiment::experiment_1;
 use andon_learn::folder::Labelled;
 use andon_learn::teach::TeachOptions;
 
-use super::Failure;
-use super::experiment::{SEED, failure, is_experiment_1, method, read, share};
+use super::experiment::{SEED, is_experiment_1, method, percent_bar, read};
+use super::{ToolError, cannot_write};
 use crate::cli::Analyze;
 use crate::exit::Code;
 
@@ -14,24 +14,24 @@ use crate::exit::Code;
 ///
 /// # Errors
 /// A folder without recordings, a damaged one, or a report that cannot be written.
-pub fn run(arguments: &Analyze) -> Result<Code, Failure> {
+pub fn run(arguments: &Analyze) -> Result<Code, ToolError> {
     let method = method(&arguments.recordings)?;
     let all: Vec<Labelled> = read(&arguments.recordings, &method)?;
     let cost = TeachOptions::new("", "", method).cost;
-    let bar = share("clustering");
+    let bar = percent_bar("clustering");
     let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
     // The first experiment compares six kinds of its own, and has drilling beside them.
     let (analysis, drilling) = if is_experiment_1(&all) {
-        let one = experiment_1(&all, &method, cost, SEED, &mut progress).map_err(failure)?;
+        let one = experiment_1(&all, &method, cost, SEED, &mut progress)?;
         (one.analysis, one.drilling)
     } else {
         let kinds = Kind::of(&all);
-        (Analysis::new(&all, kinds, &method, cost, SEED, &mut progress).map_err(failure)?, None)
+        (Analysis::new(&all, kinds, &method, cost, SEED, &mut progress)?, None)
     };
     bar.finish_and_clear();
     let source = arguments.recordings.display().to_string();
-    let report = report(&analysis, drilling.as_ref(), &source).map_err(failure)?;
-    report.save(&arguments.out).map_err(|error| failure(format!("{}: {error}", arguments.out.display())))?;
+    let report = report(&analysis, drilling.as_ref(), &source)?;
+    report.save(&arguments.out).map_err(cannot_write(&arguments.out))?;
     println!("written: {}", arguments.out.join("index.html").display());
     Ok(Code::Stopped)
 }

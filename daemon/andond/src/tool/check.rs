@@ -1,6 +1,6 @@
 //! `andond check`: reads the configuration and reports every fault in it.
 
-use super::{Failure, config_files};
+use super::{ToolError, config_files};
 use crate::cli::Check;
 use crate::config::Config;
 use crate::exit::Code;
@@ -9,7 +9,7 @@ use crate::exit::Code;
 ///
 /// # Errors
 /// Every fault of the configuration.
-pub fn run(arguments: &Check) -> Result<Code, Failure> {
+pub fn run(arguments: &Check) -> Result<Code, ToolError> {
     let files = config_files(&arguments.config);
     let config = Config::load(&files)?;
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();

@@ -1,6 +1,6 @@
 //! `andond config`: the annotated reference, or the configuration in force.
 
-use super::{Failure, load_config};
+use super::{ToolError, load_config};
 use crate::cli::ConfigCommand;
 use crate::config::{in_force, reference};
 use crate::exit::Code;
@@ -9,7 +9,7 @@ use crate::exit::Code;
 ///
 /// # Errors
 /// Every fault of the configuration.
-pub fn run(arguments: &ConfigCommand) -> Result<Code, Failure> {
+pub fn run(arguments: &ConfigCommand) -> Result<Code, ToolError> {
     let text = if arguments.default { reference() } else { in_force(&load_config(&arguments.config)?) };
     print!("{text}");
     Ok(Code::Stopped)

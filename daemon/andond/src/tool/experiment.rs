@@ -1,6 +1,5 @@
 //! `andond experiment`: the paper's experiments on a folder of recordings.
 
-use std::fmt::Display;
 use std::path::Path;
 
 use andon_core::config::Method;
@@ -9,7 +8,7 @@ use andon_learn::folder::{self, Labelled};
 use andon_learn::teach::TeachOptions;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Failure;
+use super::ToolError;
 use crate::cli::Experiment;
 use crate::exit::Code;
 
@@ -20,37 +19,36 @@ pub(super) const SEED: u64 = 1;
 ///
 /// # Errors
 /// A folder without the recordings that the experiment needs, or a damaged one.
-pub fn run(arguments: &Experiment) -> Result<Code, Failure> {
+pub fn run(arguments: &Experiment) -> Result<Code, ToolError> {
     let method = method(&arguments.recordings)?;
     let all = read(&arguments.recordings, &method)?;
-    let bar = share("computing");
+    let bar = percent_bar("computing");
     let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
     let text = if arguments.number == 1 {
         let cost = TeachOptions::new("", "", method).cost;
-        experiment_1(&all, &method, cost, SEED, &mut progress).map_err(failure)?.to_string()
+        experiment_1(&all, &method, cost, SEED, &mut progress)?.to_string()
     } else {
         let splits = [Split::Random, Split::LeavePersonOut];
-        let outcomes = experiment_2(&all, &method, &Variation::ladder(), &splits, SEED, &mut progress)
-            .map_err(failure)?;
-        Table::new(&outcomes).to_string()
+        let outcomes = experiment_2(&all, &method, &Variation::ladder(), &splits, SEED, &mut progress)?;
+        Table(outcomes).to_string()
     };
     bar.finish_and_clear();
     println!("{text}");
     Ok(Code::Stopped)
 }
 
-/// The constants of the method, in the space of the folder's recordings. The paper's experiments are repeated with the defaults, so that
-/// no station's settings change their figures.
-pub(super) fn method(recordings: &Path) -> Result<Method, Failure> {
-    Ok(Method { space: folder::space(recordings).map_err(failure)?, ..Method::default() })
+/// The constants of the method, in the space of the folder's recordings. All others are the defaults, so that no station's
+/// settings change the figures of the paper's experiments.
+pub(super) fn method(recordings: &Path) -> Result<Method, ToolError> {
+    Ok(Method { space: folder::space(recordings)?, ..Method::default() })
 }
 
 /// Reads the recordings whose names say who did what.
-pub(super) fn read(recordings: &Path, method: &Method) -> Result<Vec<Labelled>, Failure> {
-    let bar = share("reading");
+pub(super) fn read(recordings: &Path, method: &Method) -> Result<Vec<Labelled>, ToolError> {
+    let bar = percent_bar("reading");
     let all = folder::read(recordings, method, &mut |done| bar.set_position((100.0 * done) as u64));
     bar.finish_and_clear();
-    all.map_err(failure)
+    Ok(all?)
 }
 
 /// Whether the folder has the activities of the first experiment.
@@ -58,12 +56,8 @@ pub(super) fn is_experiment_1(all: &[Labelled]) -> bool {
     andon_learn::analysis::Kind::of(all) == andon_learn::analysis::Kind::of_paper()
 }
 
-pub(super) fn failure(error: impl Display) -> Failure {
-    Failure::new(Code::Usage, error)
-}
-
-/// A bar on standard error that counts to 100 %, which shows nothing where that is no terminal.
-pub(super) fn share(what: &'static str) -> ProgressBar {
+/// A progress bar on standard error that counts to 100 %. It shows nothing where standard error is not a terminal.
+pub(super) fn percent_bar(what: &'static str) -> ProgressBar {
     // The template is a constant that is well formed.
     let style = ProgressStyle::with_template("{msg:12} [{bar:32}] {pos} %, {eta} left")
         .unwrap_or_else(|_| ProgressStyle::default_bar());

@@ -3,24 +3,23 @@
 use std::io::{BufWriter, ErrorKind, stdout};
 use std::time::Duration;
 
+use andon_journal::{History, JournalError, Query};
 use jiff::Timestamp;
 
-use super::{Failure, load_config};
+use super::{ToolError, load_config};
 use crate::cli::History as Arguments;
 use crate::exit::Code;
-use crate::journal::{History, JournalError, Query};
 
 /// Runs the command.
 ///
 /// # Errors
 /// A time that cannot be read, and a journal that is not there or damaged.
-pub fn run(arguments: &Arguments) -> Result<Code, Failure> {
+pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let since = arguments.since.as_deref();
     let since_utc_ns = since.map(|text| since_ns(text, Timestamp::now())).transpose()?;
-    let query = Query { since_utc_ns, job_id: arguments.job, nok: arguments.nok, newest: None };
+    let query = Query { since_utc_ns, job_id: arguments.job, nok: arguments.nok };
     let path = load_config(&arguments.config)?.journal_path();
-    let failed = |error: JournalError| Failure::new(Code::Fault, error);
-    let history = History::open(&path).map_err(failed)?;
+    let history = History::open(&path)?;
     let mut out = BufWriter::new(stdout().lock());
     let written = if arguments.csv {
         history.export_csv(&query, &mut out)
@@ -28,19 +27,18 @@ pub fn run(arguments: &Arguments) -> Result<Code, Failure> {
         history.print_table(&query, &mut out)
     };
     match written {
-        // Whoever read this has seen enough, as `head` does.
+        // The reader has seen enough, as `head` does.
         Err(JournalError::Export(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(Code::Stopped),
-        outcome => outcome.map(|()| Code::Stopped).map_err(failed),
+        outcome => Ok(outcome.map(|()| Code::Stopped)?),
     }
 }
 
 /// A time, or a span before now, as nanoseconds since 1970 UTC.
-fn since_ns(text: &str, now: Timestamp) -> Result<u64, Failure> {
-    let refused = || {
-        Failure::new(
-            Code::Usage,
-            format!("--since {text:?}: give a time as 2026-05-04T08:00:00Z, or a span as 90m, 8h, 7d"),
-        )
+fn since_ns(text: &str, now: Timestamp) -> Result<u64, ToolError> {
+    let refused = || ToolError::Option {
+        option: "--since",
+        given: text.to_owned(),
+        expected: "give a time as 2026-05-04T08:00:00Z, or a span as 90m, 8h, 7d",
     };
     let time = match text.parse::<Timestamp>() {
         Ok(time) => time,
@@ -49,7 +47,7 @@ fn since_ns(text: &str, now: Timestamp) -> Result<u64, Failure> {
     u64::try_from(time.as_nanosecond()).map_err(|_| refused())
 }
 
-/// A whole number of seconds, minutes, hours or days; at most a century, so that no clock runs over.
+/// A whole number of seconds, minutes, hours or days; at most a century, so that no clock overflows.
 fn span(text: &str) -> Option<Duration> {
     let (number, unit) = text.split_at_checked(text.len().checked_sub(1)?)?;
     let seconds = match unit {

@@ -1,23 +1,16 @@
-//! Reading the job file that a command names.
+//! Reads the job file that a command names.
 
 use std::path::Path;
 
 use andon_learn::job_file::JobFile;
 
-use super::Failure;
-use crate::exit::Code;
+use super::ToolError;
 
 /// Reads a job file.
 ///
 /// # Errors
-/// That it is not there, damaged or of another version.
-pub(super) fn load(path: &Path) -> Result<JobFile, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| {
-        Failure::new(
-            Code::Configuration,
-            format!("job {}: {error}; teach it with `andond teach`", path.display()),
-        )
-    })?;
-    JobFile::parse(&path.display().to_string(), &bytes)
-        .map_err(|error| Failure::new(Code::Configuration, error))
+/// If it is missing, damaged or of another version.
+pub(super) fn load(path: &Path) -> Result<JobFile, ToolError> {
+    let bytes = std::fs::read(path).map_err(|source| ToolError::NoJob { path: path.into(), source })?;
+    Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
 }

@@ -1,13 +1,12 @@
-//! Joining a running station, for the tools that only look.
+//! Joins a running station, for the tools that only read.
 
 use std::time::Duration;
 
 use andon_ipc::{Node, Stop};
 use shm_schemas::RoleId;
 
-use super::Failure;
+use super::ToolError;
 use crate::config::Config;
-use crate::exit::Code;
 use crate::role;
 
 /// How long a tool waits for a station that may just be starting.
@@ -17,14 +16,8 @@ const PATIENCE: Duration = Duration::from_secs(2);
 ///
 /// # Errors
 /// That no steward runs there, or that the station is of another version.
-pub(super) fn join(config: &Config) -> Result<Node, Failure> {
-    let station = role::station(config).map_err(|error| Failure::new(Code::Configuration, error))?;
+pub(super) fn join(config: &Config) -> Result<Node, ToolError> {
+    let station = role::station(config).map_err(ToolError::Station)?;
     let stop = Stop::on_signals()?;
     Ok(Node::open(&station, RoleId::Tool, PATIENCE, &stop)?)
-}
-
-impl From<andon_ipc::Error> for Failure {
-    fn from(error: andon_ipc::Error) -> Self {
-        Self::new(Code::Fault, error)
-    }
 }

@@ -1,4 +1,4 @@
-//! `andond record`: writes what a running station sees to a track file, which replays to the verdicts of the live run.
+//! `andond record`: writes what a running station sees to a track file, whose replay gives the verdicts of the live run.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -11,21 +11,21 @@ use andon_learn::recording::{Header, Landmarks, NamedObject, TrackWriter};
 use shm_schemas::{Detections, flag};
 
 use super::join::join;
-use super::{Failure, load_config};
+use super::{ToolError, cannot_write, load_config};
 use crate::cli::Record;
 use crate::config::Config;
 use crate::exit::Code;
 use crate::wire;
 
-/// Nothing is due between two frames: this is only how often the wait begins anew.
+/// Nothing is due between two frames: this is only how often the wait is repeated.
 const WAIT: Duration = Duration::from_secs(10);
 
 /// Runs the command until it is interrupted, or the source is at its end.
 ///
 /// # Errors
-/// A file that cannot be written, a station that cannot be joined, and frames that were lost: without them the recording
+/// A file that cannot be written, a station that cannot be joined, or frames that were lost, without which the recording
 /// would not give the same verdicts.
-pub fn run(arguments: &Record) -> Result<Code, Failure> {
+pub fn run(arguments: &Record) -> Result<Code, ToolError> {
     let config = load_config(&arguments.config)?;
     let node = join(&config)?;
     let mut recorder = Recorder::create(&arguments.out, &config)?;
@@ -44,10 +44,7 @@ pub fn run(arguments: &Record) -> Result<Code, Failure> {
     eprintln!("{} frames", recorder.frames);
     match detections.lost() {
         0 => Ok(Code::Stopped),
-        lost => Err(Failure::new(
-            Code::Fault,
-            format!("{lost} frames were lost: the machine is too busy, and a replay may judge otherwise"),
-        )),
+        lost => Err(ToolError::Lost(lost)),
     }
 }
 
@@ -62,40 +59,39 @@ struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    fn create(path: &'a Path, config: &Config) -> Result<Self, Failure> {
-        let failed = |error| cannot_write(path, &error);
-        let file = File::create(path).map_err(failed)?;
-        let tracks = TrackWriter::new(BufWriter::new(file), &header(config)).map_err(failed)?;
+    fn create(path: &'a Path, config: &Config) -> Result<Self, ToolError> {
+        let file = File::create(path).map_err(cannot_write(path))?;
+        let tracks = TrackWriter::new(BufWriter::new(file), &header(config)).map_err(cannot_write(path))?;
         let objects = config.objects.iter().map(|object| object.id).collect();
         Ok(Self { tracks, path, objects, first_ns: None, newest_ns: 0, frames: 0 })
     }
 
-    /// Adds a frame. False where the recording is complete: at the end of the source, or where it begins anew.
-    fn write(&mut self, message: &Detections) -> Result<bool, Failure> {
+    /// Adds a frame. False where the recording is complete: at the end of the source, or where it starts again.
+    fn write(&mut self, message: &Detections) -> Result<bool, ToolError> {
         if message.flags & flag::END_OF_STREAM != 0 {
             return Ok(false);
         }
-        let mut frame = wire::detections::frame(message);
+        let mut frame = wire::detections::to_core(message);
         let first_ns = *self.first_ns.get_or_insert(frame.captured_ns);
-        let again = self.frames > 0 && frame.captured_ns <= self.newest_ns;
-        if again {
+        let is_repeated = self.frames > 0 && frame.captured_ns <= self.newest_ns;
+        if is_repeated {
             return Ok(false);
         }
         self.newest_ns = frame.captured_ns;
         frame.captured_ns -= first_ns;
         self.keep_known(&mut frame);
-        self.tracks.frame(&frame).map_err(|error| cannot_write(self.path, &error))?;
+        self.tracks.frame(&frame).map_err(cannot_write(self.path))?;
         self.frames += 1;
         Ok(true)
     }
 
-    /// A track file names its objects in its first line; the encoder has no use for others either.
+    /// Removes objects that the first line of the track file does not name; the encoder ignores them as well.
     fn keep_known(&self, frame: &mut Frame) {
         frame.objects.retain(|object| self.objects.contains(&object.id));
     }
 
-    fn finish(&mut self) -> Result<(), Failure> {
-        self.tracks.flush().map_err(|error| cannot_write(self.path, &error))
+    fn finish(&mut self) -> Result<(), ToolError> {
+        self.tracks.flush().map_err(cannot_write(self.path))
     }
 }
 
@@ -108,8 +104,4 @@ fn header(config: &Config) -> Header {
         landmarks: Landmarks::Five,
         objects: objects.map(|(object, shape)| NamedObject { name: object.name.clone(), shape }).collect(),
     }
-}
-
-fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(Code::Usage, format!("{}: {error}", path.display()))
 }

@@ -6,16 +6,15 @@ use std::path::Path;
 use andon_core::anomaly::Judge;
 use andon_core::couple::{Couple, Couples, Encoder};
 use andon_core::job::Job;
-use andon_core::verdict::{Kind, Verdict};
+use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 
-use super::{Failure, job, load_config, progress};
+use super::{ToolError, job, load_config, progress};
 use crate::cli::Replay;
-use crate::exit::Code;
-use crate::fit;
+use crate::compatibility;
 use crate::picture::Annotator;
 use crate::recording::Recording;
-use crate::report::{Names, VerdictLine, is_anomaly, verdict_sentence};
+use crate::report::{Names, VerdictLine, verdict_sentence};
 
 /// Exit code: an anomaly was found.
 const ANOMALY: u8 = 1;
@@ -26,13 +25,12 @@ const NOT_JUDGED: u8 = 2;
 ///
 /// # Errors
 /// What is missing or damaged.
-pub fn run(arguments: &Replay) -> Result<u8, Failure> {
+pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let file = job::load(&arguments.job)?;
     let config = load_config(&arguments.config)?;
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    fit::recording(&file, recording.header()).map_err(|reason| {
-        Failure::new(Code::Configuration, format!("job {}: {reason}", arguments.job.display()))
-    })?;
+    compatibility::recording(&file, recording.header())
+        .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
     let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
     let mut printer = Printer {
         names: &names,
@@ -64,9 +62,9 @@ struct Printer<'a> {
 impl Printer<'_> {
     fn print(&mut self, verdict: &Verdict) -> std::io::Result<()> {
         self.seq += 1;
-        self.anomaly |= is_anomaly(verdict);
-        self.not_judged |= verdict.kind == Kind::NotJudged;
-        self.judged |= verdict.kind == Kind::JobOk;
+        self.anomaly |= verdict.outcome == Outcome::Anomaly;
+        self.not_judged |= verdict.outcome == Outcome::NotJudged;
+        self.judged |= verdict.level == Level::Job && verdict.outcome == Outcome::Ok;
         let mut out = stdout().lock();
         if self.json {
             serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict))?;
@@ -90,41 +88,38 @@ fn replay(
     file: &JobFile,
     arguments: &Replay,
     printer: &mut Printer<'_>,
-) -> Result<(), Failure> {
-    let unusable = |error: &dyn std::fmt::Debug| {
-        Failure::new(Code::Configuration, format!("job {}: {error:?}", arguments.job.display()))
-    };
+) -> Result<(), ToolError> {
     let shapes: Vec<_> = file.objects.iter().map(|object| object.shape.clone()).collect();
-    let mut encoder = Encoder::new(file.method, &shapes).map_err(|error| unusable(&error))?;
+    let mut encoder = Encoder::new(file.method, &shapes)?;
     let mut annotator = annotator(arguments.annotate.as_deref(), recording, printer.names)?;
     let bar = progress(recording.count(), &arguments.recording);
-    file.with_job(|job: &Job<'_>| -> Result<(), Failure> {
-        let mut judge = Judge::<Vec<_>>::with_memory(job, file.method).map_err(|error| unusable(&error))?;
+    file.with_job(|job: &Job<'_>| -> Result<(), ToolError> {
+        let mut judge = Judge::<Vec<_>>::with_memory(job, file.method)?;
         let mut verdicts: Vec<Verdict> = Vec::new();
         let mut newest: Option<Couples> = None;
         loop {
             let frame = recording.next_frame()?;
             let mut take = |couples: Couples| {
-                judge.step(&couples, &mut |verdict| verdicts.push(verdict));
+                judge.step(&couples, &mut |event| verdicts.extend(event.verdict()));
                 newest = Some(couples);
             };
             match &frame {
-                // Frames that come late are counted; a recording has none but where its clock was stepped.
+                // A recording has no late frames, except where its clock was stepped; they are ignored.
                 Some(frame) => drop(encoder.step(frame, &mut take)),
                 None => encoder.flush(&mut take),
             }
             if frame.is_none() {
-                judge.finish(&mut |verdict| verdicts.push(verdict));
+                judge.finish(&mut |event| verdicts.extend(event.verdict()));
             }
             bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
-                .map_err(|error| Failure::new(Code::Fault, error))?;
+                .map_err(ToolError::Print)?;
             if let (Some(annotator), Some(view)) = (annotator.as_mut(), recording.view()) {
                 let couples: &[Couple] = newest.as_ref().map_or(&[], |couples| &couples.hands);
                 let drawn = match &frame {
                     Some(_) => annotator.draw(view, couples, &verdicts),
                     None => annotator.draw_end(view, &verdicts),
                 };
-                drawn.map_err(|error| Failure::new(Code::Usage, error))?;
+                drawn?;
             }
             verdicts.clear();
             if frame.is_none() {
@@ -135,7 +130,7 @@ fn replay(
     })?;
     bar.finish_and_clear();
     if let Some(annotator) = annotator {
-        annotator.finish().map_err(|error| Failure::new(Code::Usage, error))?;
+        annotator.finish()?;
     }
     if let Some(warning) = recording.warning() {
         eprintln!("{warning}");
@@ -147,12 +142,10 @@ fn annotator(
     file: Option<&Path>,
     recording: &Recording,
     names: &Names,
-) -> Result<Option<Annotator>, Failure> {
+) -> Result<Option<Annotator>, ToolError> {
     let Some(file) = file else { return Ok(None) };
     let Some(view) = recording.view() else {
-        return Err(Failure::new(Code::Usage, "--annotate needs a film: a track file has no pictures"));
+        return Err(ToolError::NothingToAnnotate);
     };
-    Annotator::create(file, view.format, names.clone())
-        .map(Some)
-        .map_err(|error| Failure::new(Code::Usage, error))
+    Ok(Some(Annotator::create(file, view.format, names.clone())?))
 }

@@ -6,7 +6,7 @@ use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
 
-use super::{Failure, load_config, progress, will_write};
+use super::{ToolError, cannot_write, check_writable, load_config, progress};
 use crate::cli::Segment;
 use crate::config::Config;
 use crate::exit::Code;
@@ -18,10 +18,10 @@ use crate::report::{EventLine, Names};
 ///
 /// # Errors
 /// What is missing or damaged.
-pub fn run(arguments: &Segment) -> Result<Code, Failure> {
+pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
     let config = load_config(&arguments.config)?;
     if let Some(file) = &arguments.plot {
-        will_write(file)?;
+        check_writable(file)?;
     }
     let mut recording = Recording::open(&arguments.recording, &config)?;
     let names =
@@ -29,11 +29,10 @@ pub fn run(arguments: &Segment) -> Result<Code, Failure> {
     let segmented = segment(&mut recording, &config, arguments)?;
     let printed =
         if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };
-    printed.map_err(|error| Failure::new(Code::Fault, error))?;
+    printed.map_err(ToolError::Print)?;
     if let Some(file) = &arguments.plot {
         let picture = plot::draw(&segmented.timelines(&names), &names, config.method.bins);
-        std::fs::write(file, picture)
-            .map_err(|error| Failure::new(Code::Usage, format!("{}: {error}", file.display())))?;
+        std::fs::write(file, picture).map_err(cannot_write(file))?;
     }
     Ok(Code::Stopped)
 }
@@ -44,12 +43,10 @@ struct Segmented {
     lines: Vec<EventLine>,
 }
 
-fn segment(recording: &mut Recording, config: &Config, arguments: &Segment) -> Result<Segmented, Failure> {
+fn segment(recording: &mut Recording, config: &Config, arguments: &Segment) -> Result<Segmented, ToolError> {
     let method = andon_core::config::Method { space: recording.header().space, ..config.method() };
-    let refused =
-        |error: &dyn std::fmt::Debug| Failure::new(Code::Configuration, format!("[method]: {error:?}"));
-    let mut encoder = Encoder::new(method, &recording.header().shapes()).map_err(|error| refused(&error))?;
-    let mut segmenter = JobSegmenter::new(&method).map_err(|error| refused(&error))?;
+    let mut encoder = Encoder::new(method, &recording.header().shapes())?;
+    let mut segmenter = JobSegmenter::new(&method)?;
     let mut segmented = Segmented::default();
     let bar = progress(recording.count(), &arguments.recording);
     let mut take = |couples: andon_core::couple::Couples| {
@@ -58,7 +55,7 @@ fn segment(recording: &mut Recording, config: &Config, arguments: &Segment) -> R
     };
     while let Some(frame) = recording.next_frame()? {
         bar.inc(1);
-        // Frames that come late are counted; a recording has none but where its clock was stepped.
+        // A recording has no late frames, except where its clock was stepped; they are ignored.
         let _ = encoder.step(&frame, &mut take);
     }
     encoder.flush(&mut take);
@@ -101,7 +98,7 @@ fn print_json(lines: &[EventLine]) -> std::io::Result<()> {
 
 fn print_text(lines: &[EventLine], names: &Names) -> std::io::Result<()> {
     let mut out = stdout().lock();
-    // ERUs come by the dozen: they are for programs and for the picture.
+    // ERUs come by the dozen: they are for programs.
     for line in lines.iter().filter(|line| line.level != "eru") {
         let indent = match line.level {
             "job" => "",
@@ -125,19 +122,18 @@ fn print_text(lines: &[EventLine], names: &Names) -> std::io::Result<()> {
 impl Segmented {
     /// One timeline for each hand that touches anything.
     fn timelines(&self, names: &Names) -> Vec<Timeline> {
-        let hands = [(Side::Right, "right"), (Side::Left, "left")];
-        let timeline = |(side, title): (Side, &str)| Timeline {
-            title: format!("{title} hand"),
+        let timeline = |side: Side| Timeline {
+            title: format!("{} hand", side.name()),
             couples: self.couples.iter().filter(|couple| couple.side == side).copied().collect(),
-            ius: self.bands("iu", title, names),
-            activities: self.bands("activity", title, names),
+            ius: self.bands("iu", side, names),
+            activities: self.bands("activity", side, names),
         };
-        hands.map(timeline).into_iter().filter(|timeline| !timeline.ius.is_empty()).collect()
+        Side::ALL.map(timeline).into_iter().filter(|timeline| !timeline.ius.is_empty()).collect()
     }
 
-    fn bands(&self, level: &str, hand: &str, names: &Names) -> Vec<Band> {
+    fn bands(&self, level: &str, side: Side, names: &Names) -> Vec<Band> {
         let nanoseconds = |seconds: f64| (seconds * 1e9).round() as u64;
-        let of = self.lines.iter().filter(|line| line.level == level && line.hand == Some(hand));
+        let of = self.lines.iter().filter(|line| line.level == level && line.hand == Some(side.name()));
         of.map(|line| Band {
             label: line
                 .context

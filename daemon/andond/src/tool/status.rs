@@ -2,53 +2,39 @@
 
 use std::time::{Duration, Instant};
 
-use andon_ipc::{Heartbeat, Node, Reader, Wake, monotonic_ns};
+use andon_ipc::{Heartbeat, MonotonicTime, Node, Reader, Wake};
 use serde::Serialize;
 use shm_schemas::{Health, RoleId, RoleState};
 
 use super::join::join;
-use super::{Failure, load_config};
+use super::{ToolError, load_config};
 use crate::cli::Status;
-use crate::config::{Config, Source};
-use crate::exit::Code;
 use crate::log::code;
 
-/// A role that lives is heard in this time: three beats.
+/// A role that runs is heard within this time: three beats.
 const LISTEN: Duration = Duration::from_millis(3 * Heartbeat::PERIOD.as_millis() as u64);
 
 /// Exit code: some role is not healthy.
 const UNHEALTHY: u8 = 1;
 
-/// Runs the command; the exit code says whether all is well.
+/// Runs the command; the exit code says whether every role is healthy.
 ///
 /// # Errors
 /// A configuration with faults, or that the station cannot be joined.
-pub fn run(arguments: &Status) -> Result<u8, Failure> {
+pub fn run(arguments: &Status) -> Result<u8, ToolError> {
     let config = load_config(&arguments.config)?;
-    let newest = listen(&join(&config)?, &expected(&config))?;
+    let roles = config.roles();
+    let newest = listen(&join(&config)?, &roles)?;
     let lines: Vec<RoleLine> =
-        expected(&config).into_iter().map(|role| RoleLine::new(role, newest_of(&newest, role))).collect();
+        roles.into_iter().map(|role| RoleLine::new(role, newest_of(&newest, role))).collect();
     let healthy = lines.iter().all(|line| line.healthy);
     if arguments.json {
         let station = StationLine { station: &config.station.name, healthy, roles: &lines };
-        println!("{}", serde_json::to_string(&station).map_err(|error| Failure::new(Code::Fault, error))?);
+        println!("{}", serde_json::to_string(&station).map_err(|error| ToolError::Print(error.into()))?);
     } else {
         print(&lines);
     }
     Ok(if healthy { 0 } else { UNHEALTHY })
-}
-
-/// The roles that this station needs, in the order of the data path.
-fn expected(config: &Config) -> Vec<RoleId> {
-    let mut roles = vec![RoleId::Steward, RoleId::Capture, RoleId::Perceive, RoleId::Encode];
-    roles.extend([RoleId::Judge, RoleId::Journal, RoleId::Plc]);
-    // Without pictures there is nothing to capture; without a PLC its role may be left out.
-    roles.retain(|role| match role {
-        RoleId::Capture => config.camera.source != Source::Tracks,
-        RoleId::Plc => config.plc.enable,
-        _ => true,
-    });
-    roles
 }
 
 fn newest_of(newest: &[Health], role: RoleId) -> Option<&Health> {
@@ -56,17 +42,17 @@ fn newest_of(newest: &[Health], role: RoleId) -> Option<&Health> {
 }
 
 /// The newest health of every role that was sent while this listened; ends early once everyone was heard.
-fn listen(node: &Node, roles: &[RoleId]) -> Result<Vec<Health>, Failure> {
+fn listen(node: &Node, roles: &[RoleId]) -> Result<Vec<Health>, ToolError> {
     let mut reader: Reader<Health> = node.reader()?;
     let mut newest: Vec<Health> = Vec::new();
-    let (began, began_ns) = (Instant::now(), monotonic_ns());
+    let (began, began_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
     let all = |newest: &[Health]| roles.iter().all(|role| newest_of(newest, *role).is_some());
     while began.elapsed() < LISTEN && !all(&newest) {
         if node.wait(&mut [&mut reader], Heartbeat::PERIOD)? == Wake::Stop {
             break;
         }
         while let Some(health) = reader.take()? {
-            // The history may hold the last words of the dead.
+            // The history may hold messages of roles that have ended.
             if health.stamp.sent_ns < began_ns {
                 continue;
             }
@@ -85,10 +71,10 @@ struct StationLine<'a> {
     roles: &'a [RoleLine],
 }
 
-/// One role. What is not known of one that was not heard is null.
+/// One role. What is unknown of a role that was not heard is null.
 #[derive(Serialize)]
 struct RoleLine {
-    role: String,
+    role: &'static str,
     healthy: bool,
     /// A word of [`RoleState`], or `Silent`.
     state: &'static str,
@@ -112,7 +98,7 @@ impl RoleLine {
         let number = |of: fn(&Health) -> u64| health.map(of);
         let short = |of: fn(&Health) -> u32| health.map(of);
         Self {
-            role: role.name().to_lowercase(),
+            role: role.name(),
             healthy: matches!(state, Some(RoleState::Running | RoleState::Finished)),
             state: state.map_or("Silent", RoleState::name),
             pid: short(|health| health.pid),

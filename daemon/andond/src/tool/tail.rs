@@ -3,27 +3,27 @@
 use std::io::{ErrorKind, IsTerminal, Write, stdout};
 use std::time::Duration;
 
-use andon_core::verdict::{Kind, Verdict};
+use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_ipc::{Reader, Wake};
 use shm_schemas::Verdict as Message;
 
 use super::join::join;
-use super::{Failure, load_config};
-use crate::cli::{Level, Tail};
+use super::{ToolError, load_config};
+use crate::cli::{self, Tail};
 use crate::config::Config;
 use crate::exit::Code;
-use crate::report::{Names, VerdictLine, is_anomaly, verdict_sentence};
+use crate::report::{Names, VerdictLine, verdict_sentence};
 use crate::wire;
 
-/// Nothing is due between two verdicts: this is only how often the wait begins anew.
+/// Nothing is due between two verdicts: this is only how often the wait is repeated.
 const WAIT: Duration = Duration::from_secs(10);
 
-/// Runs the command until it is interrupted or its reader is gone. It begins with the newest verdicts that the channel
-/// still has.
+/// Runs the command until it is interrupted or the reader of its output is gone. It begins with the newest verdicts that
+/// the channel still has.
 ///
 /// # Errors
 /// What is missing, or that the station cannot be joined.
-pub fn run(arguments: &Tail) -> Result<Code, Failure> {
+pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
     let config = load_config(&arguments.config)?;
     let node = join(&config)?;
     let mut verdicts: Reader<Message> = node.reader()?;
@@ -37,9 +37,9 @@ pub fn run(arguments: &Tail) -> Result<Code, Failure> {
         }
         while let Some(message) = verdicts.take()? {
             if let Err(error) = print(arguments, &message, &names) {
-                // Whoever read this has seen enough, as `head` does.
-                let ended = error.kind() == ErrorKind::BrokenPipe;
-                return if ended { Ok(Code::Stopped) } else { Err(Failure::new(Code::Fault, error)) };
+                // The reader has seen enough, as `head` does.
+                let is_over = error.kind() == ErrorKind::BrokenPipe;
+                return if is_over { Ok(Code::Stopped) } else { Err(ToolError::Print(error)) };
             }
         }
         if verdicts.lost() > lost {
@@ -73,21 +73,20 @@ fn print(arguments: &Tail, message: &Message, names: &Names) -> std::io::Result<
 }
 
 fn is_wanted(arguments: &Tail, verdict: &Verdict) -> bool {
-    let level = match verdict {
-        Verdict { iu: Some(_), .. } => Level::Iu,
-        Verdict { side: Some(_), .. } => Level::Activity,
-        _ => Level::Job,
+    let level = match verdict.level {
+        Level::Iu => cli::Level::Iu,
+        Level::Activity => cli::Level::Activity,
+        Level::Job => cli::Level::Job,
     };
-    let nok = is_anomaly(verdict) || verdict.kind == Kind::NotJudged;
-    (nok || !arguments.nok) && arguments.level.is_none_or(|wanted| wanted == level)
+    let is_wanted_outcome = !arguments.nok || verdict.outcome != Outcome::Ok;
+    is_wanted_outcome && arguments.level.is_none_or(|wanted| wanted == level)
 }
 
 /// Red for an anomaly, yellow for what could not be judged, green for a job that is right.
 fn colour(verdict: &Verdict) -> Option<u8> {
-    match verdict.kind {
-        Kind::IuAnomaly | Kind::ActivityAnomaly | Kind::JobAnomaly => Some(31),
-        Kind::NotJudged => Some(33),
-        Kind::JobOk => Some(32),
-        Kind::IuOk | Kind::ActivityOk => None,
+    match verdict.outcome {
+        Outcome::Anomaly => Some(31),
+        Outcome::NotJudged => Some(33),
+        Outcome::Ok => (verdict.level == Level::Job).then_some(32),
     }
 }

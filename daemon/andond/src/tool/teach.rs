@@ -6,27 +6,28 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use andon_core::config::Method;
 use andon_core::job::LocalCost;
-use andon_learn::job_file::sha256_hex;
+use andon_learn::digest::sha256_hex;
 use andon_learn::recording as learn;
+use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
-use andon_learn::teach::{TeachOptions, ThresholdRule, teach};
+use andon_learn::teach::{TeachOptions, teach};
 
-use super::{Failure, load_config_to_learn, progress, will_write};
+use super::{ToolError, cannot_write, check_writable, load_config_to_learn, progress};
 use crate::cli::{self, Cost, Teach};
 use crate::config::Config;
 use crate::exit::Code;
 use crate::recording::Recording;
 
-/// Share of correct executions that the rule `conformal` may accuse.
+/// Share of correct executions that may be accused under the rule `conformal`.
 const FALSE_ALARMS: f64 = 0.01;
 
 /// Runs the command.
 ///
 /// # Errors
-/// What is missing or damaged, or why nothing can be learnt from it.
-pub fn run(arguments: &Teach) -> Result<Code, Failure> {
+/// What is missing or damaged, or why nothing can be learned from it.
+pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let config = load_config_to_learn(&arguments.config)?;
-    will_write(&arguments.out)?;
+    check_writable(&arguments.out)?;
     let method = common_method(&arguments.recordings, &config)?;
     let runs = read_runs(&arguments.recordings, &config, &method)?;
     let name = arguments.name.clone().unwrap_or_else(|| stem(&arguments.out));
@@ -46,9 +47,8 @@ pub fn run(arguments: &Teach) -> Result<Code, Failure> {
             cli::ThresholdRule::Conformal => ThresholdRule::Conformal { false_alarms: FALSE_ALARMS },
         };
     }
-    let (job, report) = teach(&runs, &options).map_err(|error| Failure::new(Code::Usage, error))?;
-    std::fs::write(&arguments.out, job.to_toml())
-        .map_err(|error| Failure::new(Code::Usage, format!("{}: {error}", arguments.out.display())))?;
+    let (job, report) = teach(&runs, &options)?;
+    std::fs::write(&arguments.out, job.to_toml()).map_err(cannot_write(&arguments.out))?;
     println!("{report}");
     println!("written: {}", arguments.out.display());
     Ok(Code::Stopped)
@@ -58,7 +58,7 @@ fn stem(path: &Path) -> String {
     path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_else(|| "job".into())
 }
 
-/// The day in UTC, as provenance has it.
+/// The date in UTC, for the provenance of the job.
 fn today() -> String {
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     jiff::Timestamp::from_second(since_1970.as_secs() as i64)
@@ -67,37 +67,33 @@ fn today() -> String {
 }
 
 /// The constants of the method in the space that all recordings share.
-fn common_method(recordings: &[impl AsRef<Path>], config: &Config) -> Result<Method, Failure> {
+fn common_method(recordings: &[impl AsRef<Path>], config: &Config) -> Result<Method, ToolError> {
     let mut space = None;
     for path in recordings {
         let recording = Recording::open(path.as_ref(), config)?;
         let own = recording.header().space;
         if *space.get_or_insert(own) != own {
-            let message = format!(
-                "{}: recordings in plane and in metric coordinates cannot be mixed",
-                path.as_ref().display()
-            );
-            return Err(Failure::new(Code::Usage, message));
+            return Err(ToolError::MixedSpaces(path.as_ref().into()));
         }
     }
     Ok(Method { space: space.unwrap_or(config.method.space), ..config.method() })
 }
 
-/// Reads the recordings, two at a time: one is decoded in a process of its own while another is looked at.
+/// Reads the recordings, as many at a time as the machine has processors: each is decoded in a process of its own.
 fn read_runs(
     recordings: &[std::path::PathBuf],
     config: &Config,
     method: &Method,
-) -> Result<Vec<Run>, Failure> {
+) -> Result<Vec<Run>, ToolError> {
     let next = Mutex::new(0..recordings.len());
-    let runs: Mutex<Vec<Option<Result<Run, Failure>>>> =
+    let runs: Mutex<Vec<Option<Result<Run, ToolError>>>> =
         Mutex::new((0..recordings.len()).map(|_| None).collect());
     let work = || {
         // A poisoned lock means that another worker panicked, which ends the process anyway.
-        while let Some(place) = next.lock().ok().and_then(|mut next| next.next()) {
-            let run = read_run(&recordings[place], config, method);
+        while let Some(index) = next.lock().ok().and_then(|mut next| next.next()) {
+            let run = read_run(&recordings[index], config, method);
             if let Ok(mut runs) = runs.lock() {
-                runs[place] = Some(run);
+                runs[index] = Some(run);
             }
         }
     };
@@ -109,9 +105,7 @@ fn read_runs(
     runs.into_inner().unwrap_or_default().into_iter().flatten().collect()
 }
 
-fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, Failure> {
-    let unreadable =
-        |error: &dyn std::fmt::Display| Failure::new(Code::Usage, format!("{}: {error}", path.display()));
+fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, ToolError> {
     let mut recording = Recording::open(path, config)?;
     let bar = progress(recording.count(), path);
     let mut frames = Vec::new();
@@ -124,12 +118,14 @@ fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, Failur
         eprintln!("{warning}");
     }
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    let sha256 = sha256_hex(&bytes_of(path).map_err(|error| unreadable(&error))?);
+    let refused = |source| ToolError::Read { path: path.into(), source, remedy: "let this user read it" };
+    let sha256 = sha256_hex(&bytes_of(path).map_err(refused)?);
     let recording = learn::Recording { header: recording.header().clone(), frames, truncation: None };
-    Run::new(&name, &sha256, &recording, method).map_err(|error| unreadable(&error))
+    Run::new(&name, &sha256, &recording, method)
+        .map_err(|source| ToolError::Run { path: path.into(), source })
 }
 
-/// What the hash of a recording is taken of: a file, or the pictures of a folder one after the other.
+/// The bytes that the hash of a recording covers: those of a file, or of the pictures of a folder one after the other.
 fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
     if !path.is_dir() {
         return std::fs::read(path);

@@ -1,10 +1,9 @@
-//! Pictures in and out of processes that link no video library.
+//! Films for processes that link no video library.
 //!
-//! Only the binary `andond-video` links OpenCV's `videoio` (248 shared libraries, 65 MB): the role `capture` runs in
-//! it, and the tools hand it a film to decode, or pictures to make a film of, over a [`pipe`].
+//! Only the binary `andond-video` of the crate `andon-video` links OpenCV's `videoio`, which loads 248 shared libraries, 65 MB. The role
+//! `capture` runs in that binary. The tools start it to decode a film, or to make a film of pictures, over a [`pipe`].
 
 pub mod pipe;
-pub mod source;
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -14,25 +13,25 @@ use std::process::{Child, Command, Stdio};
 
 use pipe::{PictureFormat, PipeReader, PipeWriter};
 
-/// Why a film could not be read or written. Each says what to do.
+/// Why a film could not be read or written, and what to do about it.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// The helper binary is not beside this one.
     #[error(
-        "cannot start {path}: {source}; it is installed beside andond, build it with `cargo build --release -p andond`"
+        "cannot start {path}: {source}; it is installed beside andond, build it with `cargo build --release -p andon-video`"
     )]
     Helper {
         /// Where it was looked for.
         path: PathBuf,
-        /// What the system said.
+        /// The cause that the system gives.
         source: std::io::Error,
     },
-    /// The helper gave up; it has said why on standard error.
+    /// The helper failed and wrote the reason to standard error.
     #[error("{file}: {message}")]
     Film {
         /// The film.
         file: PathBuf,
-        /// The helper's own words.
+        /// The helper's message.
         message: String,
     },
     /// The pipe broke.
@@ -40,17 +39,37 @@ pub enum VideoError {
     Pipe {
         /// The film.
         file: PathBuf,
-        /// What the system said.
+        /// The cause that the system gives.
         source: std::io::Error,
     },
 }
 
-/// Where `andond-video` is: beside the running binary.
+/// Why a camera or a recording cannot be opened: each holds a message for a technician.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum OpenError {
+    /// It is missing or does not answer. A camera may come back.
+    #[error("{0}")]
+    Gone(String),
+    /// This user may not open it.
+    #[error("{0}")]
+    NotAllowed(String),
+    /// It does not offer what the configuration asks for.
+    #[error("{0}")]
+    Refused(String),
+    /// It cannot work the way it is connected.
+    #[error("{0}")]
+    Unfit(String),
+    /// This build or this installation does not support it.
+    #[error("{0}")]
+    Unsupported(String),
+}
+
+/// The path of `andond-video`, which lies beside the running binary.
 pub fn helper_path() -> PathBuf {
     let name = "andond-video";
     let own = std::env::current_exe().unwrap_or_default();
     let beside = own.with_file_name(name);
-    // A test binary lies in `deps/`, one folder below the binaries.
+    // The binary of a test is in `deps/`, one folder below the other binaries.
     let above = own.parent().and_then(Path::parent).map(|folder| folder.join(name));
     if beside.exists() { beside } else { above.filter(|path| path.exists()).unwrap_or(beside) }
 }
@@ -58,42 +77,42 @@ pub fn helper_path() -> PathBuf {
 /// A running `andond-video`. It is stopped when this is dropped.
 struct Helper {
     child: Child,
-    /// What it writes to standard error: a file, which never fills up as a pipe does that nobody reads meanwhile.
-    words: File,
+    /// Standard error: a file, since a pipe that is not read in the meantime would fill up.
+    stderr: File,
 }
 
 impl Helper {
     fn spawn(arguments: &[OsString], stdin: Stdio, stdout: Stdio) -> Result<Self, VideoError> {
         let path = helper_path();
         let start = || -> io::Result<Self> {
-            let words = tempfile::tempfile()?;
+            let stderr = tempfile::tempfile()?;
             let child = Command::new(&path)
                 .args(arguments)
-                // The decoders' own complaints have no remedy; the helper's last line has.
+                // The messages of the decoders themselves name no remedy; the last line of the helper does.
                 .envs([("OPENCV_LOG_LEVEL", "OFF"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")])
                 .stdin(stdin)
                 .stdout(stdout)
-                .stderr(words.try_clone()?)
+                .stderr(stderr.try_clone()?)
                 .spawn()?;
-            Ok(Self { child, words })
+            Ok(Self { child, stderr })
         };
         start().map_err(|source| VideoError::Helper { path: path.clone(), source })
     }
 
-    /// What it said before it ended; waits for the end.
-    fn last_words(&mut self) -> String {
+    /// Waits for its end and returns what it wrote to standard error.
+    fn final_message(&mut self) -> String {
         let _ = self.child.wait();
-        let mut words = String::new();
-        // What cannot be read cannot be reported: the words stay short.
-        let _ = self.words.rewind().and_then(|()| self.words.read_to_string(&mut words));
-        let words = words.trim();
-        if words.is_empty() { "andond-video ended without a word".into() } else { words.into() }
+        let mut message = String::new();
+        // What cannot be read cannot be reported either.
+        let _ = self.stderr.rewind().and_then(|()| self.stderr.read_to_string(&mut message));
+        let message = message.trim();
+        if message.is_empty() { "andond-video ended without a message".into() } else { message.into() }
     }
 }
 
 impl Drop for Helper {
     fn drop(&mut self) {
-        // A film that is not read to its end leaves a decoder that waits for us.
+        // A film that is not read to its end leaves a decoder that is still writing.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -112,11 +131,11 @@ impl Film {
         let rate_hz = rate_hz.to_string();
         let mut helper =
             Helper::spawn(&["decode".into(), file.into(), rate_hz.into()], Stdio::null(), Stdio::piped())?;
-        // `piped` above: the handle is there.
+        // The handle exists because standard output is piped above.
         let Some(stdout) = helper.child.stdout.take() else { unreachable!("standard output is piped") };
         match PipeReader::new(stdout) {
             Ok(pictures) => Ok(Self { helper, pictures, file: file.into() }),
-            Err(_) => Err(VideoError::Film { file: file.into(), message: helper.last_words() }),
+            Err(_) => Err(VideoError::Film { file: file.into(), message: helper.final_message() }),
         }
     }
 
@@ -125,14 +144,14 @@ impl Film {
         self.pictures.format()
     }
 
-    /// Goes on to the next picture and tells its time since the first, in nanoseconds; `None` after the last.
+    /// Advances to the next picture and returns its time since the first in nanoseconds, `None` after the last.
     pub fn advance(&mut self) -> Result<Option<u64>, VideoError> {
         self.pictures
             .advance()
-            .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.last_words() })
+            .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.final_message() })
     }
 
-    /// The picture that [`Film::advance`] went on to.
+    /// The picture that [`Film::advance`] has reached.
     pub fn picture(&self) -> &[u8] {
         self.pictures.picture()
     }
@@ -140,7 +159,7 @@ impl Film {
 
 /// A film that is being written by `andond-video`.
 pub struct FilmWriter {
-    // Before the helper: its end closes the pipe, and the helper ends by itself.
+    // Dropped before the helper: that closes the pipe, and the helper ends by itself.
     pictures: Option<PipeWriter<std::process::ChildStdin>>,
     helper: Helper,
     file: PathBuf,
@@ -153,22 +172,22 @@ impl FilmWriter {
         let Some(stdin) = helper.child.stdin.take() else { unreachable!("standard input is piped") };
         match PipeWriter::new(stdin, format) {
             Ok(pictures) => Ok(Self { helper, pictures: Some(pictures), file: file.into() }),
-            Err(_) => Err(VideoError::Film { file: file.into(), message: helper.last_words() }),
+            Err(_) => Err(VideoError::Film { file: file.into(), message: helper.final_message() }),
         }
     }
 
     /// Adds one picture.
     pub fn write(&mut self, pts_ns: u64, picture: &[u8]) -> Result<(), VideoError> {
-        // `pictures` is taken by `finish` alone, which consumes the writer.
+        // Only `finish` takes `pictures`, and it consumes the writer.
         let Some(pictures) = self.pictures.as_mut() else { unreachable!("the film is not finished") };
         pictures
             .write_picture(pts_ns, picture)
-            .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.last_words() })
+            .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.final_message() })
     }
 
     /// Ends the film and waits until it is on the disk.
     pub fn finish(mut self) -> Result<(), VideoError> {
-        // A helper that has failed cannot be told; it says why below.
+        // A helper that has failed cannot take the end; its message is read below.
         let _ = self.pictures.take().map(PipeWriter::finish);
         let status = self
             .helper
@@ -178,7 +197,7 @@ impl FilmWriter {
         if status.success() {
             Ok(())
         } else {
-            Err(VideoError::Film { file: self.file, message: self.helper.last_words() })
+            Err(VideoError::Film { file: self.file, message: self.helper.final_message() })
         }
     }
 }

@@ -1,25 +1,25 @@
 //! The byte stream between `andond` and `andond-video`: a header, then pictures.
 //!
-//! Both ends are the same build on the same machine, so the stream has no version of its own; the magic only
-//! tells a stream from an error.
+//! Both ends come from the same build on the same machine, so the stream has no version of its own. The magic number only tells a
+//! stream from anything else.
 
 use std::io::{self, Read, Write};
 
 const MAGIC: u32 = 0x4d4c_4946; // "FILM"
 
-/// Largest side of a picture, in pixels: what a 4K camera sends, with room.
+/// Largest side of a picture in pixels, twice what a 4K camera sends.
 const MAX_SIDE: u32 = 8192;
 
-/// Size and rate of the pictures of a stream; three bytes a pixel, blue first, no padding.
+/// Size and rate of the pictures of a stream. They have three bytes per pixel, blue first, and no padding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureFormat {
-    /// Pixels a row.
+    /// Pixels per row.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Pictures a second.
+    /// Pictures per second.
     pub rate_hz: f64,
-    /// How many there will be, 0 if not known.
+    /// Number of pictures, 0 if unknown.
     pub count: u64,
 }
 
@@ -38,7 +38,7 @@ pub struct PipeReader<R> {
 }
 
 impl<R: Read> PipeReader<R> {
-    /// Reads the header; an error where the other end has nothing to give.
+    /// Reads the header. Fails when the other end has failed before its first picture.
     pub fn new(mut from: R) -> io::Result<Self> {
         let mut header = [0; 28];
         from.read_exact(&mut header)?;
@@ -53,12 +53,12 @@ impl<R: Read> PipeReader<R> {
         Ok(Self { from, format, picture: vec![0; format.bytes()] })
     }
 
-    /// What the header said.
+    /// Size and rate from the header.
     pub fn format(&self) -> PictureFormat {
         self.format
     }
 
-    /// Goes on to the next picture and tells its time since the first in nanoseconds; `None` at a clean end.
+    /// Advances to the next picture and returns its time since the first in nanoseconds, `None` at a clean end.
     pub fn advance(&mut self) -> io::Result<Option<u64>> {
         let mut pts = [0; 8];
         self.from.read_exact(&mut pts)?;
@@ -70,13 +70,13 @@ impl<R: Read> PipeReader<R> {
         Ok(Some(pts))
     }
 
-    /// The picture that [`PipeReader::advance`] went on to.
+    /// The picture that [`PipeReader::advance`] has reached.
     pub fn picture(&self) -> &[u8] {
         &self.picture
     }
 }
 
-/// In place of a time: no more pictures. A stream without it was cut off.
+/// Stands in place of a time and ends the stream. A stream without it was cut off.
 const END: u64 = u64::MAX;
 
 /// The writing end.
@@ -103,7 +103,7 @@ impl<W: Write> PipeWriter<W> {
         self.to.write_all(picture)
     }
 
-    /// Says that there are no more pictures. A writer that is dropped instead has failed, and its reader sees that.
+    /// Ends the stream. A writer that is dropped instead has failed, and its reader notices.
     pub fn finish(mut self) -> io::Result<()> {
         self.to.write_all(&END.to_le_bytes())?;
         self.to.flush()
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_header_of_something_else_is_refused() {
+    fn a_header_that_is_no_stream_is_refused() {
         assert!(PipeReader::new(&b"this is no film at all, it is a sentence"[..]).is_err());
         assert!(PipeReader::new(&b""[..]).is_err());
     }

@@ -27,18 +27,17 @@ pub enum Command {
 #[error("a message of the kind {0} is no command")]
 pub struct UnknownCommand(u8);
 
-/// What a message asks of the judge; `None` for what is not for it.
+/// What a message asks of the judge.
 ///
 /// # Errors
 /// A kind that does not exist.
-pub fn read(message: &Message) -> Result<Option<Command>, UnknownCommand> {
+pub fn read(message: &Message) -> Result<Command, UnknownCommand> {
     let kind = CommandKind::try_from(message.kind).map_err(|_| UnknownCommand(message.kind))?;
-    Ok(Some(match kind {
+    Ok(match kind {
         CommandKind::Enable => Command::Enable,
         CommandKind::Disable => Command::Disable,
         CommandKind::LoadJob => Command::LoadJob { job_id: message.job_id, model_hash: message.model_hash },
         CommandKind::Start => Command::Start,
         CommandKind::Abort => Command::Abort,
-        CommandKind::Acknowledge | CommandKind::ResetError => return Ok(None),
-    }))
+    })
 }

@@ -1,8 +1,7 @@
 //! Detections: perception to shared memory, and either of them to the method.
 
 use andon_core::input::{Frame, Hand, Object, Side};
-use andon_perception::detections::{self as seen, Detections as Seen};
-use andon_perception::held::PlacedObject;
+use andon_perception::detections::{self as seen, Detections as Seen, PlacedObject};
 use andon_perception::metric::MetricScene;
 use shm_schemas::{Detections, HANDS, HandCode, OBJECTS, ObjectDetection, flag};
 
@@ -13,7 +12,7 @@ const AMBIGUOUS: f32 = 0.5;
 pub fn write(seen: &Seen, message: &mut Detections) {
     write_hands(seen, |hand| seen.hands[hand].landmarks_m.map(|[x, y]| [x, y, 0.0]), message);
     let pose = |object: &seen::ObjectDetection| Some((object.position_m, object.orientation, object.quality));
-    write_objects(seen, pose, &seen.held, message);
+    write_objects(seen, pose, &seen.carried, message);
 }
 
 /// Writes what was seen, placed in three dimensions, into the loaned message. Without a scene nothing has a place.
@@ -25,7 +24,7 @@ pub fn write_metric(seen: &Seen, scene: &MetricScene, message: &mut Detections) 
         let certainty = if placed.unambiguous { 1.0 } else { AMBIGUOUS };
         Some((placed.position_m, placed.orientation, certainty * object.quality))
     };
-    write_objects(seen, pose, &scene.held, message);
+    write_objects(seen, pose, &scene.carried, message);
     message.flags |= flag::METRIC;
 }
 
@@ -50,7 +49,7 @@ fn write_hands(
 fn write_objects(
     seen: &Seen,
     pose: impl Fn(&seen::ObjectDetection) -> Option<([f32; 3], [f32; 4], f32)>,
-    held: &[PlacedObject],
+    carried: &[PlacedObject],
     message: &mut Detections,
 ) {
     let seen = seen.objects.iter().filter_map(|object| {
@@ -58,7 +57,7 @@ fn write_objects(
         let (id, corners_px) = (object.id, object.corners_px);
         Some(ObjectDetection { id, flags: flag::SEEN, quality, position_m, orientation, corners_px })
     });
-    let held = held.iter().map(|&PlacedObject { id, position_m, orientation }| ObjectDetection {
+    let carried = carried.iter().map(|&PlacedObject { id, position_m, orientation }| ObjectDetection {
         id,
         flags: flag::HELD,
         position_m,
@@ -66,7 +65,7 @@ fn write_objects(
         ..ObjectDetection::default()
     });
     let mut written = 0;
-    for (object, place) in seen.chain(held).zip(message.objects.iter_mut()) {
+    for (object, place) in seen.chain(carried).zip(message.objects.iter_mut()) {
         *place = object;
         written += 1;
     }
@@ -110,7 +109,7 @@ fn hand(side: Side, score: f32, landmarks: &[[f32; 3]; seen::LANDMARKS]) -> Opti
 /// What the method takes of a message. A hand that could not be placed on the bench is one that was not seen, and so is an
 /// object whose pose is held: the method itself carries what a hand has hidden, by contact, and counts how long it was
 /// blind.
-pub fn frame(message: &Detections) -> Frame {
+pub fn to_core(message: &Detections) -> Frame {
     let mut frame = Frame { captured_ns: message.source_ns, ..Frame::default() };
     for detected in message.hands() {
         let side = match HandCode::try_from(detected.hand) {
@@ -152,7 +151,7 @@ mod tests {
     fn a_frame_comes_out_of_shared_memory_as_it_went_in() {
         let mut message = Detections { source_ns: 5, ..Detections::default() };
         write_frame(&track_frame(), &mut message);
-        assert_eq!(frame(&message), track_frame());
+        assert_eq!(to_core(&message), track_frame());
     }
 
     #[test]
@@ -161,15 +160,15 @@ mod tests {
         let mut lost = track_frame();
         lost.hands[0].tips[1][0] = f32::NAN;
         write_frame(&lost, &mut message);
-        assert!(frame(&message).hands.is_empty());
+        assert!(to_core(&message).hands.is_empty());
     }
 
     #[test]
     fn a_message_that_claims_more_than_it_holds_is_read_to_its_end_only() {
         let objects = [ObjectDetection { flags: flag::SEEN, ..ObjectDetection::default() }; OBJECTS];
         let message = Detections { hands_len: 999, objects_len: 999, objects, ..Detections::default() };
-        assert_eq!(frame(&message).objects.len(), OBJECTS);
-        assert!(frame(&message).hands.is_empty(), "no hand has the code 0");
+        assert_eq!(to_core(&message).objects.len(), OBJECTS);
+        assert!(to_core(&message).hands.is_empty(), "no hand has the code 0");
     }
 
     /// Object 5 is seen, object 6 is hidden in a hand.
@@ -184,7 +183,7 @@ mod tests {
         };
         seen.objects.push(object).unwrap();
         let pose = PlacedObject { id: 6, position_m: [0.3, 0.4, 0.0], orientation: [0.0, 0.0, 0.0, 1.0] };
-        seen.held.push(pose).unwrap();
+        seen.carried.push(pose).unwrap();
         let hand = seen::HandDetection {
             side: seen::Side::Right,
             score: 0.9,
@@ -204,18 +203,14 @@ mod tests {
         assert_eq!((shown.id, shown.flags), (5, flag::SEEN));
         assert_eq!((held.id, held.flags, held.quality), (6, flag::HELD, 0.0));
         assert_eq!((held.position_m, held.orientation), ([0.3, 0.4, 0.0], [0.0, 0.0, 0.0, 1.0]));
-        let ids: Vec<u16> = frame(&message).objects.iter().map(|object| object.id).collect();
+        let ids: Vec<u16> = to_core(&message).objects.iter().map(|object| object.id).collect();
         assert_eq!(ids, [5]);
     }
 
     #[test]
     fn a_metric_message_has_the_places_of_the_scene_and_says_so() {
         let mut scene = MetricScene::default();
-        let placed = MetricHand {
-            side: seen::Side::Right,
-            landmarks_m: [[0.5, 0.6, 0.7]; seen::LANDMARKS],
-            measured: 1.0,
-        };
+        let placed = MetricHand { side: seen::Side::Right, landmarks_m: [[0.5, 0.6, 0.7]; seen::LANDMARKS] };
         scene.hands.push(placed).unwrap();
         let tilted = [0.8, 0.6, 0.0, 0.0];
         let pose =
@@ -227,7 +222,7 @@ mod tests {
         let [object] = message.objects() else { unreachable!("the scene holds nothing in a hand") };
         assert_eq!((object.position_m, object.orientation), ([0.1, 0.2, 0.3], tilted));
         assert_eq!(object.quality, 0.4, "another pose fits as well");
-        assert_eq!(frame(&message).hands[0].tips, [[0.5, 0.6, 0.7]; 3]);
+        assert_eq!(to_core(&message).hands[0].tips, [[0.5, 0.6, 0.7]; 3]);
     }
 
     #[test]
@@ -235,6 +230,6 @@ mod tests {
         let mut message = Detections::default();
         write_metric(&seen(), &MetricScene::default(), &mut message);
         assert_eq!(message.hands().len(), 1, "it can be drawn");
-        assert!(frame(&message).hands.is_empty() && frame(&message).objects.is_empty());
+        assert!(to_core(&message).hands.is_empty() && to_core(&message).objects.is_empty());
     }
 }

@@ -1,9 +1,12 @@
-//! Verdicts: the method to shared memory and back.
+//! Verdicts, from the method to shared memory and back.
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{Kind, Reason, Verdict};
-use shm_schemas::{HandCode, NO_INDEX, STATION_BYTES, Verdict as Message, VerdictKind, VerdictReason};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_ipc::UtcTime;
+use shm_schemas::{
+    HandCode, NO_INDEX, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome, VerdictReason,
+};
 
 /// What is the same for every verdict of a judge.
 #[derive(Clone, Copy, Debug)]
@@ -16,17 +19,17 @@ pub struct Sender {
     pub station: [u8; STATION_BYTES],
 }
 
-/// The name of a station as a message carries it; what does not fit is cut off.
+/// The name of a station as a message carries it. What does not fit is cut off.
 pub fn station_name(name: &str) -> [u8; STATION_BYTES] {
     let mut bytes = [0; STATION_BYTES];
-    for (place, byte) in bytes.iter_mut().zip(name.bytes()) {
-        *place = byte;
+    for (to, from) in bytes.iter_mut().zip(name.bytes()) {
+        *to = from;
     }
     bytes
 }
 
 /// Writes a verdict into the loaned message.
-pub fn write(verdict: &Verdict, sender: &Sender, utc_ns: u64, message: &mut Message) {
+pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut Message) {
     let none = |index: Option<u16>| index.unwrap_or(NO_INDEX);
     message.job_id = sender.job_id;
     message.model_hash = sender.model_hash;
@@ -34,88 +37,66 @@ pub fn write(verdict: &Verdict, sender: &Sender, utc_ns: u64, message: &mut Mess
     message.began_ns = verdict.began_ns;
     message.ended_ns = verdict.ended_ns;
     message.decided_ns = verdict.decided_ns;
-    message.decided_utc_ns = utc_ns;
+    message.decided_utc_ns = decided.nanoseconds();
     message.distance = verdict.distance.unwrap_or(f32::NAN);
     message.threshold = verdict.threshold.unwrap_or(f32::NAN);
     message.x_c = verdict.context.0;
-    message.activity = if verdict.side.is_some() { verdict.activity } else { NO_INDEX };
+    message.activity = if verdict.level == Level::Job { NO_INDEX } else { verdict.activity };
     message.iu = none(verdict.iu);
     message.nearest = none(verdict.nearest);
-    message.kind = kind(verdict.kind).code();
+    message.level = level(verdict.level).code();
+    message.outcome = outcome(verdict.outcome).code();
     message.reason = reason(verdict.reason).code();
     message.hand = verdict.side.map_or(HandCode::None, hand).code();
     message.early = u8::from(verdict.early);
 }
 
-fn kind(kind: Kind) -> VerdictKind {
-    match kind {
-        Kind::IuOk => VerdictKind::IuOk,
-        Kind::IuAnomaly => VerdictKind::IuAnomaly,
-        Kind::ActivityOk => VerdictKind::ActivityOk,
-        Kind::ActivityAnomaly => VerdictKind::ActivityAnomaly,
-        Kind::JobOk => VerdictKind::JobOk,
-        Kind::JobAnomaly => VerdictKind::JobAnomaly,
-        Kind::NotJudged => VerdictKind::NotJudged,
-    }
+/// Maps an enum of the method to its twin on the wire and back, by one list of the variants that both have.
+macro_rules! twins {
+    ($method:ident as $wire:ident, $to_wire:ident, $to_method:ident: $($variant:ident)+) => {
+        /// The value as it travels.
+        pub(crate) const fn $to_wire(value: $method) -> $wire {
+            match value { $( $method::$variant => $wire::$variant, )+ }
+        }
+
+        const fn $to_method(value: $wire) -> $method {
+            match value { $( $wire::$variant => $method::$variant, )+ }
+        }
+    };
 }
 
-fn reason(reason: Reason) -> VerdictReason {
-    match reason {
-        Reason::None => VerdictReason::None,
-        Reason::WrongObject => VerdictReason::WrongObject,
-        Reason::WrongOrder => VerdictReason::WrongOrder,
-        Reason::Motion => VerdictReason::Motion,
-        Reason::TooShort => VerdictReason::TooShort,
-        Reason::TooLong => VerdictReason::TooLong,
-        Reason::NotCompleted => VerdictReason::NotCompleted,
-        Reason::Unknown => VerdictReason::Unknown,
-        Reason::Blind => VerdictReason::Blind,
-        Reason::Overload => VerdictReason::Overload,
-    }
-}
+twins!(Level as VerdictLevel, level, level_of_method: Iu Activity Job);
+twins!(Outcome as VerdictOutcome, outcome, outcome_of_method: Ok Anomaly NotJudged);
+twins!(
+    Reason as VerdictReason, reason, reason_of_method:
+    None WrongObject WrongOrder Motion TooShort TooLong NotCompleted Unknown Blind Overload
+);
 
-fn hand(side: Side) -> HandCode {
+const fn hand(side: Side) -> HandCode {
     match side {
         Side::Right => HandCode::Right,
         Side::Left => HandCode::Left,
     }
 }
 
-/// A verdict out of shared memory; `None` where a code is unknown, which a required layout hash rules out between
-/// builds of one version.
-pub fn read(message: &Message) -> Option<Verdict> {
-    let kind = match VerdictKind::try_from(message.kind).ok()? {
-        VerdictKind::IuOk => Kind::IuOk,
-        VerdictKind::IuAnomaly => Kind::IuAnomaly,
-        VerdictKind::ActivityOk => Kind::ActivityOk,
-        VerdictKind::ActivityAnomaly => Kind::ActivityAnomaly,
-        VerdictKind::JobOk => Kind::JobOk,
-        VerdictKind::JobAnomaly => Kind::JobAnomaly,
-        VerdictKind::NotJudged => Kind::NotJudged,
-    };
-    let reason = match VerdictReason::try_from(message.reason).ok()? {
-        VerdictReason::None => Reason::None,
-        VerdictReason::WrongObject => Reason::WrongObject,
-        VerdictReason::WrongOrder => Reason::WrongOrder,
-        VerdictReason::Motion => Reason::Motion,
-        VerdictReason::TooShort => Reason::TooShort,
-        VerdictReason::TooLong => Reason::TooLong,
-        VerdictReason::NotCompleted => Reason::NotCompleted,
-        VerdictReason::Unknown => Reason::Unknown,
-        VerdictReason::Blind => Reason::Blind,
-        VerdictReason::Overload => Reason::Overload,
-    };
-    let side = match HandCode::try_from(message.hand).ok()? {
+/// The hand that a code stands for; `None` for no hand.
+pub(super) const fn side(hand: HandCode) -> Option<Side> {
+    match hand {
         HandCode::None => None,
         HandCode::Right => Some(Side::Right),
         HandCode::Left => Some(Side::Left),
-    };
+    }
+}
+
+/// A verdict out of shared memory; `None` where a code is unknown. Between builds with the same layout hash that does not happen.
+pub fn read(message: &Message) -> Option<Verdict> {
     let index = |value: u16| (value != NO_INDEX).then_some(value);
     let number = |value: f32| (!value.is_nan()).then_some(value);
     Some(Verdict {
-        kind,
-        reason,
-        side,
+        level: level_of_method(message.level().ok()?),
+        outcome: outcome_of_method(message.outcome().ok()?),
+        reason: reason_of_method(message.reason.try_into().ok()?),
+        side: side(message.hand.try_into().ok()?),
         nearest: index(message.nearest),
         activity: index(message.activity).unwrap_or(0),
         iu: index(message.iu),
@@ -133,36 +114,17 @@ pub fn read(message: &Message) -> Option<Verdict> {
 mod tests {
     use super::*;
 
-    const KINDS: [Kind; 7] = [
-        Kind::IuOk,
-        Kind::IuAnomaly,
-        Kind::ActivityOk,
-        Kind::ActivityAnomaly,
-        Kind::JobOk,
-        Kind::JobAnomaly,
-        Kind::NotJudged,
-    ];
-    const REASONS: [Reason; 10] = [
-        Reason::None,
-        Reason::WrongObject,
-        Reason::WrongOrder,
-        Reason::Motion,
-        Reason::TooShort,
-        Reason::TooLong,
-        Reason::NotCompleted,
-        Reason::Unknown,
-        Reason::Blind,
-        Reason::Overload,
-    ];
-
     #[test]
     fn every_verdict_comes_out_of_shared_memory_as_it_went_in() {
         let sender = Sender { job_id: 1, model_hash: 2, station: station_name("bench1") };
-        for kind in KINDS {
-            for reason in REASONS {
-                for side in [Some(Side::Right), Some(Side::Left), None] {
+        for outcome in VerdictOutcome::ALL.iter().copied().map(outcome_of_method) {
+            for reason in VerdictReason::ALL.iter().copied().map(reason_of_method) {
+                for (level, side) in
+                    [(Level::Iu, Some(Side::Right)), (Level::Activity, Some(Side::Left)), (Level::Job, None)]
+                {
                     let verdict = Verdict {
-                        kind,
+                        level,
+                        outcome,
                         reason,
                         side,
                         nearest: side.map(|_| 3),
@@ -177,10 +139,17 @@ mod tests {
                         decided_ns: 8,
                     };
                     let mut message = Message::default();
-                    write(&verdict, &sender, 9, &mut message);
+                    write(&verdict, &sender, UtcTime::now(), &mut message);
                     assert_eq!(read(&message), Some(verdict));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_hand_has_the_same_name_in_the_method_and_on_the_wire() {
+        for side in Side::ALL {
+            assert_eq!(hand(side).name(), side.name());
         }
     }
 

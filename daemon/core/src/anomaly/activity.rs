@@ -1,75 +1,76 @@
-//! An activity that goes on, and against what its IUs are judged.
+//! The open activity of a hand, and what its IUs are judged against.
 
 use super::alignment::Alignment;
-use super::progress::{Progress, Set};
+use super::progress::Progress;
+use super::set::ActivitySet;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::verdict::Reason;
 
-/// Against what the IUs of an activity are judged.
+/// What the IUs of an activity are judged against.
 ///
 /// ```text
-///   Candidates --- no candidate is left, or what was not seen may be skipped ---> Following
+///   Candidates --- no candidate is left, or unseen IUs may have been skipped ---> Following
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Against {
-    /// `J \ L`: nominal activities that all IUs so far agree with, place by place.
-    Candidates(Set),
-    /// After a fault: the nominal activity that came nearest, aligned by context.
+    /// `J \ L`: the nominal activities with which all IUs so far agree, index by index.
+    Candidates(ActivitySet),
+    /// After a fault: the nearest nominal activity, aligned by context.
     Following(Option<usize>),
 }
 
-/// An activity that goes on.
+/// An open activity.
 #[derive(Clone, Debug)]
 pub(super) struct OpenActivity {
+    /// Its number in the job, from 0.
     pub(super) number: u16,
     /// The context of its first IU.
     pub(super) context: Context,
     pub(super) began_ns: u64,
-    /// When its newest IU that has ended did so, or its release state began.
+    /// When the last IU with a touch ended.
     pub(super) ended_ns: u64,
     pub(super) against: Against,
-    /// `i`: IUs that agree with every candidate.
-    pub(super) place: usize,
-    /// IUs that have begun.
+    /// `i`: how many IUs agree with every candidate.
+    pub(super) index: usize,
+    /// How many IUs have begun.
     pub(super) ius: u16,
-    /// The nominal activity that the newest IU came nearest to.
+    /// The nominal activity nearest to the newest IU.
     pub(super) nearest: Option<usize>,
-    /// Of each nominal activity: the sum of its distances as multiples of the thresholds.
+    /// For each nominal activity, the sum of its distances as multiples of the thresholds.
     pub(super) ratios: [f64; ACTIVITIES],
     alignments: [Alignment; ACTIVITIES],
-    /// Of each nominal activity: the place of the IU that the newest one is, by its context.
+    /// For each nominal activity, the index of the IU with which the newest one is aligned.
     pub(super) aligned: [Option<usize>; ACTIVITIES],
-    /// Why an IU of it was not judged.
-    pub(super) unknown: Option<Reason>,
-    /// Its verdict has been given.
-    pub(super) concluded: bool,
+    /// Why one of its IUs was not judged.
+    pub(super) unjudged_reason: Option<Reason>,
+    /// It has its verdict.
+    pub(super) is_concluded: bool,
 }
 
 impl OpenActivity {
-    /// Before its first IU: `C`, `L` and `i` start anew at every activity.
+    /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity.
     pub(super) fn new(number: u16, context: Context, began_ns: u64, job: &Job<'_>) -> Self {
-        let all = job.activities.len().min(ACTIVITIES) as u32;
         Self {
             number,
             context,
             began_ns,
             ended_ns: began_ns,
-            against: Against::Candidates(Set::MAX.checked_shr(Set::BITS - all).unwrap_or(0)),
-            place: 0,
+            against: Against::Candidates(ActivitySet::first(job.activities.len())),
+            index: 0,
             ius: 0,
             nearest: None,
             ratios: [0.0; ACTIVITIES],
             alignments: [Alignment::new(); ACTIVITIES],
             aligned: [None; ACTIVITIES],
-            unknown: None,
-            concluded: false,
+            unjudged_reason: None,
+            is_concluded: false,
         }
     }
 
-    /// Takes the context of the next IU and gives the IU's number.
+    /// Takes the context of the next IU and returns the number of that IU.
     pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context) -> u16 {
         for ((aligned, alignment), nominal) in
             self.aligned.iter_mut().zip(&mut self.alignments).zip(job.activities)
@@ -82,96 +83,94 @@ impl OpenActivity {
     }
 
     /// `J \ L`; empty after a fault.
-    pub(super) fn candidates(&self) -> Set {
+    pub(super) fn candidates(&self) -> ActivitySet {
         match self.against {
             Against::Candidates(candidates) => candidates,
-            Against::Following(_) => 0,
+            Against::Following(_) => ActivitySet::EMPTY,
         }
     }
 
-    /// An IU agrees with these nominal activities.
-    pub(super) fn agree(&mut self, nominal: Set) {
+    /// The newest IU agrees with these candidates.
+    pub(super) fn agree(&mut self, candidates: ActivitySet) {
         if let Against::Candidates(_) = self.against {
-            self.against = Against::Candidates(nominal);
-            self.place += 1;
+            self.against = Against::Candidates(candidates);
+            self.index += 1;
         }
     }
 
-    /// It is followed on against this nominal activity, if any is near.
+    /// From now on its IUs are judged against this nominal activity, if any is near.
     pub(super) fn follow(&mut self, nominal: Option<usize>) {
         self.against = Against::Following(nominal);
         self.nearest = nominal.or(self.nearest);
     }
 
-    /// The candidate whose end has been reached: one that is in its place before one that is not, then the nearest.
+    /// The candidate whose last IU has been reached. Of several, one that is not out of order comes first, then the nearest.
     pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
-        let ended = |nominal: &usize| progress.job.activities[*nominal].ius.len() == self.place;
-        members(self.candidates()).filter(ended).min_by(|one, other| {
-            let out = |nominal: &usize| progress.is_out_of_place(side, *nominal);
-            out(one).cmp(&out(other)).then(self.ratios[*one].total_cmp(&self.ratios[*other]))
+        let has_ended = |nominal: &usize| progress.job.activities[*nominal].ius.len() == self.index;
+        self.candidates().iter().filter(has_ended).min_by(|one, other| {
+            let is_out_of_order = |nominal: &usize| progress.is_out_of_order(side, *nominal);
+            is_out_of_order(one)
+                .cmp(&is_out_of_order(other))
+                .then(self.ratios[*one].total_cmp(&self.ratios[*other]))
         })
     }
 
-    /// Candidates that have `context` at this place.
-    pub(super) fn agreeing(&self, job: &Job<'_>, context: Context) -> Set {
-        members(self.candidates())
-            .filter(|nominal| {
-                job.activities[*nominal].ius.get(self.place).is_some_and(|iu| iu.context == context)
-            })
-            .fold(0, |set, nominal| set | 1 << nominal)
+    /// The candidates whose IU at the current index has this context.
+    pub(super) fn agreeing(&self, job: &Job<'_>, context: Context) -> ActivitySet {
+        let agrees = |nominal: &usize| {
+            job.activities[*nominal].ius.get(self.index).is_some_and(|iu| iu.context == context)
+        };
+        self.candidates().iter().filter(agrees).collect()
     }
 
-    /// After a fault: the newest IU is the last one of the nominal activity that is followed.
+    /// After a fault: whether the newest IU is the last one of the nominal activity that is followed.
     pub(super) fn is_followed_to_its_end(&self, job: &Job<'_>) -> bool {
         match self.against {
             Against::Following(Some(nominal)) => {
-                self.aligned[nominal].is_some_and(|place| place + 1 == job.activities[nominal].ius.len())
+                self.aligned[nominal].is_some_and(|index| index + 1 == job.activities[nominal].ius.len())
             }
             _ => false,
         }
     }
 
-    /// Where no candidate has `context` at this place: the candidate that has it soonest after, or else before, or else the nearest so
-    /// far; and whether it comes after, so that IUs may have been skipped.
+    /// If no candidate has `context` at the current index: the candidate that has it soonest after that index, or else any before it,
+    /// or else the nearest so far. Also whether it comes after, so that IUs may have been skipped.
     pub(super) fn nearest_elsewhere(&self, job: &Job<'_>, context: Context) -> (Option<usize>, bool) {
-        let places = |nominal: usize| {
+        let indices = |nominal: usize| {
             let ius = job.activities[nominal].ius.iter().enumerate();
-            ius.filter(|(_, iu)| iu.context == context).map(|(place, _)| place)
+            ius.filter(|(_, iu)| iu.context == context).map(|(index, _)| index)
         };
         let candidates = self.candidates();
-        let after = |nominal| Some((places(nominal).find(|place| *place > self.place)?, nominal));
-        match members(candidates).filter_map(after).min() {
+        let after = |nominal| Some((indices(nominal).find(|index| *index > self.index)?, nominal));
+        match candidates.iter().filter_map(after).min() {
             Some((_, nominal)) => (Some(nominal), true),
             None => {
-                let before = members(candidates).find(|nominal| places(*nominal).next().is_some());
+                let before = candidates.iter().find(|nominal| indices(*nominal).next().is_some());
                 (before.or(self.nearest), false)
             }
         }
     }
 
-    /// The nominal activity with the fewest edits; `before` unless another has fewer, and none before a context of one is met.
+    /// The nominal activity whose alignment needs the fewest edits, of those with which the newest IU is aligned; `before`, unless
+    /// another one needs fewer.
     pub(super) fn nearest_by_context(&self, job: &Job<'_>, before: Option<usize>) -> Option<usize> {
-        let edits = |nominal: usize| self.alignments[nominal].least(job.activities[nominal].ius);
-        let least = (0..job.activities.len().min(ACTIVITIES))
+        let edits = |nominal: usize| self.alignments[nominal].min_edits(job.activities[nominal].ius);
+        let best = ActivitySet::first(job.activities.len())
+            .iter()
             .filter(|nominal| self.aligned[*nominal].is_some())
             .min_by_key(|nominal| edits(*nominal));
-        match (before, least) {
-            (Some(before), Some(least)) if edits(least) < edits(before) => Some(least),
-            (None, least) => least,
-            (before, _) => before,
+        match (before, best) {
+            (Some(before), Some(best)) if edits(best) < edits(before) => Some(best),
+            (before, best) => before.or(best),
         }
     }
 }
 
-/// The members of a set, from the lowest on.
-pub(super) fn members(set: Set) -> impl Iterator<Item = usize> {
-    (0..ACTIVITIES).filter(move |member| set >> member & 1 == 1)
-}
-
-/// Why a context is wrong here: whether it is known to any of the nominal activities.
-pub(super) fn context_reason(job: &Job<'_>, among: Set, context: Context) -> Reason {
-    let known = job.activities.iter().enumerate().any(|(nominal, activity)| {
-        among >> nominal & 1 == 1 && activity.ius.iter().any(|iu| iu.context == context)
-    });
-    if known { Reason::WrongOrder } else { Reason::WrongObject }
+/// Why a context is wrong here: whether any of these nominal activities has it.
+pub(super) fn context_reason(job: &Job<'_>, among: ActivitySet, context: Context) -> Reason {
+    let has_context = |nominal: usize| {
+        let activity = job.activities.get(nominal);
+        activity.is_some_and(|activity| activity.ius.iter().any(|iu| iu.context == context))
+    };
+    if among.iter().any(has_context) { Reason::WrongOrder } else { Reason::WrongObject }
 }

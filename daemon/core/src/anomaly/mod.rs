@@ -1,54 +1,79 @@
-//! Couples in, verdicts out: Algorithm 1 of the paper (III-D) with the additions of DESIGN 4, "Anomaly".
+//! Couples in, verdicts out: Algorithm 1 of the paper (III-D), applied while the work goes on.
+//!
+//! # Important terms
+//!
+//! - *Nominal activity*: a taught sequence of nominal IUs, an element of the list `J`. A *nominal IU* has a context, a reference
+//!   motion, a threshold and bounds of its length and reversals. Several nominal activities may be variants of one activity.
+//! - *Candidate*: a nominal activity with which all IUs of the open activity agree so far, index by index: an element of `J \ L`.
+//!   `i` is the index of the next IU.
+//! - *Comparison*: the open IU against the nominal IU of one candidate: the DTW distance so far, the length and the reversals. It is
+//!   *lost* when it cannot come out right any more. The IU is wrong when all its comparisons are lost.
+//! - *Following*: once no candidate is left, the other IUs of the activity are still judged, each on its own, against the nearest
+//!   nominal activity. That does not change the verdict on the activity.
+//! - *Alignment*: the pairing of the IUs of the activity with those of a nominal activity, by their contexts and with the fewest
+//!   edits. It says against which nominal IU an IU is judged while following; a missing or an extra IU shifts it.
+//! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold, or, where motions say nothing, with the
+//!   fewest edits.
+//! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
+//! - *Out of order*: an activity that was done already, or before which another one must come.
+//! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone.
+//! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
+//! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
+//!   before the end.
+//!
+//! What the paper leaves open: `C`, `L` and `i` start again with every activity; an IU is wrong as soon as the minimum of the newest
+//! DTW row is above the thresholds of all comparisons, because that minimum never falls; lengths and reversals have taught bounds,
+//! because DTW forgives a repeated motion that is cut short; an IU that was out of sight is not judged, and never right.
 
 mod activity;
+mod algorithm;
 mod alignment;
-mod conclude;
+mod comparison;
 mod hand;
 mod progress;
-mod trial;
+mod set;
 
-pub use trial::Memory;
+pub use comparison::Memory;
 
-use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, HANDS, IU_FRAMES, TRIALS};
+use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
 use crate::couple::{Context, Couples};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Bounds, Job, NominalIu};
-use crate::segment::{Event, JobSegmenter};
+use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
 use hand::HandJudge;
 use progress::Progress;
 
-/// Why a job cannot be judged against.
+/// Why work cannot be judged against a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unusable {
     /// A constant is out of its range.
     Method(MethodFault),
-    /// No nominal activity, or more than [`ACTIVITIES`].
+    /// There is no nominal activity, or there are more than [`ACTIVITIES`].
     Activities {
-        /// Activities given.
+        /// How many there are.
         given: usize,
     },
     /// A nominal activity has no IU, or more than [`ACTIVITY_IUS`].
     Ius {
-        /// Place of the nominal activity in the job, from 0.
+        /// Index of the nominal activity in the job, from 0.
         nominal: usize,
-        /// IUs given.
+        /// How many IUs it has.
         given: usize,
     },
-    /// An IU has an idle context, no reference or one longer than [`IU_FRAMES`] (the release state, which is judged by its
-    /// context alone, needs none), a threshold that is not a number from 0, or bounds whose least is over the most; or the first IU
-    /// is not a touch.
+    /// An IU has an idle context, no reference or one longer than [`IU_FRAMES`] (a release state needs none), a threshold that is
+    /// negative or not a number, or bounds with a minimum above the maximum; or the first IU is not a touch.
     Iu {
-        /// Place of the nominal activity in the job, from 0.
+        /// Index of the nominal activity in the job, from 0.
         nominal: usize,
-        /// Place of the IU in the activity, from 0.
+        /// Index of the IU in the activity, from 0.
         iu: usize,
     },
-    /// So many nominal activities have an IU in the same context, more than [`TRIALS`].
-    Trials {
-        /// How many.
+    /// More than [`COMPARISONS`] nominal activities have an IU in the same context.
+    Comparisons {
+        /// How many have.
         needed: usize,
     },
 }
@@ -65,17 +90,17 @@ impl core::fmt::Display for Unusable {
             }
             Self::Ius { nominal, given } => write!(
                 f,
-                "nominal activity {nominal} has {given} IUs: it must have 1 to {ACTIVITY_IUS}; teach the job anew"
+                "nominal activity {nominal} has {given} IUs: it must have 1 to {ACTIVITY_IUS}; teach the job again"
             ),
             Self::Iu { nominal, iu } => write!(
                 f,
                 "IU {iu} of nominal activity {nominal} is damaged (idle context, a reference of 0 or over {IU_FRAMES} \
-                 frames, a threshold under 0, or bounds the wrong way round): teach the job anew"
+                 frames, a threshold below 0, or a minimum above its maximum): teach the job again"
             ),
-            Self::Trials { needed } => write!(
+            Self::Comparisons { needed } => write!(
                 f,
-                "{needed} nominal activities have an IU in the same context, and {TRIALS} can be told apart at once: split the \
-                 job, or judge it with memory of its own"
+                "{needed} nominal activities have an IU in the same context, but only {COMPARISONS} can be compared at once: split the \
+                 job, or give the judge more memory"
             ),
         }
     }
@@ -83,22 +108,44 @@ impl core::fmt::Display for Unusable {
 
 impl core::error::Error for Unusable {}
 
+/// What the judge tells, in the order in which it happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event {
+    /// A job began: with the first touch, or on command.
+    JobBegan {
+        /// When, in nanoseconds.
+        began_ns: u64,
+    },
+    /// An IU, an activity or a job has its verdict.
+    Verdict(Verdict),
+}
+
+impl Event {
+    /// The verdict, if it is one.
+    pub fn verdict(self) -> Option<Verdict> {
+        match self {
+            Self::Verdict(verdict) => Some(verdict),
+            Self::JobBegan { .. } => None,
+        }
+    }
+}
+
 /// Judges a job as it happens.
 ///
 /// Every IU, every activity and every job gets exactly one verdict:
-/// - An IU as soon as its context fits no candidate, its motion fits none any more, it lasts too long or is out of sight; else at its end.
-///   The release state has no motion of a hand and is judged by its context when it begins.
-/// - An activity as soon as it cannot be right any more (its first wrong IU, or all its candidates would come at the wrong time or twice), or
-///   when it equals a nominal one to its end and no longer candidate could go on; else when the next activity begins.
-/// - A job when all its nominal activities are done, or at its end. Its reason is the first fault in it. Until all nominal activities
-///   are done right a wrong one may be done again; the job stays an anomaly.
+/// - An IU gets it as soon as its context fits no candidate, its motion fits none any more, or it is too long or out of sight; else
+///   at its end. A release state gets it when it begins.
+/// - An activity gets it with its first wrong IU, or as soon as all its candidates are out of order, or when it has matched a
+///   candidate and no longer one can go on; else when the next activity begins.
+/// - A job gets it when all its activities are done, or at its end. The reason is that of its first fault. A wrong activity may be
+///   done again until all are done right, but the job remains an anomaly.
 #[derive(Clone, Debug)]
-pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, TRIALS>> {
+pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
     segmenter: JobSegmenter,
     bench: Bench<'a, M>,
 }
 
-/// The judges of both hands, and the job that they share.
+/// The judges of both hands and the job that they share.
 #[derive(Clone, Debug)]
 struct Bench<'a, M> {
     hands: [HandJudge<'a, M>; HANDS],
@@ -106,22 +153,22 @@ struct Bench<'a, M> {
 }
 
 impl<'a> Judge<'a> {
-    /// Starts before the first touch, with all memory inside: about 20 kB for each of [`TRIALS`] trials of each hand.
+    /// Starts before the first touch, with all memory inside: about 20 kB for each of [`COMPARISONS`] comparisons per hand.
     ///
     /// # Errors
-    /// If a constant or a part of the job cannot be used, or it needs more trials.
+    /// If a constant or a part of the job cannot be used, or the job needs more comparisons.
     pub fn new(job: &'a Job<'a>, method: Method) -> Result<Self, Unusable> {
         check(job)?;
-        let needed = Side::ALL.map(|side| trial::needed(job, side)).into_iter().max().unwrap_or(0);
-        if needed > TRIALS {
-            return Err(Unusable::Trials { needed });
+        let needed = Side::ALL.map(|side| comparison::needed(job, side)).into_iter().max().unwrap_or(0);
+        if needed > COMPARISONS {
+            return Err(Unusable::Comparisons { needed });
         }
         Self::with_memory(job, method)
     }
 }
 
 impl<'a, M: Memory<'a>> Judge<'a, M> {
-    /// Starts before the first touch, with memory for as many trials as the job needs, of the caller's kind:
+    /// Starts before the first touch, with memory of the caller's choice for as many comparisons as the job needs, such as
     /// `Judge::<Vec<_>>::with_memory(&job, method)`.
     ///
     /// # Errors
@@ -139,64 +186,71 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     }
 
     /// Takes the next couples.
-    pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Verdict)) {
+    pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
         segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
         let Bench { hands, progress } = bench;
+        let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
-            hand.go_on(couple, progress, emit);
+            hand.continue_iu(couple, progress, emit_verdict);
         }
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
-            hand.settle(segmenter.hand(couple.side), progress, emit);
+            hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
         }
         segmenter.job_matched(progress.is_matched());
         if hands.iter().all(|hand| hand.is_concluded()) {
-            progress.conclude(false, emit);
+            progress.conclude(false, emit_verdict);
         }
     }
 
-    /// Starts a job by command: what is open of the one before ends with its verdicts first.
-    pub fn start(&mut self, emit: &mut impl FnMut(Verdict)) {
+    /// Starts a job on command. The open job, if any, ends first, with its verdicts.
+    pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
     }
 
-    /// Ends the job by command, or at the end of a recording: what is open ends with its verdicts.
-    pub fn finish(&mut self, emit: &mut impl FnMut(Verdict)) {
+    /// Ends the open job on command or at the end of a recording, with its verdicts.
+    pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;
         segmenter.finish(&mut |event| bench.take(&event, None, emit));
     }
 }
 
 impl<'a, M: Memory<'a>> Bench<'a, M> {
-    /// Takes what the segmenter says about `couples`, or about a command.
-    fn take(&mut self, event: &Event, couples: Option<&Couples>, emit: &mut impl FnMut(Verdict)) {
+    /// Takes an event of the segmentation, which comes from `couples` or from a command.
+    fn take(&mut self, event: &segment::Event, couples: Option<&Couples>, emit: &mut impl FnMut(Event)) {
         let Self { hands, progress } = self;
+        let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         match *event {
-            Event::JobBegan { began_ns } => progress.begin(began_ns),
-            Event::ActivityBegan { side, context, began_ns } => {
-                hands[side.place()].begin_activity(context, began_ns, progress);
+            segment::Event::JobBegan { began_ns } => {
+                progress.begin(began_ns);
+                emit(Event::JobBegan { began_ns });
             }
-            Event::IuBegan { side, .. } => {
-                let couple = couples.map(|couples| &couples.hands[side.place()]);
+            segment::Event::ActivityBegan { side, context, began_ns } => {
+                hands[side.index()].begin_activity(context, began_ns, progress);
+            }
+            segment::Event::IuBegan { side, .. } => {
+                let couple = couples.map(|couples| &couples.hands[side.index()]);
                 if let Some(couple) = couple {
-                    hands[side.place()].begin_iu(couple, progress, emit);
+                    hands[side.index()].begin_iu(couple, progress, emit_verdict);
                 }
             }
-            Event::IuFrame { side, motion, reversals, .. } => {
-                hands[side.place()].frame(&motion, reversals, progress, emit)
+            segment::Event::IuFrame { side, motion, reversals, .. } => {
+                hands[side.index()].push_motion(&motion, reversals, progress, emit_verdict)
             }
-            Event::Eru { .. } => {}
-            Event::IuEnded { side, iu } => hands[side.place()].end_iu(&iu, progress, emit),
-            Event::ActivityEnded { side, .. } => hands[side.place()].end_activity(progress, emit),
-            Event::JobEnded { .. } => progress.conclude(true, emit),
+            segment::Event::Eru { .. } => {}
+            segment::Event::IuEnded { side, iu } => hands[side.index()].end_iu(&iu, progress, emit_verdict),
+            segment::Event::ActivityEnded { side, .. } => {
+                hands[side.index()].end_activity(progress, emit_verdict)
+            }
+            segment::Event::JobEnded { .. } => progress.conclude(true, emit_verdict),
         }
     }
 }
 
-/// Whether a job can be judged against.
+/// Checks that work can be judged against a job.
 fn check(job: &Job<'_>) -> Result<(), Unusable> {
     let activities = job.activities;
     if activities.is_empty() || activities.len() > ACTIVITIES {
@@ -220,10 +274,10 @@ fn check(job: &Job<'_>) -> Result<(), Unusable> {
 }
 
 fn is_usable(iu: &NominalIu<'_>) -> bool {
-    let ordered = |bounds: &Bounds| bounds.least <= bounds.most;
+    let is_ordered = |bounds: &Bounds| bounds.min <= bounds.max;
     iu.context != Context::IDLE
         && (usize::from(!iu.context.is_release())..=IU_FRAMES).contains(&iu.reference.len())
         && iu.threshold >= 0.0
-        && ordered(&iu.frames)
-        && ordered(&iu.reversals)
+        && is_ordered(&iu.frames)
+        && is_ordered(&iu.reversals)
 }

@@ -1,4 +1,4 @@
-//! Vectors, turns and the least distance of two sets of points.
+//! Vectors, rotations and the minimum distance between two sets of points.
 
 use crate::capacity::INTERACTION_POINTS;
 use crate::input::Point;
@@ -26,25 +26,25 @@ pub(super) fn is_finite(a: &[f32]) -> bool {
     a.iter().all(|value| value.is_finite())
 }
 
-/// The quaternion of a turn about z by `yaw` radians.
+/// The quaternion of a rotation about z by `yaw` radians.
 pub(super) fn about_z(yaw: f32) -> Quaternion {
     [libm::cosf(yaw / 2.0), 0.0, 0.0, libm::sinf(yaw / 2.0)]
 }
 
-/// The turn about z of a unit quaternion, in radians.
+/// The rotation about z of a unit quaternion, in radians.
 pub(super) fn yaw(q: Quaternion) -> f32 {
     let [w, x, y, z] = q;
     libm::atan2f(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 }
 
-/// The quaternion at unit length; `None` where it has none.
+/// The quaternion scaled to unit length; `None` where its length is zero or not finite.
 pub(super) fn unit(q: Quaternion) -> Option<Quaternion> {
     let length = libm::sqrtf(q.iter().map(|value| value * value).sum());
     (length.is_finite() && length > f32::EPSILON).then(|| q.map(|value| value / length))
 }
 
-/// First `b`, then `a`.
-pub(super) fn turn_after(a: Quaternion, b: Quaternion) -> Quaternion {
+/// The rotation by `b` and then by `a`.
+pub(super) fn rotation_after(a: Quaternion, b: Quaternion) -> Quaternion {
     [
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -68,63 +68,64 @@ pub(super) fn columns(q: Quaternion) -> [Point; 3] {
     ]
 }
 
-pub(super) fn turned(v: Point, q: Quaternion) -> Point {
+/// The vector rotated by a unit quaternion.
+pub(super) fn rotated(v: Point, q: Quaternion) -> Point {
     let [a, b, c] = columns(q);
     [0, 1, 2].map(|i| a[i] * v[0] + b[i] * v[1] + c[i] * v[2])
 }
 
-/// Interaction points, one array a coordinate, so that a compiler makes vector instructions of [`Cloud::distance`].
-/// Places that are not needed repeat the first point, which changes no least distance.
+/// Interaction points with one array per coordinate, so that the compiler makes vector instructions of [`Cloud::distance`].
+/// Unused entries repeat the first point, which changes no minimum distance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cloud {
     coordinates: [[f32; INTERACTION_POINTS]; 3],
-    /// How many of them differ.
-    points: usize,
+    /// How many entries are in use.
+    count: usize,
 }
 
 impl Cloud {
-    /// `None` without a point. Points over the capacity are left out.
+    /// `None` if there is no point. Points beyond the capacity are left out.
     pub(super) fn new(points: &[Point]) -> Option<Self> {
         let first = points.first()?;
         let coordinates =
-            [0, 1, 2].map(|axis| core::array::from_fn(|place| points.get(place).unwrap_or(first)[axis]));
-        Some(Self { coordinates, points: points.len().min(INTERACTION_POINTS) })
+            [0, 1, 2].map(|axis| core::array::from_fn(|index| points.get(index).unwrap_or(first)[axis]));
+        Some(Self { coordinates, count: points.len().min(INTERACTION_POINTS) })
     }
 
-    /// The points of an object at a pose.
+    /// The points of an object that has this pose, in the bench frame.
     pub(super) fn at(&self, position: Point, orientation: Quaternion, planar: bool) -> Self {
         let [a, b, c] = columns(orientation);
         let [x, y, z] = &self.coordinates;
         let mut coordinates = [0, 1, 2].map(|axis| {
-            core::array::from_fn(|place| {
-                position[axis] + a[axis] * x[place] + b[axis] * y[place] + c[axis] * z[place]
+            core::array::from_fn(|index| {
+                position[axis] + a[axis] * x[index] + b[axis] * y[index] + c[axis] * z[index]
             })
         });
         if planar {
             coordinates[2] = [0.0; INTERACTION_POINTS];
         }
-        Self { coordinates, points: self.points }
+        Self { coordinates, count: self.count }
     }
 
-    /// Greatest distance of a point from the origin.
+    /// Maximum distance of a point from the origin.
     pub(super) fn radius(&self) -> f32 {
         let [x, y, z] = &self.coordinates;
-        let squares = (0..self.points).map(|i| x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+        let squares = (0..self.count).map(|i| x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
         libm::sqrtf(squares.fold(0.0, f32::max))
     }
 
-    /// Least distance of a point here and a point there.
+    /// Minimum distance between a point of this cloud and a point of the other.
     pub(super) fn distance(&self, other: &Self) -> f32 {
         let [ox, oy, oz] = &other.coordinates;
-        let mut least = [f32::INFINITY; INTERACTION_POINTS];
-        for i in 0..self.points {
+        let mut min = [f32::INFINITY; INTERACTION_POINTS];
+        for i in 0..self.count {
             let [x, y, z] = [self.coordinates[0][i], self.coordinates[1][i], self.coordinates[2][i]];
             for j in 0..INTERACTION_POINTS {
                 let [dx, dy, dz] = [ox[j] - x, oy[j] - y, oz[j] - z];
                 let square = dx * dx + dy * dy + dz * dz;
-                least[j] = if square < least[j] { square } else { least[j] };
+                min[j] = if square < min[j] { square } else { min[j] };
             }
         }
-        libm::sqrtf(least.into_iter().fold(f32::INFINITY, f32::min))
+        libm::sqrtf(min.into_iter().fold(f32::INFINITY, f32::min))
     }
 }

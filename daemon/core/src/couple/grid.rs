@@ -1,30 +1,30 @@
-//! The grid of `rate_hz`: which frame of it a captured frame is.
+//! The grid of `rate_hz`: which of its frames a captured frame is.
 
 use super::Refused;
 
-/// Where a captured frame falls.
+/// Where a captured frame falls on the grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
-    /// The first frame: the grid begins here.
+pub(super) enum Location {
+    /// It is the first frame: the grid begins here.
     First,
-    /// Between two frames of the grid: it adds nothing.
+    /// It lies between two frames of the grid and adds nothing.
     Surplus,
-    /// So many frames of the grid after the newest one, at least 1.
+    /// It lies this many frames of the grid after the newest one, at least 1.
     Steps(u64),
 }
 
 /// The grid. It begins at the first frame and follows the camera's clock.
 ///
-/// A frame belongs to the grid instant that it is at most a third of a period before, or two thirds after: cameras stamp late
-/// rather than early, and a camera of twice the rate (a frame half a period away from two instants) still falls clearly on one side.
-/// The instant then moves by an eighth of the frame's phase, so that a camera of 29.97 Hz on a grid of 30 Hz neither
-/// makes nor drops frames, and the jitter of single time stamps averages out.
+/// A frame belongs to a grid instant if it comes at most a third of a period before it or two thirds after it: cameras stamp
+/// late rather than early, and the frames of a camera of twice the rate, half a period from two instants, still fall clearly on
+/// one side. The instant then moves by an eighth of the frame's phase, so that a camera of 29.97 Hz neither adds nor loses
+/// frames on a grid of 30 Hz, and the jitter of single time stamps averages out.
 #[derive(Clone, Debug)]
 pub(super) struct Grid {
     period_ns: i128,
     /// The instant of the newest frame of the grid; `i128` so that no time stamp can overflow it.
     instant_ns: i128,
-    /// The newest time stamp, of any frame.
+    /// The newest time stamp of any frame.
     newest_ns: Option<u64>,
 }
 
@@ -34,34 +34,34 @@ impl Grid {
     }
 
     pub(super) fn period_ns(&self) -> u64 {
-        // The rate is 1 Hz at least, so a period is 1e9 at most.
+        // The rate is at least 1 Hz, so a period is at most 1e9.
         self.period_ns as u64
     }
 
     /// Takes the time stamp of the next captured frame.
-    pub(super) fn place(&mut self, captured_ns: u64) -> Result<Place, Refused> {
+    pub(super) fn locate(&mut self, captured_ns: u64) -> Result<Location, Refused> {
         match self.newest_ns {
             Some(newest) if captured_ns == newest => return Err(Refused::Repeated),
             Some(newest) if captured_ns < newest => return Err(Refused::Late),
             Some(_) => {}
             None => {
                 self.anchor(captured_ns);
-                return Ok(Place::First);
+                return Ok(Location::First);
             }
         }
         self.newest_ns = Some(captured_ns);
         let elapsed = i128::from(captured_ns) - self.instant_ns;
         let steps = (3 * elapsed + self.period_ns).div_euclid(3 * self.period_ns);
         if steps <= 0 {
-            return Ok(Place::Surplus);
+            return Ok(Location::Surplus);
         }
         let phase = elapsed - steps * self.period_ns;
         self.instant_ns += steps * self.period_ns + phase / 8;
         // Positive, and no greater than the span of `u64` time stamps.
-        Ok(Place::Steps(steps as u64))
+        Ok(Location::Steps(steps as u64))
     }
 
-    /// Begins the grid anew at this frame.
+    /// Starts the grid again at this frame.
     pub(super) fn anchor(&mut self, captured_ns: u64) {
         self.instant_ns = i128::from(captured_ns);
         self.newest_ns = Some(captured_ns);
@@ -77,14 +77,14 @@ impl Grid {
 mod tests {
     use super::*;
 
-    fn places(rate_hz: f32, times: impl IntoIterator<Item = u64>) -> (u32, u32, u32) {
+    fn locations(rate_hz: f32, times: impl IntoIterator<Item = u64>) -> (u32, u32, u32) {
         let mut grid = Grid::new(rate_hz);
         let (mut single, mut surplus, mut skipping) = (0, 0, 0);
         for time in times {
-            match grid.place(time) {
-                Ok(Place::First | Place::Steps(1)) => single += 1,
-                Ok(Place::Steps(_)) => skipping += 1,
-                Ok(Place::Surplus) => surplus += 1,
+            match grid.locate(time) {
+                Ok(Location::First | Location::Steps(1)) => single += 1,
+                Ok(Location::Steps(_)) => skipping += 1,
+                Ok(Location::Surplus) => surplus += 1,
                 Err(_) => {}
             }
         }
@@ -92,14 +92,14 @@ mod tests {
     }
 
     #[test]
-    fn time_stamps_in_whole_tenths_of_milliseconds_neither_make_nor_drop_frames() {
+    fn time_stamps_in_whole_tenths_of_milliseconds_neither_add_nor_lose_frames() {
         let times = (0..10_000u64).map(|k| (k * 1_000_000_000 / 30).div_ceil(100_000) * 100_000);
-        assert_eq!(places(30.0, times), (10_000, 0, 0));
+        assert_eq!(locations(30.0, times), (10_000, 0, 0));
     }
 
     #[test]
     fn a_camera_of_29_97_hz_is_followed() {
-        assert_eq!(places(30.0, (0..100_000u64).map(|k| k * 33_366_667)), (100_000, 0, 0));
+        assert_eq!(locations(30.0, (0..100_000u64).map(|k| k * 33_366_667)), (100_000, 0, 0));
     }
 
     #[test]
@@ -109,13 +109,13 @@ mod tests {
             random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             k * 33_333_333 + (random >> 33) % 10_000_000
         });
-        assert_eq!(places(30.0, times), (10_000, 0, 0));
+        assert_eq!(locations(30.0, times), (10_000, 0, 0));
     }
 
     #[test]
     fn of_a_camera_of_twice_the_rate_every_other_frame_is_taken() {
         assert_eq!(
-            places(30.0, (0..2_000u64).map(|k| k * 16_666_667 + k % 3 * 1_000_000)),
+            locations(30.0, (0..2_000u64).map(|k| k * 16_666_667 + k % 3 * 1_000_000)),
             (1_000, 1_000, 0)
         );
     }
@@ -123,16 +123,16 @@ mod tests {
     #[test]
     fn a_missing_frame_is_a_step_of_two() {
         let mut grid = Grid::new(30.0);
-        assert_eq!(grid.place(0), Ok(Place::First));
-        assert_eq!(grid.place(66_666_667), Ok(Place::Steps(2)));
+        assert_eq!(grid.locate(0), Ok(Location::First));
+        assert_eq!(grid.locate(66_666_667), Ok(Location::Steps(2)));
     }
 
     #[test]
     fn no_time_stamp_overflows() {
         let mut grid = Grid::new(240.0);
-        assert_eq!(grid.place(0), Ok(Place::First));
-        assert!(matches!(grid.place(u64::MAX), Ok(Place::Steps(_))));
-        assert_eq!(grid.place(u64::MAX), Err(Refused::Repeated));
-        assert_eq!(grid.place(7), Err(Refused::Late));
+        assert_eq!(grid.locate(0), Ok(Location::First));
+        assert!(matches!(grid.locate(u64::MAX), Ok(Location::Steps(_))));
+        assert_eq!(grid.locate(u64::MAX), Err(Refused::Repeated));
+        assert_eq!(grid.locate(7), Err(Refused::Late));
     }
 }

@@ -1,28 +1,29 @@
 //! Velocity and tangential acceleration, and their quantisation (paper III-A.2, III-A.3).
 
-use super::geometry::{Quaternion, dot, inverse, norm, turned};
+use super::geometry::{Quaternion, dot, inverse, norm, rotated};
 use crate::config::Method;
 use crate::input::{Point, Space};
 use core::f32::consts::{FRAC_PI_2, PI, TAU};
 
-/// How a thing moves in one frame.
+/// How a hand or an object moves in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Kinematics {
-    /// In m/s.
+    /// Velocity in m/s, in the bench frame.
     pub(super) velocity: Point,
-    /// The acceleration along the velocity, in m/s².
+    /// Acceleration along the velocity, in m/s².
     pub(super) tangential: f32,
 }
 
-/// A position and when it was, in seconds from the frame that is asked for.
+/// A time in seconds from the frame that is asked for, and the position then.
 pub(super) type Sample = (f64, Point);
 
-/// Fits a parabola to the positions around a frame (a Savitzky-Golay filter that takes the time stamps as they are and
-/// leaves out what was not seen) and takes its derivatives there. The window is centred, so there is no phase lag.
+/// Fits a parabola to the positions around a frame and takes its derivatives in that frame: a Savitzky-Golay filter that uses
+/// the time stamps as they are and skips frames without a position. The window is centred, so there is no phase lag.
 ///
-/// At rest where the positions do not lie on both sides of the frame, or are fewer than three: a held pose does not move.
+/// The result is rest if there are fewer than three positions, or if they all lie on one side of the frame: a held pose does
+/// not move.
 pub(super) fn kinematics(samples: impl Iterator<Item = Sample> + Clone) -> Kinematics {
-    // Seconds are scaled to the window, so that the sums of powers are of one size.
+    // Times are scaled to the window, so that the sums of their powers have similar magnitudes.
     let Some(scale) = samples.clone().map(|(t, _)| t.abs()).reduce(f64::max).filter(|scale| *scale > 0.0)
     else {
         return Kinematics::default();
@@ -45,7 +46,7 @@ pub(super) fn kinematics(samples: impl Iterator<Item = Sample> + Clone) -> Kinem
             power *= t;
         }
     }
-    // Three unknowns.
+    // A parabola has three unknowns.
     if !(before && after) || powers[0] < 3.0 {
         return Kinematics::default();
     }
@@ -62,7 +63,7 @@ pub(super) fn kinematics(samples: impl Iterator<Item = Sample> + Clone) -> Kinem
 struct Parabola([[f64; 3]; 3]);
 
 impl Parabola {
-    /// From the sums of the powers 0..=4 of the times; `None` where they are the times of fewer than three instants.
+    /// From the sums of the powers 0 to 4 of the times; `None` where these are fewer than three different times.
     fn fit(powers: [f64; 5]) -> Option<Self> {
         let [s0, s1, s2, s3, s4] = powers;
         let cofactors = [
@@ -71,7 +72,7 @@ impl Parabola {
             [s1 * s3 - s2 * s2, s1 * s2 - s0 * s3, s0 * s2 - s1 * s1],
         ];
         let determinant = s0 * cofactors[0][0] + s1 * cofactors[0][1] + s2 * cofactors[0][2];
-        // Times within the window are at most 1 here: three instants a frame apart give far more than rounding leaves.
+        // Times are scaled to at most 1: three times one frame apart give far more than rounding does.
         (determinant > 1e-9).then(|| Self(cofactors.map(|row| row.map(|value| value / determinant))))
     }
 
@@ -80,7 +81,7 @@ impl Parabola {
     }
 }
 
-/// Turns kinematics into the whole numbers of `x_m`.
+/// Turns kinematics into the integers of `x_m`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Quantiser {
     bins: u8,
@@ -103,7 +104,7 @@ impl Quantiser {
         norm(motion.velocity) < self.rest_speed_m_s
     }
 
-    /// The sign of the tangential acceleration: -1, 0 or 1. At rest there is no tangent, and the sign is 0.
+    /// The sign of the tangential acceleration: -1, 0 or 1. At rest there is no tangent and the sign is 0.
     pub(super) fn sign(&self, motion: &Kinematics) -> i8 {
         if self.is_at_rest(motion) || motion.tangential.abs() < self.dead_band_m_s2 {
             0
@@ -114,21 +115,21 @@ impl Quantiser {
         }
     }
 
-    /// Whether two things move jointly: their signs are concordant (paper III-A.2), two zeros included, because a thing
-    /// that is carried at a constant speed, or held still, is in the hand too.
+    /// Joint motion: 1 if the signs of both accelerations agree, else 0 (paper III-A.2). Two zeros agree, because an object
+    /// that is carried at constant speed, or held still, is in the hand too.
     pub(super) fn joint_motion(&self, one: &Kinematics, other: &Kinematics) -> i8 {
         i8::from(self.sign(one) == self.sign(other))
     }
 
     /// `[θ, φ]`: the direction of the velocity of `v_i`, projected onto the axes of `v_j` (paper III-A.2), as bins of `2π/N`.
     ///
-    /// Azimuth bin 1 is centred on the x axis of `v_j` and they are counted towards its y axis. Elevation has bins of the same width,
-    /// bin 1 centred on straight down and bin `N/2 + 1` on straight up; 0 in plane mode. Both are 0 at rest.
+    /// Azimuth bin 1 is centred on the x axis of `v_j`, and bins are counted towards its y axis. Elevation has bins of the same
+    /// width: bin 1 is centred on straight down, bin `N/2 + 1` on straight up; it is 0 in plane mode. Both are 0 at rest.
     pub(super) fn direction(&self, motion: &Kinematics, frame: Quaternion) -> [i8; 2] {
         if self.is_at_rest(motion) {
             return [0; 2];
         }
-        let [x, y, z] = turned(motion.velocity, inverse(frame));
+        let [x, y, z] = rotated(motion.velocity, inverse(frame));
         let width = TAU / f32::from(self.bins);
         let azimuth = libm::atan2f(y, x);
         let around = libm::floorf((azimuth + PI * 2.0) / width + 0.5) as i32 % i32::from(self.bins);
@@ -139,7 +140,7 @@ impl Quantiser {
                 1 + libm::floorf(angle / width + 0.5) as i8
             }
         };
-        // Under N, which is at most 120.
+        // Less than N, which is at most 120.
         [elevation, around as i8 + 1]
     }
 }
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_seen_on_one_side_only_is_at_rest() {
+    fn positions_on_one_side_only_are_rest() {
         let motion = kinematics([-0.3, -0.2, -0.1].into_iter().map(|t| (t, [t as f32, 0.0, 0.0])));
         assert_eq!(motion, Kinematics::default());
     }
@@ -182,7 +183,7 @@ mod tests {
                 let angle = (f32::from(bin) + inside) * TAU / 8.0;
                 let motion = moving([libm::cosf(angle), libm::sinf(angle), 0.0]);
                 assert_eq!(quantiser.direction(&motion, about_z(0.0)), [0, bin as i8 + 1]);
-                // The other is turned by a quarter: two bins less.
+                // The other frame is rotated by a quarter: two bins less.
                 assert_eq!(quantiser.direction(&motion, about_z(FRAC_PI_2)), [0, ((bin + 6) % 8) as i8 + 1]);
             }
         }
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn under_the_rest_speed_there_is_no_direction_and_no_sign() {
+    fn below_the_rest_speed_there_is_no_direction_and_no_sign() {
         let quantiser = quantiser(Space::Metric);
         let slow = Kinematics { velocity: [0.02, 0.0, 0.0], tangential: 9.0 };
         assert_eq!(quantiser.direction(&slow, about_z(0.0)), [0, 0]);

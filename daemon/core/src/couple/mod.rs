@@ -4,12 +4,12 @@ mod contact;
 mod encoder;
 mod geometry;
 mod grid;
+mod interaction;
 mod kinematics;
-mod place;
 mod poses;
 mod scene;
 
-pub use encoder::{Counts, Encoder, Refused, Unusable};
+pub use encoder::{Encoder, Refused, Unusable};
 
 use crate::capacity::HANDS;
 use crate::input::Side;
@@ -17,7 +17,7 @@ use crate::input::Side;
 /// Motion features `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]` (paper III-A.3).
 ///
 /// `a_h` ∈ {-1, 0, 1}; `θ` elevation and `φ` azimuth are direction bins, 1..=N around the circle and 0 = at rest;
-/// `jm` ∈ {0, 1}. In plane mode both `θ` are 0. What has no meaning in a context (no `o_l`) is 0.
+/// `jm` ∈ {0, 1}. In plane mode both `θ` are 0. A feature without meaning in its context (there is no `o_l`) is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Motion(pub [i8; 7]);
 
@@ -29,7 +29,7 @@ pub struct Motion(pub [i8; 7]);
 pub struct Context(pub [u16; 4]);
 
 impl Context {
-    /// Nothing is touched: idle, not an IU.
+    /// Nothing is touched. Idle time is not an IU.
     pub const IDLE: Self = Self([0; 4]);
 
     /// The hand touches something.
@@ -48,17 +48,17 @@ impl Context {
 pub struct Couple {
     /// Whose couple it is.
     pub side: Side,
-    /// The time that the couple describes (the frame's own, not when it became known), in nanoseconds.
+    /// The time that the couple describes, in nanoseconds: that of its frame, not that at which it became known.
     pub captured_ns: u64,
     /// Motion features.
     pub motion: Motion,
     /// Context features.
     pub context: Context,
-    /// Least distances hand to `o_j` and `o_j` to `o_l` in metres; infinite where there is no such contact.
+    /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
     /// False where the hand, or an object that its context rests on, has been out of sight for longer than `blind_ms`.
     pub sighted: bool,
-    /// True where the hand itself was seen in this frame, not held over from an earlier one.
+    /// True where the hand itself was seen in this frame, rather than held from an earlier one.
     pub seen: bool,
 }
 
@@ -80,9 +80,9 @@ impl Couple {
 /// The couples of both hands on one frame of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Couples {
-    /// The time that the couples describe, in nanoseconds: the frame's own, or the grid's where no frame came.
+    /// The time that the couples describe, in nanoseconds: that of the frame, or of the grid where no frame came.
     pub captured_ns: u64,
-    /// The time of the newest frame that they rest on, in nanoseconds: `persist_frames` later, less at the end of a recording.
+    /// The time of the newest frame that they rest on, in nanoseconds: `persist_frames` later, or less at the end of a recording.
     pub known_ns: u64,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],

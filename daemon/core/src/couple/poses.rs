@@ -1,7 +1,7 @@
-//! Where hands and objects are and were, on the grid: what is not seen is held, and what a hand carries moves with it.
+//! The recent poses of hands and objects on the grid. An unseen pose is held; a hidden object that a hand carries moves with it.
 
 use super::geometry::{
-    Cloud, Quaternion, about_z, add, inverse, is_finite, subtract, turn_after, turned, unit, yaw,
+    Cloud, Quaternion, about_z, add, inverse, is_finite, rotated, rotation_after, subtract, unit, yaw,
 };
 use crate::capacity::PERSIST_FRAMES;
 use crate::input::{Hand, Object, Point, Space};
@@ -26,22 +26,22 @@ impl<T: Copy> Recent<T> {
         self.items[self.newest] = item;
     }
 
-    /// The item of `age` frames ago; one that is older than remembered is the oldest.
+    /// The item of `age` frames ago, or the oldest one if that is no longer remembered.
     pub(super) fn ago(&self, age: usize) -> &T {
         &self.items[(self.newest + REMEMBERED - age.min(REMEMBERED - 1)) % REMEMBERED]
     }
 }
 
-/// How well a pose is known.
+/// Where a pose comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Source {
-    /// Never seen.
-    Nowhere,
-    /// Seen in this frame.
+    /// The hand or object has never been seen.
+    Never,
+    /// It was seen in this frame.
     Seen,
-    /// Hidden, and moved with the hand that carries it.
+    /// It is hidden, and moved with the hand that carries it.
     Carried,
-    /// Not seen: the last pose is held.
+    /// It was not seen: the last pose is held.
     Held,
 }
 
@@ -53,20 +53,20 @@ pub(super) struct HandPose {
     pub(super) unseen: u32,
     pub(super) middle_knuckle: Point,
     pub(super) tips: [Point; 3],
-    /// Direction from the wrist to the middle knuckle, in radians about z.
+    /// Direction from the wrist to the middle knuckle about z, in radians.
     pub(super) yaw: f32,
 }
 
 impl HandPose {
-    pub(super) const NOWHERE: Self = Self {
-        source: Source::Nowhere,
+    pub(super) const NEVER: Self = Self {
+        source: Source::Never,
         unseen: u32::MAX,
         middle_knuckle: [0.0; 3],
         tips: [[0.0; 3]; 3],
         yaw: 0.0,
     };
 
-    /// The pose of a hand that is seen; `None` where a number is not finite.
+    /// The pose of a hand that is seen; `None` if a number is not finite or too large.
     pub(super) fn seen(hand: &Hand, space: Space) -> Option<Self> {
         let flat = |point: Point| if space == Space::Plane { [point[0], point[1], 0.0] } else { point };
         let points = [hand.wrist, hand.middle_knuckle, hand.tips[0], hand.tips[1], hand.tips[2]].map(flat);
@@ -79,10 +79,10 @@ impl HandPose {
         Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, tips, yaw })
     }
 
-    /// The next frame's pose where the hand is not seen in it.
+    /// The pose in the next frame if the hand is not seen in it.
     pub(super) fn held(self) -> Self {
         match self.source {
-            Source::Nowhere => self,
+            Source::Never => self,
             _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), ..self },
         }
     }
@@ -92,7 +92,7 @@ impl HandPose {
         Cloud::new(&self.tips)
     }
 
-    /// Between the finger tips, where a thing is held.
+    /// The centre of the finger tips, where an object is held.
     fn grip(&self) -> Point {
         add(add(self.tips[0], self.tips[1]), self.tips[2]).map(|sum| sum / 3.0)
     }
@@ -109,14 +109,14 @@ pub(super) struct ObjectPose {
 }
 
 impl ObjectPose {
-    pub(super) const NOWHERE: Self = Self {
-        source: Source::Nowhere,
+    pub(super) const NEVER: Self = Self {
+        source: Source::Never,
         unseen: u32::MAX,
         position: [0.0; 3],
         orientation: [1.0, 0.0, 0.0, 0.0],
     };
 
-    /// The pose of an object that is seen; `None` where a number is not finite or the quaternion has no length.
+    /// The pose of an object that is seen; `None` if a number is not finite or too large, or the quaternion has length zero.
     pub(super) fn seen(object: &Object, space: Space) -> Option<Self> {
         if !is_near(object.position) {
             return None;
@@ -129,10 +129,10 @@ impl ObjectPose {
         Some(Self { source: Source::Seen, unseen: 0, position, orientation })
     }
 
-    /// The next frame's pose where the object is not seen in it, and no hand carries it.
+    /// The pose in the next frame if the object is not seen in it and no hand carries it.
     pub(super) fn held(self) -> Self {
         match self.source {
-            Source::Nowhere => self,
+            Source::Never => self,
             _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), ..self },
         }
     }
@@ -143,13 +143,13 @@ fn is_near(point: Point) -> bool {
     is_finite(&point) && point.iter().all(|value| value.abs() < 1000.0)
 }
 
-/// How a hidden object lies in the hand that carries it: as a stiff body, turned with the hand about z. Its tilt is kept.
+/// How an object lies in the hand that carries it: as a rigid body that rotates with the hand about z and keeps its tilt.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grip {
-    /// The carrying hand, as its place in the couples.
+    /// Index of the carrying hand in the couples.
     pub(super) hand: usize,
     offset: Point,
-    turn: Quaternion,
+    rotation: Quaternion,
 }
 
 impl Grip {
@@ -157,19 +157,19 @@ impl Grip {
         let back = inverse(about_z(pose.yaw));
         Self {
             hand,
-            offset: turned(subtract(object.position, pose.grip()), back),
-            turn: turn_after(back, object.orientation),
+            offset: rotated(subtract(object.position, pose.grip()), back),
+            rotation: rotation_after(back, object.orientation),
         }
     }
 
-    /// The next frame's pose of the object.
+    /// The pose of the object in the next frame.
     pub(super) fn carried(&self, pose: &HandPose, before: &ObjectPose) -> ObjectPose {
         let hand = about_z(pose.yaw);
         ObjectPose {
             source: Source::Carried,
             unseen: before.unseen.saturating_add(1),
-            position: add(pose.grip(), turned(self.offset, hand)),
-            orientation: unit(turn_after(hand, self.turn)).unwrap_or(before.orientation),
+            position: add(pose.grip(), rotated(self.offset, hand)),
+            orientation: unit(rotation_after(hand, self.rotation)).unwrap_or(before.orientation),
         }
     }
 }

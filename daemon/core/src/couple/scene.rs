@@ -2,8 +2,8 @@
 
 use super::contact::Edge;
 use super::geometry::Cloud;
+use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Quantiser, kinematics};
-use super::place::{Place, Way};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
 use super::{Context, Couple, Motion};
 use crate::capacity::{HANDS, OBJECTS};
@@ -11,15 +11,15 @@ use crate::config::Method;
 use crate::input::{Frame, ObjectShape, Side, Space};
 use heapless::Vec;
 
-/// What is known of an object before it is seen, and its node.
+/// An object as a node of the graph.
 #[derive(Clone, Debug)]
 struct Node {
     id: u16,
     points: Cloud,
-    /// Greatest distance of an interaction point from the position, in metres.
+    /// Maximum distance of an interaction point from the position, in metres.
     radius_m: f32,
     poses: Recent<ObjectPose>,
-    /// How it lies in the hand, while it is hidden there.
+    /// How it lies in the hand that holds it; it moves by this while it is hidden.
     grip: Option<Grip>,
 }
 
@@ -28,27 +28,27 @@ struct Node {
 pub(super) struct Scene {
     method: Method,
     quantiser: Quantiser,
-    /// Frames after which what is not seen is out of sight (`blind_ms`).
+    /// A hand or object that has not been seen for more frames than this is out of sight (`blind_ms`).
     blind_frames: u32,
     times_ns: Recent<u64>,
     hands: [Recent<HandPose>; HANDS],
-    /// In the order of their ids.
+    /// Sorted by id.
     objects: Vec<Node, OBJECTS>,
-    /// From a hand to an object.
+    /// From each hand to each object.
     touches: [[Edge; OBJECTS]; HANDS],
-    /// Between two objects, the lower index first.
-    beside: [[Edge; OBJECTS]; OBJECTS],
-    places: [Place; HANDS],
+    /// Between each two objects, the lower index first.
+    adjacent: [[Edge; OBJECTS]; OBJECTS],
+    interactions: [Interaction; HANDS],
 }
 
 impl Scene {
-    /// An empty scene. `shapes` have ids that differ; one without interaction points, or over the capacity, is left out.
+    /// An empty scene. The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
     pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
         let mut objects: Vec<Node, OBJECTS> = shapes
             .iter()
             .filter_map(|shape| {
                 let points = Cloud::new(&shape.interaction_points)?;
-                let poses = Recent::new(ObjectPose::NOWHERE);
+                let poses = Recent::new(ObjectPose::NEVER);
                 Some(Node { id: shape.id, points, radius_m: points.radius(), poses, grip: None })
             })
             .take(OBJECTS)
@@ -60,27 +60,27 @@ impl Scene {
             // At most a minute of 240 Hz, see `Method::check`.
             blind_frames: libm::ceil(f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0) as u32,
             times_ns: Recent::new(0),
-            hands: core::array::from_fn(|_| Recent::new(HandPose::NOWHERE)),
+            hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
-            beside: [[Edge::default(); OBJECTS]; OBJECTS],
-            places: [Place::Idle; HANDS],
+            adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
+            interactions: [Interaction::Idle; HANDS],
         }
     }
 
-    /// Forgets all that was seen.
+    /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
         for node in &mut self.objects {
-            node.poses = Recent::new(ObjectPose::NOWHERE);
+            node.poses = Recent::new(ObjectPose::NEVER);
             node.grip = None;
         }
-        self.hands = core::array::from_fn(|_| Recent::new(HandPose::NOWHERE));
+        self.hands = core::array::from_fn(|_| Recent::new(HandPose::NEVER));
         self.touches = [[Edge::default(); OBJECTS]; HANDS];
-        self.beside = [[Edge::default(); OBJECTS]; OBJECTS];
-        self.places = [Place::Idle; HANDS];
+        self.adjacent = [[Edge::default(); OBJECTS]; OBJECTS];
+        self.interactions = [Interaction::Idle; HANDS];
     }
 
-    /// Frames after which what is not seen is out of sight.
+    /// After how many frames a hand or object that is not seen is out of sight.
     pub(super) fn blind_frames(&self) -> u32 {
         self.blind_frames
     }
@@ -90,39 +90,31 @@ impl Scene {
         *self.times_ns.ago(0)
     }
 
-    /// Takes the next frame of the grid, or its absence, and returns how many hands and objects were left out.
-    pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) -> u64 {
+    /// Takes the next frame of the grid, or `None` where it is missing.
+    pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) {
         self.times_ns.push(captured_ns);
-        let left_out = self.push_hands(frame) + self.push_objects(frame);
+        self.push_hands(frame);
+        self.push_objects(frame);
         self.push_edges();
-        self.take_grips();
-        left_out
+        self.update_grips();
     }
 
-    fn push_hands(&mut self, frame: Option<&Frame>) -> u64 {
+    fn push_hands(&mut self, frame: Option<&Frame>) {
         let mut seen = [None; HANDS];
-        let mut left_out = 0;
         for hand in frame.iter().flat_map(|frame| &frame.hands) {
-            let place = hand.side.place();
-            match HandPose::seen(hand, self.method.space) {
-                Some(pose) if seen[place].is_none() => seen[place] = Some(pose),
-                _ => left_out += 1,
-            }
+            let index = hand.side.index();
+            seen[index] = seen[index].or_else(|| HandPose::seen(hand, self.method.space));
         }
         for (poses, seen) in self.hands.iter_mut().zip(seen) {
             poses.push(seen.unwrap_or(poses.ago(0).held()));
         }
-        left_out
     }
 
-    fn push_objects(&mut self, frame: Option<&Frame>) -> u64 {
+    fn push_objects(&mut self, frame: Option<&Frame>) {
         let mut seen = [None; OBJECTS];
-        let mut left_out = 0;
         for object in frame.iter().flat_map(|frame| &frame.objects) {
-            let place = self.objects.binary_search_by_key(&object.id, |node| node.id);
-            match (place, ObjectPose::seen(object, self.method.space)) {
-                (Ok(place), Some(pose)) if seen[place].is_none() => seen[place] = Some(pose),
-                _ => left_out += 1,
+            if let Ok(index) = self.objects.binary_search_by_key(&object.id, |node| node.id) {
+                seen[index] = seen[index].or_else(|| ObjectPose::seen(object, self.method.space));
             }
         }
         for (node, seen) in self.objects.iter_mut().zip(seen) {
@@ -135,7 +127,6 @@ impl Scene {
             };
             node.poses.push(pose);
         }
-        left_out
     }
 
     fn push_edges(&mut self) {
@@ -149,14 +140,14 @@ impl Scene {
             })
             .collect();
         let sighted = |unseen: u32| unseen <= self.blind_frames;
-        // The contacts of a hand that is out of sight end `persist_frames` late, so that the couples before say it was.
-        let kept = self.blind_frames.saturating_add(self.method.persist_frames.into());
+        // The contacts of a hand that is out of sight end `persist_frames` later, so that its last couples are not sighted.
+        let max_unseen = self.blind_frames.saturating_add(self.method.persist_frames.into());
         for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
             let hand = hand.ago(0);
-            let tips = hand.cloud().filter(|_| hand.unseen <= kept);
+            let tips = hand.cloud().filter(|_| hand.unseen <= max_unseen);
             for ((pose, points, _), edge) in poses.iter().zip(edges) {
                 match tips {
-                    Some(tips) if pose.source != Source::Nowhere => edge.push(
+                    Some(tips) if pose.source != Source::Never => edge.push(
                         tips.distance(points),
                         sighted(hand.unseen) && sighted(pose.unseen),
                         &self.method.hand_contact,
@@ -166,11 +157,11 @@ impl Scene {
             }
         }
         let contact = &self.method.object_contact;
-        for (i, (one, edges)) in poses.iter().zip(&mut self.beside).enumerate() {
+        for (i, (one, edges)) in poses.iter().zip(&mut self.adjacent).enumerate() {
             for (other, edge) in poses.iter().zip(edges).skip(i + 1) {
                 let reach = one.2 + other.2 + contact.off_m;
-                let known = one.0.source != Source::Nowhere && other.0.source != Source::Nowhere;
-                if known && square_apart(one.0, other.0) <= reach * reach {
+                let known = one.0.source != Source::Never && other.0.source != Source::Never;
+                if known && squared_distance(one.0, other.0) <= reach * reach {
                     let sighted = sighted(one.0.unseen) && sighted(other.0.unseen);
                     edge.push(one.1.distance(&other.1), sighted, contact);
                 } else {
@@ -180,10 +171,10 @@ impl Scene {
         }
     }
 
-    /// An object that a hand has been in contact with for `persist_frames` is carried by it when it is hidden, until it is seen again
-    /// or the hand is out of sight. One that was hidden before it was grasped is taken to lie where it was last seen.
-    fn take_grips(&mut self) {
-        for (place, node) in self.objects.iter_mut().enumerate() {
+    /// A hand that has touched an object for `persist_frames` carries it while it is hidden, until it is seen again or the hand
+    /// is out of sight. An object that was hidden before it was grasped is taken to lie where it was last seen.
+    fn update_grips(&mut self) {
+        for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
             if pose.source != Source::Seen
                 && let Some(grip) = node.grip
@@ -194,35 +185,35 @@ impl Scene {
             }
             let holds = |hand: &usize| {
                 self.hands[*hand].ago(0).source == Source::Seen
-                    && self.touches[*hand][place].held_for(self.method.persist_frames)
+                    && self.touches[*hand][index].lasted_for(self.method.persist_frames)
             };
             node.grip = (0..HANDS).find(holds).map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
         }
     }
 
-    /// The couples of the frame `age` frames before the newest. To be called once for each frame, in order.
+    /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
     pub(super) fn couples(&mut self, age: usize) -> [Couple; HANDS] {
         let persist = self.method.persist_frames;
-        for edge in self.touches.iter_mut().chain(&mut self.beside).flatten() {
+        for edge in self.touches.iter_mut().chain(&mut self.adjacent).flatten() {
             edge.believe(age, persist);
         }
         core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
-            let place = self.places[hand].next(touched, |j| self.neighbours(j, age));
-            self.places[hand] = place;
-            self.couple(hand, place, age)
+            let interaction = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
+            self.interactions[hand] = interaction;
+            self.couple(hand, interaction, age)
         })
     }
 
-    /// Ways from a hand to the objects that it touches.
-    fn touched(&self, hand: usize, age: usize) -> impl Iterator<Item = Way> + Clone {
+    /// The edges from a hand to the objects that it touches.
+    fn touched(&self, hand: usize, age: usize) -> impl Iterator<Item = interaction::Edge> + Clone {
         let believed = (0..self.objects.len()).filter(move |j| self.touches[hand][*j].is_believed());
         believed.map(move |j| (j, self.distance_from_hand(hand, j, age)))
     }
 
-    /// Ways from an object to the objects that it touches.
-    fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = Way> {
-        let edge = move |l: usize| self.beside[j.min(l)][j.max(l)];
+    /// The edges from an object to the objects that it touches.
+    fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = interaction::Edge> {
+        let edge = move |l: usize| self.adjacent[j.min(l)][j.max(l)];
         let believed = (0..self.objects.len()).filter(move |l| *l != j && edge(*l).is_believed());
         believed.map(move |l| (l, self.points(j, age).distance(&self.points(l, age))))
     }
@@ -239,12 +230,12 @@ impl Scene {
         node.points.at(pose.position, pose.orientation, self.method.space == Space::Plane)
     }
 
-    fn couple(&self, hand: usize, place: Place, age: usize) -> Couple {
+    fn couple(&self, hand: usize, interaction: Interaction, age: usize) -> Couple {
         let pose = self.hands[hand].ago(age);
-        let (acts, j, l) = match place {
-            Place::Idle => (false, None, None),
-            Place::Acts { j, l } => (true, Some(j), l),
-            Place::Released { j, l } => (false, Some(j), Some(l)),
+        let (acts, j, l) = match interaction {
+            Interaction::Idle => (false, None, None),
+            Interaction::Acts { j, l } => (true, Some(j), l),
+            Interaction::Released { j, l } => (false, Some(j), Some(l)),
         };
         let node = |object: usize| &self.objects[object];
         let hidden = |object: Option<usize>| {
@@ -272,7 +263,7 @@ impl Scene {
         }
     }
 
-    /// `x_m` of a hand that acts on an object, and of an object that touches another.
+    /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other.
     fn motion(
         &self,
         hand: usize,
@@ -314,7 +305,7 @@ impl Scene {
         })
     }
 
-    /// From what was seen in the `persist_frames` before and after a frame: no further delay than the contacts have.
+    /// Uses the `persist_frames` before and after a frame, which adds nothing to the delay of the contacts.
     fn kinematics(&self, age: usize, seen: impl Fn(usize) -> Option<[f32; 3]> + Clone) -> Kinematics {
         let half = usize::from(self.method.persist_frames);
         let now = *self.times_ns.ago(age);
@@ -328,7 +319,7 @@ impl Scene {
     }
 }
 
-fn square_apart(one: &ObjectPose, other: &ObjectPose) -> f32 {
+fn squared_distance(one: &ObjectPose, other: &ObjectPose) -> f32 {
     let apart = super::geometry::subtract(one.position, other.position);
     super::geometry::dot(apart, apart)
 }

@@ -1,13 +1,14 @@
 //! Two whole sequences.
 
-use super::cost::{LocalCosts, UNREACHED};
+use super::cost::UNREACHED;
+use super::local_costs::LocalCosts;
 use super::row::Row;
 use super::simd::{BORDER_ROOM, Border};
 use super::symbols::{BLOCK, Symbols};
-use super::{Refused, accept};
+use super::{Refused, check};
 use crate::couple::Motion;
 
-/// Working memory of [`distance`], [`distance_within`] and [`path`](super::path): reuse it, it needs no clearing.
+/// Working memory of [`distance`], [`distance_within`] and [`path`](super::path). It can be reused without clearing.
 #[derive(Clone, Debug)]
 pub struct Scratch {
     pub(super) row: Row,
@@ -28,8 +29,8 @@ impl Default for Scratch {
     }
 }
 
-/// The DTW distance of two sequences: square root of the least sum of squared Euclidean local costs, no window
-/// (DESIGN 4; `dtaidistance.dtw_ndim.distance`).
+/// The DTW distance of two sequences: the square root of the minimum sum of squared Euclidean local costs, without a window, as
+/// `dtw_ndim.distance` of dtaidistance.
 ///
 /// # Errors
 /// If a sequence is empty or longer than [`IU_FRAMES`](crate::capacity::IU_FRAMES).
@@ -39,12 +40,12 @@ pub fn distance(
     b: &[Motion],
     scratch: &mut Scratch,
 ) -> Result<f64, Refused> {
-    // No value is greater, so this bound never abandons.
+    // No value is greater than this bound, so the computation never stops early.
     let value = last_cell(costs, a, b, UNREACHED, scratch)?.unwrap_or(UNREACHED);
     Ok(costs.distance_of(value))
 }
 
-/// [`distance`] if it is at most `bound`, else `None`, often long before the end.
+/// [`distance`] if it is at most `bound`, else `None`; that is often known long before the end.
 ///
 /// # Errors
 /// As [`distance`].
@@ -55,13 +56,13 @@ pub fn distance_within(
     bound: f64,
     scratch: &mut Scratch,
 ) -> Result<Option<f64>, Refused> {
-    accept(a)?;
-    accept(b)?;
-    let Some(bound) = costs.greatest_value(bound) else { return Ok(None) };
+    check(a)?;
+    check(b)?;
+    let Some(bound) = costs.max_value(bound) else { return Ok(None) };
     Ok(last_cell(costs, a, b, bound, scratch)?.map(|value| costs.distance_of(value)))
 }
 
-/// Value of the last cell of the DTW matrix if it is at most `bound`.
+/// The value of the last cell of the DTW matrix if it is at most `bound`.
 fn last_cell(
     costs: &LocalCosts,
     a: &[Motion],
@@ -69,22 +70,22 @@ fn last_cell(
     bound: i32,
     scratch: &mut Scratch,
 ) -> Result<Option<i32>, Refused> {
-    accept(a)?;
-    accept(b)?;
-    // The matrix is done in strips of rows: the fewer, the better.
+    check(a)?;
+    check(b)?;
+    // The matrix is computed in strips of rows: fewer are faster.
     let [a, b] =
         if a.len().div_ceil(BLOCK) * b.len() <= b.len().div_ceil(BLOCK) * a.len() { [a, b] } else { [b, a] };
     let [x, y] = &mut scratch.symbols;
     if let Some(simd) = costs.simd()
-        && x.read_for(costs, a, false)
-        && y.read_for(costs, b, true)
+        && costs.read(a, false, x)
+        && costs.read(b, true, y)
     {
         return Ok(simd.last_cell((x, a.len()), (y, b.len()), bound, &mut scratch.border));
     }
-    let symbols = y.read_for(costs, b, false).then_some(&*y);
+    let symbols = costs.read(b, false, y).then_some(&*y);
     scratch.row.begin(b.len());
     for frame in a {
-        if scratch.row.advance(costs, frame, b, symbols) > bound {
+        if costs.advance(&mut scratch.row, frame, b, symbols) > bound {
             return Ok(None);
         }
     }

@@ -1,8 +1,8 @@
-//! Dynamic time warping of motions (paper III-C.1; DESIGN 4, "DTW").
+//! Dynamic time warping (DTW) of motions (paper III-C.1).
 //!
-//! Multi-dimensional and dependent, squared Euclidean local cost, square root of the sum, no window. [`OnlineDtw`] takes one frame at
-//! a time against one reference; [`distance`] compares two whole sequences; both give the same bits.
-//! [`path`] gives the warping path as well. All memory is fixed or the caller's.
+//! Multi-dimensional and dependent, with squared Euclidean local cost and without a window; the distance is the square root of
+//! the sum. [`OnlineDtw`] compares a growing sequence with one reference, frame by frame; [`distance`] compares two whole
+//! sequences; both return the same bits. [`path`] returns the warping path as well. All memory is fixed or the caller's.
 //!
 //! ```
 //! use andon_core::couple::Motion;
@@ -13,16 +13,16 @@
 //! let seen = [Motion([0; 7]), Motion([1, 0, 3, 0, 0, 0, 0]), Motion([0, 0, 4, 0, 0, 0, 0])];
 //! let costs = LocalCosts::new(LocalCost::Circular { bins: 8 });
 //!
-//! // One frame at a time: over the threshold, it stays over it.
+//! // Frame by frame: the lower bound never falls, so above a threshold it stays above it.
 //! let mut online = OnlineDtw::new(&costs, &taught)?;
-//! let mut least = 0.0;
+//! let mut bound = 0.0;
 //! for frame in &seen {
 //!     online.append(frame)?;
-//!     assert!(online.lower_bound() >= least);
-//!     least = online.lower_bound();
+//!     assert!(online.lower_bound() >= bound);
+//!     bound = online.lower_bound();
 //! }
 //!
-//! // Both at once: the same.
+//! // Two whole sequences: the same distance.
 //! let mut scratch = Scratch::new();
 //! let whole = distance(&costs, &seen, &taught, &mut scratch)?;
 //! assert_eq!(online.distance(), Some(whole));
@@ -36,20 +36,17 @@
 //! # Ok::<(), andon_core::dtw::Refused>(())
 //! ```
 
-mod bank;
 mod batch;
 mod cost;
-mod ndim;
+mod local_costs;
 mod online;
 mod path;
 mod row;
 mod simd;
 mod symbols;
 
-pub use bank::{Bank, Column, Group};
 pub use batch::{Scratch, distance, distance_within};
-pub use cost::LocalCosts;
-pub use ndim::distance_ndim;
+pub use local_costs::LocalCosts;
 pub use online::OnlineDtw;
 pub use path::{Path, path};
 
@@ -61,9 +58,9 @@ use crate::couple::Motion;
 pub enum Refused {
     /// A sequence without a frame has no distance to anything.
     Empty,
-    /// A sequence longer than [`IU_FRAMES`].
+    /// A sequence is longer than [`IU_FRAMES`].
     TooLong {
-        /// Its frames.
+        /// Its length in frames.
         frames: usize,
     },
     /// The caller's memory is too small.
@@ -79,7 +76,7 @@ impl core::fmt::Display for Refused {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Empty => {
-                write!(f, "a sequence without a frame has no DTW distance: give at least one frame")
+                write!(f, "a sequence without frames has no DTW distance: give at least one frame")
             }
             Self::TooLong { frames } => {
                 write!(
@@ -96,8 +93,8 @@ impl core::fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// Whether a sequence can be compared.
-fn accept(sequence: &[Motion]) -> Result<(), Refused> {
+/// Checks that a sequence can be compared.
+fn check(sequence: &[Motion]) -> Result<(), Refused> {
     match sequence.len() {
         0 => Err(Refused::Empty),
         frames if frames > IU_FRAMES => Err(Refused::TooLong { frames }),

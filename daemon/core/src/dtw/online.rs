@@ -1,15 +1,16 @@
-//! One reference, one frame at a time.
+//! One reference, frame by frame.
 
-use super::cost::{LocalCosts, ORIGIN};
+use super::cost::ORIGIN;
+use super::local_costs::LocalCosts;
 use super::row::Row;
 use super::symbols::Symbols;
-use super::{Refused, accept};
+use super::{Refused, check};
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
 
 /// DTW of a growing sequence against one reference.
 ///
-/// Each appended frame makes the next row of the DTW matrix from the row before, in O(reference length) and fixed memory.
+/// Each appended frame adds a row to the DTW matrix, in O(reference length) and fixed memory.
 #[derive(Clone, Debug)]
 pub struct OnlineDtw<'a> {
     costs: LocalCosts,
@@ -17,12 +18,12 @@ pub struct OnlineDtw<'a> {
     symbols: Symbols,
     /// Whether the reference has symbols.
     has_symbols: bool,
-    /// The newest row: for every place of the reference the least sum of a path that ends there.
+    /// The newest row: for each frame of the reference the minimum sum of a path that ends there.
     row: Row,
     /// Frames appended.
     frames: usize,
-    /// Least value of the newest row.
-    least: i32,
+    /// Minimum of the newest row.
+    min: i32,
 }
 
 impl<'a> OnlineDtw<'a> {
@@ -38,23 +39,23 @@ impl<'a> OnlineDtw<'a> {
             has_symbols: false,
             row: Row::new(),
             frames: 0,
-            least: ORIGIN,
+            min: ORIGIN,
         };
         online.begin(reference)?;
         Ok(online)
     }
 
-    /// Starts anew with another reference, in place.
+    /// Starts again with another reference, in place.
     ///
     /// # Errors
     /// As [`new`](Self::new); then nothing has changed.
     pub fn begin(&mut self, reference: &'a [Motion]) -> Result<(), Refused> {
-        accept(reference)?;
+        check(reference)?;
         self.reference = reference;
-        self.has_symbols = self.symbols.read_for(&self.costs, reference, false);
+        self.has_symbols = self.costs.read(reference, false, &mut self.symbols);
         self.row.begin(reference.len());
         self.frames = 0;
-        self.least = ORIGIN;
+        self.min = ORIGIN;
         Ok(())
     }
 
@@ -67,30 +68,20 @@ impl<'a> OnlineDtw<'a> {
             return Err(Refused::TooLong { frames: IU_FRAMES + 1 });
         }
         let symbols = Some(&self.symbols).filter(|_| self.has_symbols);
-        self.least = self.row.advance(&self.costs, frame, self.reference, symbols);
+        self.min = self.costs.advance(&mut self.row, frame, self.reference, symbols);
         self.frames += 1;
         Ok(())
     }
 
-    /// The DTW distance of all appended frames and the reference, equal to [`distance`](super::distance) in every bit; `None` before
-    /// the first frame.
+    /// The DTW distance of all appended frames to the reference, equal to [`distance`](super::distance) in every bit; `None`
+    /// before the first frame.
     pub fn distance(&self) -> Option<f64> {
         (self.frames > 0).then(|| self.costs.distance_of(self.row.cell(self.reference.len() - 1)))
     }
 
-    /// A bound that the distance cannot fall under any more, whatever is appended: from the least value of the newest row,
-    /// which never falls, because every path to a later row passes through this one.
+    /// A lower bound of the distance, whatever frames are appended: it comes from the minimum of the newest row, which never
+    /// falls, because every path to a later row passes through this one.
     pub fn lower_bound(&self) -> f64 {
-        self.costs.distance_of(self.least)
-    }
-
-    /// Frames appended.
-    pub fn frames(&self) -> usize {
-        self.frames
-    }
-
-    /// The reference.
-    pub fn reference(&self) -> &'a [Motion] {
-        self.reference
+        self.costs.distance_of(self.min)
     }
 }

@@ -1,25 +1,25 @@
 //! The warping path, for barycentres.
 
 use super::batch::Scratch;
-use super::cost::LocalCosts;
-use super::{Refused, accept};
+use super::local_costs::LocalCosts;
+use super::{Refused, check};
 use crate::couple::Motion;
 
-/// Where the best path to a cell comes from.
+/// The best path to a cell comes from the frames before, of both sequences.
 const DIAGONAL: u8 = 0;
-/// From the same place of `b`, one frame of `a` earlier.
+/// It comes from the same frame of `b` and the frame before of `a`.
 const UP: u8 = 1;
-/// From the same frame of `a`, one place of `b` earlier.
+/// It comes from the same frame of `a` and the frame before of `b`.
 const LEFT: u8 = 2;
 
-/// A warping path of least sum: pairs of places `(i, j)` of `a` and `b`, from the last pair back to `(0, 0)`.
+/// A warping path with the minimum sum: pairs of indices `(i, j)` of `a` and `b`, from the last pair back to `(0, 0)`.
 ///
-/// Where two ways are equally good the diagonal is taken, then the one along `a`: the order of `dtaidistance`.
+/// Of equally good steps the diagonal one is taken, else the one along `a`, as dtaidistance does.
 #[derive(Clone, Debug)]
 pub struct Path<'m> {
     moves: &'m [u8],
     columns: usize,
-    /// The next pair to give out.
+    /// The next pair to return.
     at: Option<(usize, usize)>,
     distance: f64,
 }
@@ -45,7 +45,7 @@ impl Iterator for Path<'_> {
     }
 }
 
-/// The warping path of two sequences. `moves` needs `a.len() * b.len()` bytes, one a cell; what is in them does not matter.
+/// The warping path of two sequences. `moves` needs `a.len() * b.len()` bytes, one per cell; their contents do not matter.
 ///
 /// # Errors
 /// If a sequence is empty or longer than [`IU_FRAMES`](crate::capacity::IU_FRAMES), or `moves` is too short.
@@ -56,19 +56,19 @@ pub fn path<'m>(
     moves: &'m mut [u8],
     scratch: &mut Scratch,
 ) -> Result<Path<'m>, Refused> {
-    accept(a)?;
-    accept(b)?;
+    check(a)?;
+    check(b)?;
     let columns = b.len();
     let (needed, given) = (a.len() * columns, moves.len());
     let Some(moves) = moves.get_mut(..needed) else { return Err(Refused::Memory { needed, given }) };
     let symbols = &mut scratch.symbols[0];
-    let symbols = symbols.read_for(costs, b, false).then_some(&*symbols);
+    let symbols = costs.read(b, false, symbols).then_some(&*symbols);
     scratch.row.begin(columns);
     for (frame, moves) in a.iter().zip(moves.chunks_exact_mut(columns)) {
         let mut moves = moves.iter_mut();
-        scratch.row.advance_with(costs, frame, b, symbols, |diagonal, up, left| {
-            if let Some(came) = moves.next() {
-                *came = if diagonal <= up.min(left) {
+        costs.advance_with(&mut scratch.row, frame, b, symbols, |diagonal, up, left| {
+            if let Some(step) = moves.next() {
+                *step = if diagonal <= up.min(left) {
                     DIAGONAL
                 } else if up <= left {
                     UP

@@ -1,47 +1,47 @@
-//! Motions as bytes whose costs are looked up.
+//! Motions as bytes by which their costs are looked up.
 
-use super::cost::LocalCosts;
+use super::cost::IntegerCosts;
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;
 
-/// Places that are computed together: the bytes of a vector.
+/// Cells that are computed together: as many as a vector has bytes.
 pub(super) const BLOCK: usize = 32;
 
-/// Bytes of one motion: the ordered features `a_h, jm_hj, jm_jl` together, then `φ_hj, φ_jl, θ_hj, θ_jl`. The elevations come
-/// last because plane mode does without them.
+/// Bytes of one motion: one for the ordered features `a_h, jm_hj, jm_jl` together, then `φ_hj, φ_jl, θ_hj, θ_jl`. The
+/// elevations come last because plane mode has none.
 pub(super) const PLANES: usize = 5;
 
 /// Bytes of one motion without elevations.
 pub(super) const PLANES_FLAT: usize = 3;
 
-/// Symbols of one kind: a shuffle looks up four bits.
+/// Number of symbols of one feature: a shuffle looks up four bits.
 const SYMBOLS: usize = 16;
 
-/// The symbol of rest among directions on a circle: in its lowest four bits 0, which no direction is, and 49 or more from
-/// every direction.
+/// The symbol of rest among directions on a circle. Its lowest four bits are 0, which is no direction, and it differs from every
+/// direction by at least 49.
 const REST: u8 = 64;
 
-/// Costs of symbols. Motions have them if all their features are in range and there are at most 15 bins.
+/// Costs of symbols. A motion has symbols if all its features are in range and there are at most 15 bins.
 #[derive(Clone, Debug)]
 pub(super) struct Tables {
-    /// For ordered features, by the exclusive or of the symbols.
+    /// For the ordered features, by the exclusive or of the symbols.
     pub(super) ordered: [i32; SYMBOLS],
-    /// For a direction, by how far the symbols are apart; the last for 15 or more.
+    /// For a direction, by the difference of the symbols; the last entry is for 15 or more.
     pub(super) apart: [i32; SYMBOLS],
-    /// For a direction, by the symbols (their lowest four bits).
+    /// For a direction, by the lowest four bits of both symbols.
     direction: [[i32; SYMBOLS]; SYMBOLS],
     /// The symbol of rest.
     pub(super) rest: u8,
-    /// Greatest direction.
-    pub(super) most: u8,
+    /// Maximum direction.
+    pub(super) max: u8,
 }
 
 impl Tables {
     /// `None` if there are too many bins.
-    pub(super) fn new(costs: &LocalCosts) -> Option<Self> {
+    pub(super) fn new(costs: &IntegerCosts) -> Option<Self> {
         let circle = costs.bins() > 0;
-        let most = if circle { costs.bins() } else { SYMBOLS as u8 - 1 };
-        if usize::from(most) >= SYMBOLS {
+        let max = if circle { costs.bins() } else { SYMBOLS as u8 - 1 };
+        if usize::from(max) >= SYMBOLS {
             return None;
         }
         let scale = costs.scale();
@@ -53,46 +53,46 @@ impl Tables {
         let direction = core::array::from_fn(|a| core::array::from_fn(|b| costs.direction(a as i8, b as i8)));
         let apart = core::array::from_fn(|apart| match apart {
             15 if circle => scale,
-            apart if circle && apart >= usize::from(most) => 0,
+            apart if circle && apart >= usize::from(max) => 0,
             apart if circle => costs.direction(1, 1 + apart as i8),
             apart => costs.direction(0, apart as i8),
         });
-        Some(Self { ordered, apart, direction, rest: if circle { REST } else { 0 }, most })
+        Some(Self { ordered, apart, direction, rest: if circle { REST } else { 0 }, max })
     }
 
     /// The symbols of a motion; `None` if a feature is out of range.
     #[inline]
     pub(super) fn symbols(&self, motion: &Motion) -> Option<[u8; PLANES]> {
         let [a_h, theta_hj, phi_hj, jm_hj, theta_jl, phi_jl, jm_jl] = motion.0.map(|feature| feature as u8);
-        // -1, 0, 1 become 00, 01, 11: as many bits differ as the values are apart.
+        // -1, 0, 1 become 00, 01, 11: the number of bits that differ is the difference of the values.
         let a_h = a_h.wrapping_add(1);
         let ordered = a_h | a_h >> 1 | jm_hj << 2 | jm_jl << 3;
         let mut directions = [phi_hj, phi_jl, theta_hj, theta_jl];
         let mut fits = (a_h <= 2) & (jm_hj <= 1) & (jm_jl <= 1);
         for direction in &mut directions {
-            fits &= *direction <= self.most;
+            fits &= *direction <= self.max;
             *direction = if *direction == 0 { self.rest } else { *direction };
         }
         let [phi_hj, phi_jl, theta_hj, theta_jl] = directions;
         fits.then_some([ordered, phi_hj, phi_jl, theta_hj, theta_jl])
     }
 
-    /// Calls `each` with the cost of a frame at each of the first `places` places of a sequence, in order.
+    /// Calls `each` with the costs of a frame and each of the first `length` motions of a sequence, in order.
     #[inline]
     pub(super) fn costs(
         &self,
         frame: [u8; PLANES],
         sequence: &Symbols,
-        places: usize,
+        length: usize,
         mut each: impl FnMut(i32),
     ) {
         let of_frame = |plane: usize| &self.direction[low(frame[plane])];
         let directions = [of_frame(1), of_frame(2), of_frame(3), of_frame(4)];
-        let [ordered, planes @ ..] = sequence.planes.each_ref().map(|plane| &plane[FRONT..][..places]);
-        for place in 0..places {
-            let mut cost = self.ordered[low(ordered[place] ^ frame[0])];
+        let [ordered, planes @ ..] = sequence.planes.each_ref().map(|plane| &plane[FRONT..][..length]);
+        for index in 0..length {
+            let mut cost = self.ordered[low(ordered[index] ^ frame[0])];
             for (direction, plane) in directions.iter().zip(planes) {
-                cost += direction[low(plane[place])];
+                cost += direction[low(plane[index])];
             }
             each(cost);
         }
@@ -103,14 +103,14 @@ fn low(symbol: u8) -> usize {
     usize::from(symbol) % SYMBOLS
 }
 
-/// Bytes before the first place, so that a vector can hold the first place as its last.
+/// Bytes before the first motion, so that a vector may end with the first motion.
 pub(super) const FRONT: usize = BLOCK;
 
-/// The symbols of a sequence, a plane for each byte of a motion, with room for a block before and after.
+/// The symbols of a sequence: a plane for each byte of a motion, with room for a block before and after.
 #[derive(Clone, Debug)]
 pub(super) struct Symbols {
     pub(super) planes: [[u8; FRONT + IU_FRAMES + BLOCK]; PLANES],
-    /// Any elevation is not 0.
+    /// Whether any elevation differs from 0.
     pub(super) elevated: bool,
 }
 
@@ -119,24 +119,15 @@ impl Symbols {
         Self { planes: [[0; FRONT + IU_FRAMES + BLOCK]; PLANES], elevated: false }
     }
 
-    /// Reads a sequence by the fastest way. False if it has no symbols under these costs.
-    pub(super) fn read_for(&mut self, costs: &LocalCosts, motions: &[Motion], backwards: bool) -> bool {
-        match (costs.simd(), costs.tables()) {
-            (Some(simd), Some(tables)) => simd.read(tables, motions, backwards, self),
-            (None, Some(tables)) => self.read(tables, motions, backwards),
-            _ => false,
-        }
-    }
-
-    /// Reads a sequence of at most [`IU_FRAMES`] motions. False if a feature is out of range.
-    fn read(&mut self, tables: &Tables, motions: &[Motion], backwards: bool) -> bool {
+    /// Writes the symbols of at most [`IU_FRAMES`] motions. False if a feature is out of range.
+    pub(super) fn read(&mut self, tables: &Tables, motions: &[Motion], backwards: bool) -> bool {
         let mut elevations = 0;
-        for (place, motion) in motions.iter().take(IU_FRAMES).enumerate() {
+        for (index, motion) in motions.iter().take(IU_FRAMES).enumerate() {
             let Some(symbols) = tables.symbols(motion) else { return false };
-            let place = if backwards { motions.len() - 1 - place } else { place };
+            let index = if backwards { motions.len() - 1 - index } else { index };
             elevations |= motion.0[1] | motion.0[4];
             for (plane, symbol) in self.planes.iter_mut().zip(symbols) {
-                plane[FRONT + place] = symbol;
+                plane[FRONT + index] = symbol;
             }
         }
         self.elevated = elevations != 0;

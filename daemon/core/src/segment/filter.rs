@@ -1,37 +1,38 @@
 //! The opening-closing filter on `x_m` inside an IU, as a stream.
 //!
-//! An opening is an erosion and a dilation, a closing a dilation and an erosion. The two dilations in the middle are one of twice
-//! the reach, also where they are clipped at the borders of the IU: erosion over `h` frames to each side, dilation over `2h`, erosion
-//! over `h`, where the window is `2h + 1`. The output is `4h` frames late, and what is left is flushed when the IU ends.
+//! An opening is an erosion followed by a dilation, a closing a dilation followed by an erosion. The two dilations in the middle
+//! equal one of twice the reach, also where they are clipped at the borders of the IU. So with a window of `2h + 1` frames the
+//! filter is an erosion over `h` frames to each side, a dilation over `2h` and an erosion over `h`. Its output is `4h` frames
+//! late; the rest is flushed when the IU ends.
 
 use crate::capacity::FILTER_FRAMES;
 use crate::couple::Motion;
 use heapless::Deque;
 
-/// Features of `x_m`.
+/// Number of features in `x_m`.
 const FEATURES: usize = 7;
 
-/// Greatest reach to one side: that of the dilation.
+/// Maximum reach to one side, that of the dilation.
 const REACH: usize = FILTER_FRAMES - 1;
 
-/// Frames that a window may have to remember: it and one more.
+/// Frames that a window may have to remember: its own and one more.
 const WINDOW: usize = 2 * REACH + 2;
 
-/// The least or greatest value in a window around each frame, clipped at the ends.
+/// The minimum or maximum in a window around each frame, clipped at the ends.
 #[derive(Clone, Debug)]
 struct Extreme {
-    /// Candidates for the extreme with their frame, from the best to the newest (a monotonic queue): each value goes in and
-    /// out once, which makes it O(1) a frame, amortised.
+    /// Candidates for the extreme with their frames, from the best to the newest (a monotonic queue). Each value goes in and out
+    /// once, so the amortised cost per frame is O(1).
     candidates: Deque<(u32, i8), WINDOW>,
-    greatest: bool,
+    is_max: bool,
     reach: u32,
     taken: u32,
     given: u32,
 }
 
 impl Extreme {
-    fn new(greatest: bool, reach: u32) -> Self {
-        Self { candidates: Deque::new(), greatest, reach, taken: 0, given: 0 }
+    fn new(is_max: bool, reach: u32) -> Self {
+        Self { candidates: Deque::new(), is_max, reach, taken: 0, given: 0 }
     }
 
     fn clear(&mut self) {
@@ -39,19 +40,19 @@ impl Extreme {
         (self.taken, self.given) = (0, 0);
     }
 
-    /// Takes the next value and gives that of the frame `reach` before it.
+    /// Takes the next value and returns the extreme of the frame `reach` before it.
     fn push(&mut self, value: i8) -> Option<i8> {
-        let beaten = |old: i8| if self.greatest { old <= value } else { old >= value };
+        let beaten = |old: i8| if self.is_max { old <= value } else { old >= value };
         while self.candidates.back().is_some_and(|(_, old)| beaten(*old)) {
             self.candidates.pop_back();
         }
-        // Candidates lie between `given - reach - 1` and `given + reach`: they fit into `WINDOW`.
+        // There is room: candidates lie between `given - reach - 1` and `given + reach`.
         let _ = self.candidates.push_back((self.taken, value));
         self.taken += 1;
         if self.taken > self.given + self.reach { self.give() } else { None }
     }
 
-    /// Gives the value of the next frame; `None` after the last.
+    /// Returns the value of the next frame; `None` after the last one.
     fn give(&mut self) -> Option<i8> {
         if self.given == self.taken {
             return None;
@@ -77,7 +78,7 @@ impl Feature {
         self.0.iter_mut().try_fold(value, |value, stage| stage.push(value))
     }
 
-    /// After the last value: gives the value of the next frame; `None` after the last.
+    /// After the last input: returns the value of the next frame; `None` after the last one.
     fn flush(&mut self) -> Option<i8> {
         let [first, second, third] = &mut self.0;
         while let Some(value) = first.give() {
@@ -94,14 +95,14 @@ impl Feature {
     }
 }
 
-/// The filter of all features of one IU.
+/// The filter for all features of one IU.
 #[derive(Clone, Debug)]
 pub(super) struct OpeningClosing {
     features: [Feature; FEATURES],
 }
 
 impl OpeningClosing {
-    /// `window` is odd.
+    /// `window` is an odd number of frames.
     pub(super) fn new(window: u8) -> Self {
         let half = u32::from(window) / 2;
         Self { features: core::array::from_fn(|_| Feature::new(half)) }
@@ -112,23 +113,23 @@ impl OpeningClosing {
         self.features.iter_mut().flat_map(|feature| &mut feature.0).for_each(Extreme::clear);
     }
 
-    /// Takes the next motion and gives that of a frame `4h` before it.
+    /// Takes the next motion and returns the filtered one of the frame `4h` before it.
     pub(super) fn push(&mut self, motion: Motion) -> Option<Motion> {
-        self.each(|feature, place| feature.push(motion.0[place]))
+        self.each(|feature, index| feature.push(motion.0[index]))
     }
 
-    /// After the last motion: gives the next one that is left; `None` after the last.
+    /// After the last motion: returns the next filtered one; `None` after the last one.
     pub(super) fn flush(&mut self) -> Option<Motion> {
         self.each(|feature, _| feature.flush())
     }
 
-    /// All features are equally late: either each of them gives a value or none.
+    /// All features have the same delay: either each of them returns a value or none does.
     fn each(&mut self, mut step: impl FnMut(&mut Feature, usize) -> Option<i8>) -> Option<Motion> {
         let mut motion = Some(Motion::default());
-        for (place, feature) in self.features.iter_mut().enumerate() {
-            let value = step(feature, place);
+        for (index, feature) in self.features.iter_mut().enumerate() {
+            let value = step(feature, index);
             motion = motion.zip(value).map(|(mut motion, value)| {
-                motion.0[place] = value;
+                motion.0[index] = value;
                 motion
             });
         }
@@ -144,11 +145,11 @@ mod tests {
 
     /// The definition, in four passes over the whole IU.
     fn two_filters(values: &[i8], half: usize) -> Vec<i8> {
-        let pass = |values: &[i8], greatest: bool| -> Vec<i8> {
+        let pass = |values: &[i8], is_max: bool| -> Vec<i8> {
             (0..values.len())
                 .map(|t| {
                     let window = &values[t.saturating_sub(half)..(t + half + 1).min(values.len())];
-                    let extreme = if greatest { window.iter().max() } else { window.iter().min() };
+                    let extreme = if is_max { window.iter().max() } else { window.iter().min() };
                     extreme.copied().unwrap_or_default()
                 })
                 .collect()
@@ -181,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lasts_shorter_than_the_window_is_filtered_out() {
+    fn a_value_that_is_shorter_than_the_window_is_filtered_out() {
         let mut filter = OpeningClosing::new(5);
         let values = [0, 0, 0, 0, 0, 7, 7, 0, 0, 0, 0, 3, 3, 3, 3, 3, 1, 1, 3, 3, 3, 3, 3];
         let mut given: Vec<i8> =

@@ -9,53 +9,57 @@ use crate::couple::{Context, Couple, Motion};
 use crate::input::Side;
 use heapless::{Deque, Vec};
 
-/// Frames that are in the filter at most: its delay `4h`, and the newest.
+/// Maximum number of frames in the filter: its delay of `4h` frames, and the newest one.
 const IN_FILTER: usize = 2 * FILTER_FRAMES;
 
-/// Frames in which `X` is constant.
+/// An open ERU: frames in which `X` is constant.
 #[derive(Clone, Copy, Debug)]
 struct Eru {
     motion: Motion,
     began_ns: u64,
 }
 
-/// An IU that goes on.
+/// An open IU.
 #[derive(Clone, Debug)]
 struct OpenIu {
     so_far: Iu,
-    turns: Reversals,
+    reversals: Reversals,
     eru: Option<Eru>,
 }
 
-/// An activity that goes on.
+/// An open activity.
 #[derive(Clone, Copy, Debug)]
 struct OpenActivity {
     /// The context of its first IU.
     context: Context,
     began_ns: u64,
-    /// When its newest IU that has ended did so.
+    /// When the last of its IUs that have ended did so.
     ended_ns: u64,
-    /// It has matched a nominal one to its end.
+    /// It equals a nominal activity, to its last IU.
     matched: bool,
 }
 
-/// Segments the couples of one hand (paper III-B; DESIGN 4, "Segmentation").
+/// Segments the couples of one hand (paper III-B).
 ///
-/// A new ERU: any element of `X` changes, after the filter. A new IU: `x_c` changes. A new activity: the hand touches an object other
-/// than the activity's first one, or the same one again after the activity has matched a nominal one to its end.
-/// All zeros is idle, and so is the release state where there is no activity that it could belong to.
+/// - A new ERU begins when any element of the filtered `X` changes.
+/// - A new IU begins when `x_c` changes.
+/// - A new activity begins when the hand touches an object other than the first one of the activity, or touches that one again
+///   after the activity has matched a nominal activity to its last IU.
+///
+/// The hand is idle while `x_c` is zero, and also in a release state that belongs to no activity.
 #[derive(Clone, Debug)]
 pub struct Segmenter {
     side: Side,
     bins: u8,
     filter: OpeningClosing,
-    /// The times of the frames that are in the filter.
+    /// The times of the frames in the filter.
     times_ns: Deque<u64, IN_FILTER>,
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,
     activity: Option<OpenActivity>,
-    goes_on_with: Vec<Context, ACTIVITIES>,
+    /// Contexts with which a longer nominal activity would continue.
+    continuations: Vec<Context, ACTIVITIES>,
 }
 
 impl Segmenter {
@@ -73,7 +77,7 @@ impl Segmenter {
             context: Context::IDLE,
             iu: None,
             activity: None,
-            goes_on_with: Vec::new(),
+            continuations: Vec::new(),
         })
     }
 
@@ -94,42 +98,42 @@ impl Segmenter {
         if let Some(iu) = &mut self.iu {
             iu.so_far.frames = iu.so_far.frames.saturating_add(1);
             iu.so_far.sighted &= couple.sighted;
-            // The filter gives a frame as soon as it is full: there is room for its times.
+            // There is room: the filter releases a frame as soon as it is full.
             let _ = self.times_ns.push_back(now_ns);
             if let Some(motion) = self.filter.push(couple.motion) {
-                self.filtered(motion, emit);
+                self.take_filtered(motion, emit);
             }
         }
     }
 
-    /// Whether this couple, as the next one, would begin an activity.
+    /// Whether an activity would begin with this couple, if it were the next one.
     pub fn begins_activity(&self, couple: &Couple) -> bool {
         let [hand, j, ..] = couple.context.0;
         let touches = hand != 0 && (self.context.0[0] == 0 || self.context.0[1] != j);
         touches
             && self.activity.is_none_or(|activity| {
                 let other = activity.context.0[1] != j;
-                other || activity.matched && !self.goes_on_with.contains(&couple.context)
+                other || activity.matched && !self.continuations.contains(&couple.context)
             })
     }
 
-    /// The activity has matched a nominal one to its end: its first object touched again begins a new one, unless in one of
-    /// the contexts that it `goes_on_with`. Contexts over [`ACTIVITIES`], the greatest number of candidates, are ignored.
-    pub fn activity_matched(&mut self, goes_on_with: &[Context]) {
+    /// The activity has matched a nominal activity to its last IU: if its first object is touched again, that begins a new one,
+    /// unless the context is one of `continuations`. At most [`ACTIVITIES`] contexts, the maximum number of candidates, are used.
+    pub fn activity_matched(&mut self, continuations: &[Context]) {
         if let Some(activity) = &mut self.activity {
             activity.matched = true;
-            self.goes_on_with.clear();
-            self.goes_on_with.extend(goes_on_with.iter().take(ACTIVITIES).copied());
+            self.continuations.clear();
+            self.continuations.extend(continuations.iter().take(ACTIVITIES).copied());
         }
     }
 
-    /// Ends what is open at `ended_ns`. A touch that goes on is not the begin of anything until the hand has let go.
+    /// Ends the open IU and the open activity at `ended_ns`. A touch that continues begins nothing until the hand has let go.
     pub fn finish(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
         self.end_iu(ended_ns, emit);
         self.end_activity(emit);
     }
 
-    /// What the hand touches counts as touched anew.
+    /// An object that the hand touches already counts as a new touch.
     pub fn forget_touch(&mut self) {
         self.context = Context::IDLE;
     }
@@ -137,7 +141,7 @@ impl Segmenter {
     fn begin_activity(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
         let (context, began_ns) = (couple.context, couple.captured_ns);
         self.activity = Some(OpenActivity { context, began_ns, ended_ns: began_ns, matched: false });
-        self.goes_on_with.clear();
+        self.continuations.clear();
         emit(Event::ActivityBegan { side: self.side, context, began_ns });
     }
 
@@ -151,17 +155,17 @@ impl Segmenter {
         let (context, began_ns) = (couple.context, couple.captured_ns);
         let so_far = Iu { context, began_ns, ended_ns: began_ns, frames: 0, reversals: 0, sighted: true };
         if let Some(activity) = &mut self.activity {
-            // It has gone on: whether it matches is to be said anew.
+            // It continues, so whether it matches is open again.
             activity.matched = false;
         }
-        self.iu = Some(OpenIu { so_far, turns: Reversals::new(context, self.bins), eru: None });
+        self.iu = Some(OpenIu { so_far, reversals: Reversals::new(context, self.bins), eru: None });
         emit(Event::IuBegan { side: self.side, context, began_ns });
     }
 
     fn end_iu(&mut self, ended_ns: u64, emit: &mut impl FnMut(Event)) {
         if self.iu.is_some() {
             while let Some(motion) = self.filter.flush() {
-                self.filtered(motion, emit);
+                self.take_filtered(motion, emit);
             }
             self.filter.clear();
         }
@@ -178,8 +182,8 @@ impl Segmenter {
         }
     }
 
-    /// Takes the next frame that the filter gives.
-    fn filtered(&mut self, motion: Motion, emit: &mut impl FnMut(Event)) {
+    /// Takes the next frame that leaves the filter.
+    fn take_filtered(&mut self, motion: Motion, emit: &mut impl FnMut(Event)) {
         let (Some(iu), Some(began_ns)) = (&mut self.iu, self.times_ns.pop_front()) else { return };
         let (side, context) = (self.side, iu.so_far.context);
         match iu.eru {
@@ -192,7 +196,7 @@ impl Segmenter {
                 iu.eru = Some(Eru { motion, began_ns });
             }
         }
-        let reversals = iu.turns.push(motion);
+        let reversals = iu.reversals.push(motion);
         iu.so_far.reversals = reversals;
         emit(Event::IuFrame { side, motion, captured_ns: began_ns, reversals });
     }

@@ -1,4 +1,4 @@
-//! The segmentation of both hands, and the job that they share.
+//! The segmentation of both hands and of the job that they share.
 
 use super::{Event, Segmenter};
 use crate::capacity::HANDS;
@@ -6,22 +6,22 @@ use crate::config::{Method, MethodFault};
 use crate::couple::{Context, Couples};
 use crate::input::Side;
 
-/// A job that goes on.
+/// An open job.
 #[derive(Clone, Copy, Debug)]
 struct OpenJob {
     began_ns: u64,
-    /// When something of it last ended.
+    /// When a hand last acted in it.
     ended_ns: u64,
-    /// A hand has touched something.
+    /// Whether a hand has touched anything in it.
     touched: bool,
-    /// All its nominal activities are done.
+    /// Whether all nominal activities are done.
     matched: bool,
 }
 
-/// Segments the couples of both hands. Each hand has activities of its own; the job is common.
+/// Segments the couples of both hands. Each hand has its own activities; both share the job.
 ///
-/// A job begins with the first touch or on command. It ends when the hands have been out of the picture for
-/// `idle_end_ms` after its first touch, on command, or, where [`job_matched`](Self::job_matched) was said, with the next touch, which begins another.
+/// A job begins with the first touch or on command. It ends on command; when no hand has been seen for `idle_end_ms`, if
+/// anything was touched in it; or, once [`job_matched`](Self::job_matched) was set, with the touch that begins the next job.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
     hands: [Segmenter; HANDS],
@@ -35,14 +35,14 @@ pub struct JobSegmenter {
 }
 
 impl JobSegmenter {
-    /// Starts idle.
+    /// Starts without a job.
     ///
     /// # Errors
     /// If a constant is out of its range.
     pub fn new(method: &Method) -> Result<Self, MethodFault> {
         Ok(Self {
             hands: [Segmenter::new(Side::Right, method)?, Segmenter::new(Side::Left, method)?],
-            // The rate is 1 Hz at least.
+            // The rate is at least 1 Hz.
             period_ns: libm::round(1e9 / f64::from(method.rate_hz)) as u64,
             idle_end_ns: u64::from(method.idle_end_ms) * 1_000_000,
             newest_ns: 0,
@@ -78,19 +78,19 @@ impl JobSegmenter {
         }
     }
 
-    /// Begins a job by command, at the next couples. What is open ends first; what the hands touch is touched anew.
+    /// Begins a job on command, with the next couples. An open job ends first; objects that the hands touch count as new touches.
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         self.finish(emit);
         self.hands.iter_mut().for_each(Segmenter::forget_touch);
         self.begin(self.newest_ns.saturating_add(self.period_ns), emit);
     }
 
-    /// Ends the job by command, or at the end of a recording, after the newest couples.
+    /// Ends the job on command or at the end of a recording, after the newest couples.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
         self.end(self.newest_ns.saturating_add(self.period_ns), emit);
     }
 
-    /// Whether all nominal activities of the job are done: then the next touch that begins an activity begins another job.
+    /// Sets whether all nominal activities of the job are done: then the next touch that begins an activity begins another job.
     pub fn job_matched(&mut self, matched: bool) {
         if let Some(job) = &mut self.job {
             job.matched = matched;
@@ -99,7 +99,7 @@ impl JobSegmenter {
 
     /// The segmentation of one hand.
     pub fn hand(&mut self, side: Side) -> &mut Segmenter {
-        &mut self.hands[side.place()]
+        &mut self.hands[side.index()]
     }
 
     fn begin(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
@@ -110,7 +110,7 @@ impl JobSegmenter {
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {
         self.hands.iter_mut().for_each(|hand| hand.finish(now_ns, emit));
         if let Some(OpenJob { began_ns, ended_ns, .. }) = self.job.take() {
-            // A job that a command began may end before the frame that it was to begin with.
+            // A job that began on command may end before the frame that it was to begin with.
             emit(Event::JobEnded { began_ns, ended_ns: ended_ns.min(now_ns).max(began_ns) });
         }
     }

@@ -1,4 +1,4 @@
-//! Couples in, ERU, IU, activity and job events out (paper III-B; DESIGN 4, "Segmentation").
+//! Couples in, the beginnings and ends of ERUs, IUs, activities and jobs out (paper III-B).
 
 mod filter;
 mod hand;
@@ -11,10 +11,10 @@ pub use job::JobSegmenter;
 use crate::couple::{Context, Motion};
 use crate::input::Side;
 
-/// One Interaction Unit that has ended.
+/// An Interaction Unit (IU) that has ended: the time in which the context of a hand is the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Iu {
-    /// The context that it was in.
+    /// Its context.
     pub context: Context,
     /// When its context began, in nanoseconds.
     pub began_ns: u64,
@@ -22,24 +22,24 @@ pub struct Iu {
     pub ended_ns: u64,
     /// Its length in frames of the grid.
     pub frames: u32,
-    /// How often its motion turned back: by more than a quarter turn from the direction that it held, rest ignored. It tells a
-    /// repeated motion (polishing strokes) that was cut short.
+    /// How often its motion reversed, that is turned by more than a quarter from its direction; rest is ignored. The count shows
+    /// that a repeated motion, such as polishing strokes, was cut short.
     pub reversals: u32,
-    /// False where a couple of it was not sighted.
+    /// False if any of its couples was not sighted.
     pub sighted: bool,
 }
 
-/// What the segmenter says. Times are those of the couples (`captured_ns`), ends are exclusive: what follows begins there.
+/// An event of the segmentation. Times are those of the couples (`captured_ns`). Ends are exclusive: what follows begins there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// A job began: the first touch, or the command.
+    /// A job began, with its first touch or on command.
     JobBegan {
         /// When, in nanoseconds.
         began_ns: u64,
     },
-    /// An activity began: the hand touches a new object.
+    /// An activity began: the hand touches another object.
     ActivityBegan {
-        /// Whose.
+        /// Whose hand.
         side: Side,
         /// The context of its first IU.
         context: Context,
@@ -48,27 +48,27 @@ pub enum Event {
     },
     /// An IU began.
     IuBegan {
-        /// Whose.
+        /// Whose hand.
         side: Side,
         /// Its context.
         context: Context,
         /// When, in nanoseconds.
         began_ns: u64,
     },
-    /// The next frame of the IU after the opening-closing filter, some frames late.
+    /// The next frame of the IU has left the opening-closing filter, which delays it by some frames.
     IuFrame {
-        /// Whose.
+        /// Whose hand.
         side: Side,
         /// Its filtered motion.
         motion: Motion,
         /// Its time, in nanoseconds.
         captured_ns: u64,
-        /// How often the motion of the IU has turned back so far.
+        /// How often the motion of the IU has reversed so far.
         reversals: u32,
     },
-    /// An ERU ended: `X` (after the filter) was constant in it.
+    /// An ERU ended: `X`, after the filter, was constant in it.
     Eru {
-        /// Whose.
+        /// Whose hand.
         side: Side,
         /// Its context.
         context: Context,
@@ -81,14 +81,14 @@ pub enum Event {
     },
     /// An IU ended.
     IuEnded {
-        /// Whose.
+        /// Whose hand.
         side: Side,
-        /// What it was.
+        /// The IU.
         iu: Iu,
     },
     /// An activity ended.
     ActivityEnded {
-        /// Whose.
+        /// Whose hand.
         side: Side,
         /// The context of its first IU.
         context: Context,

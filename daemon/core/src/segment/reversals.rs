@@ -1,21 +1,21 @@
-//! How often a motion turned back. DTW forgives a repeated motion that was cut short; a count of its turns does not.
+//! How often a motion reversed. DTW forgives a repeated motion that was cut short; a count of its reversals does not.
 
 use crate::couple::{Context, Motion};
 
 /// Counts the reversals of the motion of one IU.
 ///
-/// The direction that counts is the azimuth of `o_j` against `o_l` where there is an `o_l`, else that of the hand against
-/// `o_j`. Its turns add up; once they make more than a quarter turn it has turned back, and half a turn is taken off, so that the
-/// gentle turn at the end of a rounded stroke counts once, noise of a bin or two around a straight one does not count at all, and
-/// strokes across the direction that the motion began with count as those along it. Rest, and in metric mode a motion
-/// straight up or down, has no azimuth and is ignored.
+/// The direction is the azimuth of `o_j` against `o_l` if there is an `o_l`, else that of the hand against `o_j`. Its turns are
+/// summed. When the sum exceeds a quarter turn, the motion has reversed, and half a turn is subtracted. So the gentle turn at
+/// the end of a rounded stroke counts once, noise of a bin or two around a straight stroke does not count, and strokes across
+/// the first direction of the motion count like those along it. Frames at rest, and in metric mode frames of motion straight
+/// up or down, have no azimuth and are ignored.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reversals {
     bins: i16,
-    /// Places of elevation and azimuth in `x_m`.
+    /// Indices of elevation and azimuth in `x_m`.
     features: [usize; 2],
-    before: Option<i16>,
-    /// How far the direction has turned, in half bins, counter-clockwise positive.
+    previous: Option<i16>,
+    /// By how much the direction has turned, in half bins, counter-clockwise positive.
     turned: i16,
     count: u32,
 }
@@ -23,18 +23,18 @@ pub(super) struct Reversals {
 impl Reversals {
     pub(super) fn new(context: Context, bins: u8) -> Self {
         let features = if context.0[3] == 0 { [1, 2] } else { [4, 5] };
-        Self { bins: i16::from(bins), features, before: None, turned: 0, count: 0 }
+        Self { bins: i16::from(bins), features, previous: None, turned: 0, count: 0 }
     }
 
     /// Takes the next frame and returns the count so far.
     pub(super) fn push(&mut self, motion: Motion) -> u32 {
         let [elevation, azimuth] = self.features.map(|feature| i16::from(motion.0[feature]));
-        let upright = elevation == 1 || elevation == self.bins / 2 + 1;
-        if azimuth <= 0 || upright {
+        let is_vertical = elevation == 1 || elevation == self.bins / 2 + 1;
+        if azimuth <= 0 || is_vertical {
             return self.count;
         }
-        if let Some(before) = self.before.replace(azimuth) {
-            self.turned += self.turn(before, azimuth);
+        if let Some(previous) = self.previous.replace(azimuth) {
+            self.turned += self.turn(previous, azimuth);
             // Half a turn is `bins` half bins.
             if 2 * self.turned.abs() > self.bins {
                 self.turned -= self.bins * self.turned.signum();
@@ -44,7 +44,7 @@ impl Reversals {
         self.count
     }
 
-    /// The shorter turn from one direction to another, in half bins; exactly half a turn goes the way it has turned so far.
+    /// The shorter turn from one direction to another, in half bins; exactly half a turn takes the sense of the turns so far.
     fn turn(&self, from: i16, to: i16) -> i16 {
         let forward = (2 * (to - from)).rem_euclid(2 * self.bins);
         let backward = forward - 2 * self.bins;
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn six_strokes_to_and_fro_are_eleven_reversals() {
+    fn six_strokes_back_and_forth_are_eleven_reversals() {
         let stroke = [1, 1, 1, 0, 5, 5, 5, 0];
         assert_eq!(count(stroke.into_iter().cycle().take(6 * 8)), 11);
     }
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn rounded_strokes_count_two_a_turn() {
+    fn a_full_circle_counts_two() {
         // Five times around the circle.
         assert_eq!(count((0..40).map(|step| step % 8 + 1)), 10);
     }

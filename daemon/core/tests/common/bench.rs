@@ -1,4 +1,4 @@
-//! Frames of a worker whose hands and objects are moved by hand: the plane, metres, 30 Hz.
+//! Frames of a scripted worker: plane mode, in metres, at 30 Hz.
 
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Encoder};
@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub(crate) const PERIOD_NS: u64 = 33_333_333;
 
-/// Objects of one interaction point in their origin.
+/// Objects with one interaction point, in their origin.
 pub(crate) fn shapes(ids: &[u16]) -> Vec<ObjectShape> {
     ids.iter()
         .map(|id| ObjectShape {
@@ -17,7 +17,7 @@ pub(crate) fn shapes(ids: &[u16]) -> Vec<ObjectShape> {
         .collect()
 }
 
-/// Where everything is, and the frames so far.
+/// The current positions, and the frames so far.
 pub(crate) struct Bench {
     pub(crate) frames: Vec<Frame>,
     hands: [Option<[f32; 2]>; 2],
@@ -38,23 +38,23 @@ impl Bench {
     }
 
     pub(crate) fn hand(&mut self, side: Side, at: [f32; 2]) -> &mut Self {
-        self.hands[side.place()] = Some(at);
+        self.hands[side.index()] = Some(at);
         self
     }
 
-    /// The hand leaves the picture (what it holds stays visible where it is).
+    /// The hand leaves the picture. An object in it remains visible where it is.
     pub(crate) fn leave(&mut self, side: Side) -> &mut Self {
-        self.hands[side.place()] = None;
+        self.hands[side.index()] = None;
         self
     }
 
     pub(crate) fn hold(&mut self, side: Side, id: u16) -> &mut Self {
-        self.held[side.place()] = Some(id);
+        self.held[side.index()] = Some(id);
         self
     }
 
     pub(crate) fn let_go(&mut self, side: Side) -> &mut Self {
-        self.held[side.place()] = None;
+        self.held[side.index()] = None;
         self
     }
 
@@ -75,7 +75,7 @@ impl Bench {
         self
     }
 
-    /// Moves both hands to these places in so many frames, smoothly, with what they hold.
+    /// Moves both hands smoothly to these positions within `frames` frames, with the objects that they hold.
     pub(crate) fn carry(&mut self, to: [Option<[f32; 2]>; 2], frames: usize) -> &mut Self {
         let from = self.hands;
         for frame in 1..=frames {
@@ -103,7 +103,7 @@ impl Bench {
     fn record(&mut self) {
         let mut frame = Frame { captured_ns: self.frames.len() as u64 * PERIOD_NS, ..Frame::default() };
         for side in Side::ALL {
-            if let Some([x, y]) = self.hands[side.place()] {
+            if let Some([x, y]) = self.hands[side.index()] {
                 let tips = [[x - 0.01, y, 0.0], [x, y, 0.0], [x + 0.01, y, 0.0]];
                 let hand = Hand {
                     side,
@@ -138,10 +138,10 @@ pub(crate) fn encode(ids: &[u16], frames: &[Frame]) -> Vec<Couples> {
     couples
 }
 
-/// The contexts of one hand in order, each with its number of frames, idle left out.
+/// The contexts of one hand in order, each with its number of frames, without idle time.
 pub(crate) fn contexts(couples: &[Couples], side: Side) -> Vec<([u16; 4], usize)> {
     let mut runs: Vec<([u16; 4], usize)> = Vec::new();
-    for couple in couples.iter().map(|couples| &couples.hands[side.place()]) {
+    for couple in couples.iter().map(|couples| &couples.hands[side.index()]) {
         match runs.last_mut() {
             Some((context, frames)) if *context == couple.context.0 => *frames += 1,
             _ => runs.push((couple.context.0, 1)),

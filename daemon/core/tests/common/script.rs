@@ -1,11 +1,11 @@
-//! Couples as they would come from a worker, part by part, and jobs taught from them.
+//! Couples of a scripted worker, part by part, and jobs taught from them.
 
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Motion};
 use andon_core::input::Side;
 use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
 use andon_core::segment::{Event, Segmenter};
-use andon_core::verdict::{Reason, Verdict};
+use andon_core::verdict::{Outcome, Reason, Verdict};
 
 use super::bench::PERIOD_NS;
 
@@ -16,12 +16,12 @@ pub(crate) enum Motions {
     Still,
     /// It moves in this direction.
     Toward(i8),
-    /// It goes to and fro so many times.
+    /// It makes this many strokes back and forth.
     Strokes(usize),
 }
 pub(crate) use Motions::{Still, Strokes, Toward};
 
-/// So many frames in one context.
+/// A number of frames in one context.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub(crate) context: [u16; 4],
@@ -59,25 +59,25 @@ fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
     let frames = parts.iter().flat_map(|part| (0..part.frames).map(move |frame| (part, frame)));
     frames
         .enumerate()
-        .map(|(place, (part, frame))| Couple {
+        .map(|(index, (part, frame))| Couple {
             motion: part.motion(frame),
             context: Context(part.context),
             distances: [0.01, 0.01],
             sighted: part.sighted,
             seen: part.seen,
-            ..Couple::idle(side, place as u64 * PERIOD_NS)
+            ..Couple::idle(side, index as u64 * PERIOD_NS)
         })
         .collect()
 }
 
-/// The couples of both hands; the one with less to do is idle, and out of the picture, for the rest.
+/// The couples of both hands. The hand that ends first is idle and out of the picture for the rest.
 pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
     let [right, left] = [couples_of(Side::Right, right), couples_of(Side::Left, left)];
     (0..right.len().max(left.len()))
-        .map(|place| {
-            let captured_ns = place as u64 * PERIOD_NS;
+        .map(|index| {
+            let captured_ns = index as u64 * PERIOD_NS;
             let hand = |couples: &[Couple], side| {
-                couples.get(place).copied().unwrap_or(Couple::idle(side, captured_ns))
+                couples.get(index).copied().unwrap_or(Couple::idle(side, captured_ns))
             };
             let hands = [hand(&right, Side::Right), hand(&left, Side::Left)];
             Couples { captured_ns, known_ns: captured_ns + 5 * PERIOD_NS, hands }
@@ -101,8 +101,8 @@ pub(crate) fn ius(side: Side, parts: &[Part]) -> Vec<(andon_core::segment::Iu, V
     ius
 }
 
-/// A job from one demonstration of each activity. Thresholds are 3, lengths may differ by half, turns by one.
-/// It is leaked: a test is short.
+/// A job from one demonstration of each activity. Thresholds are 3; lengths may differ by half, reversals by one. Its memory is
+/// leaked, because tests are short.
 pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
     let nominal: Vec<NominalActivity<'static>> = activities
         .iter()
@@ -115,8 +115,8 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
                     context: iu.context,
                     reference: motions.leak(),
                     threshold: 3.0,
-                    frames: Bounds { least: iu.frames / 2, most: iu.frames + iu.frames / 2 },
-                    reversals: Bounds { least: iu.reversals.saturating_sub(1), most: iu.reversals + 1 },
+                    frames: Bounds { min: iu.frames / 2, max: iu.frames + iu.frames / 2 },
+                    reversals: Bounds { min: iu.reversals.saturating_sub(1), max: iu.reversals + 1 },
                 })
                 .collect();
             NominalActivity { activity: number as u16, ius: ius.leak() }
@@ -126,18 +126,18 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
         activities: nominal.leak(),
         order_matters: false,
         cost: LocalCost::Circular { bins: 8 },
-        slowness: 2.0,
+        max_slowdown: 2.0,
     }
 }
 
-/// One verdict in short: `r0.1 IuOk`, `l2 ActivityAnomaly NotCompleted`, `JobOk`; `!` where it came before the end.
+/// A verdict in short, such as `r0.1 IuOk`, `l2 ActivityAnomaly NotCompleted` or `JobOk`; `!` marks an early one.
 pub(crate) fn short(verdict: &Verdict) -> String {
     let side = match verdict.side {
         Some(Side::Right) => "r",
         Some(Side::Left) => "l",
         None => "",
     };
-    let place = match (verdict.side, verdict.iu) {
+    let subject = match (verdict.side, verdict.iu) {
         (Some(_), Some(iu)) => format!("{side}{}.{iu} ", verdict.activity),
         (Some(_), None) => format!("{side}{} ", verdict.activity),
         (None, _) => String::new(),
@@ -146,5 +146,9 @@ pub(crate) fn short(verdict: &Verdict) -> String {
         Reason::None => String::new(),
         reason => format!(" {reason:?}"),
     };
-    format!("{place}{:?}{reason}{}", verdict.kind, if verdict.early { "!" } else { "" })
+    let outcome = match verdict.outcome {
+        Outcome::NotJudged => "NotJudged".to_owned(),
+        outcome => format!("{:?}{outcome:?}", verdict.level),
+    };
+    format!("{subject}{outcome}{reason}{}", if verdict.early { "!" } else { "" })
 }

@@ -2,11 +2,12 @@
 
 use crate::folder::Labelled;
 use crate::job_file::context_words;
+use crate::recording::object_name;
 use crate::run::{Iu, Run};
 use andon_core::couple::Context;
 use std::collections::BTreeMap;
 
-/// The six representative IUs of the paper's first experiment (IV-A): words, activity, number of the IU in it from 0.
+/// The six representative IUs of the paper's first experiment (IV-A): label, name of the runs, index of the IU in the activity.
 const OF_PAPER: [(&str, &str, usize); 6] = [
     ("grasp the profile", "measuring", 0),
     ("put the profile in the box", "boxing", 1),
@@ -16,24 +17,24 @@ const OF_PAPER: [(&str, &str, usize); 6] = [
     ("polish the brick", "polishing", 1),
 ];
 
-/// One kind of IU: where it stands in the runs of one name.
+/// One kind of IU, found by its position in the runs of one name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Kind {
-    /// What a person calls it.
+    /// The name that people use for it.
     pub label: String,
-    /// The runs that have it: the middle part of their names.
+    /// The runs that have it, by the middle part of their names.
     pub what: String,
-    /// The activity in the run, from 0.
+    /// Index of the activity in the run, from 0.
     pub activity: usize,
-    /// The IU in the activity, from 0.
+    /// Index of the IU in the activity, from 0.
     pub iu: usize,
-    /// The context that it must have there; `None` for any.
+    /// The context that it must have; `None` if it may have any.
     pub context: Option<Context>,
 }
 
 impl Kind {
-    /// The kinds of a folder: the paper's six where it has their activities; else every IU with a hand in the most common sequence of
-    /// each name.
+    /// The kinds of a folder: the paper's six if the folder has their activities, otherwise every IU with a hand in the most common sequence
+    /// of contexts of each name.
     pub fn of(all: &[Labelled]) -> Vec<Self> {
         let has = |what: &str| all.iter().any(|one| one.what == what);
         if OF_PAPER.iter().all(|(_, what, _)| has(what)) { Self::of_paper() } else { Self::of_names(all) }
@@ -56,19 +57,19 @@ impl Kind {
         for one in all {
             names.entry(&one.what).or_default().push(&one.run);
         }
-        let several = names.len() > 1;
+        let has_several_names = names.len() > 1;
         let mut kinds = Vec::new();
         for (what, runs) in names {
             for (activity, iu, context) in most_common(&runs) {
-                let words = context_words(context, |id| name(runs[0], id));
-                let label = if several { format!("{what}: {words}") } else { words };
+                let words = context_words(context, |id| object_name(&runs[0].objects, id));
+                let label = if has_several_names { format!("{what}: {words}") } else { words };
                 kinds.push(Self { label, what: what.to_owned(), activity, iu, context: Some(context) });
             }
         }
         kinds
     }
 
-    /// The IU of this kind in a run.
+    /// The IU of this kind in a run, if the run has one.
     pub fn find<'a>(&self, run: &'a Run) -> Option<&'a Iu> {
         let iu = run.activities.get(self.activity)?.ius.get(self.iu)?;
         let fits = self.context.is_none_or(|context| iu.context == context) && iu.context.is_touch();
@@ -76,7 +77,8 @@ impl Kind {
     }
 }
 
-/// The places of the IUs with a hand in the sequence of contexts that most runs have; ties go to the one that comes first.
+/// The IUs with a hand in the most common sequence of contexts, each as index of the activity, index of the IU in it, and context.
+/// Ties go to the last sequence in the order of contexts.
 fn most_common(runs: &[&Run]) -> Vec<(usize, usize, Context)> {
     let sequence =
         |run: &Run| -> Vec<Vec<Context>> { run.activities.iter().map(|one| one.contexts()).collect() };
@@ -84,15 +86,10 @@ fn most_common(runs: &[&Run]) -> Vec<(usize, usize, Context)> {
     for run in runs {
         *counts.entry(sequence(run)).or_default() += 1;
     }
-    let most = counts.into_iter().max_by_key(|(_, count)| *count).map(|(sequence, _)| sequence);
+    let common = counts.into_iter().max_by_key(|(_, count)| *count).map(|(sequence, _)| sequence);
     let ius = |(activity, contexts): (usize, Vec<Context>)| {
         contexts.into_iter().enumerate().map(move |(iu, context)| (activity, iu, context))
     };
-    let all = most.into_iter().flatten().enumerate().flat_map(ius);
+    let all = common.into_iter().flatten().enumerate().flat_map(ius);
     all.filter(|(_, _, context)| context.is_touch()).collect()
-}
-
-fn name(run: &Run, id: u16) -> String {
-    let found = run.objects.iter().find(|object| object.shape.id == id);
-    found.map_or_else(|| format!("object {id}"), |object| object.name.clone())
 }

@@ -1,29 +1,29 @@
-//! A confidence matrix: distances scaled to 0..1, with what each row is.
+//! Confidence matrices: distances scaled to 0..1, with a name for each row.
 
 /// A square matrix of scaled distances.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Matrix {
-    /// The group that each row belongs to, and its name.
+    /// The group that each row belongs to, and the row's name. Columns are the same.
     pub rows: Vec<(usize, String)>,
-    /// Row by row, 0 (alike) to 1 (the greatest distance in it).
+    /// Row by row, from 0 (alike) to 1 (the maximum distance of the matrix).
     pub values: Vec<f64>,
-    /// The greatest distance, which became 1.
-    pub greatest: f64,
+    /// The maximum DTW distance, which was scaled to 1.
+    pub max_distance: f64,
 }
 
 impl Matrix {
-    /// Scales the distances `get(i, j)` of these rows.
+    /// Scales the DTW distances `get(i, j)` between rows `i` and `j`.
     pub fn new(rows: Vec<(usize, String)>, get: impl Fn(usize, usize) -> f64) -> Self {
         let side = rows.len();
-        let mut values: Vec<f64> = (0..side * side).map(|place| get(place / side, place % side)).collect();
-        let greatest = values.iter().copied().fold(0.0, f64::max);
-        if greatest > 0.0 {
-            values.iter_mut().for_each(|value| *value /= greatest);
+        let mut values: Vec<f64> = (0..side * side).map(|index| get(index / side, index % side)).collect();
+        let max_distance = values.iter().copied().fold(0.0, f64::max);
+        if max_distance > 0.0 {
+            values.iter_mut().for_each(|value| *value /= max_distance);
         }
-        Self { rows, values, greatest }
+        Self { rows, values, max_distance }
     }
 
-    /// As comma-separated values, names in the first row and column.
+    /// The matrix as comma-separated values, with names in the first row and column.
     pub fn csv(&self) -> String {
         let names: Vec<&str> = self.rows.iter().map(|(_, name)| name.as_str()).collect();
         let mut text = format!("scaled distance,{}\n", names.join(","));

@@ -1,31 +1,31 @@
-//! The report: one page that holds everything, and each picture and table as a file.
+//! The report: one page with everything, and each picture and table as a file.
 
+use super::compare::{Analysis, AnalysisError};
+use super::drilling::Drilling;
 use super::picture::{Execution, LEGEND, Shown, elbow, escaped, heat, warping};
-use super::{Analysis, AnalysisError};
-use crate::cluster::Table;
-use crate::experiment::Drilling;
+use crate::cluster::{MotionClusters, Table};
 use crate::warp::Warp;
 use std::fmt::Write as _;
 use std::io;
 use std::path::Path;
 
-/// The person whose matrix the paper shows.
+/// The number of the person whose matrix the paper shows.
 const PERSON_OF_PAPER: u32 = 5;
 
-/// A report.
+/// A report of an analysis.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// One self-contained HTML page.
     pub page: String,
-    /// Names and contents of the pictures (SVG) and tables (CSV).
+    /// Name and content of each picture (SVG) and table (CSV).
     pub files: Vec<(String, String)>,
 }
 
 impl Report {
-    /// Writes the page as `index.html` and the files beside it.
+    /// Writes the page as `index.html`, and the files next to it.
     ///
     /// # Errors
-    /// When the folder cannot be written.
+    /// If the folder cannot be written.
     pub fn save(&self, folder: &Path) -> io::Result<()> {
         std::fs::create_dir_all(folder)?;
         std::fs::write(folder.join("index.html"), &self.page)?;
@@ -40,10 +40,10 @@ table{border-collapse:collapse;margin:.5rem 0;font-variant-numeric:tabular-nums}
 th:first-child,td:first-child{text-align:left}.l{text-align:left}.z{color:#8b949e}.f{font-weight:600;background:#ddf0ff}.scroll{overflow-x:auto}\
 @media(prefers-color-scheme:dark){body{color:#e6edf3;background:#0d1117}figcaption{color:#9da7b3}th,td{border-color:#30363d}.z{color:#6e7681}.f{background:#12324f}}";
 
-/// Draws an analysis. `source` says what was analysed; `drilling` is shown where there is one.
+/// Draws an analysis. `source` says what was analysed.
 ///
 /// # Errors
-/// If an IU is longer than can be compared.
+/// If an IU is too long to be compared.
 pub fn report(
     analysis: &Analysis,
     drilling: Option<&Drilling>,
@@ -52,6 +52,7 @@ pub fn report(
     let mut page = Page { html: String::new(), files: Vec::new() };
     page.head(analysis, source);
     page.matrices(analysis);
+    page.elbow(&analysis.motion);
     page.clusters(analysis);
     if let Some(drilling) = drilling {
         page.drilling(drilling);
@@ -99,24 +100,24 @@ impl Page {
             analysis.people().len()
         ));
         let mut rows = String::from(
-            "<table><tr><th>IU</th><th class=\"l\">what</th><th>runs named</th><th>executions</th><th>frames of the barycentre</th></tr>",
+            "<table><tr><th>IU</th><th class=\"l\">description</th><th>name of the runs</th><th>executions</th><th>frames of the barycentre</th></tr>",
         );
-        let mut csv = String::from("iu,what,runs named,executions,frames of the barycentre\n");
-        for (place, kind) in analysis.kinds.iter().enumerate() {
-            let count = analysis.samples.iter().filter(|sample| sample.kind == place).count();
-            let frames = analysis.barycentres[place].len();
-            // Writing to a string cannot fail.
+        let mut csv = String::from("iu,description,name of the runs,executions,frames of the barycentre\n");
+        for (index, kind) in analysis.kinds.iter().enumerate() {
+            let count = analysis.samples.iter().filter(|sample| sample.kind == index).count();
+            let frames = analysis.barycentres[index].len();
+            // Writing to a string cannot fail, here and below.
             let _ = write!(
                 rows,
                 "<tr><td>u{}</td><td class=\"l\">{}</td><td>{}</td><td>{count}</td><td>{frames}</td></tr>",
-                place + 1,
+                index + 1,
                 escaped(&kind.label),
                 escaped(&kind.what)
             );
             let _ = writeln!(
                 csv,
                 "u{},{},{},{count},{frames}",
-                place + 1,
+                index + 1,
                 quoted(&kind.label),
                 quoted(&kind.what)
             );
@@ -138,7 +139,7 @@ impl Page {
                 heat(&matrix, "single-subject confidence matrix", group),
                 &format!(
                     "How to read it: each cell compares two executions (kind u, repetition r) by person {person}; {LEGEND}. Dark blocks on the diagonal \
-                     mean that the person repeats a kind alike; a dark block beside it means that two kinds are one motion."
+                     mean that the person repeats a kind in the same way; a dark block off the diagonal means that two kinds have the same motion."
                 ),
             );
             self.files.push(("single_subject.csv".to_owned(), matrix.csv()));
@@ -156,78 +157,61 @@ impl Page {
             "multi_subject",
             heat(&matrix, "multi-subject confidence matrix", group),
             &format!(
-                "How to read it: each cell is the mean distance between all repetitions of one kind by one person and of another by another (people \
-                 {} in order within each block); {LEGEND}. Blocks of one shade mean that it does not matter who did it; a light stripe through a block is a person \
-                 who does it another way.",
+                "How to read it: each cell is the mean distance between all repetitions of one kind by one person and those of another kind or person \
+                 (people {} in this order within each block); {LEGEND}. A block of one shade means that it does not matter who did it; a light \
+                 stripe through a block is a person who does it differently.",
                 people.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
             ),
         );
         self.files.push(("multi_subject.csv".to_owned(), matrix.csv()));
     }
 
-    fn clusters(&mut self, analysis: &Analysis) {
-        let motion = &analysis.motion;
-        self.heading("Number of clusters of motions");
+    fn elbow(&mut self, MotionClusters { wcss, k, .. }: &MotionClusters) {
+        self.heading("Number of motion clusters");
         self.figure(
             "elbow",
-            elbow(&motion.wcss, motion.k),
-            "How to read it: the sum of squared distances to the nearest centroid (WCSS) always falls with more clusters; beyond the elbow more clusters \
-             gain little. The elbow is the point that lies furthest under the straight line from the first to the last.",
+            elbow(wcss, *k),
+            "How to read it: the sum of squared distances to the nearest centroid (WCSS) falls with the number of clusters; beyond the elbow, more \
+             clusters gain little. The elbow is the point furthest below the straight line from the first point to the last.",
         );
         let mut csv = String::from("k,wcss\n");
-        for (place, wcss) in motion.wcss.iter().enumerate() {
-            let _ = writeln!(csv, "{},{wcss:.3}", place + 1);
+        for (k, wcss) in (1..).zip(wcss) {
+            let _ = writeln!(csv, "{k},{wcss:.3}");
         }
         self.files.push(("elbow.csv".to_owned(), csv));
+    }
+
+    fn clusters(&mut self, analysis: &Analysis) {
         self.heading("Clusters");
-        let pairs: Vec<(usize, usize)> =
-            motion.labels.iter().copied().zip(analysis.context.iter().copied()).collect();
-        let mut distinct = pairs.clone();
-        distinct.sort_unstable();
-        distinct.dedup();
-        let place =
-            |pair: &(usize, usize)| distinct.iter().position(|other| other == pair).unwrap_or_default();
-        let kinds: Vec<usize> = analysis.samples.iter().map(|sample| sample.kind).collect();
-        let both = Table::new(&kinds, &pairs.iter().map(place).collect::<Vec<_>>());
+        let names = |letter: char, count: usize| -> Vec<String> {
+            (1..=count).map(|number| format!("{letter}{number}")).collect()
+        };
+        let contexts = analysis.context.iter().max().map_or(1, |max| max + 1);
+        let (both, pairs) = analysis.table_of_both();
         let tables = [
             (
                 "By motion (k-means with DTW)",
                 analysis.motion_table(),
-                (0..motion.k).map(|label| format!("m{}", label + 1)).collect::<Vec<_>>(),
-                "How to read it: how many executions of a kind fell into each cluster of motions. Kinds that share a column move alike, whatever they touch.",
+                names('m', analysis.motion.k),
+                "How to read it: how many executions of a kind are in each motion cluster. Kinds that share a column have the same motion, whatever objects they touch.",
             ),
             (
                 "By context (DBSCAN, ε = 1)",
                 analysis.context_table(),
-                (0..=analysis.context.iter().copied().max().unwrap_or(0))
-                    .map(|label| format!("c{}", label + 1))
-                    .collect(),
-                "How to read it: kinds that share a column touch the same objects, however they move.",
+                names('c', contexts),
+                "How to read it: kinds that share a column touch the same objects, whatever their motion.",
             ),
             (
                 "By both",
                 both,
-                distinct.iter().map(|(m, c)| format!("(m{}, c{})", m + 1, c + 1)).collect(),
-                "How to read it: two kinds are told apart by motion and context together where they share no column.",
+                pairs.iter().map(|(m, c)| format!("(m{}, c{})", m + 1, c + 1)).collect(),
+                "How to read it: motion and context together distinguish two kinds if they share no column.",
             ),
         ];
         for (title, table, columns, how_to_read) in tables {
             self.table(analysis, title, &table, &columns, how_to_read);
         }
-        let mut csv = String::from("run,iu,person,repetition,motion cluster,context cluster\n");
-        for (sample, (m, c)) in analysis.samples.iter().zip(&pairs) {
-            let _ = writeln!(
-                csv,
-                "{},u{},{},{},m{},c{}",
-                quoted(&sample.run),
-                sample.kind + 1,
-                sample.person,
-                sample.repetition,
-                m + 1,
-                c + 1
-            );
-        }
-        self.files.push(("clusters.csv".to_owned(), csv));
+        self.files.push(("clusters.csv".to_owned(), clusters_csv(analysis)));
     }
 
     fn table(
@@ -243,12 +227,12 @@ impl Page {
             html += &format!("<th>{column}</th>");
         }
         html += "</tr>";
-        for (place, (kind, counts)) in analysis.kinds.iter().zip(&table.counts).enumerate() {
-            html += &format!("<tr><td>u{} {}</td>", place + 1, escaped(&kind.label));
+        for (index, (kind, counts)) in analysis.kinds.iter().zip(&table.counts).enumerate() {
+            html += &format!("<tr><td>u{} {}</td>", index + 1, escaped(&kind.label));
             for (column, count) in counts.iter().enumerate() {
                 let class = match count {
                     0 => " class=\"z\"",
-                    _ if table.home(place) == Some(column) => " class=\"f\"",
+                    _ if table.home(index) == Some(column) => " class=\"f\"",
                     _ => "",
                 };
                 html += &format!("<td{class}>{count}</td>");
@@ -264,8 +248,8 @@ impl Page {
             "drilling",
             heat(&drilling.matrix, "drilling in three layouts", |layout| format!("C{}", layout + 1)),
             &format!(
-                "How to read it: each cell compares the drilling of two people in two layouts; {LEGEND}. There should be no blocks: where the parts lie must not matter. Mean \
-                 distance {:.2} in the same layout, {:.2} between layouts, {:.2} to the other kinds of IU.",
+                "How to read it: each cell compares the drilling of two people in two layouts; {LEGEND}. There should be no blocks, because the layout \
+                 of the parts must not matter. Mean distance {:.2} in the same layout, {:.2} between layouts, {:.2} to the other kinds of IU.",
                 drilling.same_layout, drilling.other_layout, drilling.other_kinds
             ),
         );
@@ -279,11 +263,11 @@ impl Page {
             let samples: Vec<_> = analysis.samples.iter().filter(|sample| sample.kind == kind).collect();
             let mut executions: Vec<Execution<'_>> = Vec::new();
             let mut order: Vec<(f64, usize)> = Vec::new();
-            for (place, sample) in samples.iter().enumerate() {
+            for (index, sample) in samples.iter().enumerate() {
                 let mut path = Vec::new();
                 warp.align(&sample.motion, barycentre, |pair| path.push(pair))?;
                 executions.push((&sample.motion, path));
-                order.push((warp.distance(&sample.motion, barycentre)?, place));
+                order.push((warp.distance(&sample.motion, barycentre)?, index));
             }
             order.sort_by(|a, b| a.0.total_cmp(&b.0));
             let Some(&(distance, typical)) = order.get(order.len() / 2) else { continue };
@@ -295,9 +279,10 @@ impl Page {
                 &format!("traces_u{}", kind + 1),
                 warping(&Shown { barycentre, executions, typical, name }, &title),
                 &format!(
-                    "How to read it: the orange line is the barycentre; the more executions have a value at the aligned moment, the fuller the blue behind it. Directions are numbered around \
-                     the circle, 0 is rest; a_h is 1 while the hand speeds up and -1 while it slows down. Below, grey lines join the moments that DTW takes for the same: slanted lines mean another pace. \
-                     This execution has the middle distance of all, {distance:.2}."
+                    "How to read it: the orange line is the barycentre; the more executions have a value at the aligned moment, the darker the blue behind \
+                     it. Directions are numbered around the circle, and 0 is rest; a_h is 1 while the hand speeds up and -1 while it slows down. Below, grey \
+                     lines join the moments that DTW aligns: slanted lines mean a different pace. This execution has the median distance to the barycentre, \
+                     {distance:.2}."
                 ),
             );
         }
@@ -305,7 +290,17 @@ impl Page {
     }
 }
 
-/// A field of comma-separated values.
+/// Quotes a field of comma-separated values.
 fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
+}
+
+/// The clusters of each sample as comma-separated values.
+fn clusters_csv(analysis: &Analysis) -> String {
+    let mut csv = String::from("run,iu,person,repetition,motion cluster,context cluster\n");
+    for ((sample, m), c) in analysis.samples.iter().zip(&analysis.motion.labels).zip(&analysis.context) {
+        let (run, kind) = (quoted(&sample.run), sample.kind + 1);
+        let _ = writeln!(csv, "{run},u{kind},{},{},m{},c{}", sample.person, sample.repetition, m + 1, c + 1);
+    }
+    csv
 }

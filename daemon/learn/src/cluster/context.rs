@@ -1,16 +1,16 @@
 //! DBSCAN on contexts (paper III-C: Euclidean distance, ε = 1).
 //!
-//! Written out here: the only well-kept crate with DBSCAN, linfa-clustering, brings 50 more crates, and takes two points
-//! at exactly ε for neighbours. Two contexts whose ids differ by one are exactly 1 apart, and are different IUs
-//! ("similar if their distance is smaller than 1"), so a neighbour here is nearer than ε. Every point is a core point
-//! (one neighbour is enough), so there is no noise: an IU that was seen once is still an IU.
+//! It is written out here because the only well-maintained crate with DBSCAN, linfa-clustering, brings 50 more crates and treats two points
+//! at a distance of exactly ε as neighbours. Two contexts whose ids differ by one are exactly 1 apart and belong to different IUs ("similar
+//! if their distance is smaller than 1"), so neighbours must be nearer than ε. Every point is a core point (one neighbour is enough), so
+//! there is no noise: an IU that was seen once is still an IU.
 
 use andon_core::couple::Context;
 
-/// ε of the paper.
-pub const EPSILON: f64 = 1.0;
+/// The paper's ε.
+const EPSILON: f64 = 1.0;
 
-/// The cluster of each context, numbered in the order in which they first appear.
+/// The cluster of each context. Clusters are numbered from 0 in the order in which they first appear.
 pub fn by_context(contexts: &[Context]) -> Vec<usize> {
     let mut labels: Vec<Option<usize>> = vec![None; contexts.len()];
     let mut clusters = 0;
@@ -20,9 +20,9 @@ pub fn by_context(contexts: &[Context]) -> Vec<usize> {
         }
         let mut reached = vec![start];
         labels[start] = Some(clusters);
-        while let Some(place) = reached.pop() {
+        while let Some(index) = reached.pop() {
             for other in 0..contexts.len() {
-                if labels[other].is_none() && distance(contexts[place], contexts[other]) < EPSILON {
+                if labels[other].is_none() && distance(contexts[index], contexts[other]) < EPSILON {
                     labels[other] = Some(clusters);
                     reached.push(other);
                 }

@@ -1,20 +1,20 @@
-//! The elbow of a falling curve, by a stated rule.
+//! The elbow of a falling curve.
 
-/// The place of the elbow of a curve of WCSS over k = 1, 2, ...: the point that lies furthest under the straight line from
-/// the first point to the last, both axes scaled to 0..1 (the "kneedle" rule, Satopää et al. 2011). Returns k; ties go to
-/// the smaller. A curve that does not fall has its elbow at 1.
-pub fn elbow(wcss: &[f64]) -> usize {
+/// The k at the elbow of a curve of WCSS over k = 1, 2, ...: the point furthest below the straight line from the first point to the last,
+/// with both axes scaled to 0..1 (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A curve that does not fall has its
+/// elbow at 1.
+pub(super) fn elbow(wcss: &[f64]) -> usize {
     let (Some(first), Some(last)) = (wcss.first(), wcss.last()) else { return 1 };
     let fall = first - last;
     if wcss.len() < 3 || fall <= 0.0 {
         return 1;
     }
-    let under = |place: usize| {
-        let along = place as f64 / (wcss.len() - 1) as f64;
-        1.0 - along - (wcss[place] - last) / fall
+    let depth = |index: usize| {
+        let along = index as f64 / (wcss.len() - 1) as f64;
+        1.0 - along - (wcss[index] - last) / fall
     };
-    let best = (0..wcss.len()).max_by(|&a, &b| under(a).total_cmp(&under(b)).then(b.cmp(&a)));
-    best.map_or(1, |place| place + 1)
+    let best = (0..wcss.len()).max_by(|&a, &b| depth(a).total_cmp(&depth(b)).then(b.cmp(&a)));
+    best.map_or(1, |index| index + 1)
 }
 
 #[cfg(test)]

@@ -8,27 +8,25 @@ use andon_core::dtw::Refused;
 use andon_core::job::LocalCost;
 use oorandom::Rand64;
 
-/// Restarts for each k, as in the paper.
+/// Number of restarts for each k, as in the paper.
 const RESTARTS: usize = 10;
 
-/// Rounds of one restart; it has settled after 3 to 8.
-const ROUNDS: usize = 30;
+/// Maximum number of rounds of one restart; it settles after 3 to 8.
+const MAX_ROUNDS: usize = 30;
 
-/// Clusters by motion, for each k and for the best.
+/// Clusters by motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionClusters {
-    /// Least WCSS (sum of squared DTW distances to the centroid) of all restarts for k = 1, 2, ...
+    /// For k = 1, 2, ... the minimum of all restarts of the WCSS, the sum of squared DTW distances to the centroids.
     pub wcss: Vec<f64>,
-    /// k by the elbow rule.
+    /// The k that was chosen by the elbow rule.
     pub k: usize,
-    /// The cluster of each sequence at that k, numbered in the order in which they first appear.
+    /// The cluster of each sequence at that k. Clusters are numbered from 0 in the order in which they first appear.
     pub labels: Vec<usize>,
-    /// The centroid of each cluster at that k.
-    pub centroids: Vec<Vec<Motion>>,
 }
 
-/// Clusters sequences for k = 1..=`most` with 10 restarts each, seeded by k-means++ (Arthur and Vassilvitskii 2007) from `seed`.
-/// `progress` is called with the share that is done.
+/// Clusters sequences for each k from 1 to `max_k`, with 10 restarts each. `distances` are those between all sequences, `bins` is the number
+/// of direction bins, and `seed` is that of k-means++ (Arthur and Vassilvitskii 2007). `progress` is called with the share that is done, 0 to 1.
 ///
 /// # Errors
 /// If there is no sequence, or one is empty or longer than an IU may be.
@@ -37,7 +35,7 @@ pub fn by_motion(
     distances: &DistanceMatrix,
     cost: LocalCost,
     bins: u8,
-    most: usize,
+    max_k: usize,
     seed: u64,
     progress: &mut dyn FnMut(f64),
 ) -> Result<MotionClusters, Refused> {
@@ -48,51 +46,36 @@ pub fn by_motion(
         tables: Barycentres::new(cost, bins),
         random: Rand64::new(u128::from(seed)),
     };
-    let mut best: Vec<Solution> = Vec::new();
-    let most = most.min(sequences.len());
-    for k in 1..=most {
-        // One cluster has no choice to make.
-        let restarts = if k == 1 { 1 } else { RESTARTS };
-        let mut least: Option<Solution> = None;
-        for restart in 0..restarts {
-            let found = means.solve(k)?;
-            if least.as_ref().is_none_or(|least| found.wcss < least.wcss) {
-                least = Some(found);
-            }
-            progress(((k - 1) as f64 + (restart + 1) as f64 / restarts as f64) / most as f64);
-        }
-        best.extend(least);
+    let max_k = max_k.min(sequences.len());
+    let mut solutions: Vec<Solution> = Vec::new();
+    for k in 1..=max_k {
+        let mut restart_progress = |share: f64| progress(((k - 1) as f64 + share) / max_k as f64);
+        solutions.push(means.best_of_restarts(k, &mut restart_progress)?);
     }
-    let wcss: Vec<f64> = best.iter().map(|solution| solution.wcss).collect();
+    let wcss: Vec<f64> = solutions.iter().map(|solution| solution.wcss).collect();
     let k = elbow(&wcss);
-    let chosen = best.into_iter().nth(k - 1).ok_or(Refused::Empty)?;
-    Ok(chosen.numbered(wcss, k))
+    let chosen = solutions.into_iter().nth(k - 1).ok_or(Refused::Empty)?;
+    Ok(MotionClusters { wcss, k, labels: numbered(&chosen.labels) })
+}
+
+/// Numbers the clusters from 0 in the order in which they first appear.
+fn numbered(labels: &[usize]) -> Vec<usize> {
+    let mut order: Vec<usize> = Vec::new();
+    for label in labels {
+        if !order.contains(label) {
+            order.push(*label);
+        }
+    }
+    let index = |label: &usize| order.iter().position(|other| other == label).unwrap_or_default();
+    labels.iter().map(index).collect()
 }
 
 struct Solution {
     wcss: f64,
     labels: Vec<usize>,
-    centroids: Vec<Vec<Motion>>,
 }
 
-impl Solution {
-    fn numbered(self, wcss: Vec<f64>, k: usize) -> MotionClusters {
-        let mut order: Vec<usize> = Vec::new();
-        for label in &self.labels {
-            if !order.contains(label) {
-                order.push(*label);
-            }
-        }
-        let place = |label: &usize| order.iter().position(|other| other == label).unwrap_or_default();
-        MotionClusters {
-            wcss,
-            k,
-            labels: self.labels.iter().map(place).collect(),
-            centroids: order.iter().map(|&label| self.centroids[label].clone()).collect(),
-        }
-    }
-}
-
+/// k-means over the sequences.
 struct Means<'a> {
     sequences: &'a [&'a [Motion]],
     distances: &'a DistanceMatrix,
@@ -102,18 +85,34 @@ struct Means<'a> {
 }
 
 impl Means<'_> {
+    /// The solution with the smallest WCSS of all restarts; the first of equal ones.
+    fn best_of_restarts(&mut self, k: usize, progress: &mut dyn FnMut(f64)) -> Result<Solution, Refused> {
+        // A single cluster leaves nothing to choose.
+        let restarts = if k == 1 { 1 } else { RESTARTS };
+        let mut best = self.solve(k)?;
+        progress(1.0 / restarts as f64);
+        for restart in 1..restarts {
+            let found = self.solve(k)?;
+            if found.wcss < best.wcss {
+                best = found;
+            }
+            progress((restart + 1) as f64 / restarts as f64);
+        }
+        Ok(best)
+    }
+
     fn solve(&mut self, k: usize) -> Result<Solution, Refused> {
         let mut centroids: Vec<Vec<Motion>> =
             self.seeds(k).into_iter().map(|seed| self.sequences[seed].to_vec()).collect();
         let mut best: Option<Solution> = None;
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let (labels, wcss) = self.assign(&centroids)?;
-            // DBA on whole numbers may not lower the sum any more although labels still change: then it is over.
+            // DBA on integers may stop lowering the sum while labels still change; that is the end.
             if best.as_ref().is_some_and(|best| wcss >= best.wcss) {
                 break;
             }
             let groups = groups(&labels, k);
-            best = Some(Solution { wcss, labels, centroids: centroids.clone() });
+            best = Some(Solution { wcss, labels });
             for (centroid, group) in centroids.iter_mut().zip(&groups) {
                 // A cluster that has lost all its members keeps its centroid.
                 if !group.is_empty() {
@@ -124,7 +123,8 @@ impl Means<'_> {
         best.ok_or(Refused::Empty)
     }
 
-    /// k-means++: each next seed with a chance in proportion to its squared distance to the nearest seed so far.
+    /// k-means++: each further seed is drawn with a probability proportional to its squared distance to the nearest seed so far. Returns the
+    /// indices of the sequences.
     fn seeds(&mut self, k: usize) -> Vec<usize> {
         let count = self.sequences.len();
         let mut seeds = vec![self.random.rand_range(0..count as u64) as usize];
@@ -138,35 +138,37 @@ impl Means<'_> {
                 left -= weight;
                 left < 0.0
             });
-            // All are equal to a seed: then any will do.
+            // If every sequence equals a seed, any of them will do.
             seeds.push(chosen.unwrap_or(count - 1));
         }
         seeds
     }
 
+    /// The nearest centroid of each sequence, and the WCSS.
     fn assign(&mut self, centroids: &[Vec<Motion>]) -> Result<(Vec<usize>, f64), Refused> {
         let mut labels = Vec::with_capacity(self.sequences.len());
         let mut wcss = 0.0;
         for sequence in self.sequences {
-            let mut least = (0, f64::INFINITY);
+            let mut min = (0, f64::INFINITY);
             for (label, centroid) in centroids.iter().enumerate() {
-                if let Some(distance) = self.warp.distance_within(sequence, centroid, least.1)?
-                    && distance < least.1
+                if let Some(distance) = self.warp.distance_within(sequence, centroid, min.1)?
+                    && distance < min.1
                 {
-                    least = (label, distance);
+                    min = (label, distance);
                 }
             }
-            labels.push(least.0);
-            wcss += least.1 * least.1;
+            labels.push(min.0);
+            wcss += min.1 * min.1;
         }
         Ok((labels, wcss))
     }
 }
 
+/// The indices of the members of each cluster.
 fn groups(labels: &[usize], k: usize) -> Vec<Vec<usize>> {
     let mut groups = vec![Vec::new(); k];
-    for (place, &label) in labels.iter().enumerate() {
-        groups[label].push(place);
+    for (index, &label) in labels.iter().enumerate() {
+        groups[label].push(index);
     }
     groups
 }

@@ -1,24 +1,24 @@
-//! Confusion matrices as the paper prints them: positive is an anomaly.
+//! Confusion matrices as in the paper, where an anomaly is positive.
 
-use crate::teach::statistics::{deviation, mean};
+use crate::statistics::{deviation, mean};
 
 /// Counts of one round.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Confusion {
-    /// Right, and found right.
+    /// Number of cases that were correct and were judged correct.
     pub true_negative: u32,
-    /// Right, and accused.
+    /// Number of cases that were correct and were judged anomalous.
     pub false_positive: u32,
-    /// Wrong, and missed.
+    /// Number of cases that were wrong and were judged correct.
     pub false_negative: u32,
-    /// Wrong, and found.
+    /// Number of cases that were wrong and were judged anomalous.
     pub true_positive: u32,
 }
 
 impl Confusion {
     /// Counts one case.
-    pub fn count(&mut self, wrong: bool, accused: bool) {
-        *match (wrong, accused) {
+    pub(super) fn count(&mut self, is_wrong: bool, is_accused: bool) {
+        *match (is_wrong, is_accused) {
             (false, false) => &mut self.true_negative,
             (false, true) => &mut self.false_positive,
             (true, false) => &mut self.false_negative,
@@ -26,13 +26,13 @@ impl Confusion {
         } += 1;
     }
 
-    /// Cases counted.
-    pub fn all(&self) -> u32 {
+    /// Number of all cases.
+    fn all(&self) -> u32 {
         self.true_negative + self.false_positive + self.false_negative + self.true_positive
     }
 
-    /// Share of the cases that came out right; 1 of none.
-    pub fn accuracy(&self) -> f64 {
+    /// Share of the cases that were judged as they should be; 1 if there is no case.
+    fn accuracy(&self) -> f64 {
         if self.all() == 0 {
             1.0
         } else {
@@ -41,12 +41,12 @@ impl Confusion {
     }
 }
 
-/// Counts of all rounds.
+/// The counts of each round.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Rounds(pub Vec<Confusion>);
 
 impl Rounds {
-    /// All rounds together.
+    /// The sum of all rounds.
     pub fn sum(&self) -> Confusion {
         self.0.iter().fold(Confusion::default(), |sum, round| Confusion {
             true_negative: sum.true_negative + round.true_negative,
@@ -56,7 +56,7 @@ impl Rounds {
         })
     }
 
-    /// Mean and standard deviation of the rounds' accuracies.
+    /// Mean and standard deviation of the accuracies of the rounds, each 0 to 1.
     pub fn accuracy(&self) -> (f64, f64) {
         let accuracies: Vec<f64> = self.0.iter().map(Confusion::accuracy).collect();
         (mean(&accuracies), deviation(&accuracies, 1))

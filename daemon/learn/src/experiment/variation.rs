@@ -1,51 +1,53 @@
-//! The rules that the second experiment compares: from the paper's own to the default, one step at a time.
+//! The rules that the second experiment compares, from the paper's rules to the default ones, one step at a time.
 
-use crate::teach::{BoundsRule, TeachOptions, ThresholdRule};
+use crate::rule::{BoundsRule, ThresholdRule};
+use crate::teach::TeachOptions;
 use andon_core::job::LocalCost;
 
-/// A choice of rules.
+/// A combination of rules.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variation {
-    /// What it is called in the table.
+    /// Its name in the table.
     pub name: &'static str,
-    /// Whether directions are points on a circle.
-    pub circular: bool,
-    /// Up to how many times slower than shown is no anomaly of the motion.
-    pub slowness: f32,
+    /// Whether directions are compared as points on a circle.
+    pub(super) is_circular: bool,
+    /// The job's [`max_slowdown`](andon_core::job::Job::max_slowdown).
+    pub(super) max_slowdown: f32,
     /// How thresholds are chosen.
-    pub rule: ThresholdRule,
+    pub(super) rule: ThresholdRule,
     /// How bounds are chosen.
-    pub bounds: BoundsRule,
+    pub(super) bounds: BoundsRule,
 }
 
 impl Variation {
-    /// The local cost for this many bins.
-    pub fn cost(&self, bins: u8) -> LocalCost {
-        if self.circular { LocalCost::Circular { bins } } else { LocalCost::Ordinal }
+    /// The local cost with this number of direction bins.
+    pub(super) fn cost(&self, bins: u8) -> LocalCost {
+        if self.is_circular { LocalCost::Circular { bins } } else { LocalCost::Ordinal }
     }
 
-    /// The paper's own rule: ordinal, mean and two deviations of the distances to one's own barycentre, nothing else.
+    /// The paper's rules: ordinal costs, the mean and two standard deviations of the distances to the barycentre, and no bounds.
     pub fn paper() -> Self {
         Self {
             name: "paper",
-            circular: false,
-            slowness: 1.0,
+            is_circular: false,
+            max_slowdown: 1.0,
             rule: ThresholdRule::PAPER,
             bounds: BoundsRule::NONE,
         }
     }
 
-    /// The rules of the paper with one thing added after the other, the default last.
+    /// The paper's rules with one change added after the other; the last variation is the default.
     pub fn ladder() -> Vec<Self> {
         let paper = Self::paper();
         let bounds = BoundsRule::default();
-        let still = BoundsRule { fewest: 0.0, most: bounds.most, ..BoundsRule::NONE };
+        let still =
+            BoundsRule { min_reversals: 0.0, max_reversals: bounds.max_reversals, ..BoundsRule::NONE };
         let left_out = Self {
             name: "+ leave one out",
             rule: ThresholdRule::LeaveOneOut { sigmas: 2.0, border_s: 0.0 },
             ..paper.clone()
         };
-        let circular = Self { name: "+ circular cost", circular: true, ..left_out.clone() };
+        let circular = Self { name: "+ circular cost", is_circular: true, ..left_out.clone() };
         let wider = Self {
             name: "+ 4 sigmas",
             rule: ThresholdRule::LeaveOneOut { sigmas: 4.0, border_s: 0.0 },
@@ -54,13 +56,13 @@ impl Variation {
         let borders = Self { name: "+ slack at borders", rule: ThresholdRule::default(), ..wider.clone() };
         let reversals = Self {
             name: "+ bounds of reversals",
-            bounds: BoundsRule { fewest: bounds.fewest, ..still },
+            bounds: BoundsRule { min_reversals: bounds.min_reversals, ..still },
             ..borders.clone()
         };
         let duration = Self { name: "+ bounds of duration", bounds, ..reversals.clone() };
         let default = Self {
             name: "+ slack for the slow (default)",
-            slowness: TeachOptions::SLOWNESS,
+            max_slowdown: TeachOptions::DEFAULT_MAX_SLOWDOWN,
             ..duration.clone()
         };
         vec![paper, left_out, circular, wider, borders, reversals, duration, default]

@@ -1,12 +1,13 @@
 //! Why a job file was refused.
 
 use super::VERSION;
+use andon_core::capacity::IU_FRAMES;
 
-/// A job file was refused: which file, why, and what to do.
+/// A job file was refused.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}: {fault}")]
 pub struct JobFileError {
-    /// The file as the caller named it.
+    /// The file's name as the caller gave it.
     pub file: String,
     /// What is wrong with it.
     pub fault: JobFault,
@@ -17,37 +18,48 @@ pub struct JobFileError {
 pub enum JobFault {
     /// The bytes are not UTF-8 text.
     #[error(
-        "byte {0} is no UTF-8 text; the file is damaged: teach the job again or restore it from a backup"
+        "byte {0} is not UTF-8 text; the file is damaged: teach the job again or restore the file from a backup"
     )]
     NotText(usize),
-    /// The text is no TOML, or has a key too many or too few, or a value of a wrong type.
+    /// The text is not TOML, a key is unknown or missing, or a value has the wrong type.
     #[error("{0}")]
     Toml(#[from] toml::de::Error),
-    /// It is some other file.
-    #[error("this is no job file: format is {0:?}, not \"andon.job\"")]
+    /// The file has another format.
+    #[error("this is not a job file: format is {0:?}, not \"andon.job\"")]
     Format(String),
-    /// It was written by another version.
+    /// The file has another version of the format.
     #[error(
-        "the job file has version {0}, this program reads version {VERSION}: teach the job again with it"
+        "the job file has version {0}, and this program reads version {VERSION}: teach the job again with this program"
     )]
     Version(i64),
-    /// The text is not what was written.
+    /// The text is not the text that was written.
     #[error(
-        "the checksum is {stated} and the text has {computed}: the file is damaged or was edited by hand; \
-         teach the job again or restore it from a backup"
+        "the checksum is {stated}, but that of the text is {computed}: the file is damaged or was edited by hand; \
+         teach the job again or restore the file from a backup"
     )]
     Checksum {
-        /// What the file says.
+        /// The checksum in the file.
         stated: String,
-        /// What its text has.
+        /// The checksum of its text.
         computed: String,
     },
     /// A value breaks a rule of the method.
-    #[error("{place}: {problem}")]
+    #[error("{key}: {problem}")]
     Invalid {
-        /// Where, as a path of keys.
-        place: String,
-        /// What is wrong, and what it may be.
+        /// The path of the key, such as `activity[0].iu[1].threshold`.
+        key: String,
+        /// What is wrong with the value, and which values are allowed.
         problem: String,
     },
+}
+
+/// What is wrong with the rows of a reference.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum RowFault {
+    /// A row, numbered from 1, is not a run length and seven features.
+    #[error("row {0} is {1:?}; a row is \"frames: \" and seven integers")]
+    Unreadable(usize, String),
+    /// A row, numbered from 1, has no frame, or makes the reference too long.
+    #[error("row {0} has no frame, or brings the reference to more than {IU_FRAMES} frames")]
+    Frames(usize),
 }

@@ -1,98 +1,96 @@
-//! The job file: a taught job as a person can read it and a program can trust it.
+//! The job file: a taught job that people can read and programs can trust.
 //!
-//! TOML with a format, a version and a checksum. What is damaged, or of another version, or breaks a capacity of
-//! the method is refused; the fault says where. [`JobFile::with_job`] lends the [`Job`] that the judge takes.
+//! It is TOML with a format, a version and a checksum. A file is refused if it is damaged, has another version or exceeds a capacity of
+//! the method; the error says where. [`JobFile::with_job`] lends the [`Job`] that the judge needs.
 
 mod checksum;
-
 mod error;
 mod parse;
 mod runs;
 mod text;
 mod validate;
 
-pub use checksum::sha256_hex;
 pub use error::{JobFault, JobFileError};
 pub(crate) use text::context_words;
 
-use crate::recording::NamedObject;
-use crate::teach::{BoundsRule, ThresholdRule};
+use crate::recording::{NamedObject, object_name};
+use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
 use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
 
 /// The value of `format`.
-pub const FORMAT: &str = "andon.job";
+pub(crate) const FORMAT: &str = "andon.job";
 
 /// The value of `version`.
-pub const VERSION: i64 = 1;
+pub(crate) const VERSION: i64 = 1;
 
 /// One IU of a nominal activity, owned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaughtIu {
-    /// The context that it is in.
+    /// The context of the IU.
     pub context: Context,
-    /// Greatest DTW distance that is right.
+    /// Maximum DTW distance of a correct execution.
     pub threshold: f32,
-    /// How long it may last, in frames of the grid.
+    /// Bounds of its duration, in frames of the grid.
     pub frames: Bounds,
-    /// How often the motion may turn back.
+    /// Bounds of the number of times that the motion reverses its direction.
     pub reversals: Bounds,
-    /// The barycentre, one motion a frame of the grid.
+    /// The barycentre, one motion per frame of the grid.
     pub reference: Vec<Motion>,
-    /// How many demonstrations the threshold rests on.
+    /// The number of demonstrations that the threshold is derived from.
     pub demonstrations: u32,
 }
 
 /// One nominal activity, owned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TaughtActivity {
-    /// Which activity of the job this sequence fulfils.
+    /// Index of the activity of the job that this sequence fulfils, from 0.
     pub activity: u16,
     /// Its IUs in order.
     pub ius: Vec<TaughtIu>,
 }
 
-/// A file that a job was taught from.
+/// A recording that a job was taught from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
     /// Its name, without folders.
     pub name: String,
     /// SHA-256 of its bytes, in hexadecimal.
     pub sha256: String,
-    /// Whether it was left out of the barycentres, because it disagrees with the others.
+    /// Whether it was left out because it disagrees with the others.
     pub left_out: bool,
 }
 
 /// Where a job comes from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
-    /// Program and version that taught it.
+    /// Name and version of the program that taught it.
     pub program: String,
-    /// When it was taught, as the caller says it.
+    /// When it was taught, in the caller's words.
     pub date: String,
-    /// How thresholds were chosen.
+    /// How the thresholds were chosen.
     pub rule: ThresholdRule,
-    /// How duration and reversal bounds were chosen.
+    /// How the bounds of duration and of reversals were chosen.
     pub bounds: BoundsRule,
-    /// What it was taught from.
+    /// The recordings that it was taught from.
     pub sources: Vec<Source>,
 }
 
-/// A taught job with all that is needed to judge by it.
+/// A taught job with everything that is needed to judge by it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobFile {
-    /// The number that a PLC selects it by.
+    /// The number by which a PLC selects the job.
     pub id: u32,
-    /// What a person calls the job.
+    /// The name that people use for the job.
     pub name: String,
     /// Whether the activities must come in the order of their numbers.
     pub order_matters: bool,
     /// How motions are compared.
     pub cost: LocalCost,
-    /// [`Job::slowness`]
-    pub slowness: f32,
-    /// The constants that it was taught with, and must be judged with.
+    /// The job's [`max_slowdown`](Job::max_slowdown), 1 or more.
+    pub max_slowdown: f32,
+    /// The constants that the job was taught with and must be judged with.
     pub method: Method,
     /// The objects on the bench.
     pub objects: Vec<NamedObject>,
@@ -103,7 +101,7 @@ pub struct JobFile {
 }
 
 impl JobFile {
-    /// Lends the job to `judge`, which may run for as long as it likes: a role runs its whole loop in there.
+    /// Lends the job to `judge`, which may run for as long as it likes: a role runs its whole loop inside.
     pub fn with_job<T>(&self, judge: impl FnOnce(&Job<'_>) -> T) -> T {
         let ius: Vec<Vec<NominalIu<'_>>> = self
             .activities
@@ -116,27 +114,19 @@ impl JobFile {
             .zip(&ius)
             .map(|(taught, ius)| NominalActivity { activity: taught.activity, ius })
             .collect();
-        let Self { order_matters, cost, slowness, .. } = *self;
-        judge(&Job { activities: &activities, order_matters, cost, slowness })
+        let Self { order_matters, cost, max_slowdown, .. } = *self;
+        judge(&Job { activities: &activities, order_matters, cost, max_slowdown })
     }
 
-    /// Names the model: the same text gives the same number, on every machine.
+    /// Identifies the model: the same text gives the same number on every machine.
     pub fn model_hash(&self) -> u64 {
         checksum::model_hash(&self.to_toml())
     }
 
-    /// What a person calls an object; its number where the file does not name it.
+    /// What a person calls an object: its name, or its id if the file does not have it.
     pub fn object_name(&self, id: u16) -> String {
         object_name(&self.objects, id)
     }
-}
-
-/// What a person calls an object; its number where no list names it.
-pub(crate) fn object_name(objects: &[NamedObject], id: u16) -> String {
-    objects
-        .iter()
-        .find(|object| object.shape.id == id)
-        .map_or_else(|| format!("object {id}"), |object| object.name.clone())
 }
 
 impl TaughtIu {

@@ -5,7 +5,7 @@ use super::{
     runs, validate,
 };
 use crate::recording::NamedObject;
-use crate::teach::{BoundsRule, ThresholdRule};
+use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::capacity::INTERACTION_POINTS;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
@@ -85,9 +85,9 @@ struct ContactText {
 struct MethodText {
     space: SpaceText,
     cost: CostText,
-    /// A file that does not say was taught without.
-    #[serde(default = "no_slowness")]
-    slowness: f32,
+    /// A file without this key was taught without it.
+    #[serde(default = "no_slowdown")]
+    max_slowdown: f32,
     rate_hz: f32,
     bins: u8,
     hand_contact: ContactText,
@@ -121,20 +121,37 @@ struct IuText {
     context: [u16; 4],
     demonstrations: u32,
     threshold: f32,
-    frames: [u32; 2],
-    reversals: [u32; 2],
+    frames: BoundsText,
+    reversals: BoundsText,
     reference: Vec<String>,
 }
 
-fn no_slowness() -> f32 {
+/// Minimum and maximum.
+#[derive(Deserialize)]
+struct BoundsText(u32, MaxText);
+
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "a maximum is a count from 0 to 4294967295, or \"unbounded\"")]
+enum MaxText {
+    Count(u32),
+    Word(Unbounded),
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Unbounded {
+    Unbounded,
+}
+
+fn no_slowdown() -> f32 {
     1.0
 }
 
 impl JobFile {
-    /// Reads a job file. `file` is the name that faults carry.
+    /// Reads a job file. `file` is its name in error messages.
     ///
     /// # Errors
-    /// Another format or version, a checksum that does not fit, an unknown key, a value that breaks a rule.
+    /// If the format, the version or the checksum is wrong, a key is unknown or missing, or a value breaks a rule of the method.
     pub fn parse(file: &str, bytes: &[u8]) -> Result<Self, JobFileError> {
         parse(bytes).map_err(|fault| JobFileError { file: file.to_owned(), fault })
     }
@@ -167,15 +184,15 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         CostText::Ordinal => LocalCost::Ordinal,
         CostText::Circular => LocalCost::Circular { bins },
     };
-    let objects = text.object.into_iter().enumerate().map(|(place, object)| object_of(place, object));
+    let objects = text.object.into_iter().enumerate().map(|(index, object)| object_of(index, object));
     let activities =
-        text.activity.into_iter().enumerate().map(|(place, activity)| activity_of(place, activity));
+        text.activity.into_iter().enumerate().map(|(index, activity)| activity_of(index, activity));
     Ok(JobFile {
         id: text.id,
         name: text.name,
         order_matters: text.order_matters,
         cost,
-        slowness: text.method.slowness,
+        max_slowdown: text.method.max_slowdown,
         objects: objects.collect::<Result<_, _>>()?,
         activities: activities.collect::<Result<_, _>>()?,
         method: method_of(text.method),
@@ -215,10 +232,10 @@ fn method_of(text: MethodText) -> Method {
     }
 }
 
-fn object_of(place: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
+fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
     let interaction_points =
         heapless::Vec::from_slice(&text.interaction_points).map_err(|_| JobFault::Invalid {
-            place: format!("object[{place}].interaction_points"),
+            key: format!("object[{index}].interaction_points"),
             problem: format!(
                 "there are {}; at most {INTERACTION_POINTS} can be followed",
                 text.interaction_points.len()
@@ -227,21 +244,29 @@ fn object_of(place: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
     Ok(NamedObject { name: text.name, shape: ObjectShape { id: text.id, interaction_points } })
 }
 
-fn activity_of(place: usize, text: ActivityText) -> Result<TaughtActivity, JobFault> {
+fn activity_of(index: usize, text: ActivityText) -> Result<TaughtActivity, JobFault> {
     let iu = |(number, iu): (usize, IuText)| {
-        let reference = runs::motions(&iu.reference).map_err(|problem| JobFault::Invalid {
-            place: format!("activity[{place}].iu[{number}].reference"),
-            problem,
+        let reference = runs::motions(&iu.reference).map_err(|fault| JobFault::Invalid {
+            key: format!("activity[{index}].iu[{number}].reference"),
+            problem: fault.to_string(),
         })?;
         Ok(TaughtIu {
             context: Context(iu.context),
             threshold: iu.threshold,
-            frames: Bounds { least: iu.frames[0], most: iu.frames[1] },
-            reversals: Bounds { least: iu.reversals[0], most: iu.reversals[1] },
+            frames: bounds_of(iu.frames),
+            reversals: bounds_of(iu.reversals),
             reference,
             demonstrations: iu.demonstrations,
         })
     };
     let ius = text.iu.into_iter().enumerate().map(iu).collect::<Result<_, JobFault>>()?;
     Ok(TaughtActivity { activity: text.activity, ius })
+}
+
+fn bounds_of(BoundsText(min, max): BoundsText) -> Bounds {
+    let max = match max {
+        MaxText::Count(count) => count,
+        MaxText::Word(Unbounded::Unbounded) => u32::MAX,
+    };
+    Bounds { min, max }
 }

@@ -1,5 +1,6 @@
-//! References as run lengths: a row of text a ERU, `"frames: a_h θ_hj φ_hj jm_hj θ_jl φ_jl jm_jl"`.
+//! References as run lengths: one row of text per ERU, `"frames: a_h θ_hj φ_hj jm_hj θ_jl φ_jl jm_jl"`.
 
+use super::error::RowFault;
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Motion;
 
@@ -14,24 +15,23 @@ pub(super) fn rows(reference: &[Motion]) -> Vec<String> {
         .collect()
 }
 
-/// The motions of all rows; never more than [`IU_FRAMES`].
+/// The motions of all rows, at most [`IU_FRAMES`].
 ///
 /// # Errors
-/// What is wrong with which row, from 1.
-pub(super) fn motions(rows: &[String]) -> Result<Vec<Motion>, String> {
+/// The first row that cannot be read or that makes the reference too long.
+pub(super) fn motions(rows: &[String]) -> Result<Vec<Motion>, RowFault> {
     let mut motions = Vec::new();
-    for (place, row) in rows.iter().enumerate() {
-        let (count, motion) = run(row).ok_or_else(|| {
-            format!("row {} is {row:?}; a row is \"frames: \" and seven whole numbers", place + 1)
-        })?;
+    for (number, row) in (1..).zip(rows) {
+        let (count, motion) = run(row).ok_or_else(|| RowFault::Unreadable(number, row.clone()))?;
         if count == 0 || motions.len() + count > IU_FRAMES {
-            return Err(format!("row {} brings it to more than {IU_FRAMES} frames, or adds none", place + 1));
+            return Err(RowFault::Frames(number));
         }
         motions.resize(motions.len() + count, motion);
     }
     Ok(motions)
 }
 
+/// The run length and the motion of a row.
 fn run(row: &str) -> Option<(usize, Motion)> {
     let (count, features) = row.split_once(':')?;
     let mut motion = Motion::default();
@@ -39,5 +39,6 @@ fn run(row: &str) -> Option<(usize, Motion)> {
     for feature in &mut motion.0 {
         *feature = words.next()?.parse().ok()?;
     }
-    words.next().is_none().then_some((count.trim().parse().ok().filter(|count| *count <= IU_FRAMES)?, motion))
+    let count = count.trim().parse().ok().filter(|count| *count <= IU_FRAMES)?;
+    words.next().is_none().then_some((count, motion))
 }

@@ -1,13 +1,14 @@
-//! From a job to its text. Written by hand, not by a serialiser: the comments are for the person who reads it.
+//! From a job to its text. The text is written here and not by a serialiser, so that it has comments for the people who read it.
 
 use super::{FORMAT, JobFile, TaughtActivity, TaughtIu, VERSION, checksum, runs};
-use crate::teach::ThresholdRule;
+use crate::recording::NamedObject;
+use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::couple::Context;
-use andon_core::input::Space;
-use andon_core::job::LocalCost;
+use andon_core::input::Side;
+use andon_core::job::{Bounds, LocalCost};
 use std::fmt::Write as _;
 
-/// Writing to a `String` cannot fail; the result is dropped here, once.
+/// Appends a line. Writing to a `String` cannot fail, so the result is ignored here, once.
 macro_rules! line {
     ($text:expr, $($arguments:tt)*) => {{ let _ = writeln!($text, $($arguments)*); }};
 }
@@ -18,29 +19,31 @@ impl JobFile {
         let mut text = String::new();
         line!(
             text,
-            "# A job taught to Andon. The checksum covers every other character: teach again, do not edit."
+            "# A job that was taught to Andon. The checksum covers all other characters of this file:"
         );
+        line!(text, "# do not edit the file, teach the job again.");
         line!(text, "format = {FORMAT:?}\nversion = {VERSION}\n{}\"", checksum::KEY);
-        line!(text, "# The number that a PLC selects the job by.\nid = {}", self.id);
+        line!(text, "# The number by which a PLC selects the job.\nid = {}", self.id);
         line!(text, "name = {}", quoted(&self.name));
         line!(text, "# Whether the activities must come in the order of their numbers.");
         line!(text, "order_matters = {}", self.order_matters);
         self.provenance_text(&mut text);
         self.method_text(&mut text);
-        for object in &self.objects {
-            line!(text, "\n[[object]]\nid = {}\nname = {}", object.shape.id, quoted(&object.name));
-            let points: Vec<String> = object
-                .shape
-                .interaction_points
-                .iter()
-                .map(|[x, y, z]| format!("[{x:?}, {y:?}, {z:?}]"))
-                .collect();
-            line!(text, "# Where it can be touched, in metres in its own frame.");
-            line!(text, "interaction_points = [{}]", points.join(", "));
-        }
-        for activity in &self.activities {
-            self.activity_text(&mut text, activity);
-        }
+        self.objects.iter().for_each(|object| object_text(&mut text, object));
+        line!(
+            text,
+            "\n# An activity is a sequence of IUs. In each IU, `threshold` is the maximum DTW distance to the reference,"
+        );
+        line!(
+            text,
+            "# `frames` the minimum and maximum duration in frames, and `reversals` the minimum and maximum number of"
+        );
+        line!(
+            text,
+            "# times that the motion reverses its direction. A row of the reference has a number of frames, and the"
+        );
+        line!(text, "# motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.");
+        self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
         checksum::seal(&text)
     }
 
@@ -48,30 +51,8 @@ impl JobFile {
         let from = &self.provenance;
         line!(text, "\n[provenance]\nprogram = {}", quoted(&from.program));
         line!(text, "date = {}", quoted(&from.date));
-        match from.rule {
-            ThresholdRule::Paper { sigmas } => {
-                line!(text, "rule = {{ name = \"paper\", sigmas = {sigmas:?} }}")
-            }
-            ThresholdRule::LeaveOneOut { sigmas, border_s } => {
-                line!(
-                    text,
-                    "rule = {{ name = \"leave_one_out\", sigmas = {sigmas:?}, border_s = {border_s:?} }}"
-                );
-            }
-            ThresholdRule::Conformal { false_alarms } => {
-                line!(text, "rule = {{ name = \"conformal\", false_alarms = {false_alarms:?} }}");
-            }
-        }
-        let bounds = from.bounds;
-        line!(
-            text,
-            "bounds = {{ shortest = {:?}, longest = {:?}, pause_s = {:?}, fewest = {:?}, most = {:?} }}",
-            bounds.shortest,
-            bounds.longest,
-            bounds.pause_s,
-            bounds.fewest,
-            bounds.most
-        );
+        line!(text, "rule = {{ {} }}", rule_text(from.rule));
+        line!(text, "bounds = {{ {} }}", bounds_rule_text(from.bounds));
         for source in &from.sources {
             line!(text, "\n[[provenance.source]]\nname = {}", quoted(&source.name));
             line!(text, "sha256 = {}", quoted(&source.sha256));
@@ -81,28 +62,18 @@ impl JobFile {
 
     fn method_text(&self, text: &mut String) {
         let method = &self.method;
-        line!(text, "\n# The constants it was taught with; it is judged with the same.\n[method]");
+        let space = method.space.name();
+        let cost = match self.cost {
+            LocalCost::Ordinal => "ordinal",
+            LocalCost::Circular { .. } => "circular",
+        };
+        line!(text, "\n# The constants that the job was taught with and is judged with.\n[method]");
+        line!(text, "space = {space:?}\ncost = {cost:?}");
         line!(
             text,
-            "space = {:?}",
-            match method.space {
-                Space::Plane => "plane",
-                Space::Metric => "metric",
-            }
+            "# A threshold grows with the duration of the IU, up to this many times the duration of the reference."
         );
-        line!(
-            text,
-            "cost = {:?}",
-            match self.cost {
-                LocalCost::Ordinal => "ordinal",
-                LocalCost::Circular { .. } => "circular",
-            }
-        );
-        line!(
-            text,
-            "# Up to how many times slower than shown is no anomaly of the motion.\nslowness = {:?}",
-            self.slowness
-        );
+        line!(text, "max_slowdown = {:?}", self.max_slowdown);
         line!(text, "rate_hz = {:?}\nbins = {}", method.rate_hz, method.bins);
         for (name, contact) in [("hand", method.hand_contact), ("object", method.object_contact)] {
             line!(text, "{name}_contact = {{ on_m = {:?}, off_m = {:?} }}", contact.on_m, contact.off_m);
@@ -115,11 +86,9 @@ impl JobFile {
     }
 
     fn activity_text(&self, text: &mut String, activity: &TaughtActivity) {
-        line!(text, "\n[[activity]]\n# Which activity of the job this sequence fulfils.");
+        line!(text, "\n[[activity]]\n# The number of the activity of the job that this sequence fulfils.");
         line!(text, "activity = {}", activity.activity);
-        for iu in &activity.ius {
-            self.iu_text(text, iu);
-        }
+        activity.ius.iter().for_each(|iu| self.iu_text(text, iu));
     }
 
     fn iu_text(&self, text: &mut String, iu: &TaughtIu) {
@@ -127,9 +96,8 @@ impl JobFile {
         line!(text, "context = {:?}", iu.context.0);
         line!(text, "demonstrations = {}", iu.demonstrations);
         line!(text, "threshold = {:?}", iu.threshold);
-        line!(text, "frames = [{}, {}]", iu.frames.least, iu.frames.most);
-        line!(text, "reversals = [{}, {}]", iu.reversals.least, iu.reversals.most);
-        line!(text, "# frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl");
+        line!(text, "frames = {}", bounds_text(iu.frames));
+        line!(text, "reversals = {}", bounds_text(iu.reversals));
         line!(text, "reference = [");
         for row in runs::rows(&iu.reference) {
             line!(text, "  {row:?},");
@@ -138,24 +106,60 @@ impl JobFile {
     }
 
     /// A context in words, on one line.
-    pub fn sentence(&self, context: Context) -> String {
-        // A name may hold a line break, and a comment may not.
+    fn sentence(&self, context: Context) -> String {
+        // A name may contain a line break, and a comment must not.
         context_words(context, |id| self.object_name(id)).replace(char::is_control, " ")
     }
 }
 
-/// A context in words.
+fn object_text(text: &mut String, object: &NamedObject) {
+    let points = object.shape.interaction_points.iter().map(|[x, y, z]| format!("[{x:?}, {y:?}, {z:?}]"));
+    let points: Vec<String> = points.collect();
+    line!(text, "\n[[object]]\nid = {}\nname = {}", object.shape.id, quoted(&object.name));
+    line!(text, "# Where it can be touched, in metres in its own frame.");
+    line!(text, "interaction_points = [{}]", points.join(", "));
+}
+
+fn rule_text(rule: ThresholdRule) -> String {
+    match rule {
+        ThresholdRule::Paper { sigmas } => format!("name = \"paper\", sigmas = {sigmas:?}"),
+        ThresholdRule::LeaveOneOut { sigmas, border_s } => {
+            format!("name = \"leave_one_out\", sigmas = {sigmas:?}, border_s = {border_s:?}")
+        }
+        ThresholdRule::Conformal { false_alarms } => {
+            format!("name = \"conformal\", false_alarms = {false_alarms:?}")
+        }
+    }
+}
+
+fn bounds_rule_text(rule: BoundsRule) -> String {
+    let BoundsRule { min_duration, max_duration, pause_s, min_reversals, max_reversals } = rule;
+    format!(
+        "min_duration = {min_duration:?}, max_duration = {max_duration:?}, pause_s = {pause_s:?}, \
+         min_reversals = {min_reversals:?}, max_reversals = {max_reversals:?}"
+    )
+}
+
+fn bounds_text(Bounds { min, max }: Bounds) -> String {
+    match max {
+        u32::MAX => format!("[{min}, \"unbounded\"]"),
+        max => format!("[{min}, {max}]"),
+    }
+}
+
+/// A context in words, with the names that `name` gives to objects.
 pub(crate) fn context_words(context: Context, name: impl Fn(u16) -> String) -> String {
     match context.0 {
         [0, 0, 0, 0] => "nothing is touched".to_owned(),
         [0, _, j, l] => format!("{} rests at {}, no hand", name(j), name(l)),
-        [hand, j, 0, 0] => format!("{} hand with {}", hand_word(hand), name(j)),
-        [hand, j, _, l] => format!("{} hand with {} at {}", hand_word(hand), name(j), name(l)),
+        [hand, j, 0, 0] => format!("{} hand with {}", hand_name(hand), name(j)),
+        [hand, j, _, l] => format!("{} hand with {} at {}", hand_name(hand), name(j), name(l)),
     }
 }
 
-const fn hand_word(hand: u16) -> &'static str {
-    if hand == 2 { "left" } else { "right" }
+/// The hand of a context, which holds its number (`ID_h` in the paper).
+const fn hand_name(hand: u16) -> &'static str {
+    if hand == Side::Left as u16 { Side::Left.name() } else { Side::Right.name() }
 }
 
 fn quoted(text: &str) -> String {

@@ -1,74 +1,73 @@
-//! The rules of the method that a job file must keep.
+//! The rules of the method that a job file must obey.
 
 use super::{JobFault, JobFile, TaughtActivity, TaughtIu};
+use crate::recording::NamedObject;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
+use andon_core::input::ObjectShape;
 use andon_core::job::Bounds;
 
-/// Checks everything that the types leave open.
+/// Checks everything that the types do not guarantee.
 pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
     job.method.check().map_err(|fault| JobFault::Invalid {
-        place: format!("method.{}", fault.key),
+        key: format!("method.{}", fault.key),
         problem: format!("it must be {}", fault.allowed),
     })?;
-    rule(job.slowness.is_finite() && job.slowness >= 1.0, "method.slowness", || {
-        "it must be a number from 1".to_owned()
+    rule(job.max_slowdown.is_finite() && job.max_slowdown >= 1.0, "method.max_slowdown", || {
+        "it must be a number of at least 1".to_owned()
     })?;
     rule(job.objects.len() <= OBJECTS, "object", || format!("at most {OBJECTS} objects can be followed"))?;
-    for (place, object) in job.objects.iter().enumerate() {
-        let here = format!("object[{place}]");
-        let id = object.shape.id;
-        let twice = job.objects[..place].iter().any(|other| other.shape.id == id);
-        rule(id != 0 && !twice, &here, || format!("id is {id}; ids are 1 to 65535 and differ"))?;
-        let finite = object.shape.interaction_points.iter().flatten().all(|value| value.is_finite());
-        let some = !object.shape.interaction_points.is_empty();
-        rule(finite && some, &here, || {
-            "it needs at least one interaction point, of finite numbers".to_owned()
-        })?;
-    }
+    (0..job.objects.len()).try_for_each(|index| object(&job.objects, index))?;
     let count = job.activities.len();
     rule((1..=ACTIVITIES).contains(&count), "activity", || {
         format!("there are {count}; 1 to {ACTIVITIES} can be judged")
     })?;
-    job.activities.iter().enumerate().try_for_each(|(place, taught)| activity(job, place, taught))
+    job.activities.iter().enumerate().try_for_each(|(index, taught)| activity(job, index, taught))
 }
 
-fn not_negative() -> String {
-    "it must be a number from 0".to_owned()
-}
-
-fn activity(job: &JobFile, place: usize, activity: &TaughtActivity) -> Result<(), JobFault> {
-    let count = activity.ius.len();
-    rule((1..=ACTIVITY_IUS).contains(&count), &format!("activity[{place}].iu"), || {
-        format!("there are {count}; 1 to {ACTIVITY_IUS} can be judged")
-    })?;
-    activity.ius.iter().enumerate().try_for_each(|(number, taught)| {
-        let here = |key: &str| format!("activity[{place}].iu[{number}].{key}");
-        rule(context_is_possible(job, taught.context), &here("context"), || {
-            format!(
-                "{:?} is no context of this job's objects: [h, j, 0, 0], [h, j, j, l] or [0, 0, j, l]",
-                taught.context.0
-            )
-        })?;
-        iu(job, taught, &here)
+fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
+    let key = format!("object[{index}]");
+    let ObjectShape { id, interaction_points } = &objects[index].shape;
+    let is_unique = objects[..index].iter().all(|other| other.shape.id != *id);
+    rule(*id != 0 && is_unique, &key, || format!("id is {id}; ids are 1 to 65535 and differ"))?;
+    let is_finite = interaction_points.iter().flatten().all(|value| value.is_finite());
+    rule(is_finite && !interaction_points.is_empty(), &key, || {
+        "it needs at least one interaction point, and its coordinates must be finite".to_owned()
     })
 }
 
-fn iu(job: &JobFile, iu: &TaughtIu, here: &dyn Fn(&str) -> String) -> Result<(), JobFault> {
-    rule(iu.threshold.is_finite() && iu.threshold >= 0.0, &here("threshold"), not_negative)?;
-    for (key, Bounds { least, most }) in [("frames", iu.frames), ("reversals", iu.reversals)] {
-        rule(least <= most, &here(key), || {
-            format!("[{least}, {most}] is empty; the first must not be over the second")
+fn activity(job: &JobFile, index: usize, activity: &TaughtActivity) -> Result<(), JobFault> {
+    let count = activity.ius.len();
+    rule((1..=ACTIVITY_IUS).contains(&count), &format!("activity[{index}].iu"), || {
+        format!("there are {count}; 1 to {ACTIVITY_IUS} can be judged")
+    })?;
+    activity.ius.iter().enumerate().try_for_each(|(number, taught)| {
+        let key_of = |key: &str| format!("activity[{index}].iu[{number}].{key}");
+        rule(context_is_possible(job, taught.context), &key_of("context"), || {
+            format!(
+                "{:?} is not a context of this job's objects, which is [h, j, 0, 0], [h, j, j, l] or [0, 0, j, l]",
+                taught.context.0
+            )
         })?;
+        iu(job, taught, &key_of)
+    })
+}
+
+fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(), JobFault> {
+    rule(iu.threshold.is_finite() && iu.threshold >= 0.0, &key_of("threshold"), || {
+        "it must be a number of at least 0".to_owned()
+    })?;
+    for (key, Bounds { min, max }) in [("frames", iu.frames), ("reversals", iu.reversals)] {
+        rule(min <= max, &key_of(key), || format!("the minimum {min} is greater than the maximum {max}"))?;
     }
-    rule(!iu.reference.is_empty(), &here("reference"), || "it has no row".to_owned())?;
+    rule(!iu.reference.is_empty(), &key_of("reference"), || "it has no rows".to_owned())?;
     let bins = job.method.bins as i8;
-    let possible = |Motion([a, t1, p1, j1, t2, p2, j2]): &Motion| {
+    let is_possible = |Motion([a, t1, p1, j1, t2, p2, j2]): &Motion| {
         (-1..=1).contains(a)
             && [t1, p1, t2, p2].into_iter().all(|direction| (0..=bins).contains(direction))
             && [j1, j2].into_iter().all(|joint| (0..=1).contains(joint))
     };
-    rule(iu.reference.iter().all(possible), &here("reference"), || {
+    rule(iu.reference.iter().all(is_possible), &key_of("reference"), || {
         format!("a feature is out of its range: a_h -1 to 1, directions 0 to {bins}, jm 0 or 1")
     })
 }
@@ -83,6 +82,6 @@ fn context_is_possible(job: &JobFile, Context([hand, first, j, l]): Context) -> 
     }
 }
 
-fn rule(kept: bool, place: &str, problem: impl FnOnce() -> String) -> Result<(), JobFault> {
-    if kept { Ok(()) } else { Err(JobFault::Invalid { place: place.to_owned(), problem: problem() }) }
+fn rule(is_kept: bool, key: &str, problem: impl FnOnce() -> String) -> Result<(), JobFault> {
+    if is_kept { Ok(()) } else { Err(JobFault::Invalid { key: key.to_owned(), problem: problem() }) }
 }

@@ -2,102 +2,102 @@
 
 use andon_core::capacity::{HANDS, INTERACTION_POINTS, OBJECTS};
 
-/// A track file was refused: which file, which line, why.
+/// A track file was refused.
 #[derive(Debug, thiserror::Error)]
 #[error("{file}, line {line}: {fault}")]
 pub struct TrackError {
-    /// The file as the caller named it.
+    /// The file's name as the caller gave it.
     pub file: String,
-    /// The line, from 1.
+    /// The number of the line, from 1.
     pub line: usize,
-    /// What is wrong there.
+    /// What is wrong with it.
     pub fault: TrackFault,
 }
 
-/// What is wrong with a line of a track file, and what to do.
+/// What is wrong with a line of a track file.
 #[derive(Debug, thiserror::Error)]
 pub enum TrackFault {
-    /// There is no line at all, or only a part of the first.
+    /// There is no line at all, or only a part of the first one.
     #[error(
-        "there is no header; the first line must be {{\"format\": \"andon.tracks\", \"version\": 1, ...}}"
+        "the header is missing; the first line must be {{\"format\": \"andon.tracks\", \"version\": 1, ...}}"
     )]
     NoHeader,
-    /// The first line is of another format.
+    /// The file has another format.
     #[error("the format is {0:?}, not \"andon.tracks\"")]
     Format(String),
-    /// The first line is of another version.
-    #[error("version {0} of the track format is not known; this program reads version 1")]
+    /// The file has another version of the format.
+    #[error("version {0} of the track format is unknown; this program reads version 1")]
     Version(i64),
-    /// The line is no JSON object of the right shape.
+    /// The line is not a JSON object of the expected shape.
     #[error("{0}")]
     Json(#[from] serde_json::Error),
-    /// The line is longer than any frame can be.
+    /// The line is longer than any frame can make it.
     #[error("the line is longer than {0} bytes")]
     LongLine(usize),
-    /// Reading the file failed.
-    #[error("reading failed: {0}")]
+    /// The file cannot be read.
+    #[error("the file cannot be read: {0}")]
     Io(#[from] std::io::Error),
     /// A number is infinite, or too large for a coordinate.
-    #[error("{0} is not a finite number of a sensible size")]
+    #[error("{0} is infinite or larger than any bench")]
     NotFinite(&'static str),
-    /// A number of the header is out of its range.
+    /// A number is out of its range.
     #[error("{name} is {value}; it must be in {range}")]
     Range {
         /// The key.
         name: &'static str,
-        /// What it is.
+        /// The value.
         value: f64,
-        /// What it may be.
+        /// The values that are allowed.
         range: &'static str,
     },
-    /// `t` is not greater than that of the frame before.
-    #[error("t is {t} s and the frame before had {before} s; t must increase")]
+    /// `t` is not greater than in the previous frame.
+    #[error("t is {t} s after {before} s in the previous frame; t must increase")]
     Time {
-        /// Of this line.
+        /// `t` of this line, in seconds.
         t: f64,
-        /// Of the line before.
+        /// `t` of the previous frame, in seconds.
         before: f64,
     },
     /// A hand has a wrong number of landmarks.
     #[error("a hand has {found} landmarks; the header promises {expected}")]
     Landmarks {
-        /// What the line has.
+        /// The number in this line.
         found: usize,
-        /// What the header says.
+        /// The number in the header.
         expected: usize,
     },
-    /// The header asks for a number of landmarks that has no meaning.
+    /// The header has a number of landmarks other than 21 and 5.
     #[error("\"landmarks\" is {0}; it must be 21 or 5")]
     LandmarkCount(u64),
-    /// An object that the header lacks.
+    /// The object is not in the header.
     #[error("object {0} is not in the header")]
     UnknownObject(u16),
-    /// A hand that the header lacks.
+    /// The hand is not in the header.
     #[error("the {0} hand is not in the header")]
     UnknownHand(&'static str),
-    /// The same id, or the same hand, twice in one line.
-    #[error("{0} is there twice")]
+    /// The same id, or the same hand, occurs twice in one line.
+    #[error("{0} occurs twice")]
     Twice(String),
-    /// An object has no id, or 0.
+    /// An object has id 0.
     #[error("an object has id 0; ids are 1 to 65535")]
     ZeroId,
-    /// An object has no interaction point, or too many.
+    /// An object has no interaction point, or too many of them.
     #[error("object {id} has {found} interaction points; it must have 1 to {INTERACTION_POINTS}")]
     InteractionPoints {
-        /// The object.
+        /// The object's id.
         id: u16,
-        /// How many it has.
+        /// The number of its interaction points.
         found: usize,
     },
-    /// More objects or hands than the method can hold.
+    /// There are more objects or hands than the method can follow.
     #[error("there are {found} {what}; at most {OBJECTS} objects and {HANDS} hands can be followed")]
     Full {
-        /// Objects or hands.
+        /// "objects" or "hands".
         what: &'static str,
-        /// How many there are.
+        /// Their number.
         found: usize,
     },
-    /// A quaternion that is no rotation.
+    /// A quaternion is not a rotation: object and length.
     #[error("q of object {0} has length {1}; a rotation is a unit quaternion [w, x, y, z]")]
     Quaternion(u16, f32),
 }

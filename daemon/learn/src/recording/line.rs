@@ -1,4 +1,4 @@
-//! The lines of a track file as they stand on disk.
+//! The lines of a track file as they are on disk.
 
 use super::Landmarks;
 use andon_core::input::Side;
@@ -10,7 +10,7 @@ pub(super) const FORMAT: &str = "andon.tracks";
 /// The value of `version`.
 pub(super) const VERSION: i64 = 1;
 
-/// What the first line has in any version.
+/// The part of the first line that every version has.
 #[derive(Deserialize)]
 pub(super) struct Magic {
     pub(super) format: String,
@@ -61,6 +61,7 @@ pub(super) struct HeaderLine {
     pub(super) objects: Vec<HeaderObject>,
 }
 
+/// A header without this key has all landmarks.
 fn all_landmarks() -> u64 {
     21
 }
@@ -85,12 +86,13 @@ pub(super) struct FrameLine {
 #[derive(Serialize, Deserialize)]
 pub(super) struct HandEntry {
     pub(super) id: HandName,
-    #[serde(default = "sure")]
+    #[serde(default = "certain")]
     pub(super) score: f64,
     pub(super) landmarks: Vec<[f64; 3]>,
 }
 
-fn sure() -> f64 {
+/// A hand without a score was detected with certainty.
+fn certain() -> f64 {
     1.0
 }
 
@@ -102,7 +104,7 @@ pub(super) struct ObjectEntry {
 }
 
 impl Landmarks {
-    /// How many points a hand has.
+    /// The number of landmarks of a hand.
     pub(super) const fn count(self) -> usize {
         match self {
             Self::All => 21,
@@ -110,19 +112,11 @@ impl Landmarks {
         }
     }
 
-    /// Where wrist, middle knuckle, index tip, middle tip and ring tip stand in a hand's list.
-    pub(super) const fn places(self) -> [usize; 5] {
+    /// The indices of wrist, middle knuckle, index tip, middle tip and ring tip in a hand's list.
+    pub(super) const fn indices(self) -> [usize; 5] {
         match self {
             Self::All => [0, 9, 8, 12, 16],
             Self::Five => [0, 2, 1, 3, 4],
         }
-    }
-}
-
-/// How a hand is called in a track file.
-pub(super) const fn hand_word(side: Side) -> &'static str {
-    match side {
-        Side::Right => "right",
-        Side::Left => "left",
     }
 }

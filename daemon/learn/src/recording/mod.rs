@@ -1,7 +1,7 @@
-//! Recordings: what was seen, frame by frame, kept in a track file.
+//! Recordings: what was detected, frame by frame, kept in a track file.
 //!
-//! A track file (`.tracks.jsonl`) is one JSON object a line: a header, then one line a frame in time order.
-//! [`read`] is a pure function over bytes; it refuses what it cannot trust and says in which file and line.
+//! A track file (`.tracks.jsonl`) has one JSON object per line: a header, then one line per frame in the order of time.
+//! [`read`] is a pure function of the bytes; it refuses what it cannot trust and names the file and the line.
 //!
 //! ```
 //! let text = concat!(
@@ -23,22 +23,30 @@ pub use writer::{TrackWriter, write};
 
 use andon_core::input::{Frame, ObjectShape, Side, Space};
 
-/// How many landmarks of a hand a track file gives.
+/// Which landmarks of a hand a track file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Landmarks {
-    /// All 21, in the order of MediaPipe.
+    /// All 21, in MediaPipe's order.
     All,
-    /// Wrist, index tip, middle knuckle, middle tip, ring tip.
+    /// Five: wrist, index tip, middle knuckle, middle tip, ring tip.
     Five,
 }
 
 /// An object that may appear in a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedObject {
-    /// What a person calls it.
+    /// The name that people use for it.
     pub name: String,
-    /// Its identity and where it can be touched.
+    /// Its id, and its interaction points in metres in the object's own frame.
     pub shape: ObjectShape,
+}
+
+/// What a person calls an object: its name in this list, or its id if the list does not have it.
+pub fn object_name(objects: &[NamedObject], id: u16) -> String {
+    objects
+        .iter()
+        .find(|object| object.shape.id == id)
+        .map_or_else(|| format!("object {id}"), |object| object.name.clone())
 }
 
 /// The first line of a track file.
@@ -46,18 +54,18 @@ pub struct NamedObject {
 pub struct Header {
     /// Nominal frame rate.
     pub rate_hz: f32,
-    /// The coordinates that are used.
+    /// The space that the coordinates are in.
     pub space: Space,
     /// Every hand that may appear.
     pub hands: Vec<Side>,
-    /// How many landmarks each hand has.
+    /// The landmarks that each hand has.
     pub landmarks: Landmarks,
     /// Every object that may appear.
     pub objects: Vec<NamedObject>,
 }
 
 impl Header {
-    /// The shapes alone, as the encoder takes them.
+    /// The shapes without the names, as the encoder needs them.
     pub fn shapes(&self) -> Vec<ObjectShape> {
         self.objects.iter().map(|object| object.shape.clone()).collect()
     }
@@ -68,8 +76,8 @@ impl Header {
 pub struct Recording {
     /// What is known before the first frame.
     pub header: Header,
-    /// Its frames in time order.
+    /// The frames in the order of time.
     pub frames: Vec<Frame>,
-    /// Set when the file ends in mid-line.
+    /// Where the file was cut off, if it was.
     pub truncation: Option<Truncation>,
 }

@@ -1,31 +1,28 @@
 //! From the bytes of a track file to frames.
 
 use super::error::{TrackError, TrackFault};
-use super::line::{
-    FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION, hand_word,
-};
+use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION};
 use super::{Header, Landmarks, NamedObject, Recording};
 use andon_core::capacity::{HANDS, OBJECTS};
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side, Space};
 use std::fmt;
 use std::io::{BufRead, Read};
 
-/// Longest line that is read: 32 objects and two whole hands with 17 digits a number are 12 kB, and unknown keys
-/// may be there too.
-const LINE_BYTES: usize = 1 << 20;
+/// Maximum length of a line: 32 objects and two whole hands with 17 digits per number are 12 kB, and there may be unknown keys too.
+const MAX_LINE_BYTES: usize = 1 << 20;
 
-/// Greatest coordinate in metres: no bench is wider than a kilometre, and its square is far from overflow.
-const COORDINATE_M: f64 = 1000.0;
+/// Maximum coordinate in metres: no bench is wider than a kilometre, and the square of this is far from overflow.
+const MAX_COORDINATE_M: f64 = 1000.0;
 
-/// Latest `t` in seconds: 30 years.
-const LATEST_S: f64 = 1e9;
+/// Maximum `t` in seconds: 30 years.
+const MAX_TIME_S: f64 = 1e9;
 
-/// The file ends in mid-line; it was read up to its last whole line.
+/// The file ends in the middle of a line; it was read up to its last whole line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truncation {
-    /// The file as the caller named it.
+    /// The file's name as the caller gave it.
     pub file: String,
-    /// The line that is not whole, from 1.
+    /// The number of the incomplete line, from 1.
     pub line: usize,
 }
 
@@ -33,13 +30,13 @@ impl fmt::Display for Truncation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, line {}: the file ends in mid-line; it was read up to the line before",
+            "{}, line {}: the file ends in the middle of this line; it was read up to the line before",
             self.file, self.line
         )
     }
 }
 
-/// Reads a whole track file. `file` is the name that faults carry.
+/// Reads a whole track file. `file` is its name in error messages.
 ///
 /// # Errors
 /// The first line that cannot be trusted.
@@ -49,7 +46,7 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Recording, TrackError> {
     Ok(Recording { header: reader.header, frames, truncation: reader.truncation })
 }
 
-/// Reads a track file frame by frame, in the memory of one line.
+/// Reads a track file frame by frame, and needs the memory of one line.
 #[derive(Debug)]
 pub struct TrackReader<R> {
     lines: Lines<R>,
@@ -60,7 +57,7 @@ pub struct TrackReader<R> {
 }
 
 impl<R: BufRead> TrackReader<R> {
-    /// Reads the header. `file` is the name that faults carry.
+    /// Reads the header. `file` is the file's name in error messages.
     ///
     /// # Errors
     /// A missing header, an unknown format or version, a number out of range.
@@ -81,24 +78,24 @@ impl<R: BufRead> TrackReader<R> {
         &self.header
     }
 
-    /// Set once the file has ended in mid-line.
+    /// Where the file was cut off; `None` until its end was reached, and if it is whole.
     pub fn truncation(&self) -> Option<&Truncation> {
         self.truncation.as_ref()
     }
 
     fn frame(&mut self) -> Result<Option<Frame>, TrackFault> {
-        let Some(whole) = self.lines.next_line()? else { return Ok(None) };
+        let Some(is_whole) = self.lines.next_line()? else { return Ok(None) };
         let line = match serde_json::from_slice::<FrameLine>(&self.lines.buffer) {
             Ok(line) => line,
-            // A number that is cut off is bad syntax, everything else that is cut off is an early end.
-            Err(error) if !whole && (error.is_eof() || error.is_syntax()) => {
+            // A number that is cut off is a syntax error; everything else that is cut off ends too early.
+            Err(error) if !is_whole && (error.is_eof() || error.is_syntax()) => {
                 self.truncation = Some(Truncation { file: self.lines.file.clone(), line: self.lines.line });
                 return Ok(None);
             }
             Err(error) => return Err(error.into()),
         };
-        if !(0.0..=LATEST_S).contains(&line.t) {
-            return Err(TrackFault::Range { name: "t", value: line.t, range: "0..1e9 seconds" });
+        if !(0.0..=MAX_TIME_S).contains(&line.t) {
+            return Err(TrackFault::Range { name: "t", value: line.t, range: "0 to 1e9 seconds" });
         }
         if let Some(before) = self.before_s.filter(|before| line.t <= *before) {
             return Err(TrackFault::Time { t: line.t, before });
@@ -121,28 +118,29 @@ impl<R: BufRead> Iterator for TrackReader<R> {
     }
 }
 
-/// Lines of bounded length, with their numbers.
+/// Reads lines of bounded length, and counts them.
 #[derive(Debug)]
 struct Lines<R> {
     source: R,
     file: String,
+    /// The number of the newest line, from 1.
     line: usize,
     buffer: Vec<u8>,
 }
 
 impl<R: BufRead> Lines<R> {
-    /// Fills the buffer with the next line that is not blank and says whether it is whole, that is ended by `\n`.
+    /// Fills the buffer with the next line that is not blank. Returns whether it is whole, that is ended by `\n`; `None` at the end.
     fn next_line(&mut self) -> Result<Option<bool>, TrackFault> {
         loop {
             self.buffer.clear();
             self.line += 1;
-            let room = LINE_BYTES as u64 + 1;
-            let taken = self.source.by_ref().take(room).read_until(b'\n', &mut self.buffer)?;
-            if taken == 0 {
+            let limit = MAX_LINE_BYTES as u64 + 1;
+            let count = self.source.by_ref().take(limit).read_until(b'\n', &mut self.buffer)?;
+            if count == 0 {
                 return Ok(None);
             }
-            if taken > LINE_BYTES {
-                return Err(TrackFault::LongLine(LINE_BYTES));
+            if count > MAX_LINE_BYTES {
+                return Err(TrackFault::LongLine(MAX_LINE_BYTES));
             }
             if !self.buffer.trim_ascii().is_empty() {
                 return Ok(Some(self.buffer.last() == Some(&b'\n')));
@@ -166,10 +164,17 @@ fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
     if magic.version != VERSION {
         return Err(TrackFault::Version(magic.version));
     }
-    let line: HeaderLine = serde_json::from_slice(line)?;
-    // Above any camera, and high enough that a period is never zero.
+    header_of_line(serde_json::from_slice(line)?)
+}
+
+fn header_of_line(line: HeaderLine) -> Result<Header, TrackFault> {
+    // No camera is faster than the maximum, and a period is never zero nanoseconds.
     if !(line.rate_hz > 0.0 && line.rate_hz <= 10_000.0) {
-        return Err(TrackFault::Range { name: "rate_hz", value: line.rate_hz, range: "0..10000, without 0" });
+        return Err(TrackFault::Range {
+            name: "rate_hz",
+            value: line.rate_hz,
+            range: "greater than 0 and at most 10000",
+        });
     }
     let landmarks = match line.landmarks {
         21 => Landmarks::All,
@@ -179,7 +184,7 @@ fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
     let mut hands: Vec<Side> = Vec::new();
     for side in line.hands.iter().map(|name| Side::from(*name)) {
         if hands.contains(&side) {
-            return Err(TrackFault::Twice(format!("the {} hand", hand_word(side))));
+            return Err(TrackFault::Twice(format!("the {} hand", side.name())));
         }
         hands.push(side);
     }
@@ -229,7 +234,7 @@ fn frame_of(line: &FrameLine, header: &Header) -> Result<Frame, TrackFault> {
     for entry in &line.hands {
         let hand = hand_of(entry, header)?;
         if frame.hands.iter().any(|known| known.side == hand.side) {
-            return Err(TrackFault::Twice(format!("the {} hand", hand_word(hand.side))));
+            return Err(TrackFault::Twice(format!("the {} hand", hand.side.name())));
         }
         frame.hands.push(hand).map_err(|_| TrackFault::Full { what: "hands", found: HANDS + 1 })?;
     }
@@ -246,21 +251,21 @@ fn frame_of(line: &FrameLine, header: &Header) -> Result<Frame, TrackFault> {
 fn hand_of(entry: &HandEntry, header: &Header) -> Result<Hand, TrackFault> {
     let side = Side::from(entry.id);
     if !header.hands.contains(&side) {
-        return Err(TrackFault::UnknownHand(hand_word(side)));
+        return Err(TrackFault::UnknownHand(side.name()));
     }
     if !(0.0..=1.0).contains(&entry.score) {
-        return Err(TrackFault::Range { name: "score", value: entry.score, range: "0..1" });
+        return Err(TrackFault::Range { name: "score", value: entry.score, range: "0 to 1" });
     }
     let expected = header.landmarks.count();
     if entry.landmarks.len() != expected {
         return Err(TrackFault::Landmarks { found: entry.landmarks.len(), expected });
     }
-    // All are checked, also those that the method does not use: a tracker that writes nonsense is not trusted.
+    // All landmarks are checked, including those that the method does not use: a tracker that writes nonsense is not trusted.
     for point in &entry.landmarks {
         point_of(point, "a landmark")?;
     }
     let [wrist, middle_knuckle, index, middle, ring] =
-        header.landmarks.places().map(|place| entry.landmarks[place].map(|value| value as f32));
+        header.landmarks.indices().map(|index| entry.landmarks[index].map(|value| value as f32));
     Ok(Hand { side, score: entry.score as f32, wrist, middle_knuckle, tips: [index, middle, ring] })
 }
 
@@ -270,17 +275,17 @@ fn object_of(entry: &ObjectEntry, header: &Header) -> Result<Object, TrackFault>
     }
     let position = point_of(&entry.p, "p")?;
     let length = entry.q.iter().map(|part| part * part).sum::<f64>().sqrt();
-    // Four rounded decimals move the length by less than 1e-3; further off it is no rotation.
+    // Rounding to four decimals changes the length by less than 1e-3; a larger deviation means that this is no rotation.
     if !(0.99..=1.01).contains(&length) {
         return Err(TrackFault::Quaternion(entry.id, length as f32));
     }
-    // What is a rotation already, as far as `f32` can tell, is kept bit for bit: a recording replays as it was seen.
+    // A quaternion of length 1, as far as `f32` can tell, is kept bit for bit, so that a recording replays as it was recorded.
     let length = if (length - 1.0).abs() < f64::from(f32::EPSILON) { 1.0 } else { length };
     Ok(Object { id: entry.id, position, orientation: entry.q.map(|part| (part / length) as f32) })
 }
 
 fn point_of(point: &[f64; 3], what: &'static str) -> Result<Point, TrackFault> {
-    if point.iter().all(|value| value.abs() <= COORDINATE_M) {
+    if point.iter().all(|value| value.abs() <= MAX_COORDINATE_M) {
         Ok(point.map(|value| value as f32))
     } else {
         Err(TrackFault::NotFinite(what))

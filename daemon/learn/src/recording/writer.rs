@@ -5,12 +5,12 @@ use super::{Header, Landmarks};
 use andon_core::input::{Frame, Hand, Space};
 use std::io::{self, Write};
 
-/// Writes a track file. A frame keeps five landmarks of a hand, so the file promises five whatever the header says.
+/// Writes a track file. A frame holds five landmarks per hand, so the file promises five landmarks whatever the header says.
 ///
-/// Numbers are rounded to a micrometre and a microsecond, under what any tracker measures, to keep files small.
+/// To keep files small, numbers are rounded to a micrometre and a microsecond, which is finer than any tracker measures.
 ///
 /// # Errors
-/// When the sink fails.
+/// If the sink fails.
 pub fn write<'a>(
     sink: &mut impl Write,
     header: &Header,
@@ -23,18 +23,18 @@ pub fn write<'a>(
     Ok(())
 }
 
-/// Writes a track file frame by frame, with every bit of its numbers: read again, each frame is the one that was written,
-/// as long as its time is under a month.
+/// Writes a track file frame by frame, with every bit of its numbers: each frame is read back as it was written,
+/// as long as its time is less than a month.
 #[derive(Debug)]
 pub struct TrackWriter<W> {
     sink: W,
 }
 
 impl<W: Write> TrackWriter<W> {
-    /// Writes the header; see [`write`].
+    /// Writes the header; see [`write()`].
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn new(mut sink: W, header: &Header) -> io::Result<Self> {
         line(&mut sink, &header_line(header))?;
         Ok(Self { sink })
@@ -43,21 +43,21 @@ impl<W: Write> TrackWriter<W> {
     /// Writes a frame. Its time must be later than the one before it.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn frame(&mut self, frame: &Frame) -> io::Result<()> {
         line(&mut self.sink, &frame_line(frame, &Numbers::Exact))
     }
 
-    /// Hands on what is buffered.
+    /// Flushes the sink.
     ///
     /// # Errors
-    /// When the sink fails.
+    /// If the sink fails.
     pub fn flush(&mut self) -> io::Result<()> {
         self.sink.flush()
     }
 }
 
-/// How much of a number is written.
+/// The precision of the numbers that are written.
 enum Numbers {
     Rounded,
     Exact,

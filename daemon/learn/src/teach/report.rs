@@ -1,57 +1,55 @@
 //! What teaching found, and whether the job can be trusted.
 
-use super::sequence::{Agreement, Disagreement};
-use super::statistics::{deviation, mean, median};
-use super::threshold::{Learned, least_promise};
-use super::{TeachOptions, ThresholdRule};
-use crate::job_file::{JobFile, TaughtIu, context_words, object_name};
-use crate::recording::NamedObject;
-use crate::run::Run;
+use super::options::TeachOptions;
+use super::sequence::Disagreement;
+use super::threshold::{Learned, min_false_alarms};
+use crate::job_file::{JobFile, TaughtIu, context_words};
+use crate::recording::{NamedObject, object_name};
+use crate::rule::ThresholdRule;
+use crate::statistics::{deviation, mean, median};
 use andon_core::couple::Context;
 use andon_core::job::Bounds;
 use std::fmt;
 
-/// A threshold that rests on fewer demonstrations is reported: 5 should be enough (issue "Teaching").
-const FEW: usize = 5;
+/// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
+const ENOUGH_DEMONSTRATIONS: usize = 5;
 
-/// A demonstration is an outlier when it is this many times the median distance: twice as far is common among correct
-/// runs of different people, three times was not seen.
-const OUTLIER: f64 = 2.5;
+/// A demonstration is an outlier if its distance is more than this many times the median distance. Twice the median is common among correct
+/// runs of different people; three times the median was not seen.
+const OUTLIER_FACTOR: f64 = 2.5;
 
-/// Fewer demonstrations cannot tell which of them is the odd one.
-const OUTLIER_RUNS: usize = 4;
+/// Fewer demonstrations than this cannot tell which of them is the outlier.
+const MIN_DEMONSTRATIONS_FOR_OUTLIERS: usize = 4;
 
-/// A demonstration much further from the others than they are from each other.
+/// A demonstration that is much further from the others than they are from each other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outlier {
     /// The run's name.
     pub run: String,
-    /// Its distance.
+    /// The demonstration's DTW distance to the barycentre.
     pub distance: f64,
-    /// The median of all.
+    /// The median distance of all demonstrations.
     pub median: f64,
 }
 
-/// What one IU of a nominal activity rests on.
+/// What teaching found for one IU of a nominal activity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IuReport {
-    /// The number of the activity in the job.
+    /// Index of the activity in the job, from 0.
     pub activity: u16,
-    /// The place of the IU in it, from 0.
+    /// Index of the IU in the activity, from 0.
     pub iu: usize,
-    /// Its context.
+    /// The context of the IU.
     pub context: Context,
-    /// Demonstrations.
+    /// Number of demonstrations.
     pub demonstrations: usize,
-    /// Frames of the barycentre.
-    pub reference_frames: usize,
-    /// Mean and standard deviation of the distances that the threshold comes from.
+    /// Mean and standard deviation of the DTW distances that the threshold is derived from.
     pub distances: (f64, f64),
-    /// The threshold.
+    /// Maximum DTW distance of a correct execution.
     pub threshold: f32,
-    /// Bounds of duration.
+    /// Bounds of duration, in frames of the grid.
     pub frames: Bounds,
-    /// Bounds of reversals.
+    /// Bounds of the number of reversals.
     pub reversals: Bounds,
     /// Demonstrations that are far from the others.
     pub outliers: Vec<Outlier>,
@@ -67,11 +65,13 @@ impl IuReport {
     ) -> Self {
         let distances = if learned.left_out.is_empty() { &learned.own } else { &learned.left_out };
         let median = median(distances);
-        let far = |distance: f64| distances.len() >= OUTLIER_RUNS && distance > OUTLIER * median;
+        let is_far = |distance: f64| {
+            distances.len() >= MIN_DEMONSTRATIONS_FOR_OUTLIERS && distance > OUTLIER_FACTOR * median
+        };
         let outliers = runs
             .into_iter()
             .zip(distances)
-            .filter(|(_, distance)| far(**distance))
+            .filter(|(_, distance)| is_far(**distance))
             .map(|(run, &distance)| Outlier { run, distance, median })
             .collect();
         Self {
@@ -79,7 +79,6 @@ impl IuReport {
             iu,
             context: taught.context,
             demonstrations: learned.own.len(),
-            reference_frames: learned.reference.len(),
             distances: (mean(distances), deviation(distances, 1)),
             threshold: taught.threshold,
             frames: taught.frames,
@@ -89,16 +88,18 @@ impl IuReport {
     }
 }
 
-/// What teaching found. `Display` prints it for a person.
+/// What teaching found. `Display` prints it for people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TeachReport {
-    /// Runs given.
+    /// Number of runs that were given.
     pub runs: usize,
-    /// Runs left out, and why.
+    /// The runs that were left out, and why.
     pub disagreements: Vec<Disagreement>,
-    /// Whether the order of activities matters, and whether the caller said so.
-    pub order_matters: (bool, bool),
-    /// The rule that chose the thresholds.
+    /// Whether the order of activities matters.
+    pub order_matters: bool,
+    /// Whether the caller decided that it does or does not.
+    pub order_was_given: bool,
+    /// The rule by which the thresholds were chosen.
     pub rule: ThresholdRule,
     /// Each IU of each nominal sequence.
     pub ius: Vec<IuReport>,
@@ -107,66 +108,75 @@ pub struct TeachReport {
 
 impl TeachReport {
     pub(super) fn new(
-        runs: &[Run],
+        runs: usize,
         options: &TeachOptions,
         job: &JobFile,
-        agreement: Agreement,
+        disagreements: Vec<Disagreement>,
         ius: Vec<IuReport>,
     ) -> Self {
         Self {
-            runs: runs.len(),
-            disagreements: agreement.disagreements,
-            order_matters: (job.order_matters, options.order_matters.is_some()),
+            runs,
+            disagreements,
+            order_matters: job.order_matters,
+            order_was_given: options.order_matters.is_some(),
             rule: options.rule,
             ius,
             objects: job.objects.clone(),
         }
     }
 
-    /// What a person should know before trusting the job, one sentence each; empty when there is nothing.
+    /// What people should know before they trust the job, one sentence each; empty if there is nothing.
     pub fn warnings(&self) -> Vec<String> {
+        let single = (self.runs == 1).then(|| {
+            format!(
+                "the job was taught from one run, so its thresholds are a guess from the spread of other people; record more runs, \
+                 {ENOUGH_DEMONSTRATIONS} should be enough"
+            )
+        });
+        let left_out = self.disagreements.iter().map(|found| self.disagreement_warning(found));
+        let of_ius = self.ius.iter().flat_map(|iu| self.iu_warnings(iu));
+        single.into_iter().chain(left_out).chain(of_ius).collect()
+    }
+
+    fn disagreement_warning(&self, found: &Disagreement) -> String {
+        let words = |context: Option<Context>| {
+            context.map_or("the end of the activity".to_owned(), |context| self.words(context))
+        };
+        format!(
+            "{} was left out: in activity {}, IU {} it has {}, the others have {}",
+            found.name,
+            found.activity + 1,
+            found.iu + 1,
+            words(found.had),
+            words(found.others)
+        )
+    }
+
+    fn iu_warnings(&self, iu: &IuReport) -> Vec<String> {
+        let name = format!("activity {}, IU {} ({})", iu.activity + 1, iu.iu + 1, self.words(iu.context));
         let mut warnings = Vec::new();
-        if self.runs == 1 {
-            warnings.push("taught from one run: thresholds are a guess from other people's spread; show the job again, 5 runs should be enough".to_owned());
-        }
-        for found in &self.disagreements {
-            let words = |context: Option<Context>| {
-                context.map_or("the end of it".to_owned(), |context| self.words(context))
-            };
+        if iu.demonstrations < ENOUGH_DEMONSTRATIONS && self.runs > 1 {
             warnings.push(format!(
-                "{} was left out: in activity {}, IU {} it has {}, the others have {}",
-                found.name,
-                found.activity + 1,
-                found.iu + 1,
-                words(found.had),
-                words(found.others)
+                "{name} rests on only {} demonstrations; {ENOUGH_DEMONSTRATIONS} should be enough",
+                iu.demonstrations
             ));
         }
-        for iu in &self.ius {
-            let place =
-                format!("activity {}, IU {} ({})", iu.activity + 1, iu.iu + 1, self.words(iu.context));
-            if iu.demonstrations < FEW && self.runs > 1 {
-                warnings.push(format!(
-                    "{place} rests on {} demonstrations only; {FEW} should be enough",
-                    iu.demonstrations
-                ));
-            }
-            for outlier in &iu.outliers {
-                warnings.push(format!(
-                    "{place}: {} is {:.1} from the others, whose median is {:.1}; look at that run, and leave it out if it is not correct",
-                    outlier.run, outlier.distance, outlier.median
-                ));
-            }
-            if let ThresholdRule::Conformal { false_alarms } = self.rule
-                && false_alarms < least_promise(iu.demonstrations)
-            {
-                warnings.push(format!(
-                    "{place}: {} demonstrations can promise at best {:.1} % false alarms, not {:.1} %",
-                    iu.demonstrations,
-                    100.0 * least_promise(iu.demonstrations),
-                    100.0 * false_alarms
-                ));
-            }
+        for Outlier { run, distance, median } in &iu.outliers {
+            warnings.push(format!(
+                "{name}: {run} has distance {distance:.1} where the median is {median:.1}; check that run, and leave it out if it is not \
+                 correct"
+            ));
+        }
+        let min_false_alarms = min_false_alarms(iu.demonstrations);
+        if let ThresholdRule::Conformal { false_alarms } = self.rule
+            && false_alarms < min_false_alarms
+        {
+            warnings.push(format!(
+                "{name}: {} demonstrations can promise {:.1} % false alarms at best, not {:.1} %",
+                iu.demonstrations,
+                100.0 * min_false_alarms,
+                100.0 * false_alarms
+            ));
         }
         warnings
     }
@@ -179,17 +189,13 @@ impl TeachReport {
 impl fmt::Display for TeachReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} runs, {} used", self.runs, self.runs - self.disagreements.len())?;
-        let (matters, said) = self.order_matters;
-        let why = match (matters, said) {
+        let reason = match (self.order_matters, self.order_was_given) {
             (_, true) => "as you said",
             (true, false) => "all runs agree on it",
             (false, false) => "the runs differ, or there is only one",
         };
-        writeln!(
-            f,
-            "the order of activities {} ({why})",
-            if matters { "matters" } else { "does not matter" }
-        )?;
+        let matters = if self.order_matters { "matters" } else { "does not matter" };
+        writeln!(f, "the order of activities {matters} ({reason})")?;
         writeln!(f, "activity  IU  shown  frames          reversals   distance         threshold  context")?;
         for iu in &self.ius {
             writeln!(
@@ -214,9 +220,9 @@ impl fmt::Display for TeachReport {
 }
 
 fn range(bounds: Bounds) -> String {
-    if bounds.most == u32::MAX {
-        format!("{}..", bounds.least)
+    if bounds.max == u32::MAX {
+        format!("{}..", bounds.min)
     } else {
-        format!("{}..{}", bounds.least, bounds.most)
+        format!("{}..{}", bounds.min, bounds.max)
     }
 }

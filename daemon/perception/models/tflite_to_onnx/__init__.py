@@ -1,7 +1,7 @@
 """Convert the MediaPipe hand models from TensorFlow Lite to ONNX with the Python standard library alone.
 
 `flatbuffer` reads the .tflite file, `graph` translates its operators, `onnx` writes the result. Only the operators
-that these models use are known; anything else is refused by name. The same input gives the same bytes everywhere.
+that these models use are supported; any other is refused by its name. The same input gives the same bytes everywhere.
 """
 
 from .graph import ConversionError, convert

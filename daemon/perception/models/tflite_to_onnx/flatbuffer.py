@@ -1,6 +1,6 @@
 """Reads flatbuffers: just enough of the format for a .tflite file.
 
-A table starts with a signed offset back to its vtable; the vtable holds one 16-bit offset a field, 0 where the field
+A table starts with a signed offset back to its vtable; the vtable holds one 16-bit offset per field, 0 where the field
 is absent. See "FlatBuffer internals" in the FlatBuffers documentation.
 """
 
@@ -18,7 +18,7 @@ class Table:
 
     @classmethod
     def root(cls, buffer):
-        """The table that the file begins with."""
+        """The table at the beginning of the file."""
         return cls(buffer, struct.unpack_from("<I", buffer, 0)[0])
 
     def scalar(self, field, kind, default=0):

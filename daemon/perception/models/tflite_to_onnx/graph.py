@@ -1,7 +1,7 @@
 """Translates the operators of a .tflite graph to ONNX.
 
-Inputs and outputs keep TensorFlow's NHWC layout and their names; inside the graph pictures are NCHW, as ONNX wants
-them. Weights are stored as float16 with a DEQUANTIZE in front; they become float32 constants.
+Inputs and outputs keep TensorFlow's NHWC layout and their names; inside the graph pictures are NCHW, as ONNX requires.
+Weights are stored as float16 with a DEQUANTIZE after them; they become float32 constants.
 """
 
 import array
@@ -35,7 +35,7 @@ _NCHW_TO_NHWC = [0, 2, 3, 1]
 
 
 class ConversionError(Exception):
-    """The file is no .tflite model, or uses what the converter does not know."""
+    """The file is no .tflite model, or uses something that the converter does not support."""
 
 
 def convert(tflite):
@@ -65,7 +65,7 @@ def _permuted(data, shape, order):
 
 
 def _same_padding(size, kernel, stride, dilation=1):
-    """TensorFlow's SAME padding along one axis: (before, after), the odd one after."""
+    """TensorFlow's SAME padding along one axis: (before, after); an odd pixel goes after."""
     total = max((-(-size // stride) - 1) * stride + (kernel - 1) * dilation + 1 - size, 0)
     return total // 2, total - total // 2
 
@@ -148,7 +148,7 @@ class _Graph:
         values, stored = self._floats(index)
         key = (stored, tuple(shape or ()), tuple(order or ()))
         if key not in self.constants:
-            # The clip bounds count as one: the names are part of the bytes, so part of the checksums.
+            # The clip bounds count as one. The names are part of the bytes, and therefore of the checksums.
             name = "c%d_%d" % (stored, len(self.constants) + self.has_clip_bounds)
             own_shape = self.shapes[stored]
             if order:
@@ -176,7 +176,7 @@ class _Graph:
         _require(code in (_NO_ACTIVATION, _RELU), "fused activation %d" % code)
         return self._node("Relu" if code == _RELU else "Identity", [value], output)
 
-    # Operators: inputs and output are tensor numbers, options is the operator's option table
+    # Operators: inputs and output are tensor indices, options is the operator's option table
 
     def _dequantize(self, inputs, output, _options):
         _require(self.types[inputs[0]] == _FLOAT16 and self.data[inputs[0]], "DEQUANTIZE of other than float16 weights")
@@ -213,7 +213,7 @@ class _Graph:
         self._activated(options.scalar(activation_field, "b"), name + "p", name)
 
     def _prelu(self, inputs, output, _options):
-        # ONNX Runtime's PRelu takes 40 % of the palm model's time and breaks its blocked layout: a x + (1 - a) relu(x).
+        # As a x + (1 - a) relu(x): ONNX Runtime's PRelu takes 40 % of the palm model's time and breaks its blocked layout.
         name, picture = self._output(output), self.pictures[inputs[0]]
         shape = [self.shapes[inputs[0]][3], 1, 1]
         slope = self._constant(inputs[1], shape=shape)

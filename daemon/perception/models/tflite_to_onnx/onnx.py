@@ -8,10 +8,10 @@ import struct
 FLOAT = 1
 INT64 = 7
 
-# Smallest versions that know every operator used: opset 13, which came with IR version 7; 8 is what ONNX 1.10-1.12 wrote.
+# Opset 13 is the smallest that has every operator used here. It came with IR version 7; ONNX 1.10 to 1.12 wrote 8.
 OPSET = 13
 IR_VERSION = 8
-# Part of the bytes, so part of the checksums.
+# Part of the bytes, and therefore of the checksums.
 PRODUCER = "tflite2onnx_stdlib"
 
 _ATTRIBUTE_FLOAT, _ATTRIBUTE_INT, _ATTRIBUTE_STRING, _ATTRIBUTE_INTS = 1, 2, 3, 7

@@ -1,36 +1,39 @@
-//! The bench plane from a picture of markers whose places on the bench are known.
+//! The bench plane from a picture of markers whose positions on the bench are known.
 
-use super::plane::{Matrix, Plane, Point, apply, centre_of_corners};
+use super::plane::{Matrix, Plane, apply, centre_of_corners};
 use crate::config::{MarkerObject, MarkersConfig};
+use crate::dictionary::Dictionary;
 use crate::error::PerceptionError;
 use crate::image::ImageView;
-use crate::markers::{Dictionary, Marker, Markers};
+use crate::markers::{Marker, Markers};
 use crate::metric::{BenchFrame, Lens};
+use crate::points::{BenchPoint, PixelPoint};
 use opencv::core::{Point2d, Vector};
 use opencv::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// A homography has 8 unknowns, a point gives 2.
-const LEAST_MARKERS: usize = 4;
-/// Greatest relative error of a marker's sides. Corners are found to 0.1 px, which is 0.3 % of a marker of 30 px; a marker
-/// that lies 1 cm from where it is said to be, 40 cm from the next, makes 2.5 %.
-const MOST_SIDE_ERROR: f64 = 0.02;
-/// Greatest distance of a marker from where it is said to be, in metres: what a ruler on a bench gives.
-const MOST_CENTRE_ERROR_M: f64 = 0.003;
+/// A homography has 8 unknowns, and a point gives 2.
+const MIN_MARKERS: usize = 4;
+/// Maximum relative error of a marker's sides. Corners are found to 0.1 px, which is 0.3 % of a marker of 30 px. A marker that
+/// lies 1 cm from its stated position, 40 cm from the next, makes 2.5 %.
+const MAX_SIDE_ERROR: f64 = 0.02;
+/// Maximum distance of a marker from its stated position, in metres: the accuracy of a ruler on a bench.
+const MAX_CENTRE_ERROR_M: f64 = 0.003;
 
-/// Where a calibration is looked at, as shares of the picture: around its middle, where its markers lay.
+/// Where a calibration is compared with a lens, as shares of the picture: around its middle, where the markers lay.
 const GRID: [f64; 3] = [0.25, 0.5, 0.75];
-/// A camera sees its own calibration to this, in pixels: a lens bends the picture by less, and MOST_CENTRE_ERROR_M is as much.
-const MOST_REPROJECTION_PX: f64 = 2.0;
+/// A camera agrees with its own calibration to this, in pixels: a lens bends the picture by less, and `MAX_CENTRE_ERROR_M` is
+/// as much.
+const MAX_REPROJECTION_PX: f64 = 2.0;
 
-/// A marker that lies flat on the bench at a known place.
+/// A marker that lies flat on the bench at a known position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BenchMarker {
     /// Its id in the dictionary.
     pub id: u16,
-    /// Its centre in metres in the bench frame.
-    pub centre_m: [f64; 2],
+    /// Its centre.
+    pub centre: BenchPoint,
     /// Side of its black square in metres.
     pub side_m: f64,
 }
@@ -39,15 +42,15 @@ pub struct BenchMarker {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// Width of the pictures that it is for, in pixels.
+    /// Width in pixels of the pictures that it is for.
     pub width: usize,
-    /// Height of the pictures that it is for, in pixels.
+    /// Height in pixels of the pictures that it is for.
     pub height: usize,
     /// Homogeneous pixels to homogeneous metres in the bench frame.
     pub bench_from_image: [[f64; 3]; 3],
-    /// Greatest relative error of a marker's sides when it was made.
+    /// Maximum relative error of a marker's sides when it was made.
     pub side_error: f64,
-    /// Greatest distance of a marker from where it was said to be when it was made, in metres.
+    /// Maximum distance of a marker from its stated position when it was made, in metres.
     pub centre_error_m: f64,
 }
 
@@ -56,43 +59,43 @@ pub struct Calibration {
 pub enum CalibrationError {
     /// Too few markers were named.
     #[error(
-        "{0} markers are named for the calibration: at least {LEAST_MARKERS} are needed, no three of them in a line"
+        "{0} markers are named for the calibration: at least {MIN_MARKERS} are needed, no three of them in a line"
     )]
     TooFew(usize),
-    /// A marker has no place or no size.
+    /// A marker has no usable position or size, or is named twice.
     #[error(
-        "marker {0} of the calibration: its place and its side must be finite numbers, its side over 0 m, and its id named once"
+        "marker {0} of the calibration: its position and its side must be finite numbers, its side over 0 m, and its id named once"
     )]
     Marker(u16),
-    /// Markers were not seen.
+    /// Markers were not found in the picture.
     #[error(
-        "markers {0:?} are not to be seen in the picture: lay them flat, whole and well lit in the camera's view"
+        "markers {0:?} were not found in the picture: lay them flat, whole and well lit in the camera's view"
     )]
     NotSeen(Vec<u16>),
-    /// The markers do not fit their places.
+    /// A marker does not fit its stated position.
     #[error(
-        "marker {id} does not fit where it is said to lie (side off by {:.1} %, place by {:.1} mm): check ids, places and sides", 100.0 * side_error, 1000.0 * centre_error_m
+        "marker {id} does not fit its stated position (its side is off by {:.1} %, its position by {:.1} mm): check ids, positions and sides", 100.0 * side_error, 1000.0 * centre_error_m
     )]
     Residual {
-        /// The worst one.
+        /// The marker.
         id: u16,
-        /// Its relative error of a side.
+        /// Relative error of its sides.
         side_error: f64,
-        /// Its distance from where it is said to be, in metres.
+        /// Distance from its stated position, in metres.
         centre_error_m: f64,
     },
-    /// Three markers are in a line, or two in one place.
-    #[error("the markers' places give no plane: no three of them may be in a line")]
+    /// Three markers are in a line, or two at one position.
+    #[error("the positions of the markers give no plane: no three of them may be in a line")]
     Degenerate,
-    /// The places are those of a mirrored bench.
-    #[error("the markers' places are mirrored: x runs to the right and y away from the worker")]
+    /// The positions are those of a mirrored bench.
+    #[error("the positions of the markers are mirrored: x runs to the right and y away from the worker")]
     Mirrored,
-    /// It is that of another camera, or of another lens.
+    /// It was made with another camera or another lens.
     #[error(
-        "the calibration is {pixels:.1} px from what this camera can see: calibrate again with this camera and this size of picture"
+        "the calibration is {pixels:.1} px off for this camera: calibrate again with this camera and this size of picture"
     )]
     OtherCamera {
-        /// How far it is off in the picture.
+        /// How far it is off in the picture, in pixels.
         pixels: f64,
     },
     /// The picture could not be searched.
@@ -105,7 +108,7 @@ pub enum CalibrationError {
         path: PathBuf,
         /// `read` or `written`.
         verb: &'static str,
-        /// What the system says.
+        /// The system's reason.
         source: std::io::Error,
     },
     /// The file is no calibration.
@@ -150,24 +153,24 @@ impl Calibration {
             .map_err(|source| CalibrationError::File { path: path.into(), verb: "written", source })
     }
 
-    /// The bench frame of metric mode: where a camera with this lens must be to see the bench like that.
+    /// The bench frame of metric mode: where a camera with this lens must be for this calibration.
     ///
     /// # Errors
     /// [`CalibrationError::OtherCamera`], [`CalibrationError::Picture`].
     pub fn bench_frame(&self, lens: &Lens) -> Result<BenchFrame, CalibrationError> {
         let (width, height) = (self.width as f64, self.height as f64);
-        let pixels: Vec<Point> =
-            GRID.iter().flat_map(|&v| GRID.iter().map(move |&u| [u * width, v * height])).collect();
-        let places: Vec<Point> = pixels.iter().map(|&pixel| apply(&self.bench_from_image, pixel)).collect();
-        let frame = BenchFrame::from_points(&places, &pixels, lens)?;
-        match frame {
-            Some(frame) if frame.residual <= MOST_REPROJECTION_PX => Ok(frame),
-            Some(frame) => Err(CalibrationError::OtherCamera { pixels: frame.residual }),
+        let row = |v: f64| GRID.map(|u| PixelPoint::new(u * width, v * height));
+        let pixels = GRID.map(row).concat();
+        let points: Vec<BenchPoint> =
+            pixels.iter().map(|&pixel| apply(&self.bench_from_image, pixel)).collect();
+        match BenchFrame::from_points(&points, &pixels, lens)? {
+            Some((frame, reprojection_px)) if reprojection_px <= MAX_REPROJECTION_PX => Ok(frame),
+            Some((_, pixels)) => Err(CalibrationError::OtherCamera { pixels }),
             None => Err(CalibrationError::Degenerate),
         }
     }
 
-    /// None where the homography is singular or not finite.
+    /// `None` where the homography is singular or not finite.
     pub(crate) fn plane(&self) -> Option<Plane> {
         Plane::seen_through(self.bench_from_image, self.width, self.height)
     }
@@ -178,23 +181,23 @@ impl Calibration {
 /// The homography is fitted to the markers' centres; their sides, which it was not fitted to, tell whether it is right.
 ///
 /// # Errors
-/// [`CalibrationError`]; a calibration whose residuals are bad is refused.
+/// [`CalibrationError`]; a calibration whose residuals are too large is refused.
 pub fn calibrate(
     image: &ImageView<'_>,
     markers: &[BenchMarker],
     dictionary: Dictionary,
 ) -> Result<Calibration, CalibrationError> {
-    if markers.len() < LEAST_MARKERS {
+    if markers.len() < MIN_MARKERS {
         return Err(CalibrationError::TooFew(markers.len()));
     }
-    for (place, marker) in markers.iter().enumerate() {
-        let numbers = [marker.centre_m[0], marker.centre_m[1], marker.side_m];
-        let named_twice = markers[..place].iter().any(|other| other.id == marker.id);
-        if named_twice || marker.side_m <= 0.0 || !numbers.iter().all(|number| number.is_finite()) {
+    for (index, marker) in markers.iter().enumerate() {
+        let numbers = [marker.centre.x, marker.centre.y, marker.side_m];
+        let is_named_twice = markers[..index].iter().any(|other| other.id == marker.id);
+        if is_named_twice || marker.side_m <= 0.0 || !numbers.iter().all(|number| number.is_finite()) {
             return Err(CalibrationError::Marker(marker.id));
         }
     }
-    let pairs = see(image, markers, dictionary)?;
+    let pairs = find(image, markers, dictionary)?;
     let bench_from_image = fit(&pairs)?;
     let calibration = Calibration {
         width: image.width(),
@@ -207,11 +210,11 @@ pub fn calibrate(
     if is_mirrored(&plane, &pairs) {
         return Err(CalibrationError::Mirrored);
     }
-    judged(calibration, &plane, &pairs)
+    with_residuals(calibration, &plane, &pairs)
 }
 
-/// Every named marker with what was seen of it.
-fn see(
+/// Every named marker with its marker in the picture.
+fn find(
     image: &ImageView<'_>,
     markers: &[BenchMarker],
     dictionary: Dictionary,
@@ -219,11 +222,12 @@ fn see(
     let objects: Vec<_> =
         markers.iter().map(|marker| MarkerObject { id: marker.id, side_m: marker.side_m as f32 }).collect();
     let config = MarkersConfig { dictionary, objects, ..MarkersConfig::default() };
-    let seen = Markers::new(&config)?.find(image, None, |id| markers.iter().any(|marker| marker.id == id))?;
-    let found = |marker: &BenchMarker| seen.iter().find(|other| other.id == marker.id).copied();
-    let pairs: Vec<_> = markers.iter().filter_map(|marker| Some((*marker, found(marker)?))).collect();
+    let found =
+        Markers::new(&config)?.find(image, None, |id| markers.iter().any(|marker| marker.id == id))?;
+    let with_id = |marker: &BenchMarker| found.iter().find(|other| other.id == marker.id).copied();
+    let pairs: Vec<_> = markers.iter().filter_map(|marker| Some((*marker, with_id(marker)?))).collect();
     if pairs.len() < markers.len() {
-        let missing = markers.iter().filter(|marker| found(marker).is_none()).map(|marker| marker.id);
+        let missing = markers.iter().filter(|marker| with_id(marker).is_none()).map(|marker| marker.id);
         return Err(CalibrationError::NotSeen(missing.collect()));
     }
     Ok(pairs)
@@ -231,10 +235,10 @@ fn see(
 
 fn fit(pairs: &[(BenchMarker, Marker)]) -> Result<Matrix, CalibrationError> {
     let solve = || -> opencv::Result<Option<Matrix>> {
-        let point = |[x, y]: Point| Point2d::new(x, y);
-        let image: Vector<Point2d> =
-            pairs.iter().map(|(_, seen)| point(centre_of_corners(&seen.corners))).collect();
-        let bench: Vector<Point2d> = pairs.iter().map(|(known, _)| point(known.centre_m)).collect();
+        let centres = pairs.iter().map(|(_, found)| centre_of_corners(&found.corners));
+        let image: Vector<Point2d> = centres.map(|PixelPoint { x, y }| Point2d::new(x, y)).collect();
+        let bench: Vector<Point2d> =
+            pairs.iter().map(|(known, _)| Point2d::new(known.centre.x, known.centre.y)).collect();
         let matrix = opencv::calib3d::find_homography_ext_def(&image, &bench)?;
         if matrix.rows() != 3 || matrix.cols() != 3 {
             return Ok(None);
@@ -251,26 +255,25 @@ fn fit(pairs: &[(BenchMarker, Marker)]) -> Result<Matrix, CalibrationError> {
     solve().map_err(error)?.ok_or(CalibrationError::Degenerate)
 }
 
-/// A marker's corners run clockwise in the picture, so counter-clockwise with y up they must not run.
+/// A marker's corners run clockwise in the picture, where y is down, and therefore clockwise on the bench, where y is up.
 fn is_mirrored(plane: &Plane, pairs: &[(BenchMarker, Marker)]) -> bool {
-    pairs.iter().any(|(_, seen)| {
-        let [a, b, c, _] = seen.corners.map(|corner| plane.at(corner));
-        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) >= 0.0
+    pairs.iter().any(|(_, found)| {
+        let [a, b, c, _] = found.corners.map(|corner| plane.at(corner));
+        (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x) >= 0.0
     })
 }
 
 /// The calibration with its residuals, or why it is refused.
-fn judged(
+fn with_residuals(
     mut calibration: Calibration,
     plane: &Plane,
     pairs: &[(BenchMarker, Marker)],
 ) -> Result<Calibration, CalibrationError> {
-    for (known, seen) in pairs {
-        let side_error = side_error(plane, &seen.corners, known.side_m);
-        let centre_error_m =
-            distance(apply(&calibration.bench_from_image, centre_of_corners(&seen.corners)), known.centre_m);
+    for (known, found) in pairs {
+        let side_error = side_error(plane, &found.corners, known.side_m);
+        let centre_error_m = plane.at(centre_of_corners(&found.corners)).distance(known.centre);
         // Written so that NaN is refused.
-        if !(side_error <= MOST_SIDE_ERROR && centre_error_m <= MOST_CENTRE_ERROR_M) {
+        if !(side_error <= MAX_SIDE_ERROR && centre_error_m <= MAX_CENTRE_ERROR_M) {
             return Err(CalibrationError::Residual { id: known.id, side_error, centre_error_m });
         }
         calibration.side_error = calibration.side_error.max(side_error);
@@ -279,21 +282,17 @@ fn judged(
     Ok(calibration)
 }
 
-/// Greatest relative error of the two mean sides and the two diagonals.
-fn side_error(plane: &Plane, corners: &[Point; 4], side: f64) -> f64 {
+/// Maximum relative error of the two mean sides and the two diagonals.
+fn side_error(plane: &Plane, corners: &[PixelPoint; 4], side_m: f64) -> f64 {
     let [a, b, c, d] = corners.map(|corner| plane.at(corner));
-    let diagonal = side * std::f64::consts::SQRT_2;
+    let diagonal_m = side_m * std::f64::consts::SQRT_2;
     [
-        ((distance(a, b) + distance(d, c)) / 2.0, side),
-        ((distance(a, d) + distance(b, c)) / 2.0, side),
-        (distance(a, c), diagonal),
-        (distance(b, d), diagonal),
+        ((a.distance(b) + d.distance(c)) / 2.0, side_m),
+        ((a.distance(d) + b.distance(c)) / 2.0, side_m),
+        (a.distance(c), diagonal_m),
+        (b.distance(d), diagonal_m),
     ]
     .into_iter()
     .map(|(measured, known)| (measured / known - 1.0).abs())
     .fold(0.0, f64::max)
-}
-
-fn distance(a: Point, b: Point) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }

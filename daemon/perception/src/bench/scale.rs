@@ -1,10 +1,10 @@
 //! How much larger than on the bench plane a thing appears, settled over time.
 
-/// What of a deviation is noise, as a share of the size: corners to 0.1 px on a marker of 30 px.
+/// A deviation of about this share of the size is noise: corners to 0.1 px on a marker of 30 px.
 const NOISE: f64 = 0.004;
 
 /// The nearness of one thing: its size on the bench plane over the size it appears with; 1 on the plane, less above it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness(f64);
 
 impl Nearness {
@@ -12,8 +12,8 @@ impl Nearness {
         Self(measured)
     }
 
-    /// Takes a measurement in. What lies within the noise hardly moves it, so that a thing at rest stays at rest; what lies
-    /// outside is followed at once, so that a thing that is lifted does not lag.
+    /// Takes a measurement in. A deviation within the noise hardly moves the value, so that a thing at rest stays at rest; a
+    /// larger one is followed at once, so that a thing that is lifted does not lag.
     pub(crate) fn settle(&mut self, measured: f64) {
         let deviation = measured - self.0;
         let (signal, noise) = (deviation * deviation, NOISE * NOISE);

@@ -3,7 +3,7 @@
 use super::region::Region;
 use crate::image::ImageView;
 
-/// What lies outside the picture.
+/// The pixels outside the picture.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Border {
     /// Black.

@@ -1,6 +1,6 @@
 //! Hands by the MediaPipe models, in pixels.
 //!
-//! [`palm`] finds palms anywhere in the picture; [`models`] finds 21 landmarks in a [`region`] of it. A hand that has been
+//! [`palm`] finds palms anywhere in the picture, and [`models`] finds 21 landmarks in a [`region`] of it. A hand that was
 //! found is followed: the landmarks of one frame give the region of the next ([`tracker`]), and palm detection rests.
 
 mod crop;

@@ -6,7 +6,7 @@ use super::region::Region;
 use super::runtime;
 use crate::config::{HandsConfig, ModelSize};
 use crate::detections::LANDMARKS;
-use crate::error::PerceptionError;
+use crate::error::{PerceptionError, RuntimeFile};
 use crate::image::ImageView;
 use ort::session::{Session, SessionOutputs};
 use ort::value::TensorRef;
@@ -14,23 +14,21 @@ use std::path::Path;
 
 /// Side of the landmark model's input in pixels.
 const INPUT: usize = 224;
-const PALM: &str = "the palm model";
-const LANDMARK: &str = "the hand landmark model";
 
-/// What the landmark model says of a region.
+/// What the landmark model finds in a region.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Landmarks {
-    /// In pixels of the picture.
-    pub(crate) points: [[f32; 2]; LANDMARKS],
-    /// The hand's shape in metres, as [`HandDetection::shape_m`](crate::detections::HandDetection::shape_m).
-    pub(crate) shape: [[f32; 3]; LANDMARKS],
-    /// That there is a hand, 0..1.
+    /// As [`HandDetection::landmarks_px`](crate::detections::HandDetection::landmarks_px).
+    pub(crate) points_px: [[f32; 2]; LANDMARKS],
+    /// As [`HandDetection::shape_m`](crate::detections::HandDetection::shape_m).
+    pub(crate) shape_m: [[f32; 3]; LANDMARKS],
+    /// Probability that there is a hand, 0..1.
     pub(crate) presence: f32,
-    /// That it is a right one, 0..1.
+    /// Probability that it is a right hand, 0..1.
     pub(crate) right: f32,
 }
 
-/// Sees hands in pictures. The tracker asks it; tests put a scripted one in its place.
+/// The models behind the tracker. Tests put scripted ones in their place.
 pub(crate) trait HandModels {
     /// Palms anywhere in the picture, best first.
     fn palms(&mut self, image: &ImageView<'_>) -> Result<Palms, PerceptionError>;
@@ -43,7 +41,7 @@ pub(crate) struct OnnxModels {
     palm: Session,
     landmark: Session,
     decoder: PalmDecoder,
-    least_palm_score: f32,
+    min_palm_score: f32,
     palm_input: Vec<f32>,
     landmark_input: Vec<f32>,
 }
@@ -62,10 +60,10 @@ impl OnnxModels {
             },
         );
         Ok(Self {
-            palm: runtime::session(&environment, folder, palm, PALM)?,
-            landmark: runtime::session(&environment, folder, landmark, LANDMARK)?,
+            palm: runtime::session(&environment, folder, palm, RuntimeFile::PalmModel)?,
+            landmark: runtime::session(&environment, folder, landmark, RuntimeFile::LandmarkModel)?,
             decoder: PalmDecoder::new(),
-            least_palm_score: config.least_palm_score,
+            min_palm_score: config.min_palm_score,
             palm_input: vec![0.0; palm::INPUT * palm::INPUT * 3],
             landmark_input: vec![0.0; INPUT * INPUT * 3],
         })
@@ -76,30 +74,30 @@ impl HandModels for OnnxModels {
     fn palms(&mut self, image: &ImageView<'_>) -> Result<Palms, PerceptionError> {
         let whole = Region::whole(image.width(), image.height());
         crop(image, whole, palm::INPUT, Border::Black, &mut self.palm_input);
-        let outputs = run(&mut self.palm, PALM, palm::INPUT, &self.palm_input)?;
+        let outputs = run(&mut self.palm, RuntimeFile::PalmModel, palm::INPUT, &self.palm_input)?;
         let candidates = self.decoder.candidates();
-        let boxes = output(&outputs, PALM, "Identity", 18 * candidates)?;
-        let logits = output(&outputs, PALM, "Identity_1", candidates)?;
-        Ok(self.decoder.decode(boxes, logits, self.least_palm_score, whole))
+        let boxes = output(&outputs, RuntimeFile::PalmModel, "Identity", 18 * candidates)?;
+        let logits = output(&outputs, RuntimeFile::PalmModel, "Identity_1", candidates)?;
+        Ok(self.decoder.decode(boxes, logits, self.min_palm_score, whole))
     }
 
     fn landmarks(&mut self, image: &ImageView<'_>, region: Region) -> Result<Landmarks, PerceptionError> {
         crop(image, region, INPUT, Border::Nearest, &mut self.landmark_input);
-        let outputs = run(&mut self.landmark, LANDMARK, INPUT, &self.landmark_input)?;
-        let points = output(&outputs, LANDMARK, "Identity", 3 * LANDMARKS)?;
-        let presence = output(&outputs, LANDMARK, "Identity_1", 1)?[0];
-        let right = output(&outputs, LANDMARK, "Identity_2", 1)?[0];
+        let outputs = run(&mut self.landmark, RuntimeFile::LandmarkModel, INPUT, &self.landmark_input)?;
+        let points = output(&outputs, RuntimeFile::LandmarkModel, "Identity", 3 * LANDMARKS)?;
+        let presence = output(&outputs, RuntimeFile::LandmarkModel, "Identity_1", 1)?[0];
+        let right = output(&outputs, RuntimeFile::LandmarkModel, "Identity_2", 1)?[0];
         let point = |index: usize| [points[3 * index] / INPUT as f32, points[3 * index + 1] / INPUT as f32];
-        let shape = output(&outputs, LANDMARK, "Identity_3", 3 * LANDMARKS)?;
-        // The model sees the hand upright.
+        let shape = output(&outputs, RuntimeFile::LandmarkModel, "Identity_3", 3 * LANDMARKS)?;
+        // The model sees the hand upright: its shape is turned back.
         let (sin, cos) = region.rotation.sin_cos();
         let turned = |index: usize| {
             let [x, y, z] = [0, 1, 2].map(|axis| shape[3 * index + axis]);
             [cos * x - sin * y, sin * x + cos * y, z]
         };
         Ok(Landmarks {
-            points: std::array::from_fn(|index| region.to_image(point(index))),
-            shape: std::array::from_fn(turned),
+            points_px: std::array::from_fn(|index| region.to_image(point(index))),
+            shape_m: std::array::from_fn(turned),
             presence,
             right,
         })
@@ -108,7 +106,7 @@ impl HandModels for OnnxModels {
 
 fn run<'s>(
     session: &'s mut Session,
-    what: &'static str,
+    what: RuntimeFile,
     size: usize,
     input: &[f32],
 ) -> Result<SessionOutputs<'s>, PerceptionError> {
@@ -117,10 +115,10 @@ fn run<'s>(
     session.run(ort::inputs![input]).map_err(failed)
 }
 
-/// An output of the model by name, of a known length.
+/// An output of the model by its name, with a known length.
 fn output<'o>(
     outputs: &'o SessionOutputs<'_>,
-    what: &'static str,
+    what: RuntimeFile,
     name: &str,
     length: usize,
 ) -> Result<&'o [f32], PerceptionError> {

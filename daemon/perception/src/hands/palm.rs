@@ -1,18 +1,18 @@
-//! Reads the palm model's output (`palm_detection_cpu.pbtxt`).
+//! Reads the palm model's output (MediaPipe's `palm_detection_cpu.pbtxt`).
 
-use crate::hands::region::Region;
+use super::region::{Region, upright};
 use heapless::Vec;
 
 /// Side of the model's input in pixels.
 pub(super) const INPUT: usize = 192;
-/// Numbers a candidate: box centre and size, then seven points.
+/// Numbers per candidate: box centre and size, then seven points.
 const NUMBERS: usize = 18;
 /// Candidates that overlap more than this are one palm.
 const SAME_PALM: f32 = 0.3;
-/// Palms that are kept: two workers' hands, to choose from.
+/// Maximum number of palms that are kept: the hands of two workers, to choose from.
 const PALMS: usize = 4;
 
-/// A palm, in pixels.
+/// A palm: in pixels of the picture, or while it is decoded 0..1 on both axes of the model's input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Palm {
     pub(crate) score: f32,
@@ -20,6 +20,17 @@ pub(crate) struct Palm {
     pub(crate) bounds: [f32; 4],
     /// 0 wrist, 1 index, 2 middle, 3 ring, 4 little knuckle, 5 and 6 thumb.
     pub(crate) keypoints: [[f32; 2]; 7],
+}
+
+impl Palm {
+    /// Where its hand is (MediaPipe's `palm_detection_detection_to_roi`).
+    pub(super) fn region(&self) -> Region {
+        let [left, top, right, bottom] = self.bounds;
+        // Wrist and middle knuckle.
+        let rotation = upright(self.keypoints[0], self.keypoints[2]);
+        let centre = [(left + right) / 2.0, (top + bottom) / 2.0];
+        Region::grown(centre, [right - left, bottom - top], rotation, 2.6, 0.5)
+    }
 }
 
 /// Palms of one frame, best first.
@@ -38,17 +49,17 @@ impl PalmDecoder {
         Self { anchors, candidates }
     }
 
-    /// Candidates the model gives.
+    /// Number of candidates that the model gives.
     pub(super) fn candidates(&self) -> usize {
         self.anchors.len()
     }
 
-    /// `boxes` has 18 numbers a candidate in pixels of the input, relative to its anchor; `logits` one.
-    pub(super) fn decode(&mut self, boxes: &[f32], logits: &[f32], least_score: f32, whole: Region) -> Palms {
+    /// `boxes` has 18 numbers per candidate, in pixels of the input and relative to its anchor; `logits` has one.
+    pub(super) fn decode(&mut self, boxes: &[f32], logits: &[f32], min_score: f32, whole: Region) -> Palms {
         self.candidates.clear();
         for ((numbers, logit), anchor) in boxes.chunks_exact(NUMBERS).zip(logits).zip(&self.anchors) {
             let score = 1.0 / (1.0 + (-logit.clamp(-100.0, 100.0)).exp());
-            if score >= least_score {
+            if score >= min_score {
                 self.candidates.push(candidate(score, numbers, *anchor));
             }
         }
@@ -71,7 +82,7 @@ fn anchors() -> std::vec::Vec<[f32; 2]> {
     for (stride, each) in [(8, 2), (16, 6)] {
         let cells = INPUT / stride;
         for cell in 0..cells * cells {
-            let centre = [cell % cells, cell / cells].map(|place| (place as f32 + 0.5) / cells as f32);
+            let centre = [cell % cells, cell / cells].map(|index| (index as f32 + 0.5) / cells as f32);
             anchors.extend(std::iter::repeat_n(centre, each));
         }
     }
@@ -91,7 +102,7 @@ fn candidate(score: f32, numbers: &[f32], anchor: [f32; 2]) -> Palm {
     }
 }
 
-/// The mean of all candidates of one palm, weighted by their scores; with the best one's score.
+/// The mean of all candidates of one palm, weighted by their scores, with the best score.
 fn merged(candidates: &[Palm], best: &Palm) -> Palm {
     let mut sum = Palm { score: best.score, bounds: [0.0; 4], keypoints: [[0.0; 2]; 7] };
     let mut weight = 0.0;

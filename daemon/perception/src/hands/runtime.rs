@@ -1,6 +1,6 @@
 //! ONNX Runtime and the model files: checked, then loaded.
 
-use crate::error::PerceptionError;
+use crate::error::{PerceptionError, RuntimeFile};
 use ort::environment::Environment;
 use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
@@ -8,11 +8,11 @@ use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// `models/provision.py` makes exactly these files.
+/// The files that `models/provision.py` makes.
 const CHECKSUMS: &str = include_str!("../../models/SHA256SUMS");
 const LIBRARY: &str = "libonnxruntime.so";
 
-/// One a process, for as long as it runs: ONNX Runtime allows no second.
+/// One per process, for as long as it runs: ONNX Runtime allows no second one.
 static ENVIRONMENT: Mutex<Option<Environment>> = Mutex::new(None);
 
 /// Loads ONNX Runtime from a folder. A process that has loaded it keeps the one it has.
@@ -21,8 +21,8 @@ pub(super) fn environment(folder: &Path) -> Result<Environment, PerceptionError>
     if let Some(environment) = &*loaded {
         return Ok(environment.clone());
     }
-    let what = "ONNX Runtime";
-    // Loading a library that is cut short kills the process: it is checked first.
+    let what = RuntimeFile::OnnxRuntime;
+    // It is checked first, because loading a library that is cut short kills the process.
     let (path, _) = checked(folder, LIBRARY, what)?;
     let refused = |reason: String| PerceptionError::Refused { what, path: path.clone(), reason };
     let environment = ort::init_from(&path)
@@ -39,7 +39,7 @@ pub(super) fn session(
     environment: &Environment,
     folder: &Path,
     file: &str,
-    what: &'static str,
+    what: RuntimeFile,
 ) -> Result<Session, PerceptionError> {
     let (path, bytes) = checked(folder, file, what)?;
     let load = || -> ort::Result<Session> {
@@ -52,8 +52,8 @@ pub(super) fn session(
     load().map_err(|error| PerceptionError::Refused { what, path, reason: error.to_string() })
 }
 
-/// The path and the bytes of a file that is whole.
-fn checked(folder: &Path, file: &str, what: &'static str) -> Result<(PathBuf, Vec<u8>), PerceptionError> {
+/// The path and the bytes of a file that has its pinned checksum.
+fn checked(folder: &Path, file: &str, what: RuntimeFile) -> Result<(PathBuf, Vec<u8>), PerceptionError> {
     let path = folder.join(file);
     let bytes = match std::fs::read(&path) {
         Ok(bytes) => bytes,

@@ -1,17 +1,17 @@
-//! Which hand a track is, decided over time.
+//! Whether a track is a right or a left hand, decided over time.
 
 use crate::detections::Side;
 
-/// One look counts this much at most, in log odds: a model that is sure and wrong must be so for several frames.
-const MOST_A_LOOK: f32 = 2.0;
-/// What has been gathered never counts more than this: five sure looks, so that a real mistake can be mended.
-const MOST_GATHERED: f32 = 10.0;
-/// Under this nothing is said yet: odds of 3 to 1.
+/// Maximum weight of one look, in log odds: a model that is sure and wrong must be so for several frames.
+const MAX_PER_LOOK: f32 = 2.0;
+/// Maximum weight of all looks together: five sure ones, so that a mistake can be corrected.
+const MAX_EVIDENCE: f32 = 10.0;
+/// The evidence that decides a side: odds of 3 to 1.
 const DECIDED: f32 = 1.1;
-/// What is decided is only taken back by this much evidence for the contrary.
-const TAKEN_BACK: f32 = 4.0;
+/// The evidence for the other side that reverses a decision.
+const REVERSED: f32 = 4.0;
 
-/// What is known of the side of one hand.
+/// The evidence for the side of one hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Evidence {
     /// Log odds that it is a right hand.
@@ -20,12 +20,12 @@ pub(crate) struct Evidence {
 }
 
 impl Evidence {
-    /// One more look: the probability that it is a right hand.
+    /// Takes in one look: the probability that it is a right hand.
     pub(crate) fn look(&mut self, right: f32) {
-        let odds = (right / (1.0 - right)).ln().clamp(-MOST_A_LOOK, MOST_A_LOOK);
-        // A probability of exactly 0 or 1 has infinite odds and is clamped; NaN says nothing.
+        let odds = (right / (1.0 - right)).ln().clamp(-MAX_PER_LOOK, MAX_PER_LOOK);
+        // The infinite odds of a probability of exactly 0 or 1 are clamped; NaN is no evidence.
         if !odds.is_nan() {
-            self.right = (self.right + odds).clamp(-MOST_GATHERED, MOST_GATHERED);
+            self.right = (self.right + odds).clamp(-MAX_EVIDENCE, MAX_EVIDENCE);
         }
     }
 
@@ -34,29 +34,29 @@ impl Evidence {
         self.side = settled(self.side, self.right);
     }
 
-    /// Decides the sides of the two hands in a frame: one is a right and one a left one, by which is the righter.
+    /// Decides the sides of the two hands in a frame. One is right and one is left; the evidence is compared.
     pub(crate) fn settle_pair(&mut self, other: &mut Self) {
         let apart = matches!((self.side, other.side), (Some(a), Some(b)) if a != b);
         let before = if apart { self.side } else { None };
-        // Where nothing tells them apart, the one that was decided first keeps its side.
+        // If the evidence does not decide, the hand whose side was decided first keeps it.
         let side = settled(before, self.right - other.right).or(self.side).or(other.side.map(Side::other));
         self.side = side;
         other.side = side.map(Side::other);
     }
 
-    /// The side, once it is decided.
+    /// The side, if it is decided.
     pub(crate) fn side(&self) -> Option<Side> {
         self.side
     }
 }
 
-/// The side after the log odds for the right one are `right`.
+/// The side when the log odds for a right hand are `right`.
 fn settled(before: Option<Side>, right: f32) -> Option<Side> {
     match before {
         None if right.abs() < DECIDED => None,
         None => Some(likelier(right)),
-        Some(Side::Right) if right < -TAKEN_BACK => Some(Side::Left),
-        Some(Side::Left) if right > TAKEN_BACK => Some(Side::Right),
+        Some(Side::Right) if right < -REVERSED => Some(Side::Left),
+        Some(Side::Left) if right > REVERSED => Some(Side::Right),
         kept => kept,
     }
 }

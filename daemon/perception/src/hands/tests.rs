@@ -1,15 +1,16 @@
-//! The tracker on scripted models: hands are where the script says, and every question is counted.
+//! The tracker on scripted models: hands are where the script says, and every palm detection is counted.
 
 #![allow(clippy::unwrap_used)]
 
 use super::models::{HandModels, Landmarks};
 use super::palm::{Palm, Palms};
 use super::region::Region;
-use super::tracker::{Tracked, Tracker};
+use super::tracker::{Found, Tracker};
 use crate::config::HandsConfig;
-use crate::detections::{LANDMARKS, Side, Spent};
+use crate::detections::{HANDS, LANDMARKS, Side, Spent};
 use crate::error::PerceptionError;
-use crate::image::{ImageView, PixelFormat};
+use crate::image::ImageView;
+use crate::pixel_format::PixelFormat;
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -19,14 +20,14 @@ const FRAME_NS: u64 = 33_333_333;
 #[derive(Clone, Copy)]
 struct Scripted {
     wrist: [f32; 2],
-    /// What the model says of its side.
+    /// The model's probability that it is a right hand.
     right: f32,
 }
 
 #[derive(Default)]
 struct Script {
     hands: Vec<Scripted>,
-    palm_questions: usize,
+    palm_detections: usize,
     /// The next landmarks lie this far beside the hand.
     slip: f32,
 }
@@ -37,7 +38,7 @@ struct Models(Rc<RefCell<Script>>);
 impl HandModels for Models {
     fn palms(&mut self, _: &ImageView<'_>) -> Result<Palms, PerceptionError> {
         let mut script = self.0.borrow_mut();
-        script.palm_questions += 1;
+        script.palm_detections += 1;
         Ok(script.hands.iter().map(|hand| palm(hand.wrist)).collect())
     }
 
@@ -51,14 +52,14 @@ impl HandModels for Models {
         let nearest = script.hands.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         Ok(match nearest.filter(|hand| away(hand) < region.side / 2.0) {
             Some(hand) => Landmarks {
-                points: landmarks([hand.wrist[0] + slip, hand.wrist[1]]),
-                shape: [[0.0; 3]; LANDMARKS],
+                points_px: landmarks([hand.wrist[0] + slip, hand.wrist[1]]),
+                shape_m: [[0.0; 3]; LANDMARKS],
                 presence: 0.9,
                 right: hand.right,
             },
             None => Landmarks {
-                points: landmarks(region.centre),
-                shape: [[0.0; 3]; LANDMARKS],
+                points_px: landmarks(region.centre),
+                shape_m: [[0.0; 3]; LANDMARKS],
                 presence: 0.1,
                 right: 0.5,
             },
@@ -104,19 +105,19 @@ impl Bench {
         Self { tracker: Tracker::new(script.clone(), config), script, now_ns: 0 }
     }
 
-    fn frame(&mut self, hands: &[Scripted]) -> Tracked {
+    fn frame(&mut self, hands: &[Scripted]) -> heapless::Vec<Found, HANDS> {
         self.frame_after(1, hands)
     }
 
-    fn frame_after(&mut self, frames: u64, hands: &[Scripted]) -> Tracked {
+    fn frame_after(&mut self, frames: u64, hands: &[Scripted]) -> heapless::Vec<Found, HANDS> {
         self.now_ns += frames * FRAME_NS;
         self.script.0.borrow_mut().hands = hands.to_vec();
         let image = ImageView::new(1280, 720, 1280, PixelFormat::Gray8, &[0; 1280 * 720]).unwrap();
         self.tracker.step(&image, self.now_ns, &mut Spent::default()).unwrap()
     }
 
-    fn palm_questions(&self) -> usize {
-        self.script.0.borrow().palm_questions
+    fn palm_detections(&self) -> usize {
+        self.script.0.borrow().palm_detections
     }
 }
 
@@ -124,36 +125,36 @@ fn hand(x: f32, right: f32) -> Scripted {
     Scripted { wrist: [x, 500.0], right }
 }
 
-fn sides(tracked: &Tracked) -> Vec<Side> {
-    tracked.hands.iter().map(|hand| hand.side).collect()
+fn sides(hands: &[Found]) -> Vec<Side> {
+    hands.iter().map(|hand| hand.side).collect()
 }
 
 #[test]
 fn a_hand_that_is_followed_needs_no_palm_detection() {
     let mut bench = Bench::wanting(&[Side::Right]);
     for frame in 0..50 {
-        let tracked = bench.frame(&[hand(300.0 + 5.0 * frame as f32, 0.9)]);
-        assert_eq!(tracked.hands[0].landmarks, landmarks([300.0 + 5.0 * frame as f32, 500.0]));
+        let hands = bench.frame(&[hand(300.0 + 5.0 * frame as f32, 0.9)]);
+        assert_eq!(hands[0].landmarks_px, landmarks([300.0 + 5.0 * frame as f32, 500.0]));
     }
-    assert_eq!(bench.palm_questions(), 1);
+    assert_eq!(bench.palm_detections(), 1);
 }
 
 #[test]
 fn a_lost_hand_is_looked_for_in_the_same_frame() {
     let mut bench = Bench::wanting(&[Side::Right]);
     bench.frame(&[hand(300.0, 0.9)]);
-    let tracked = bench.frame(&[hand(900.0, 0.9)]);
-    assert_eq!(tracked.hands[0].landmarks[0], [900.0, 500.0]);
-    assert_eq!(bench.palm_questions(), 2);
+    let hands = bench.frame(&[hand(900.0, 0.9)]);
+    assert_eq!(hands[0].landmarks_px[0], [900.0, 500.0]);
+    assert_eq!(bench.palm_detections(), 2);
 }
 
 #[test]
 fn an_empty_bench_is_searched_on_every_frame() {
     let mut bench = Bench::wanting(&[Side::Right]);
     for _ in 0..7 {
-        assert!(bench.frame(&[]).hands.is_empty());
+        assert!(bench.frame(&[]).is_empty());
     }
-    assert_eq!(bench.palm_questions(), 7);
+    assert_eq!(bench.palm_detections(), 7);
 }
 
 #[test]
@@ -162,20 +163,19 @@ fn wanting_two_hands_with_one_in_view_searches_every_tenth_frame() {
     for _ in 0..101 {
         assert_eq!(sides(&bench.frame(&[hand(300.0, 0.9)])), [Side::Right]);
     }
-    assert_eq!(bench.palm_questions(), 11);
-    let found = (0..10)
-        .map(|_| bench.frame(&[hand(300.0, 0.9), hand(900.0, 0.1)]))
-        .find(|tracked| tracked.hands.len() == 2);
+    assert_eq!(bench.palm_detections(), 11);
+    let found =
+        (0..10).map(|_| bench.frame(&[hand(300.0, 0.9), hand(900.0, 0.1)])).find(|hands| hands.len() == 2);
     assert_eq!(sides(&found.unwrap()), [Side::Right, Side::Left]);
 }
 
 #[test]
-fn a_hand_nobody_wants_is_not_reported_and_does_not_keep_palm_detection_busy() {
+fn an_unwanted_hand_is_not_reported_and_does_not_keep_palm_detection_busy() {
     let mut bench = Bench::wanting(&[Side::Right]);
     for _ in 0..40 {
-        assert!(bench.frame(&[hand(300.0, 0.1)]).hands.is_empty());
+        assert!(bench.frame(&[hand(300.0, 0.1)]).is_empty());
     }
-    assert_eq!(bench.palm_questions(), 4);
+    assert_eq!(bench.palm_detections(), 4);
     assert!((0..10).any(|_| sides(&bench.frame(&[hand(300.0, 0.1), hand(900.0, 0.9)])) == [Side::Right]));
 }
 
@@ -185,17 +185,18 @@ fn after_dropped_frames_palm_detection_runs_and_the_hand_keeps_its_side() {
     for _ in 0..10 {
         bench.frame(&[hand(300.0, 0.99)]);
     }
-    let tracked = bench.frame_after(6, &[hand(380.0, 0.3)]);
-    assert!(tracked.after_gap && tracked.palm_detection_ran);
-    assert_eq!(sides(&tracked), [Side::Right]);
-    assert_eq!(tracked.hands[0].landmarks[0], [380.0, 500.0]);
-    assert!(!bench.frame(&[hand(380.0, 0.3)]).after_gap);
+    let hands = bench.frame_after(6, &[hand(380.0, 0.3)]);
+    assert_eq!(bench.palm_detections(), 2);
+    assert_eq!(sides(&hands), [Side::Right]);
+    assert_eq!(hands[0].landmarks_px[0], [380.0, 500.0]);
+    bench.frame(&[hand(380.0, 0.3)]);
+    assert_eq!(bench.palm_detections(), 2);
 }
 
 #[test]
 fn a_side_does_not_flicker_when_the_model_wavers() {
     let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
-    // Three sure looks, then two of five say the contrary.
+    // Three sure looks, then two of five say the opposite.
     for frame in 0..200 {
         let right = if frame >= 3 && frame % 5 < 2 { 0.05 } else { 0.95 };
         assert_eq!(sides(&bench.frame(&[hand(300.0, right)])), [Side::Right], "frame {frame}");
@@ -203,7 +204,7 @@ fn a_side_does_not_flicker_when_the_model_wavers() {
 }
 
 #[test]
-fn a_side_that_was_wrong_is_mended() {
+fn a_side_that_was_wrong_is_corrected() {
     let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
     for _ in 0..3 {
         assert_eq!(sides(&bench.frame(&[hand(300.0, 0.1)])), [Side::Left]);
@@ -217,16 +218,15 @@ fn a_side_that_was_wrong_is_mended() {
 #[test]
 fn a_hand_whose_side_is_unclear_is_not_reported() {
     let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
-    assert!(bench.frame(&[hand(300.0, 0.55)]).hands.is_empty());
+    assert!(bench.frame(&[hand(300.0, 0.55)]).is_empty());
 }
 
 #[test]
 fn two_hands_never_have_the_same_side() {
     let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
     for frame in 0..60 {
-        let tracked = bench.frame(&[hand(300.0, 0.7), hand(900.0, 0.99)]);
-        let mut seen: Vec<_> =
-            tracked.hands.iter().map(|hand| (hand.landmarks[0][0] as i32, hand.side)).collect();
+        let hands = bench.frame(&[hand(300.0, 0.7), hand(900.0, 0.99)]);
+        let mut seen: Vec<_> = hands.iter().map(|hand| (hand.landmarks_px[0][0] as i32, hand.side)).collect();
         seen.sort();
         assert_eq!(seen, [(300, Side::Left), (900, Side::Right)], "frame {frame}");
     }
@@ -247,9 +247,9 @@ fn landmarks_that_leap_are_looked_at_again() {
     let mut bench = Bench::wanting(&[Side::Right]);
     bench.frame(&[hand(300.0, 0.9)]);
     bench.script.0.borrow_mut().slip = 200.0;
-    let tracked = bench.frame(&[hand(300.0, 0.9)]);
-    assert!(tracked.palm_detection_ran);
-    assert_eq!(tracked.hands[0].landmarks[0], [300.0, 500.0]);
+    let hands = bench.frame(&[hand(300.0, 0.9)]);
+    assert_eq!(bench.palm_detections(), 2);
+    assert_eq!(hands[0].landmarks_px[0], [300.0, 500.0]);
 }
 
 #[test]

@@ -12,31 +12,23 @@ use std::time::Instant;
 
 /// Two regions that overlap more than this hold the same hand (MediaPipe's `min_similarity_threshold`).
 const SAME_HAND: f32 = 0.5;
-/// A lost hand is taken for the same one when it is found again within this time, in nanoseconds...
+/// A lost hand keeps its side if it is found again within this time, in nanoseconds, and in a region that overlaps its old one.
 const REMEMBERED_NS: u64 = 1_000_000_000;
-/// ...and where it was: a hand at 1 m/s has left its region by then.
-const SAME_PLACE: f32 = 0.1;
-/// A hand's region moves by less than this share of its side from one frame to the next: 2 m/s at 30 fps, for a region of
+/// Minimum overlap of the old region and the new one: a hand at 1 m/s has left its region within `REMEMBERED_NS`.
+const REMEMBERED_OVERLAP: f32 = 0.1;
+/// Maximum shift of a hand's region from one frame to the next, as a share of its side: 2 m/s at 30 fps, for a region of
 /// 0.3 m, are 0.22.
-const MOST_SHIFT: f32 = 0.5;
-/// Nor does its side change by more than this factor: an opening fist changes by 1.3 in a frame.
-const MOST_GROWTH: f32 = 1.6;
+const MAX_SHIFT: f32 = 0.5;
+/// Maximum factor by which its side changes from one frame to the next: an opening fist changes by 1.3.
+const MAX_GROWTH: f32 = 1.6;
 
-/// A hand of the frame.
+/// A hand of a frame; fields as in [`HandDetection`](crate::detections::HandDetection).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Found {
     pub(crate) side: Side,
     pub(crate) score: f32,
-    pub(crate) landmarks: [[f32; 2]; LANDMARKS],
-    pub(crate) shape: [[f32; 3]; LANDMARKS],
-}
-
-/// What the tracker saw in a frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Tracked {
-    pub(crate) hands: Vec<Found, HANDS>,
-    pub(crate) palm_detection_ran: bool,
-    pub(crate) after_gap: bool,
+    pub(crate) landmarks_px: [[f32; 2]; LANDMARKS],
+    pub(crate) shape_m: [[f32; 3]; LANDMARKS],
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +47,7 @@ struct Lost {
     since_ns: u64,
 }
 
-/// Follows at most two hands.
+/// Follows up to two hands.
 pub(crate) struct Tracker<M> {
     models: M,
     config: HandsConfig,
@@ -77,13 +69,16 @@ impl<M: HandModels> Tracker<M> {
         }
     }
 
-    /// The hands of one frame. Frames come in order of their time.
+    /// The wanted hands of one frame. Frames come in order of their time.
+    ///
+    /// # Errors
+    /// [`PerceptionError::Inference`].
     pub(crate) fn step(
         &mut self,
         image: &ImageView<'_>,
         captured_ns: u64,
         spent: &mut Spent,
-    ) -> Result<Tracked, PerceptionError> {
+    ) -> Result<Vec<Found, HANDS>, PerceptionError> {
         let after_gap = self.previous_ns.is_some_and(|previous| {
             captured_ns.saturating_sub(previous) > u64::from(self.config.gap_ms) * 1_000_000
         });
@@ -91,37 +86,42 @@ impl<M: HandModels> Tracker<M> {
         self.lost.retain(|lost| captured_ns.saturating_sub(lost.since_ns) <= REMEMBERED_NS);
 
         let followed = self.tracks.len();
+        self.frames_since_search += 1;
         if after_gap {
-            // Where a hand was tells little now: what palm detection finds comes first, the old regions after it.
-            let old = std::mem::take(&mut self.tracks);
-            for track in &old {
-                self.remember(track, captured_ns);
-            }
-            self.search(image, spent)?;
-            for track in old {
-                self.look(image, track.region, spent)?;
-            }
+            self.search_after_gap(image, captured_ns, spent)?;
         } else {
             self.follow(image, captured_ns, spent)?;
-        }
-        let mut palm_detection_ran = after_gap;
-        self.frames_since_search += 1;
-        if !after_gap && self.must_search(followed) {
-            self.search(image, spent)?;
-            palm_detection_ran = true;
-        }
-        if palm_detection_ran {
-            self.frames_since_search = 0;
+            if self.must_search(followed) {
+                self.search(image, spent)?;
+            }
         }
         match self.tracks.as_mut_slice() {
             [first, second] => first.evidence.settle_pair(&mut second.evidence),
             tracks => tracks.iter_mut().for_each(|track| track.evidence.settle()),
         }
         self.drop_unwanted();
-        Ok(Tracked { hands: self.found(), palm_detection_ran, after_gap })
+        Ok(self.found())
     }
 
-    /// Looks for every followed hand where it was expected; one that is not there is lost.
+    /// Searches the whole picture first, because the old regions say little after a gap, and looks into these afterwards.
+    fn search_after_gap(
+        &mut self,
+        image: &ImageView<'_>,
+        captured_ns: u64,
+        spent: &mut Spent,
+    ) -> Result<(), PerceptionError> {
+        let old = std::mem::take(&mut self.tracks);
+        for track in &old {
+            self.remember(track, captured_ns);
+        }
+        self.search(image, spent)?;
+        for track in old {
+            self.look(image, track.region, spent)?;
+        }
+        Ok(())
+    }
+
+    /// Looks for every followed hand where it is expected; a hand that is not there is lost.
     fn follow(
         &mut self,
         image: &ImageView<'_>,
@@ -130,9 +130,9 @@ impl<M: HandModels> Tracker<M> {
     ) -> Result<(), PerceptionError> {
         for track in std::mem::take(&mut self.tracks) {
             let seen = self.landmarks(image, track.region, spent)?;
-            let next = Region::of_landmarks(&seen.points);
+            let next = Region::of_landmarks(&seen.points_px);
             let is_new = self.tracks.iter().all(|other| other.region.overlap(&next) <= SAME_HAND);
-            if seen.presence < self.config.least_hand_score || jumped(track.region, next) {
+            if seen.presence < self.config.min_hand_score || jumped(track.region, next) {
                 self.remember(&track, captured_ns);
             } else if is_new {
                 self.keep(track.evidence, next, &seen);
@@ -141,7 +141,8 @@ impl<M: HandModels> Tracker<M> {
         Ok(())
     }
 
-    /// Whether palm detection has to run: a wanted hand is missing, and it is its turn.
+    /// Whether palm detection has to run: a wanted hand is missing, and no hand is followed, one was just lost, or the pause
+    /// since the last search is over.
     fn must_search(&self, followed: usize) -> bool {
         let missing = self
             .config
@@ -149,21 +150,23 @@ impl<M: HandModels> Tracker<M> {
             .iter()
             .any(|side| self.tracks.iter().all(|track| track.evidence.side() != Some(*side)));
         let lost_now = self.tracks.len() < followed;
-        let its_turn = self.frames_since_search >= self.config.search_every_frames;
-        missing && self.tracks.len() < HANDS && (self.tracks.is_empty() || lost_now || its_turn)
+        let is_due = self.frames_since_search >= self.config.search_every_frames;
+        missing && self.tracks.len() < HANDS && (self.tracks.is_empty() || lost_now || is_due)
     }
 
+    /// Looks for hands in the whole picture.
     fn search(&mut self, image: &ImageView<'_>, spent: &mut Spent) -> Result<(), PerceptionError> {
+        self.frames_since_search = 0;
         let begin = Instant::now();
         let palms = self.models.palms(image)?;
         spent.palm_ns += begin.elapsed().as_nanos() as u64;
         for palm in &palms {
-            self.look(image, Region::of_palm(palm), spent)?;
+            self.look(image, palm.region(), spent)?;
         }
         Ok(())
     }
 
-    /// Looks for a hand in a region that no followed hand is in.
+    /// Looks for a hand in a region, unless a followed hand is in it.
     fn look(
         &mut self,
         image: &ImageView<'_>,
@@ -177,8 +180,8 @@ impl<M: HandModels> Tracker<M> {
             return Ok(());
         }
         let seen = self.landmarks(image, region, spent)?;
-        let next = Region::of_landmarks(&seen.points);
-        if seen.presence >= self.config.least_hand_score && !taken(&self.tracks, &next) {
+        let next = Region::of_landmarks(&seen.points_px);
+        if seen.presence >= self.config.min_hand_score && !taken(&self.tracks, &next) {
             let evidence = self.recall(&next);
             self.keep(evidence, next, &seen);
         }
@@ -200,7 +203,7 @@ impl<M: HandModels> Tracker<M> {
     fn keep(&mut self, mut evidence: Evidence, region: Region, seen: &Landmarks) {
         evidence.look(seen.right);
         let track = Track { region, evidence, seen: *seen };
-        // There is room: `look` asks before, and `follow` keeps no more than it took.
+        // There is room: `look` has checked, and `follow` keeps no more than it took.
         let _ = self.tracks.push(track);
     }
 
@@ -212,20 +215,20 @@ impl<M: HandModels> Tracker<M> {
         let _ = self.lost.push(Lost { region: track.region, evidence: track.evidence, since_ns: now_ns });
     }
 
-    /// What is known of the hand that was lost here, if one was.
+    /// The evidence for the hand that was lost here, if one was.
     fn recall(&mut self, region: &Region) -> Evidence {
         let nearest = (0..self.lost.len()).max_by(|&a, &b| {
             self.lost[a].region.overlap(region).total_cmp(&self.lost[b].region.overlap(region))
         });
         match nearest {
-            Some(index) if self.lost[index].region.overlap(region) > SAME_PLACE => {
+            Some(index) if self.lost[index].region.overlap(region) > REMEMBERED_OVERLAP => {
                 self.lost.swap_remove(index).evidence
             }
             _ => Evidence::default(),
         }
     }
 
-    /// A hand that nobody asked for is followed only while it may still turn out to be a wanted one.
+    /// Drops hands that are not wanted. One is followed only while it may still turn out to be a wanted one.
     fn drop_unwanted(&mut self) {
         let wanted = &self.config.sides;
         let complete =
@@ -241,8 +244,8 @@ impl<M: HandModels> Tracker<M> {
             .iter()
             .filter_map(|track| {
                 let side = track.evidence.side().filter(wanted)?;
-                let Landmarks { points, shape, presence, .. } = track.seen;
-                Some(Found { side, score: presence, landmarks: points, shape })
+                let Landmarks { points_px, shape_m, presence, .. } = track.seen;
+                Some(Found { side, score: presence, landmarks_px: points_px, shape_m })
             })
             .collect()
     }
@@ -252,6 +255,6 @@ impl<M: HandModels> Tracker<M> {
 fn jumped(expected: Region, seen: Region) -> bool {
     let shift = (seen.centre[0] - expected.centre[0]).hypot(seen.centre[1] - expected.centre[1]);
     let growth = (seen.side / expected.side).max(expected.side / seen.side);
-    // Written so that NaN has jumped.
-    !(shift <= MOST_SHIFT * expected.side && growth <= MOST_GROWTH)
+    // Written so that NaN counts as a jump.
+    !(shift <= MAX_SHIFT * expected.side && growth <= MAX_GROWTH)
 }

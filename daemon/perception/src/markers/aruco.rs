@@ -1,22 +1,22 @@
-//! OpenCV's ArUco detector behind one face: `aruco` up to OpenCV 4.6, `objdetect` from 4.7 on.
+//! OpenCV's ArUco detector behind one interface: `aruco` up to OpenCV 4.6, `objdetect` from 4.7 on.
 
-use super::dictionary::Dictionary;
-use opencv::core::{Mat, Point2f, ToInputArray, Vector};
+use crate::dictionary::Dictionary;
+use opencv::core::{Point2f, ToInputArray, Vector};
 use opencv::prelude::*;
 
 /// Window of the adaptive threshold in pixels, odd. One window instead of OpenCV's three is three times as fast; 13 is
-/// twice to four times a module of the markers that are read here (3 to 7 pixels, see `Markers::halves`).
+/// twice to four times a module of the markers that are read here (3 to 7 pixels, see `Markers::find`).
 const THRESHOLD_WINDOW: i32 = 13;
 
-/// What both interfaces call by the same names.
+/// Sets the parameters, whose names both interfaces share.
 macro_rules! set_parameters {
     ($parameters:ident, $threshold_constant:expr) => {
         $parameters.set_adaptive_thresh_win_size_min(THRESHOLD_WINDOW);
         $parameters.set_adaptive_thresh_win_size_max(THRESHOLD_WINDOW);
-        // Only its being over 0 matters with one window.
+        // With one window it only has to be over 0.
         $parameters.set_adaptive_thresh_win_size_step(1);
         $parameters.set_adaptive_thresh_constant($threshold_constant);
-        // Corners are refined at full size by the caller: OpenCV's own refinement snaps to inner modules of small markers.
+        // The caller refines corners at full size: OpenCV's own refinement snaps to inner modules of small markers.
         $parameters.set_corner_refinement_method(0);
     };
 }
@@ -56,14 +56,6 @@ mod interface {
             aruco::detect_markers(gray, &self.dictionary, corners, ids, &self.parameters, &mut self.rejected)
         }
     }
-
-    /// Draws a marker, for print and for tests: `side` pixels with the black border, no white around it.
-    pub fn draw(dictionary: Dictionary, id: u16, side: i32) -> opencv::Result<Mat> {
-        let mut picture = Mat::default();
-        let dictionary = aruco::get_predefined_dictionary_i32(dictionary.code())?;
-        aruco::draw_marker(&dictionary, i32::from(id), side, &mut picture, 1)?;
-        Ok(picture)
-    }
 }
 
 #[cfg(aruco_in_objdetect)]
@@ -97,14 +89,6 @@ mod interface {
             self.detector.detect_markers(gray, corners, ids, &mut self.rejected)
         }
     }
-
-    /// Draws a marker, for print and for tests: `side` pixels with the black border, no white around it.
-    pub fn draw(dictionary: Dictionary, id: u16, side: i32) -> opencv::Result<Mat> {
-        let mut picture = Mat::default();
-        let dictionary = objdetect::get_predefined_dictionary_i32(dictionary.code())?;
-        objdetect::generate_image_marker(&dictionary, i32::from(id), side, &mut picture, 1)?;
-        Ok(picture)
-    }
 }
 
-pub use interface::*;
+pub(super) use interface::Aruco;

@@ -1,34 +1,32 @@
 //! Corners to a hundredth of a pixel: a line is fitted to each edge of a marker, corners are where lines meet.
 
 use crate::image::ImageView;
+use crate::points::PixelPoint;
 use std::sync::LazyLock;
 
-/// A corner in pixels.
-pub(crate) type Point = [f64; 2];
-
-/// Points along an edge that are measured at most: one a pixel up to a marker of 80 pixels.
+/// Maximum number of points that are measured along an edge: one per pixel up to a marker of 80 pixels.
 const SAMPLES: usize = 80;
-/// Ends of an edge that are left out, as a share: blur rounds the corners, and the neighbouring edge disturbs there.
+/// Share of an edge that is left out at each end: blur rounds the corners, and the neighbouring edge disturbs there.
 const MARGIN: f64 = 0.08;
-/// Under this many good points an edge is not believed: it is hidden.
-const LEAST_SAMPLES: usize = 6;
-/// Least sum of squared grey steps across an edge: a step of 8 in one pixel, four times the noise of a camera.
-const LEAST_CONTRAST: f64 = 60.0;
+/// An edge with fewer good points is taken to be hidden.
+const MIN_SAMPLES: usize = 6;
+/// Minimum sum of squared grey steps across an edge: a step of 8 in one pixel, four times the noise of a camera.
+const MIN_CONTRAST: f64 = 60.0;
 /// Steps across the edge, in pixels.
 const STEP: f64 = 0.25;
-/// How far an edge is spread by lens and pixels, in pixels to either side.
+/// How far lens and pixels spread an edge, in pixels to either side.
 const BLUR: f64 = 1.5;
-/// A point further than this from the line is none of the edge, in pixels.
+/// A point further from the line than this does not belong to the edge, in pixels.
 const OUTLIER: f64 = 0.6;
 /// A corner that moves further than this was refined to something else, in pixels.
-const FARTHEST: f64 = 4.0;
-/// Shorter edges have no modules of a pixel each: nothing to be refined.
-const SHORTEST_EDGE: f64 = 6.0;
+const MAX_MOVE_PX: f64 = 4.0;
+/// A shorter edge has modules of less than a pixel, and cannot be refined.
+const MIN_EDGE_PX: f64 = 6.0;
 
-/// The first pass finds the edge, the second one measures it.
+/// The first pass finds the edge, and the second one measures it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Pass {
-    /// Steps are squared, and only those to the bright side count: what else there is near the edge hardly matters.
+    /// Steps are squared, and only those to the bright side count, so that other things near the edge hardly matter.
     Coarse,
     /// Steps count as they are, near the edge: their centroid is where the edge is, wherever it cuts the pixels.
     Fine,
@@ -37,11 +35,11 @@ enum Pass {
 /// `a x + b y + c = 0` with `a² + b² = 1`.
 type Line = [f64; 3];
 
-/// Refines the corners (clockwise in the picture) of a marker with so many `modules` a side.
+/// Refines the corners (clockwise in the picture) of a marker with this number of `modules` per side.
 ///
 /// An edge that is hidden or blurred away keeps the line through its given corners. Returns the share of edges that were
-/// found, 0..1; corners stay as given where the result would be absurd.
-pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [Point; 4], modules: f64) -> f64 {
+/// found, 0..1; the corners stay as given where the result would be absurd.
+pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [PixelPoint; 4], modules: f64) -> f64 {
     let given = *corners;
     let mut found = 0;
     for pass in [Pass::Coarse, Pass::Fine] {
@@ -59,7 +57,7 @@ pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [Point; 4], modules: f6
         }
         for corner in 0..4 {
             match meet(lines[(corner + 3) % 4], lines[corner]) {
-                Some(point) if distance(point, given[corner]) <= FARTHEST => corners[corner] = point,
+                Some(point) if point.distance(given[corner]) <= MAX_MOVE_PX => corners[corner] = point,
                 _ => {
                     *corners = given;
                     return 0.0;
@@ -71,55 +69,60 @@ pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [Point; 4], modules: f6
 }
 
 /// The line along the step from dark (inside) to bright (outside) between two corners.
-fn fit_edge(gray: &ImageView<'_>, from: Point, to: Point, modules: f64, pass: Pass) -> Option<Line> {
-    let length = distance(from, to);
-    if length < SHORTEST_EDGE {
+fn fit_edge(
+    gray: &ImageView<'_>,
+    from: PixelPoint,
+    to: PixelPoint,
+    modules: f64,
+    pass: Pass,
+) -> Option<Line> {
+    let length = from.distance(to);
+    if length < MIN_EDGE_PX {
         return None;
     }
-    let along = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+    let along = [(to.x - from.x) / length, (to.y - from.y) / length];
     // Outward, for corners that run clockwise with y down.
     let outward = [along[1], -along[0]];
-    // Half a module: further in begin the modules of the pattern.
+    // Half a module: the modules of the pattern begin further in.
     let half_module = (0.55 * length / modules).clamp(BLUR, 6.0);
     let reach = if pass == Pass::Coarse { half_module } else { BLUR };
     let wanted = (length as usize).clamp(10, SAMPLES);
 
-    let mut points = [(Point::default(), 0.0); SAMPLES];
+    let mut points = [(PixelPoint::default(), 0.0); SAMPLES];
     let mut count = 0;
     for sample in 0..wanted {
         let share = MARGIN + (1.0 - 2.0 * MARGIN) * (sample as f64 + 0.5) / wanted as f64;
-        let base = [from[0] + share * length * along[0], from[1] + share * length * along[1]];
+        let base = moved(from, along, share * length);
         if let Some((offset, contrast)) = step_outward(gray, base, outward, reach, pass) {
-            let point = [base[0] + offset * outward[0], base[1] + offset * outward[1]];
-            points[count] = (point, contrast.sqrt());
+            points[count] = (moved(base, outward, offset), contrast.sqrt());
             count += 1;
         }
     }
-    if count < LEAST_SAMPLES.max(wanted / 2) {
+    if count < MIN_SAMPLES.max(wanted / 2) {
         return None;
     }
     let points = &mut points[..count];
     let line = total_least_squares(points)?;
     for (point, weight) in points.iter_mut() {
-        if (line[0] * point[0] + line[1] * point[1] + line[2]).abs() > OUTLIER {
+        if (line[0] * point.x + line[1] * point.y + line[2]).abs() > OUTLIER {
             *weight = 0.0;
         }
     }
     total_least_squares(points)
 }
 
-/// Where along `outward` the picture gets brighter, relative to `base`, and how much: the centroid of the steps.
+/// Where along `outward` the picture gets brighter, relative to `base`, and by how much: the centroid of the steps.
 ///
 /// A lens blurs light, and the camera turns light into grey values after that: the middle of a blurred edge is where the
 /// light is half, not where the grey value is half. In grey values a marker of 30 px would come out 0.4 px too small.
 fn step_outward(
     gray: &ImageView<'_>,
-    base: Point,
-    outward: Point,
+    base: PixelPoint,
+    outward: [f64; 2],
     reach: f64,
     pass: Pass,
 ) -> Option<(f64, f64)> {
-    let at = |offset: f64| sample(gray, [base[0] + offset * outward[0], base[1] + offset * outward[1]]);
+    let at = |offset: f64| sample(gray, moved(base, outward, offset));
     let steps = (reach / STEP) as i32;
     let (mut contrast, mut sum, mut moment) = (0.0, 0.0, 0.0);
     for step in -steps..=steps {
@@ -132,7 +135,7 @@ fn step_outward(
         moment += weight * offset;
     }
     let offset = moment / sum;
-    (contrast >= LEAST_CONTRAST && offset.abs() <= reach).then_some((offset, contrast))
+    (contrast >= MIN_CONTRAST && offset.abs() <= reach).then_some((offset, contrast))
 }
 
 /// Light of a grey value, 0..1, by the transfer curve of sRGB, which cameras and video follow.
@@ -143,15 +146,15 @@ static LIGHT: LazyLock<[f64; 256]> = LazyLock::new(|| {
     })
 });
 
-/// A place in the picture.
+/// The brightness at a point of the picture.
 #[derive(Clone, Copy, Default)]
 struct Sample {
     grey: f64,
     light: f64,
 }
 
-/// What is between four pixels; None outside the picture.
-fn sample(gray: &ImageView<'_>, [x, y]: Point) -> Option<Sample> {
+/// Interpolates between four pixels; `None` outside the picture.
+fn sample(gray: &ImageView<'_>, PixelPoint { x, y }: PixelPoint) -> Option<Sample> {
     let (left, top) = (x.floor(), y.floor());
     if left < 0.0 || top < 0.0 || left as usize + 1 >= gray.width() || top as usize + 1 >= gray.height() {
         return None;
@@ -173,42 +176,40 @@ fn sample(gray: &ImageView<'_>, [x, y]: Point) -> Option<Sample> {
     Some(sum)
 }
 
-fn total_least_squares(points: &[(Point, f64)]) -> Option<Line> {
-    let sum = |value: &dyn Fn(Point) -> f64| {
+fn total_least_squares(points: &[(PixelPoint, f64)]) -> Option<Line> {
+    let sum = |value: &dyn Fn(PixelPoint) -> f64| {
         points.iter().map(|&(point, weight)| weight * value(point)).sum::<f64>()
     };
     let weight = sum(&|_| 1.0);
     if weight <= 0.0 {
         return None;
     }
-    let (x, y) = (sum(&|p| p[0]) / weight, sum(&|p| p[1]) / weight);
-    let (xx, xy, yy) = (
-        sum(&|p| (p[0] - x) * (p[0] - x)),
-        sum(&|p| (p[0] - x) * (p[1] - y)),
-        sum(&|p| (p[1] - y) * (p[1] - y)),
-    );
+    let (x, y) = (sum(&|p| p.x) / weight, sum(&|p| p.y) / weight);
+    let (xx, xy, yy) =
+        (sum(&|p| (p.x - x) * (p.x - x)), sum(&|p| (p.x - x) * (p.y - y)), sum(&|p| (p.y - y) * (p.y - y)));
     let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
     let (a, b) = (-angle.sin(), angle.cos());
     Some([a, b, -(a * x + b * y)])
 }
 
-fn line_through(from: Point, to: Point) -> Line {
-    let length = distance(from, to).max(f64::MIN_POSITIVE);
-    let (a, b) = ((from[1] - to[1]) / length, (to[0] - from[0]) / length);
-    [a, b, -(a * from[0] + b * from[1])]
+fn line_through(from: PixelPoint, to: PixelPoint) -> Line {
+    let length = from.distance(to).max(f64::MIN_POSITIVE);
+    let (a, b) = ((from.y - to.y) / length, (to.x - from.x) / length);
+    [a, b, -(a * from.x + b * from.y)]
 }
 
-fn meet(first: Line, second: Line) -> Option<Point> {
+/// Where two lines meet; `None` for parallel ones.
+fn meet(first: Line, second: Line) -> Option<PixelPoint> {
     let determinant = first[0] * second[1] - first[1] * second[0];
     if determinant.abs() < 1e-6 {
         return None;
     }
-    Some([
-        (first[1] * second[2] - second[1] * first[2]) / determinant,
-        (second[0] * first[2] - first[0] * second[2]) / determinant,
-    ])
+    Some(PixelPoint {
+        x: (first[1] * second[2] - second[1] * first[2]) / determinant,
+        y: (second[0] * first[2] - first[0] * second[2]) / determinant,
+    })
 }
 
-fn distance(from: Point, to: Point) -> f64 {
-    (to[0] - from[0]).hypot(to[1] - from[1])
+fn moved(point: PixelPoint, direction: [f64; 2], by_px: f64) -> PixelPoint {
+    PixelPoint::new(point.x + by_px * direction[0], point.y + by_px * direction[1])
 }

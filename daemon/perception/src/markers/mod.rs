@@ -1,18 +1,15 @@
 //! Objects by their ArUco markers, in pixels.
 
 mod aruco;
-mod dictionary;
 mod edges;
-
-pub use aruco::draw;
-pub use dictionary::Dictionary;
 
 use crate::config::MarkersConfig;
 use crate::detections::OBJECTS;
 use crate::error::{PerceptionError, while_doing};
-use crate::image::{ImageView, PixelFormat};
+use crate::image::ImageView;
+use crate::pixel_format::PixelFormat;
+use crate::points::PixelPoint;
 use aruco::Aruco;
-use edges::Point;
 use heapless::Vec;
 use opencv::core::{Mat, Point2f, Rect, Size, Vector};
 use opencv::{imgproc, prelude::*};
@@ -22,17 +19,17 @@ use opencv::{imgproc, prelude::*};
 pub(crate) struct Marker {
     /// Its id in the dictionary.
     pub(crate) id: u16,
-    /// Corners in pixels: top left, top right, bottom right, bottom left of the marker's own picture.
-    pub(crate) corners: [[f64; 2]; 4],
+    /// Top left, top right, bottom right, bottom left of the marker's own picture.
+    pub(crate) corners: [PixelPoint; 4],
     /// Share of its edges that were found sharp in the picture, 0..1.
     pub(crate) quality: f64,
 }
 
-/// The markers of one frame, at most one an id, in order of their ids.
-pub(crate) type Seen = Vec<Marker, OBJECTS>;
+/// The markers of one frame, at most one per id, in order of their ids.
+pub(crate) type Found = Vec<Marker, OBJECTS>;
 
-/// At half size a module must still measure this many pixels: under 4 OpenCV misreads modules once there is noise.
-const LEAST_MODULE_PX: f64 = 4.0;
+/// A module must still measure this many pixels at half size: under 4, OpenCV misreads modules once there is noise.
+const MIN_MODULE_PX: f64 = 4.0;
 
 /// Finds markers.
 pub(crate) struct Markers {
@@ -59,18 +56,18 @@ impl Markers {
         })
     }
 
-    /// Finds the markers whose id is `wanted`. `least_side_px` is the side of the smallest one that is expected, where that
-    /// is known: it decides whether half the picture's size is enough to find them.
+    /// Finds the markers whose id is `wanted`. `min_side_px` is the side of the smallest marker that is expected, if that is
+    /// known: it decides whether half the picture's size is enough to find them.
     ///
     /// # Errors
     /// [`PerceptionError::OpenCv`].
     pub(crate) fn find(
         &mut self,
         image: &ImageView<'_>,
-        least_side_px: Option<f64>,
+        min_side_px: Option<f64>,
         wanted: impl Fn(u16) -> bool,
-    ) -> Result<Seen, PerceptionError> {
-        let halve = least_side_px.is_some_and(|side| side / (2.0 * self.modules) >= LEAST_MODULE_PX);
+    ) -> Result<Found, PerceptionError> {
+        let halve = min_side_px.is_some_and(|side| side / (2.0 * self.modules) >= MIN_MODULE_PX);
         self.detect(image, halve).map_err(while_doing("looking for markers"))?;
         let gray = gray_view(image, &self.gray)?;
         let scale = match halve {
@@ -78,27 +75,27 @@ impl Markers {
             false => [1.0; 2],
         };
 
-        let mut seen = Seen::default();
+        let mut found = Found::default();
         for (id, corners) in self.ids.iter().zip(self.corners.iter()) {
             let Ok(id) = u16::try_from(id) else { continue };
             if !wanted(id) {
                 continue;
             }
-            let mut at: [Point; 4] = [[0.0; 2]; 4];
-            for (to, from) in at.iter_mut().zip(corners.iter()) {
-                // Pixel centres are whole numbers, the picture begins half a pixel before the first.
-                *to =
-                    [(f64::from(from.x) + 0.5) * scale[0] - 0.5, (f64::from(from.y) + 0.5) * scale[1] - 0.5];
+            let mut refined = [PixelPoint::default(); 4];
+            for (to, from) in refined.iter_mut().zip(corners.iter()) {
+                // Pixel centres are whole numbers; the picture begins half a pixel before the first.
+                to.x = (f64::from(from.x) + 0.5) * scale[0] - 0.5;
+                to.y = (f64::from(from.y) + 0.5) * scale[1] - 0.5;
             }
-            let quality = edges::refine(&gray, &mut at, self.modules);
-            keep(&mut seen, Marker { id, corners: at, quality });
+            let quality = edges::refine(&gray, &mut refined, self.modules);
+            keep(&mut found, Marker { id, corners: refined, quality });
         }
-        seen.sort_unstable_by_key(|marker| marker.id);
-        Ok(seen)
+        found.sort_unstable_by_key(|marker| marker.id);
+        Ok(found)
     }
 
     fn detect(&mut self, image: &ImageView<'_>, halve: bool) -> opencv::Result<()> {
-        // Views of the caller's bytes: a row with its padding first, then without, then in pixels.
+        // Views of the caller's bytes: first rows with their padding, then without it, then pixels.
         let rows = Mat::new_rows_cols_with_data(image.height() as i32, image.stride() as i32, image.data())?;
         let row_bytes = (image.width() * image.format().bytes()) as i32;
         let rows = Mat::roi(&rows, Rect::new(0, 0, row_bytes, image.height() as i32))?;
@@ -130,7 +127,7 @@ impl Markers {
     }
 }
 
-/// The grey picture: the caller's own where it is one, else the converted one.
+/// The grey picture: the caller's own if it is grey, and otherwise the converted one.
 fn gray_view<'a>(image: &ImageView<'a>, converted: &'a Mat) -> Result<ImageView<'a>, PerceptionError> {
     if image.format() == PixelFormat::Gray8 {
         return Ok(*image);
@@ -139,12 +136,12 @@ fn gray_view<'a>(image: &ImageView<'a>, converted: &'a Mat) -> Result<ImageView<
     ImageView::new(image.width(), image.height(), image.width(), PixelFormat::Gray8, data)
 }
 
-/// Adds a marker; of two with one id the better outline stays.
-fn keep(seen: &mut Seen, marker: Marker) {
-    match seen.iter_mut().find(|other| other.id == marker.id) {
+/// Adds a marker; of two with the same id the one with the better outline stays.
+fn keep(found: &mut Found, marker: Marker) {
+    match found.iter_mut().find(|other| other.id == marker.id) {
         Some(other) if other.quality < marker.quality => *other = marker,
         Some(_) => {}
-        // There is room: no more ids are wanted than fit.
-        None => drop(seen.push(marker)),
+        // There is room: no more ids are wanted than the list holds.
+        None => drop(found.push(marker)),
     }
 }

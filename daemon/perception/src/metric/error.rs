@@ -1,29 +1,29 @@
-//! What can go wrong in metric mode, each in one sentence that says what to do.
+//! What can go wrong in metric mode. Each message is a sentence that says what to do.
 
 use crate::error::PerceptionError;
 
 /// Why there is no metric bench, or no depth.
 #[derive(Debug, thiserror::Error)]
 pub enum MetricError {
-    /// The sizes of a depth picture do not fit one another.
+    /// The sizes of a depth picture contradict one another.
     #[error(
-        "a depth picture of {width} x {height} with {stride} bytes a row, {unit_m} m a step and {bytes} bytes in all is none that can be read"
+        "a depth picture of {width} x {height} with {stride} bytes per row, {unit_m} m per step and {bytes} bytes in all cannot be read"
     )]
     Depth {
-        /// Pixels in a row.
+        /// Pixels per row.
         width: usize,
-        /// Rows.
+        /// Number of rows.
         height: usize,
         /// Bytes from one row to the next.
         stride: usize,
-        /// Metres of one step of depth.
+        /// One step of depth in metres.
         unit_m: f64,
-        /// Bytes in all.
+        /// Number of bytes in all.
         bytes: usize,
     },
-    /// Frames do not tell how the camera sees.
+    /// The frames do not describe the optics of the camera.
     #[error(
-        "the frames do not tell the optics of colour and depth; update the camera's firmware, or use bench.space = \"plane\""
+        "the frames do not describe the optics of colour and depth; update the camera's firmware, or use bench.space = \"plane\""
     )]
     Optics,
     /// The bench was not found.

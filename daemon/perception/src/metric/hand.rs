@@ -1,17 +1,18 @@
 //! The landmarks of a hand in three dimensions.
 //!
-//! A landmark lies inside the hand; depth shows the skin above it, or whatever hides it: seen from above, the tips of a hand
-//! that grips lie some 4 cm under its knuckles. So the shape that the hand model guesses is laid upon the palm, which is
-//! measured, and says where the other landmarks are to be expected. One whose measured depth is in front of that is hidden,
-//! and takes the expected depth; one that is not has its skin in view, and keeps the measured depth.
+//! A landmark lies inside the hand; depth shows the skin above it, or whatever hides it. Seen from above, the tips of a hand
+//! that grips lie some 4 cm under its knuckles. So the shape that the hand model guesses is laid upon the measured palm, and
+//! gives the expected depth of the other landmarks. A landmark whose measured depth is in front of that is hidden and takes
+//! the expected depth; any other has its skin in view and keeps the measured depth.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::depth::Sampler;
 use super::lens::Lens;
 use crate::detections::LANDMARKS;
+use crate::points::PixelPoint;
 
-/// Half of what votes on a landmark's depth, in metres: a finger is 15 to 18 mm wide.
+/// Half the width of the window that votes on a landmark's depth, in metres: a finger is 15 to 18 mm wide.
 const REACH_M: f64 = 0.006;
 
 /// Half the thickness of a hand at each landmark, in metres, means of adults: wrist 20 mm, knuckles 13, middle joints 9,
@@ -26,45 +27,44 @@ const HALF_THICKNESS_M: [f64; LANDMARKS] = [
 
 const WRIST: usize = 0;
 
-/// Where the fingers begin.
+/// The landmarks where the fingers begin.
 const KNUCKLES: [usize; 4] = [5, 9, 13, 17];
 
-/// Two knuckles and the wrist at least, or the palm may lie anyhow.
-const LEAST_KNUCKLES: usize = 2;
+/// Fewer knuckles than this, with the wrist, do not determine how the palm lies.
+const MIN_KNUCKLES: usize = 2;
 
-/// Measured depth this far in front of the expected one is that of something else, in metres: half a finger's thickness,
-/// which is between none (the landmark's own skin) and the whole one of a finger that lies over it.
+/// A measured depth this far in front of the expected one, in metres, belongs to something else: half the thickness of a
+/// finger, between 0 (the landmark's own skin) and the whole thickness (a finger that lies over it).
 const HIDDEN_M: f64 = 0.0075;
 
-/// Without depth a hand stays as high as it was for this long, in nanoseconds: half a reach, in which it rises or sinks by a
-/// few centimetres. Its size in the picture would tell no more: how it is tilted is only guessed.
+/// Without depth a hand stays at its last height for this long, in nanoseconds: half a reach, in which it rises or sinks by a
+/// few centimetres. Its size in the picture would say no more, because its tilt is only guessed.
 const REMEMBERED_NS: u64 = 500_000_000;
 
-/// Where a landmark's depth comes from.
+/// Where a landmark's depth comes from. Only tests read it: the depth alone does not show which rule gave it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DepthSource {
+pub(super) enum DepthSource {
     /// It was measured at the landmark.
     Measured,
-    /// The hand model's shape, laid upon the palm.
+    /// It is that of the hand model's shape, laid upon the palm.
     Shape,
 }
 
 /// A hand in the colour camera's frame, in metres.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Hand3 {
+pub(super) struct Hand3 {
     /// The landmarks.
-    pub points: [Point3<f64>; LANDMARKS],
+    pub(super) points: [Point3<f64>; LANDMARKS],
     /// Where each one's depth comes from.
-    pub sources: [DepthSource; LANDMARKS],
+    pub(super) sources: [DepthSource; LANDMARKS],
 }
 
-/// What the colour picture tells of a hand.
+/// What the colour picture shows of a hand.
 #[derive(Clone, Copy, Debug)]
-pub struct Outline {
-    /// Landmarks in pixels.
-    pub pixels: [[f64; 2]; LANDMARKS],
+pub(super) struct Outline {
+    pixels: [PixelPoint; LANDMARKS],
     /// The hand model's shape, as [`HandDetection::shape_m`](crate::detections::HandDetection::shape_m).
-    pub shape: [Vector3<f64>; LANDMARKS],
+    shape_m: [Vector3<f64>; LANDMARKS],
 }
 
 /// The palm when it was last measured.
@@ -76,22 +76,22 @@ struct Palm {
     measured_ns: u64,
 }
 
-/// What is remembered of a hand from frame to frame: it can be placed without depth for a while.
+/// What is remembered of a hand from frame to frame, so that it can be placed without depth for a while.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Memory(Option<Palm>);
+pub(super) struct Memory(Option<Palm>);
 
 impl Outline {
-    /// From numbers as they are detected.
-    pub fn new(pixels: &[[f32; 2]; LANDMARKS], shape: &[[f32; 3]; LANDMARKS]) -> Self {
+    /// From the numbers of a [`HandDetection`](crate::detections::HandDetection).
+    pub(super) fn new(landmarks_px: &[[f32; 2]; LANDMARKS], shape_m: &[[f32; 3]; LANDMARKS]) -> Self {
         Self {
-            pixels: pixels.map(|pixel| pixel.map(f64::from)),
-            shape: shape.map(|point| Vector3::from(point.map(f64::from))),
+            pixels: landmarks_px.map(PixelPoint::from),
+            shape_m: shape_m.map(|point| Vector3::from(point.map(f64::from))),
         }
     }
 
-    /// Places the landmarks by depth; where the palm has none, as high as the hand was a moment ago. `None` where that is
-    /// not known either.
-    pub fn place(
+    /// Places the landmarks by depth or, where the palm has none, at the height that the hand had a moment ago. `None` where
+    /// that is unknown, too.
+    pub(super) fn place(
         &self,
         depth: Option<&Sampler<'_>>,
         lens: &Lens,
@@ -108,7 +108,7 @@ impl Outline {
                 memory.0 = palm.scale.is_finite().then_some(palm);
                 (expected, measured)
             }
-            // Too little is measured to say whose depth it is.
+            // Too little is measured to know whether the depth is that of the hand.
             None => (self.at(memory.recall(now_ns)?), [None; LANDMARKS]),
         };
         let mut hand = Hand3 {
@@ -124,32 +124,32 @@ impl Outline {
         hand.points.iter().all(|point| point.coords.iter().all(|value| value.is_finite())).then_some(hand)
     }
 
-    /// Depths of the shape, scaled, turned and moved so that its palm lies on the measured one.
-    /// The scale, too.
+    /// Depths of the shape, scaled, turned and moved so that its palm lies on the measured one, and the scale.
     fn on_palm(&self, measured: &[Option<f64>; LANDMARKS], lens: &Lens) -> Option<([f64; LANDMARKS], f64)> {
         let point = |k: usize| Some(lens.deproject(self.pixels[k], measured[k]?).coords);
         let wrist = point(WRIST)?;
-        let knuckles: Vec<_> = KNUCKLES.iter().filter_map(|&k| Some((self.shape[k], point(k)?))).collect();
-        if knuckles.len() < LEAST_KNUCKLES {
+        let knuckles: Vec<_> = KNUCKLES.iter().filter_map(|&k| Some((self.shape_m[k], point(k)?))).collect();
+        if knuckles.len() < MIN_KNUCKLES {
             return None;
         }
-        let lengths =
-            knuckles.iter().map(|(shape, point)| (point - wrist).norm() / (shape - self.shape[WRIST]).norm());
+        let lengths = knuckles
+            .iter()
+            .map(|(shape, point)| (point - wrist).norm() / (shape - self.shape_m[WRIST]).norm());
         let scale = median(lengths.collect())?;
         let pairs: Vec<_> = knuckles
             .iter()
             .copied()
-            .chain([(self.shape[WRIST], wrist)])
+            .chain([(self.shape_m[WRIST], wrist)])
             .map(|(shape, point)| (shape * scale, point))
             .collect();
         let (turn, from, to) = alignment(&pairs)?;
-        Some((self.shape.map(|point| (to + turn * (point * scale - from)).z), scale))
+        Some((self.shape_m.map(|point| (to + turn * (point * scale - from)).z), scale))
     }
 
-    /// Depths of the shape with its palm where it was.
+    /// Depths of the shape with its palm at the height that it had.
     fn at(&self, palm: Palm) -> [f64; LANDMARKS] {
-        let own = middle(&self.shape.map(|point| point.z));
-        self.shape.map(|point| palm.depth_m + palm.scale * (point.z - own))
+        let own = middle(&self.shape_m.map(|point| point.z));
+        self.shape_m.map(|point| palm.depth_m + palm.scale * (point.z - own))
     }
 }
 

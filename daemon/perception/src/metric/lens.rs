@@ -1,5 +1,6 @@
 //! Pixels and points of one camera, by the SDK's formulas.
 
+use crate::points::PixelPoint;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion};
 
 /// How a lens bends the picture.
@@ -7,17 +8,18 @@ use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaterni
 pub enum Distortion {
     /// Not at all.
     None,
-    /// Brown-Conrady, as OpenCV: the tangential part of the undistorted point.
+    /// Brown-Conrady as in OpenCV: the tangential part of the undistorted point.
     BrownConrady,
-    /// Brown-Conrady with the tangential part of the radially distorted point: what librealsense computes for the model
-    /// that it calls inverse, which is that of D400 colour streams, and for the one that it calls modified.
+    /// Brown-Conrady with the tangential part of the radially distorted point. This is what librealsense computes for the
+    /// model that it calls inverse, which D400 colour streams have, and for the one that it calls modified.
     InverseBrownConrady,
 }
 
-/// Iterations that undo a distortion: librealsense's own number, enough for 1e-6 px with the coefficients of real lenses.
+/// Iterations that undo a distortion: librealsense's own number, which is enough for 1e-6 px with the coefficients of real
+/// lenses.
 const ITERATIONS: usize = 10;
 
-/// Intrinsics of a camera. Pixel centres lie at whole numbers. Camera frame: metres, x right, y down, z forward.
+/// Intrinsics of a camera. Camera frame: metres, x right, y down, z forward.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
     /// Focal length in pixels, x and y.
@@ -32,27 +34,27 @@ pub struct Lens {
 
 impl Lens {
     /// The pixel that sees a point; `None` for one that is not in front of the camera.
-    pub fn project(&self, point: &Point3<f64>) -> Option<[f64; 2]> {
+    pub(crate) fn project(&self, point: &Point3<f64>) -> Option<PixelPoint> {
         if point.z <= 0.0 {
             return None;
         }
         let [x, y] = self.distort([point.x / point.z, point.y / point.z]);
-        Some([x * self.focal[0] + self.centre[0], y * self.focal[1] + self.centre[1]])
+        Some(PixelPoint::new(x * self.focal[0] + self.centre[0], y * self.focal[1] + self.centre[1]))
     }
 
-    /// The point at depth `z` that a pixel sees.
-    pub fn deproject(&self, pixel: [f64; 2], z: f64) -> Point3<f64> {
+    /// The point at depth `z_m`, in metres, that a pixel sees.
+    pub(crate) fn deproject(&self, pixel: PixelPoint, z_m: f64) -> Point3<f64> {
         let [x, y] = self.ray(pixel);
-        Point3::new(x * z, y * z, z)
+        Point3::new(x * z_m, y * z_m, z_m)
     }
 
     /// The pixel's ray, as its point at depth 1.
-    pub fn ray(&self, pixel: [f64; 2]) -> [f64; 2] {
-        let wanted = [0, 1].map(|axis| (pixel[axis] - self.centre[axis]) / self.focal[axis]);
+    pub(crate) fn ray(&self, pixel: PixelPoint) -> [f64; 2] {
+        let wanted = [(pixel.x - self.centre[0]) / self.focal[0], (pixel.y - self.centre[1]) / self.focal[1]];
         if self.distortion == Distortion::None {
             return wanted;
         }
-        // Fixed point: the undistorted point is the distorted one less what the distortion adds.
+        // A fixed point: the undistorted point is the distorted one without what the distortion adds.
         let mut at = wanted;
         for _ in 0..ITERATIONS {
             let radial = self.radial(at);
@@ -78,7 +80,7 @@ impl Lens {
         1.0 + r2 * (k1 + r2 * (k2 + r2 * k3))
     }
 
-    /// The point whose tangential distortion counts.
+    /// The point that the tangential distortion is computed from.
     fn tangential_base(&self, at: [f64; 2], radial: f64) -> [f64; 2] {
         match self.distortion {
             Distortion::None | Distortion::BrownConrady => at,
@@ -86,7 +88,7 @@ impl Lens {
         }
     }
 
-    /// `at` gives the radius, which all models take from the undistorted point.
+    /// `at` gives the radius, which every model takes from the undistorted point.
     fn tangential(&self, [x, y]: [f64; 2], at: [f64; 2]) -> [f64; 2] {
         let [_, _, p1, p2, _] = self.coefficients;
         let r2 = at[0] * at[0] + at[1] * at[1];
@@ -97,7 +99,7 @@ impl Lens {
 /// The colour and the depth camera of one device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rig {
-    /// The colour camera. Its frame is the one that points are given in.
+    /// The colour camera. Points are given in its frame.
     pub colour: Lens,
     /// The depth camera.
     pub depth: Lens,
@@ -108,7 +110,7 @@ pub struct Rig {
 /// A rigid motion from the rows of a rotation matrix and a translation in metres.
 pub fn rigid(rotation: [[f32; 3]; 3], translation_m: [f32; 3]) -> Isometry3<f64> {
     let matrix = Matrix3::from_fn(|row, column| f64::from(rotation[row][column]));
-    // The nearest rotation: a matrix in f32 is one only to seven digits.
+    // The nearest rotation: in f32 a matrix is a rotation to seven digits only.
     let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix(&matrix));
     let [x, y, z] = translation_m.map(f64::from);
     Isometry3::from_parts(Translation3::new(x, y, z), rotation)

@@ -1,26 +1,29 @@
-//! Metric mode: three dimensions from a colour and a depth picture (DESIGN 4, "Spaces").
+//! Metric mode: three dimensions from a colour and a depth picture.
 //!
-//! [`lens`] pixels and points → [`depth`] depth at the pixels that are needed → [`hand`] landmarks and [`pose`] markers in
-//! the colour camera's frame → the frame of the [`bench`]. [`Metric`] puts them together, frame by frame.
+//! `lens` pixels and points → `depth` depth at the pixels that are needed → `hand` landmarks and `pose` markers in the colour
+//! camera's frame → the frame of the `bench`. [`Metric`] puts them together, frame by frame.
 //!
-//! Nothing here knows where the pictures come from: optics are plain numbers, depth is a slice.
+//! Nothing here knows where the pictures come from: optics are plain numbers, and depth is a slice.
 
-pub mod bench;
-pub mod depth;
-pub mod error;
-pub mod hand;
-pub mod lens;
+mod bench;
+mod depth;
+mod error;
+mod hand;
+mod lens;
 mod plane;
-pub mod pose;
+mod pose;
 
 pub use bench::BenchFrame;
 pub use depth::{DepthImage, Sampler};
 pub use error::MetricError;
-pub use lens::{Distortion, Lens, Rig};
+pub use lens::{Distortion, Lens, Rig, rigid};
 
+use crate::carried::{CarriedObjects, PlacedHand};
 use crate::config::MarkerObject;
-use crate::detections::{Detections, HANDS, HandDetection, LANDMARKS, OBJECTS, ObjectDetection, Side};
-use crate::held::{Held, PlacedHand, PlacedObject};
+use crate::detections::{
+    Detections, HANDS, HandDetection, LANDMARKS, OBJECTS, ObjectDetection, PlacedObject, Side,
+};
+use crate::points::PixelPoint;
 use heapless::Vec;
 use nalgebra::{Isometry3, Point3};
 
@@ -31,32 +34,42 @@ pub struct MetricHand {
     pub side: Side,
     /// Landmarks in metres in the bench frame; NaN where the hand has had no depth for half a second.
     pub landmarks_m: [[f32; 3]; LANDMARKS],
-    /// Share of the landmarks whose depth was measured at them, 0..1.
-    pub measured: f32,
+}
+
+impl From<&MetricHand> for PlacedHand {
+    fn from(hand: &MetricHand) -> Self {
+        Self { side: hand.side, landmarks_m: hand.landmarks_m }
+    }
 }
 
 /// An object in the bench frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MetricObject {
-    /// The marker's id, which is the object's.
+    /// The marker's id, which is the object's id.
     pub id: u16,
     /// Centre of the marker in metres in the bench frame.
     pub position_m: [f32; 3],
     /// Unit quaternion (w, x, y, z), marker frame to bench frame.
     pub orientation: [f32; 4],
-    /// False where two poses fit and neither depth nor time could tell which is right.
+    /// False where two poses fit and neither depth nor time could decide between them.
     pub unambiguous: bool,
 }
 
-/// What was seen in one frame, in the bench frame.
+impl From<&MetricObject> for PlacedObject {
+    fn from(object: &MetricObject) -> Self {
+        Self { id: object.id, position_m: object.position_m, orientation: object.orientation }
+    }
+}
+
+/// The detections of one frame in the bench frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MetricScene {
     /// The hands of the detections, in their order.
     pub hands: Vec<MetricHand, HANDS>,
-    /// The objects of the detections, in their order, but for those whose corners are no picture of a square.
+    /// The objects of the detections, in their order, without those whose corners are no picture of a square.
     pub objects: Vec<MetricObject, OBJECTS>,
     /// Carried objects whose markers are hidden, placed by the motion of the hand.
-    pub held: Vec<PlacedObject, OBJECTS>,
+    pub carried: Vec<PlacedObject, OBJECTS>,
 }
 
 /// The last pose of an object.
@@ -69,61 +82,56 @@ struct Remembered {
 
 /// Turns detections in pixels into a scene in metres.
 ///
-/// One of these follows one camera: it remembers poses from frame to frame.
+/// It follows one camera and remembers poses from frame to frame.
 #[derive(Clone, Debug)]
 pub struct Metric {
     rig: Rig,
     bench: BenchFrame,
     objects: std::vec::Vec<MarkerObject>,
     remembered: Vec<Remembered, OBJECTS>,
-    held: Held,
-    /// By hand, as in [`Side`].
+    carried: CarriedObjects,
+    /// Per hand, indexed by [`Side`].
     palms: [hand::Memory; HANDS],
 }
 
 impl Metric {
-    /// For a camera that stays where it is, over a bench that has been calibrated.
+    /// For a camera that does not move, over a bench whose frame is known.
     pub fn new(rig: Rig, bench: BenchFrame, objects: &[MarkerObject]) -> Self {
         Self {
             rig,
             bench,
             objects: objects.to_vec(),
             remembered: Vec::new(),
-            held: Held::default(),
+            carried: CarriedObjects::default(),
             palms: Default::default(),
         }
     }
 
-    /// Places what was detected in pixels. Without depth, objects are placed by their corners alone, and hands are as high as
-    /// they were, for half a second.
+    /// Places what was detected in pixels. Without depth, objects are placed by their corners alone, and hands stay at their
+    /// last height for half a second.
     ///
     /// # Errors
     /// [`MetricError::Perception`] when OpenCV fails.
     pub fn place(
         &mut self,
         depth: Option<DepthImage<'_>>,
-        seen: &Detections,
+        detections: &Detections,
     ) -> Result<MetricScene, MetricError> {
         let mut scene = MetricScene::default();
         let rig = self.rig;
         let sampler = depth.map(|image| Sampler::new(image, &rig));
-        for object in &seen.objects {
-            if let Some(placed) = self.object(sampler.as_ref(), object, seen.captured_ns)? {
-                // There is room: a frame's detections have room for no more.
+        for object in &detections.objects {
+            if let Some(placed) = self.object(sampler.as_ref(), object, detections.captured_ns)? {
+                // There is room: detections have room for no more.
                 let _ = scene.objects.push(placed);
             }
         }
+        let hands = detections.hands.iter();
         // There is room, as above.
-        scene.hands.extend(seen.hands.iter().map(|hand| self.hand(sampler.as_ref(), hand, seen.captured_ns)));
-        let hand = |&MetricHand { side, landmarks_m, .. }: &MetricHand| PlacedHand { side, landmarks_m };
-        let hands: Vec<_, HANDS> = scene.hands.iter().map(hand).collect();
-        let object = |&MetricObject { id, position_m, orientation, .. }: &MetricObject| PlacedObject {
-            id,
-            position_m,
-            orientation,
-        };
-        let objects: Vec<_, OBJECTS> = scene.objects.iter().map(object).collect();
-        scene.held = self.held.step(seen.captured_ns, &hands, &objects);
+        scene.hands.extend(hands.map(|hand| self.hand(sampler.as_ref(), hand, detections.captured_ns)));
+        let hands: Vec<_, HANDS> = scene.hands.iter().map(PlacedHand::from).collect();
+        let objects: Vec<_, OBJECTS> = scene.objects.iter().map(PlacedObject::from).collect();
+        scene.carried = self.carried.step(detections.captured_ns, &hands, &objects);
         Ok(scene)
     }
 
@@ -134,7 +142,7 @@ impl Metric {
         now_ns: u64,
     ) -> Result<Option<MetricObject>, MetricError> {
         let Some(known) = self.objects.iter().find(|known| known.id == object.id) else { return Ok(None) };
-        let corners = object.corners_px.map(|corner| corner.map(f64::from));
+        let corners = object.corners_px.map(PixelPoint::from);
         let candidates = pose::candidates(&corners, f64::from(known.side_m), &self.rig.colour)?;
         let patch = depth.and_then(|depth| depth.patch(&corners));
         let at = self.remembered.iter().position(|remembered| remembered.id == object.id);
@@ -162,18 +170,14 @@ impl Metric {
     fn hand(&mut self, depth: Option<&Sampler<'_>>, hand: &HandDetection, now_ns: u64) -> MetricHand {
         let outline = hand::Outline::new(&hand.landmarks_px, &hand.shape_m);
         let memory = &mut self.palms[hand.side as usize];
-        let Some(placed) = outline.place(depth, &self.rig.colour, now_ns, memory) else {
-            return MetricHand { side: hand.side, landmarks_m: [[f32::NAN; 3]; LANDMARKS], measured: 0.0 };
-        };
         let in_bench = |point: Point3<f64>| {
             (self.bench.bench_from_camera * point).coords.map(|value| value as f32).into()
         };
-        let measured = placed.sources.iter().filter(|&&source| source == hand::DepthSource::Measured).count();
-        MetricHand {
-            side: hand.side,
-            landmarks_m: placed.points.map(in_bench),
-            measured: measured as f32 / LANDMARKS as f32,
-        }
+        let landmarks_m = match outline.place(depth, &self.rig.colour, now_ns, memory) {
+            Some(placed) => placed.points.map(in_bench),
+            None => [[f32::NAN; 3]; LANDMARKS],
+        };
+        MetricHand { side: hand.side, landmarks_m }
     }
 }
 

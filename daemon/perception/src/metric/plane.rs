@@ -2,27 +2,40 @@
 
 use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
 
-use super::depth::Patch;
+/// A plane that a patch of depth shows, in the colour camera's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Patch {
+    /// Mean of its points.
+    pub(super) centre: Point3<f64>,
+    /// Unit normal, towards the camera.
+    pub(super) normal: Vector3<f64>,
+    /// Root mean square distance of its points from it, in metres.
+    pub(super) rms_m: f64,
+    /// Root mean square distance of its points from their mean, across its narrower side, in metres.
+    pub(super) spread_m: f64,
+    /// Number of points that it rests on.
+    pub(super) points: usize,
+}
 
 /// Points farther from the plane than this many robust standard deviations do not count in the next round.
 const OUTLIER: f64 = 2.5;
 
-/// The median of the distances from the plane is this share of their standard deviation, where they are normal.
+/// The median of normally distributed distances from the plane is this share of their standard deviation.
 const MEDIAN_SHARE: f64 = 0.6745;
 
-/// Depth comes in steps of a millimetre, so distances under this are no outliers, in metres.
+/// Depth comes in steps of a millimetre, so a shorter distance is no outlier, in metres.
 const STEP_M: f64 = 0.001;
 
-/// Planes through three points that are tried: where half of the points lie on the plane, one triple in eight does, and
-/// one of 48 with a probability of 99.8 %.
+/// Number of planes through three points that are tried. Where half of the points lie on the plane, one triple in eight does,
+/// and one of 48 does with a probability of 99.8 %.
 const TRIPLES: usize = 48;
 
-/// Rounds of least squares without the outliers: from a plane near the right one the set of points settles in two.
+/// Rounds of least squares without the outliers: from a plane near the right one, the set of points settles in two.
 const ROUNDS: usize = 4;
 
-/// Fits the plane that more than half of the points lie on: the least median of distances among planes through three
-/// points, then total least squares without the outliers. The same points give the same plane. `None` for fewer than
-/// three points, or points in a line.
+/// Fits the plane that more than half of the points lie on: least median of distances among planes through three points
+/// (Rousseeuw 1984), then total least squares without the outliers. The same points give the same plane. `None` for fewer
+/// than three points, or points in a line.
 pub(super) fn fit(points: &[Point3<f64>]) -> Option<Patch> {
     let mut dice = Dice(1);
     let triples = (0..TRIPLES).filter_map(|_| {
@@ -44,7 +57,7 @@ fn median_distance(patch: &Patch, points: &[Point3<f64>]) -> f64 {
     *distances.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Picks points, the same ones every time: Knuth's linear congruential generator, of which the upper bits are random.
+/// Picks the same points every time: Knuth's linear congruential generator, whose upper bits are random.
 struct Dice(u64);
 
 impl Dice {
@@ -72,7 +85,7 @@ fn least_squares<'a>(points: impl Iterator<Item = &'a Point3<f64>> + Clone) -> O
     let eigen = SymmetricEigen::new(spread * share);
     let mut order = [0, 1, 2];
     order.sort_unstable_by(|&one, &two| eigen.eigenvalues[one].total_cmp(&eigen.eigenvalues[two]));
-    // In a line, the middle one is as small as the least: no plane.
+    // For points in a line the middle one is as small as the smallest: there is no plane.
     if eigen.eigenvalues[order[1]] < 1e-12 {
         return None;
     }

@@ -1,69 +1,70 @@
 //! Six degrees of freedom from four corners.
 //!
-//! A square that is seen nearly face-on has two poses that fit its corners about equally well, tilted this way and that
-//! way. Depth on the marker tells which; where there is none, what it was a moment ago tells.
+//! A square that is seen nearly face-on has two poses that fit its corners about equally well, with opposite tilts. Depth on
+//! the marker decides between them; where there is no depth, the pose of a moment ago does.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use opencv::calib3d;
 use opencv::core::{Mat, Point2d, Point3d, Vec3d, Vector, no_array};
 use opencv::prelude::*;
 
-use super::depth::Patch;
 use super::lens::Lens;
+use super::plane::Patch;
 use crate::error::{PerceptionError, while_doing};
+use crate::points::PixelPoint;
 
-/// Standard deviation of a corner along each axis of the picture, in pixels: 0.02 where it is sharp (DESIGN 7), more in
+/// Standard deviation of a corner along each axis of the picture, in pixels: 0.02 where the picture is sharp, and more in
 /// motion and in noise.
 const CORNER_PX: f64 = 0.1;
 
-/// How well the corners tell the tilt of a marker of 30 px, in radians: 4 degrees, from `CORNER_PX` and the perspective
-/// of its sides.
+/// Standard deviation of the tilt that the corners of a marker of 30 px give, in radians: 4 degrees, from `CORNER_PX` and the
+/// perspective of its sides.
 const CORNERS_TILT: f64 = 0.07;
 
-/// A held part turns by no more than this, in radians a second: a wrist's quick turn.
-const TURN_RATE: f64 = 4.0;
+/// Maximum rate at which a held part turns, in radians per second: the quick turn of a wrist.
+const MAX_TURN_RATE: f64 = 4.0;
 
-/// An older pose tells nothing, in nanoseconds.
+/// An older pose says nothing about the present one, in nanoseconds.
 const REMEMBERED_NS: u64 = 500_000_000;
 
-/// Where the two poses cost as little as this more than one another, which is right is not known: the cost is -2 ln of a
-/// likelihood, and this is 99 to 1, 2 ln 99.
+/// If the costs of the two poses differ by no more than this, it is unknown which pose is right: the cost is -2 ln of a
+/// likelihood, and this is 2 ln 99, odds of 99 to 1.
 const CLEAR: f64 = 9.2;
 
 /// A pose that fits the corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Candidate {
+pub(super) struct Candidate {
     /// From the marker's frame (x right, y up, z out of its picture) to the colour camera's.
-    pub camera_from_marker: Isometry3<f64>,
+    pub(super) camera_from_marker: Isometry3<f64>,
     /// Root mean square distance of the corners, in pixels.
-    pub reprojection_px: f64,
+    pub(super) reprojection_px: f64,
 }
 
 /// A marker's pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub(super) struct Pose {
     /// From the marker's frame to the colour camera's.
-    pub camera_from_marker: Isometry3<f64>,
-    /// Whether depth or time told the two poses apart, or the corners themselves did.
-    pub unambiguous: bool,
+    pub(super) camera_from_marker: Isometry3<f64>,
+    /// Whether depth, time or the corners themselves decided between the two poses.
+    pub(super) unambiguous: bool,
 }
 
-/// What the pose was a moment ago.
+/// The pose of a moment ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Before {
-    /// Then.
-    pub camera_from_marker: Isometry3<f64>,
-    /// How long ago, in nanoseconds.
-    pub ago_ns: u64,
+pub(super) struct Before {
+    /// The pose.
+    pub(super) camera_from_marker: Isometry3<f64>,
+    /// How long ago it was, in nanoseconds.
+    pub(super) ago_ns: u64,
 }
 
-/// Both poses of a marker of side `side_m`, from its corners in pixels: top left, top right, bottom right, bottom left of
-/// its own picture. None where the corners are no picture of a square.
+/// Both poses of a marker of side `side_m`, from its corners: top left, top right, bottom right, bottom left of its own
+/// picture. There are none where the corners are no picture of a square.
 ///
 /// # Errors
 /// [`PerceptionError::OpenCv`].
-pub fn candidates(
-    corners: &[[f64; 2]; 4],
+pub(super) fn candidates(
+    corners: &[PixelPoint; 4],
     side_m: f64,
     lens: &Lens,
 ) -> Result<Vec<Candidate>, PerceptionError> {
@@ -74,13 +75,17 @@ pub fn candidates(
 }
 
 /// The right one of the candidates, its tilt improved by the depth on the marker. `None` without candidates.
-pub fn choose(candidates: &[Candidate], patch: Option<&Patch>, before: Option<&Before>) -> Option<Pose> {
+pub(super) fn choose(
+    candidates: &[Candidate],
+    patch: Option<&Patch>,
+    before: Option<&Before>,
+) -> Option<Pose> {
     let before = before.filter(|before| before.ago_ns <= REMEMBERED_NS);
     let mut ranked: Vec<(f64, &Candidate)> =
         candidates.iter().map(|candidate| (cost(candidate, patch, before), candidate)).collect();
     ranked.sort_by(|one, two| one.0.total_cmp(&two.0));
-    let (least, best) = *ranked.first()?;
-    let unambiguous = ranked.get(1).is_none_or(|(cost, _)| cost - least > CLEAR);
+    let (min, best) = *ranked.first()?;
+    let unambiguous = ranked.get(1).is_none_or(|(cost, _)| cost - min > CLEAR);
     let camera_from_marker = match patch {
         Some(patch) => leaned(&best.camera_from_marker, patch),
         None => best.camera_from_marker,
@@ -96,23 +101,24 @@ fn cost(candidate: &Candidate, patch: Option<&Patch>, before: Option<&Before>) -
         patch.map_or(0.0, |patch| (normal.angle(&patch.normal) / tilt_of(patch).hypot(CORNERS_TILT)).powi(2));
     let time = before.map_or(0.0, |before| {
         let turned = candidate.camera_from_marker.rotation.angle_to(&before.camera_from_marker.rotation);
-        // Both poses are measured. Any turn up to the greatest is as likely: its deviation is that over the root of 3.
+        // Both poses are measured. Every turn up to the maximum is equally likely: its deviation is the maximum over the root of 3.
         let measured = CORNERS_TILT * f64::sqrt(2.0);
-        let turn = TURN_RATE * before.ago_ns as f64 * 1e-9 / f64::sqrt(3.0);
+        let turn = MAX_TURN_RATE * before.ago_ns as f64 * 1e-9 / f64::sqrt(3.0);
         (turned / measured.hypot(turn)).powi(2)
     });
     corners + depth + time
 }
 
-/// How well a patch tells its own tilt, in radians.
+/// Standard deviation of the tilt of a patch, in radians.
 fn tilt_of(patch: &Patch) -> f64 {
-    // Neighbouring pixels share a matching window of some 9 pixels; the points lie `reach` from the middle on average.
+    // Neighbouring pixels share a matching window of some 9 pixels. The points are `reach` from the middle on average.
     let independent = (patch.points as f64 / 9.0).max(1.0);
     let reach = patch.spread_m.max(1e-3);
     (patch.rms_m / (reach * independent.sqrt())).max(0.01)
 }
 
-/// The pose with its tilt moved towards that of the patch, each by how well it is known, and its distance that of the patch.
+/// The pose with the mean of its own tilt and that of the patch, weighted by how well they are known, and with the distance of
+/// the patch.
 fn leaned(pose: &Isometry3<f64>, patch: &Patch) -> Isometry3<f64> {
     let normal = pose.rotation * Vector3::z();
     let (corners, depth) = (CORNERS_TILT.powi(-2), tilt_of(patch).powi(-2));
@@ -128,7 +134,7 @@ fn leaned(pose: &Isometry3<f64>, patch: &Patch) -> Isometry3<f64> {
 /// All poses that OpenCV finds for points and their pixels.
 pub(super) fn solve(
     points: &[Point3<f64>],
-    pixels: &[[f64; 2]],
+    pixels: &[PixelPoint],
     lens: &Lens,
     method: calib3d::SolvePnPMethod,
 ) -> Result<Vec<Candidate>, PerceptionError> {
@@ -163,7 +169,7 @@ pub(super) fn solve(
     let judged = |pose: Isometry3<f64>| {
         let squares = points.iter().zip(pixels).map(|(point, pixel)| {
             let seen = lens.project(&(pose * point))?;
-            Some((seen[0] - pixel[0]).powi(2) + (seen[1] - pixel[1]).powi(2))
+            Some((seen.x - pixel.x).powi(2) + (seen.y - pixel.y).powi(2))
         });
         let sum = squares.sum::<Option<f64>>()?;
         sum.is_finite().then(|| Candidate {

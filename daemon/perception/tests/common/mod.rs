@@ -1,9 +1,9 @@
-//! Pictures of markers, drawn by a renderer of its own: an oracle that shares nothing with the detector but the pattern.
+//! Pictures of markers from a renderer of their own: an oracle that shares nothing with the detector but the pattern.
 
 #![allow(clippy::unwrap_used, dead_code, unreachable_pub)]
 
-use andon_perception::markers::{Dictionary, draw};
-use andon_perception::{ImageView, PixelFormat};
+use andon_perception::{Dictionary, ImageView, PixelFormat};
+use opencv::core::Mat;
 use opencv::prelude::*;
 
 /// Bench metres to pixels, homogeneous.
@@ -32,7 +32,7 @@ impl Drawn {
 pub struct Light {
     pub black: f64,
     pub white: f64,
-    /// Greatest deviation of a pixel, grey levels.
+    /// Maximum deviation of a pixel, grey levels.
     pub noise: f64,
     pub seed: u64,
 }
@@ -63,7 +63,7 @@ pub fn picture(
     const SAMPLES: usize = 16;
     let bench_from_image = inverse(camera);
     let patterns: Vec<_> = markers.iter().map(|marker| pattern(marker.id, dictionary)).collect();
-    // A pixel collects light; what it says of it is a grey value.
+    // A pixel collects light, and a grey value is what it reports.
     let (black, white) = (light_of(light.black), light_of(light.white));
     let bench_light = (black + white) / 2.0;
     let brightness = |bench: [f64; 2]| match markers
@@ -95,9 +95,9 @@ pub fn picture(
                 // A module is larger than a pixel: where its corners are alike, there is no edge in it.
                 collected = corners[0];
                 if corners.iter().any(|light| *light != corners[0]) {
-                    let offset = |place: usize| (place as f64 + 0.5) / SAMPLES as f64 - 0.5;
+                    let offset = |index: usize| (index as f64 + 0.5) / SAMPLES as f64 - 0.5;
                     let lights = (0..SAMPLES * SAMPLES)
-                        .map(|place| at(offset(place % SAMPLES), offset(place / SAMPLES)));
+                        .map(|index| at(offset(index % SAMPLES), offset(index / SAMPLES)));
                     collected = lights.sum::<f64>() / (SAMPLES * SAMPLES) as f64;
                 }
             }
@@ -108,11 +108,12 @@ pub fn picture(
     pixels
 }
 
-/// Light of a grey value and back, by the power law that displays are built for.
+/// The light of a grey value, by the power law that displays are built for.
 fn light_of(grey: f64) -> f64 {
     (grey / 255.0).powf(2.2)
 }
 
+/// The grey value of light.
 fn grey_of(light: f64) -> f64 {
     255.0 * light.powf(1.0 / 2.2)
 }
@@ -126,7 +127,24 @@ pub fn apply(matrix: &Matrix, [x, y]: [f64; 2]) -> [f64; 2] {
     [u / w, v / w]
 }
 
-/// Brightness of the modules, row by row, black border included.
+/// OpenCV's drawing of a marker: `side` pixels with the black border, no white around it.
+fn draw(dictionary: Dictionary, id: u16, side: i32) -> opencv::Result<Mat> {
+    let code = Dictionary::all().position(|known| known == dictionary).unwrap() as i32;
+    let mut picture = Mat::default();
+    #[cfg(not(aruco_in_objdetect))]
+    {
+        let dictionary = opencv::aruco::get_predefined_dictionary_i32(code)?;
+        opencv::aruco::draw_marker(&dictionary, i32::from(id), side, &mut picture, 1)?;
+    }
+    #[cfg(aruco_in_objdetect)]
+    {
+        let dictionary = opencv::objdetect::get_predefined_dictionary_i32(code)?;
+        opencv::objdetect::generate_image_marker(&dictionary, i32::from(id), side, &mut picture, 1)?;
+    }
+    Ok(picture)
+}
+
+/// Brightness of the modules, row by row, including the black border.
 fn pattern(id: u16, dictionary: Dictionary) -> (usize, Vec<bool>) {
     let modules = match dictionary.name().as_bytes()[5] {
         digit @ b'4'..=b'7' => usize::from(digit - b'0') + 2,
@@ -142,8 +160,8 @@ fn marker_at(marker: &Drawn, (modules, pattern): &(usize, Vec<bool>), bench: [f6
     let (sin, cos) = marker.yaw.sin_cos();
     let [x, y] = [0, 1].map(|axis| bench[axis] / marker.enlarged - marker.centre_m[axis]);
     // In sides of the marker, y down, from its top left corner.
-    let place = [(x * cos + y * sin) / marker.side_m + 0.5, (x * sin - y * cos) / marker.side_m + 0.5];
-    let module = place.map(|value| (value * *modules as f64).floor() as i64);
+    let at = [(x * cos + y * sin) / marker.side_m + 0.5, (x * sin - y * cos) / marker.side_m + 0.5];
+    let module = at.map(|value| (value * *modules as f64).floor() as i64);
     let count = *modules as i64;
     if module.iter().any(|value| !(-1..=count).contains(value)) {
         return None;

@@ -1,7 +1,8 @@
 //! `libandon_plc`: the verdict channel for a soft PLC in C or C++ on the same machine. The header is `include/andon.h`.
 //!
-//! The only unsafe code of this crate. Every function takes null for what it is, catches a panic at the boundary, and
-//! answers with an [`AndonResult`]. A verdict is read as it is sent: before the journal has it; who must not act before the journal, uses Modbus.
+//! The only unsafe code of this crate. Every function checks its pointers for null, lets no panic out, and returns an
+//! [`AndonResult`]. A verdict is read when it is sent, before the journal has it on disk. A program that must not act before
+//! that reads the registers over Modbus.
 #![allow(unsafe_code)]
 
 mod reader;
@@ -13,10 +14,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 pub use reader::AndonReader;
-pub use types::{
-    ANDON_NO_INDEX, ANDON_STATION_BYTES, AndonHand, AndonKind, AndonReason, AndonResult, AndonStatus,
-    AndonVerdict,
-};
+pub use types::{ANDON_NO_INDEX, ANDON_STATION_BYTES, AndonResult, AndonStatus, AndonVerdict};
 
 use reader::{Next, code};
 
@@ -24,16 +22,16 @@ thread_local! {
     static LAST_ERROR: RefCell<CString> = RefCell::default();
 }
 
-/// Runs `call`; a fault is remembered as text and answered as a number, a panic as well.
+/// Runs `call`. A fault or a panic becomes a number, and its text is kept for [`andon_last_error`].
 fn guarded(call: impl FnOnce() -> Result<AndonResult, (AndonResult, String)>) -> AndonResult {
     let fault = match catch_unwind(AssertUnwindSafe(call)) {
         Ok(Ok(result)) => return result,
         Ok(Err(fault)) => fault,
         Err(_) => (AndonResult::Internal, "a fault in libandon_plc: close this reader and report it".into()),
     };
-    // A text with a zero in it is cut to nothing; ours have none.
+    // A text that contains a zero would be dropped; ours contain none.
     let text = CString::new(fault.1).unwrap_or_default();
-    // Fails only while the thread ends, when nobody can ask any more.
+    // This fails only while the thread ends, when nobody can ask for the text any more.
     let _ = LAST_ERROR.try_with(|last| *last.borrow_mut() = text);
     fault.0
 }
@@ -57,9 +55,12 @@ unsafe fn text<'a>(text: *const c_char) -> Option<&'a str> {
 }
 
 /// Opens the verdict channel of `station`. `root` is the station's directory, null for `/run/andon/STATION`. Waits for at most
-/// `patience_ms` for a station that is still starting. Gives ANDON_RESULT_NOTHING and `*out`, or a fault and null.
+/// `patience_ms` for a station that is still starting. Returns ANDON_RESULT_NOTHING and writes the reader to `*out`, or returns a
+/// fault and writes null.
 ///
-/// A reader belongs to one thread at a time. The newest 256 verdicts come first, as they were sent before.
+/// A reader may be handed from one thread to another, as from the one that starts a program to its cyclic task. It is called by one
+/// thread at a time: the caller lets one call return before the next begins. The newest 256 verdicts come first, as they were sent
+/// before.
 ///
 /// # Safety
 /// `root` (or null) and `station` are zero-terminated; `out` can be written.
@@ -90,12 +91,12 @@ pub unsafe extern "C" fn andon_open(
     })
 }
 
-/// The next verdict into `*out`: ANDON_RESULT_VERDICT. A look at what is there takes no lock and waits for nobody; only where nothing
-/// is there, and `timeout_us` is not 0, it blocks, at most for so long: ANDON_RESULT_NOTHING. A judge that goes away ends the wait:
-/// ANDON_RESULT_WRITER_GONE.
+/// Writes the next verdict to `*out` and returns ANDON_RESULT_VERDICT. When none is there, waits for at most `timeout_us` and returns
+/// ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a
+/// verdict is there, the call waits for nobody.
 ///
 /// # Safety
-/// `reader` is from `andon_open`, not closed, and not in use in another thread; `out` can be written.
+/// `reader` is from `andon_open`, not closed, and no other call with it is running; `out` can be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn andon_next(
     reader: *mut AndonReader,
@@ -108,7 +109,7 @@ pub unsafe extern "C" fn andon_next(
         if out.is_null() {
             return Err(argument("out"));
         }
-        // A day is for ever, and cannot overflow the clock.
+        // Longer than a day is the same as for ever, and could overflow the clock.
         let timeout = Duration::from_micros(timeout_us).min(Duration::from_secs(86_400));
         match reader.next(timeout).map_err(|e| transport(&e))? {
             Next::Verdict(verdict) => {
@@ -122,7 +123,7 @@ pub unsafe extern "C" fn andon_next(
     })
 }
 
-/// What the reader has seen, into `*out`: ANDON_RESULT_NOTHING.
+/// Writes what the reader has received so far to `*out` and returns ANDON_RESULT_NOTHING.
 ///
 /// # Safety
 /// As `andon_next`.
@@ -140,7 +141,7 @@ pub unsafe extern "C" fn andon_status(reader: *const AndonReader, out: *mut Ando
     })
 }
 
-/// Closes a reader; null does nothing.
+/// Closes a reader. Null is allowed and does nothing.
 ///
 /// # Safety
 /// `reader` is null or from `andon_open`, and is not used any more.
@@ -156,9 +157,23 @@ pub unsafe extern "C" fn andon_close(reader: *mut AndonReader) {
     });
 }
 
-/// What was wrong in the last call of this thread that failed, with the remedy; empty at first. Valid until the next call that
-/// fails in this thread.
+/// What was wrong in the last call of this thread that failed, with the remedy; empty if none has failed. The text is valid until
+/// the next call of this thread that fails.
 #[unsafe(no_mangle)]
 pub extern "C" fn andon_last_error() -> *const c_char {
     LAST_ERROR.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_a_number_and_a_text() {
+        assert_eq!(guarded(|| panic!("on purpose")), AndonResult::Internal);
+        // SAFETY: the text lives until the next failing call of this thread, and there is none.
+        let text = unsafe { CStr::from_ptr(andon_last_error()) };
+        assert!(text.to_str().unwrap().contains("close this reader"));
+    }
 }

@@ -15,7 +15,11 @@ pub struct AndonReader {
     writer_gone: bool,
 }
 
-/// What a wait brought.
+// The header lets a reader go from one thread to another between calls.
+const fn assert_send<T: Send>() {}
+const _: () = assert_send::<AndonReader>();
+
+/// What a wait ended with.
 pub(super) enum Next {
     Verdict(Verdict),
     WriterGone,
@@ -28,14 +32,14 @@ impl AndonReader {
             Some(root) => Station::under(station, Path::new(root))?,
             None => Station::new(station)?,
         };
-        // Nobody requests it: a signal is the caller's business, and no handler of ours is installed.
+        // Nobody requests this stop: signals belong to the program, and no handler is installed here.
         let stop = Stop::new()?;
         let node = Node::open(&station, RoleId::Plc, patience, &stop)?;
         let reader = node.reader()?;
         Ok(Self { reader, node, writer_gone: false })
     }
 
-    /// First looks, and waits only where nothing is there.
+    /// Looks first, and waits only when nothing is there.
     pub(super) fn next(&mut self, timeout: Duration) -> Result<Next, Error> {
         let until = Instant::now() + timeout;
         loop {
@@ -69,7 +73,7 @@ impl AndonReader {
     }
 }
 
-/// The number for C; the text goes to `andon_last_error`.
+/// The number for C. The text goes to `andon_last_error`.
 pub(super) fn code(error: &Error) -> AndonResult {
     match error {
         Error::StationName { .. } | Error::RootTooLong { .. } | Error::RootNotAbsolute { .. } => {
@@ -79,5 +83,19 @@ pub(super) fn code(error: &Error) -> AndonResult {
         Error::LayoutMismatch { .. } => AndonResult::OtherBuild,
         Error::TooManyPorts { .. } => AndonResult::TooManyReaders,
         _ => AndonResult::System,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use andon_ipc::Channel;
+
+    #[test]
+    fn a_station_of_another_version_and_a_failing_system_have_their_own_numbers() {
+        let channel = Channel::Verdict;
+        let [ours, theirs, members] = ["a", "b", ""].map(String::from);
+        assert_eq!(code(&Error::LayoutMismatch { channel, ours, theirs, members }), AndonResult::OtherBuild);
+        assert_eq!(code(&Error::SharedMemory(std::io::Error::other("none"))), AndonResult::System);
     }
 }

@@ -1,133 +1,51 @@
-//! What a C program sees.
+//! What a C program sees. The enums of a verdict are not here: the header has them from the wire, see `tests/header.rs`.
 
 use std::ffi::c_char;
 
-use shm_schemas::{HandCode, STATION_BYTES, Verdict, VerdictKind, VerdictReason};
+use shm_schemas::{STATION_BYTES, Verdict};
 
-/// What is judged, and how it came out.
-#[repr(u8)]
-pub enum AndonKind {
-    /// The IU is right.
-    IuOk = 1,
-    /// The IU cannot be right any more.
-    IuAnomaly = 2,
-    /// The activity is right.
-    ActivityOk = 3,
-    /// The activity cannot be right any more.
-    ActivityAnomaly = 4,
-    /// The job is right.
-    JobOk = 5,
-    /// The job cannot be right any more.
-    JobAnomaly = 6,
-    /// There was too little to go by.
-    NotJudged = 7,
-}
-
-/// The rule that decided.
-#[repr(u8)]
-pub enum AndonReason {
-    /// Nothing is wrong.
-    None = 0,
-    /// The context belongs to no nominal activity.
-    WrongObject = 1,
-    /// The context or the activity does not belong here.
-    WrongOrder = 2,
-    /// The DTW distance is over the threshold of every candidate.
-    Motion = 3,
-    /// Less than in any correct demonstration's bounds.
-    TooShort = 4,
-    /// More than in any correct demonstration's bounds.
-    TooLong = 5,
-    /// The activity or the job ended before its last part.
-    NotCompleted = 6,
-    /// It could not be told.
-    Unknown = 7,
-    /// The hand or an object was out of sight for too long.
-    Blind = 8,
-    /// A capacity was full.
-    Overload = 9,
-}
-
-/// Which hand.
-#[repr(u8)]
-pub enum AndonHand {
-    /// No hand: verdicts on jobs.
-    None = 0,
-    /// The right hand.
-    Right = 1,
-    /// The left hand.
-    Left = 2,
-}
-
-// The numbers are those of the wire.
-const _: () = {
-    assert!(AndonKind::IuOk as u8 == VerdictKind::IuOk.code());
-    assert!(AndonKind::IuAnomaly as u8 == VerdictKind::IuAnomaly.code());
-    assert!(AndonKind::ActivityOk as u8 == VerdictKind::ActivityOk.code());
-    assert!(AndonKind::ActivityAnomaly as u8 == VerdictKind::ActivityAnomaly.code());
-    assert!(AndonKind::JobOk as u8 == VerdictKind::JobOk.code());
-    assert!(AndonKind::JobAnomaly as u8 == VerdictKind::JobAnomaly.code());
-    assert!(AndonKind::NotJudged as u8 == VerdictKind::NotJudged.code());
-    assert!(VerdictKind::ALL.len() == 7);
-    assert!(AndonReason::None as u8 == VerdictReason::None.code());
-    assert!(AndonReason::WrongObject as u8 == VerdictReason::WrongObject.code());
-    assert!(AndonReason::WrongOrder as u8 == VerdictReason::WrongOrder.code());
-    assert!(AndonReason::Motion as u8 == VerdictReason::Motion.code());
-    assert!(AndonReason::TooShort as u8 == VerdictReason::TooShort.code());
-    assert!(AndonReason::TooLong as u8 == VerdictReason::TooLong.code());
-    assert!(AndonReason::NotCompleted as u8 == VerdictReason::NotCompleted.code());
-    assert!(AndonReason::Unknown as u8 == VerdictReason::Unknown.code());
-    assert!(AndonReason::Blind as u8 == VerdictReason::Blind.code());
-    assert!(AndonReason::Overload as u8 == VerdictReason::Overload.code());
-    assert!(VerdictReason::ALL.len() == 10);
-    assert!(AndonHand::None as u8 == HandCode::None.code());
-    assert!(AndonHand::Right as u8 == HandCode::Right.code());
-    assert!(AndonHand::Left as u8 == HandCode::Left.code());
-    assert!(HandCode::ALL.len() == 3);
-};
-
-/// How a call ended: not negative is no fault.
+/// How a call ended. Negative numbers are faults.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AndonResult {
-    /// Nothing came in time; or: done.
+    /// No verdict came in time; for the other functions: it is done.
     Nothing = 0,
     /// A verdict is in `out`.
     Verdict = 1,
-    /// The judge is gone, stopped or dead: nothing comes until it is back. Said once. Drop ready.
+    /// The judge has been stopped or has died, and no verdict comes until it is back. Returned once: drop your own ready bit.
     WriterGone = 2,
-    /// A null pointer, or text that is not UTF-8.
+    /// A pointer is null, or a text is not UTF-8.
     Argument = -1,
-    /// The station's name or root cannot be used.
+    /// The station's name or root is not allowed.
     Station = -2,
-    /// The station has no steward.
+    /// The station has no steward, or it was not ready in time.
     NoSteward = -3,
-    /// The station runs another build.
+    /// The station runs another version of Andon.
     OtherBuild = -4,
-    /// Too many readers.
+    /// The verdict channel has as many readers as it allows.
     TooManyReaders = -5,
-    /// Shared memory or the system refused.
+    /// Shared memory or the operating system refused.
     System = -6,
-    /// A fault in this library; the reader cannot be used any more, only closed.
+    /// A fault in this library. The reader can only be closed.
     Internal = -7,
 }
 
-/// In place of an index that has no meaning for this kind of verdict.
+/// In place of an index that has no meaning on this level.
 pub const ANDON_NO_INDEX: u16 = 0xFFFF;
 const _: () = assert!(ANDON_NO_INDEX == shm_schemas::NO_INDEX);
 
-/// Bytes of a station's name with the zero behind it.
+/// Bytes of a station's name, with the zero at its end.
 pub const ANDON_STATION_BYTES: usize = 17;
 const _: () = assert!(ANDON_STATION_BYTES == STATION_BYTES + 1);
 
 /// One verdict.
 #[repr(C)]
 pub struct AndonVerdict {
-    /// Number among its judge's, from 1. A jump is a loss.
+    /// Number of the verdict since this start of the judge, from 1. A jump is a loss.
     pub seq: u64,
-    /// One per start of the judge.
+    /// Number of this start of the judge.
     pub epoch: u64,
-    /// The newest frame it rests on.
+    /// Number of the newest frame that the verdict rests on.
     pub frame_seq: u64,
     /// When that frame was captured, CLOCK_MONOTONIC in nanoseconds.
     pub captured_ns: u64,
@@ -135,35 +53,37 @@ pub struct AndonVerdict {
     pub sent_ns: u64,
     /// Hash of the job file.
     pub model_hash: u64,
-    /// When what is judged began, source time in nanoseconds.
+    /// When the IU, activity or job began, source time in nanoseconds.
     pub began_ns: u64,
-    /// When it ended, source time in nanoseconds.
+    /// When it ended, or when it was decided if that was earlier, source time in nanoseconds.
     pub ended_ns: u64,
-    /// The newest couple the decision rests on, source time in nanoseconds.
+    /// Time of the newest feature couple that the decision rests on, source time in nanoseconds.
     pub decided_ns: u64,
     /// When it was decided, nanoseconds since 1970 UTC.
     pub decided_utc_ns: u64,
-    /// The job.
+    /// The job that is watched.
     pub job_id: u32,
-    /// DTW distance to the nearest nominal; NaN none.
+    /// DTW distance to the nearest nominal; NaN if none was computed.
     pub distance: f32,
-    /// The threshold it was held against; NaN none.
+    /// The threshold that the distance was compared with; NaN if there is none.
     pub threshold: f32,
-    /// Context features x_c.
+    /// Context features x_c of the IU; of its first IU for an activity; 0 for a job.
     pub x_c: [u16; 4],
-    /// Number of the activity in this job, from 0, or ANDON_NO_INDEX.
+    /// Index of the activity in this job, from 0, or ANDON_NO_INDEX.
     pub activity: u16,
-    /// Number of the IU in its activity, from 0, or ANDON_NO_INDEX.
+    /// Index of the IU in its activity, from 0, or ANDON_NO_INDEX.
     pub iu: u16,
-    /// The nominal activity it is judged against, or ANDON_NO_INDEX.
+    /// Index of the nominal activity that it was judged against, or ANDON_NO_INDEX.
     pub nearest: u16,
-    /// An AndonKind. A number that is not in the list comes from another build: treat it as not judged.
-    pub kind: u8,
+    /// An AndonLevel.
+    pub level: u8,
+    /// An AndonOutcome. Treat a number that is not in the list as not judged: it comes from another version.
+    pub outcome: u8,
     /// An AndonReason.
     pub reason: u8,
     /// An AndonHand.
     pub hand: u8,
-    /// 1: said before the IU ended.
+    /// 1 if the verdict came before the IU ended, otherwise 0.
     pub early: u8,
     /// Name of the station, zero-terminated.
     pub station: [c_char; ANDON_STATION_BYTES],
@@ -193,7 +113,8 @@ impl From<&Verdict> for AndonVerdict {
             activity: verdict.activity,
             iu: verdict.iu,
             nearest: verdict.nearest,
-            kind: verdict.kind,
+            level: verdict.level,
+            outcome: verdict.outcome,
             reason: verdict.reason,
             hand: verdict.hand,
             early: verdict.early,
@@ -202,18 +123,58 @@ impl From<&Verdict> for AndonVerdict {
     }
 }
 
-/// What the reader has seen since it was opened.
+/// What the reader has received since it was opened.
 #[repr(C)]
 #[derive(Default)]
 pub struct AndonStatus {
-    /// Verdicts received.
+    /// Number of verdicts received.
     pub received: u64,
-    /// Verdicts sent and not received in time.
+    /// Number of verdicts that were sent and not read in time.
     pub lost: u64,
-    /// Starts of the judge after the first.
+    /// Number of restarts of the judge.
     pub restarts: u32,
-    /// 1: the judge went away and nothing has come since.
+    /// 1 if the judge has gone away and no verdict has come since, otherwise 0.
     pub writer_gone: u8,
     /// Keeps the size a multiple of 8.
     pub reserved: [u8; 3],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_field_of_a_verdict_arrives_in_c() {
+        let mut verdict = Verdict {
+            model_hash: 6,
+            began_ns: 7,
+            ended_ns: 8,
+            decided_ns: 9,
+            decided_utc_ns: 10,
+            job_id: 11,
+            distance: 12.0,
+            threshold: 13.0,
+            x_c: [14, 15, 16, 17],
+            activity: 18,
+            iu: 19,
+            nearest: 20,
+            level: 21,
+            outcome: 22,
+            reason: 23,
+            hand: 24,
+            early: 25,
+            station: [b's'; STATION_BYTES],
+            ..Verdict::default()
+        };
+        let stamp = &mut verdict.stamp;
+        (stamp.seq, stamp.epoch, stamp.frame_seq, stamp.captured_ns, stamp.sent_ns) = (1, 2, 3, 4, 5);
+        let c = AndonVerdict::from(&verdict);
+        assert_eq!([c.seq, c.epoch, c.frame_seq, c.captured_ns, c.sent_ns], [1, 2, 3, 4, 5]);
+        assert_eq!([c.model_hash, c.began_ns, c.ended_ns, c.decided_ns, c.decided_utc_ns], [6, 7, 8, 9, 10]);
+        assert_eq!((c.job_id, c.distance, c.threshold, c.x_c), (11, 12.0, 13.0, [14, 15, 16, 17]));
+        assert_eq!([c.activity, c.iu, c.nearest], [18, 19, 20]);
+        assert_eq!([c.level, c.outcome, c.reason, c.hand, c.early], [21, 22, 23, 24, 25]);
+        assert!(c.station[..STATION_BYTES].iter().all(|&byte| byte == b's' as c_char));
+        assert_eq!(c.station[STATION_BYTES], 0);
+    }
 }

@@ -1,12 +1,12 @@
-//! Results on their way to the PLC: numbered as they come, held back until the journal has them.
+//! The queue of results: numbered in the order in which they come, held back until the journal has them.
 
 use std::collections::VecDeque;
 
-use shm_schemas::{NO_INDEX, Verdict, VerdictKind};
+use shm_schemas::{Verdict, VerdictOutcome};
 
 use crate::registers::{ResultBlock, status};
 
-/// Results that wait behind the offered one (DESIGN 5).
+/// The number of results that can wait behind the offered one.
 pub const QUEUE: usize = 8;
 
 /// A result that waits.
@@ -17,15 +17,15 @@ struct Waiting {
     confirmed: bool,
 }
 
-/// What happened to a verdict.
+/// What became of a verdict.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Taken {
-    /// It waits; so many before it were lost.
+pub(super) enum Pushed {
+    /// It waits; this many before it were lost.
     Queued { lost: u64 },
-    /// There was no room: it and those before it are lost.
+    /// There was no room: this many were lost, itself included.
     Full { lost: u64 },
     /// It had come before.
-    Again,
+    Repeated,
 }
 
 /// The queue.
@@ -44,26 +44,26 @@ impl Queue {
         self.waiting.len()
     }
 
-    pub(super) fn push(&mut self, verdict: &Verdict, now_ns: u64) -> Taken {
+    pub(super) fn push(&mut self, verdict: &Verdict, now_ns: u64) -> Pushed {
         let (epoch, seq) = (verdict.stamp.epoch, verdict.stamp.seq);
         let lost = match self.newest {
-            // Who starts in the middle has lost nothing: it was never offered.
+            // Nothing is lost before the first: what this role did not see was never its to offer.
             None => 0,
-            Some((known, newest)) if known == epoch && seq <= newest => return Taken::Again,
+            Some((known, newest)) if known == epoch && seq <= newest => return Pushed::Repeated,
             Some((known, newest)) if known == epoch => seq - newest - 1,
-            // A writer numbers from 1 after its start.
+            // A writer counts from 1 after its start.
             Some(_) => seq.saturating_sub(1),
         };
         self.newest = Some((epoch, seq));
         self.number(lost);
         let sequence = self.number(1);
         if self.waiting.len() >= QUEUE {
-            return Taken::Full { lost: lost + 1 };
+            return Pushed::Full { lost: lost + 1 };
         }
         let result = ResultBlock { sequence, outcome: outcome(verdict), verdict: *verdict };
         self.waiting.push_back(Waiting { result, since_ns: now_ns, confirmed: false });
         self.apply_confirmation();
-        Taken::Queued { lost }
+        Pushed::Queued { lost }
     }
 
     /// The journal has every verdict up to this one.
@@ -87,8 +87,8 @@ impl Queue {
         self.waiting.iter().find(|waiting| !waiting.confirmed).map(|waiting| waiting.since_ns)
     }
 
-    /// The journal reads the same channel in the same order. So what it has of the newest epoch says that it is through with
-    /// every earlier one: it has those verdicts, or a row for the gap.
+    /// The journal reads the same channel in the same order. Once it has a verdict of the newest epoch, it has written every earlier
+    /// epoch: its verdicts, or a row for the gap.
     fn apply_confirmation(&mut self) {
         let (Some((epoch, seq)), Some((newest, _))) = (self.confirmed, self.newest) else { return };
         for waiting in &mut self.waiting {
@@ -101,7 +101,7 @@ impl Queue {
         }
     }
 
-    /// Moves the sequence on; 0 is left out, it stands for no result.
+    /// Advances the sequence. It never is 0, which stands for no result.
     fn number(&mut self, by: u64) -> u32 {
         // 2^32 - 1 numbers: 1..=u32::MAX.
         let next = (u64::from(self.sequence) + by).checked_sub(1).map_or(0, |n| n % u64::from(u32::MAX) + 1);
@@ -110,17 +110,11 @@ impl Queue {
     }
 }
 
-/// The bit of the status word that says how it came out. What is not known to be right is never `OK`.
+/// The outcome as a bit of the status word. What is not known to be right is never `OK`.
 fn outcome(verdict: &Verdict) -> u16 {
-    use VerdictKind as K;
-    match K::try_from(verdict.kind) {
-        Ok(K::IuOk | K::ActivityOk | K::JobOk) => status::OK,
-        Ok(K::IuAnomaly | K::ActivityAnomaly | K::JobAnomaly) => status::NOK,
-        Ok(K::NotJudged) | Err(_) => status::NOT_JUDGED,
+    match (verdict.level(), verdict.outcome()) {
+        (Ok(_), Ok(VerdictOutcome::Ok)) => status::OK,
+        (_, Ok(VerdictOutcome::Anomaly)) => status::NOK,
+        (_, Ok(VerdictOutcome::NotJudged | VerdictOutcome::Ok) | Err(_)) => status::NOT_JUDGED,
     }
-}
-
-/// Whether the verdict ends a job.
-pub(super) fn ends_job(verdict: &Verdict) -> bool {
-    verdict.activity == NO_INDEX && verdict.iu == NO_INDEX
 }

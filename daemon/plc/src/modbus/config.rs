@@ -1,26 +1,26 @@
-//! What the Modbus server is told.
+//! The configuration of the Modbus server.
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::time::Duration;
 
 use crate::registers::WordOrder;
 
-/// The configuration of the server. The default can be reached from this machine only and cannot be written.
+/// The configuration of the server. By default only clients on this machine can connect, and they cannot write.
 #[derive(Clone, Debug)]
 pub struct Config {
-    /// Where it listens.
+    /// The address that it listens on.
     pub bind: SocketAddr,
-    /// Who may connect. All others are refused and counted.
+    /// The clients that may connect. All others are refused and counted.
     pub allowed_clients: Vec<IpAddr>,
     /// Whether clients may write the control registers.
     pub writes: bool,
-    /// The order of the registers of longer values.
+    /// The order of the registers of values that need two or four.
     pub word_order: WordOrder,
-    /// Connections at once; one more is closed at once.
+    /// The number of connections that can be open at the same time; one more is closed immediately.
     pub connections: usize,
     /// A connection without a whole request for this long is closed.
     pub idle_timeout: Duration,
-    /// With writes off, how long a result is offered before the next one takes its place.
+    /// Without writes, how long a result is offered before the next one takes its place.
     pub hold: Duration,
 }
 
@@ -32,11 +32,11 @@ impl Default for Config {
             allowed_clients: vec![IpAddr::V4(Ipv4Addr::LOCALHOST)],
             writes: false,
             word_order: WordOrder::Big,
-            // A PLC, a second one, a panel, SCADA, and as many again while their old connections time out.
+            // Two PLCs, a panel and SCADA, and the same number again while their old connections time out.
             connections: 8,
             // A PLC polls once a second or faster.
             idle_timeout: Duration::from_secs(30),
-            // Five scans of a slow PLC (100 ms).
+            // Five cycles of a slow PLC (100 ms).
             hold: Duration::from_millis(500),
         }
     }

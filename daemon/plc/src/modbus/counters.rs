@@ -1,4 +1,4 @@
-//! What the server has seen, for `health` and for the tests.
+//! What clients have done, for the log, for `health` and for the tests.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -7,21 +7,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub struct Counters {
     /// Connections accepted.
     pub accepted: AtomicU64,
-    /// Connections refused: address not allowed, or too many at once.
+    /// Connections refused: the address is not allowed, or too many were open.
     pub refused: AtomicU64,
     /// Connections that were accepted and have ended.
     pub ended: AtomicU64,
-    /// Connections ended because no whole request came in time.
+    /// Connections ended because no complete request came in time.
     pub idle_closed: AtomicU64,
     /// Well-formed requests.
     pub requests: AtomicU64,
-    /// Well-formed requests answered with an exception: unknown address, write refused.
+    /// Well-formed requests answered with an exception: an unknown address, or a write that was refused.
     pub exceptions: AtomicU64,
-    /// Of these, requests to write while writes are off.
+    /// Those of `exceptions` that were writes while writes are off.
     pub writes_refused: AtomicU64,
     /// Malformed requests, each answered with an exception.
     pub malformed: AtomicU64,
-    /// Streams ended because they were no Modbus TCP.
+    /// Connections ended because their bytes were not Modbus TCP.
     pub unframed: AtomicU64,
 }
 

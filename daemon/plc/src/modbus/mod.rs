@@ -1,13 +1,13 @@
 //! The Modbus TCP server of `andond run plc`.
 //!
 //! ```text
-//! caller's thread                              │ thread "modbus"
-//! VerdictSource ─► Handshake::verdict, line …  │  client ─► Gate ─► tokio-modbus ─► Service
-//! CommandSink   ◄─ Handshake::next_ask         │                                      │
-//!                        └──────────── one mutex, held for microseconds ──────────────┘
+//! the role's thread                             │ thread "modbus"
+//! the line ─► Handshake::verdict, confirmed …   │  client ─► Gate ─► tokio-modbus ─► Service
+//! the line ◄─ Handshake::next_command           │                                      │
+//!                        └───────────── one mutex, held for microseconds ──────────────┘
 //! ```
 //!
-//! Every request is answered from one state under the mutex: no request can see half a result.
+//! Each request is answered from one state under the mutex, so that no request can see half a result.
 
 mod config;
 mod counters;
@@ -16,12 +16,11 @@ mod service;
 
 use std::io;
 use std::net::SocketAddr;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use shm_schemas::Verdict;
 use thiserror::Error;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::oneshot;
@@ -30,53 +29,16 @@ use tokio_modbus::server::tcp::Server;
 pub use config::Config;
 pub use counters::Counters;
 
-use crate::handshake::{Ask, Handshake, Line, Settings};
-use crate::registers::{Image, WordOrder};
+use crate::handshake::{Handshake, Settings};
+use crate::registers::WordOrder;
 use gate::Gate;
 use service::Service;
-
-/// The longest that the loop waits for the line: a command of a client waits no longer than this to be told on.
-const TURN: Duration = Duration::from_millis(20);
-
-/// What comes from the line.
-#[derive(Clone, Copy, Debug)]
-pub enum Event {
-    /// A verdict of the channel.
-    Verdict(Verdict),
-    /// The journal has every verdict of this epoch up to `seq` on disk.
-    Confirmed {
-        /// The epoch of the judge.
-        epoch: u64,
-        /// The newest verdict.
-        seq: u64,
-    },
-    /// How the line is; at 1 Hz or faster.
-    Line(Line),
-}
-
-/// Where verdicts come from. The loop of the role turns in here: feed the watchdog here.
-pub trait VerdictSource {
-    /// The next event; `None` when nothing came within `wait`. An error is reported as a line fault, as an event.
-    fn next(&mut self, wait: Duration) -> Option<Event>;
-
-    /// The loop has turned, and this is what the registers show now: for logs.
-    fn turned(&mut self, _image: &Image) {}
-}
-
-/// Where commands go.
-pub trait CommandSink {
-    /// Tells the line. False: it could not be told.
-    fn tell(&mut self, ask: &Ask) -> bool;
-}
 
 /// Why the server could not start or go on.
 #[derive(Debug, Error)]
 pub enum ServeError {
     /// The address cannot be listened on.
-    #[error(
-        "cannot listen on {address} for Modbus: {source}; is another server there, or is the port below 1024 or the \
-         address not this machine's? See `bind` of the plc section"
-    )]
+    #[error("cannot listen on {address} for Modbus: {source}")]
     Bind {
         /// The address.
         address: SocketAddr,
@@ -99,7 +61,7 @@ struct Shared {
 }
 
 impl Shared {
-    /// The state is whole after every call of it, so a panic elsewhere leaves it usable.
+    /// The state is consistent after each of its methods, so it stays usable after a panic in another thread.
     fn handshake(&self) -> MutexGuard<'_, Handshake> {
         self.handshake.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -110,21 +72,8 @@ impl Shared {
     }
 }
 
-/// Serves until `stop` is set.
-///
-/// # Errors
-/// [`ServeError`] where the server cannot start.
-pub fn serve(
-    config: Config,
-    source: &mut impl VerdictSource,
-    sink: &mut impl CommandSink,
-    stop: &AtomicBool,
-) -> Result<(), ServeError> {
-    ModbusServer::start(config)?.run(source, sink, stop);
-    Ok(())
-}
-
-/// A server that listens. It answers from the start, and is `online` only while [`ModbusServer::run`] turns.
+/// A server that listens. It answers from the start, and is `online` only while
+/// [`Handshake::tick`] is called through [`ModbusServer::handshake`].
 pub struct ModbusServer {
     shared: Arc<Shared>,
     address: SocketAddr,
@@ -166,40 +115,20 @@ impl ModbusServer {
         Ok(Self { shared, address, stop: Some(stop), thread: Some(thread) })
     }
 
-    /// Where it listens; with port 0 in the configuration the port that the system chose.
+    /// The address that it listens on. Port 0 in the configuration lets the system choose the port.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// What it has seen.
+    /// What clients have done so far.
     pub fn counters(&self) -> Arc<Counters> {
         Arc::clone(&self.shared.counters)
     }
 
-    /// Turns the loop until `stop` is set.
-    pub fn run(&self, source: &mut impl VerdictSource, sink: &mut impl CommandSink, stop: &AtomicBool) {
-        while !stop.load(Ordering::Relaxed) {
-            let event = source.next(TURN);
-            let now_ns = self.shared.now_ns();
-            let mut handshake = self.shared.handshake();
-            match event {
-                Some(Event::Verdict(verdict)) => handshake.verdict(&verdict, now_ns),
-                Some(Event::Confirmed { epoch, seq }) => handshake.confirmed(epoch, seq, now_ns),
-                Some(Event::Line(line)) => handshake.line(line, now_ns),
-                None => {}
-            }
-            handshake.tick(now_ns);
-            while let Some(ask) = handshake.next_ask() {
-                // The sink may take its time; clients must not wait for it.
-                drop(handshake);
-                let told = sink.tell(&ask);
-                handshake = self.shared.handshake();
-                handshake.asked(&ask, told);
-            }
-            let image = handshake.image(now_ns);
-            drop(handshake);
-            source.turned(&image);
-        }
+    /// Calls the state machine with the server's time in nanoseconds. Clients wait for their answers meanwhile, so `act` must not
+    /// wait for anything itself.
+    pub fn handshake<R>(&self, act: impl FnOnce(&mut Handshake, u64) -> R) -> R {
+        act(&mut self.shared.handshake(), self.shared.now_ns())
     }
 }
 
@@ -207,7 +136,7 @@ impl Drop for ModbusServer {
     fn drop(&mut self) {
         drop(self.stop.take());
         if let Some(thread) = self.thread.take() {
-            // A panic of the thread has been printed by the panic hook; nothing is left to tell.
+            // If the thread has panicked, the panic hook has printed it.
             let _ = thread.join();
         }
     }
@@ -231,7 +160,7 @@ async fn listen(
     let ended = |error: io::Error| tracing::debug!(%error, "a Modbus connection ended");
     loop {
         let accepting = server.serve(&connect, ended);
-        // biased: an end that is asked for goes first.
+        // biased: a stop comes before another connection.
         tokio::select! {
             biased;
             _ = &mut stopped => return,
@@ -244,7 +173,7 @@ async fn listen(
     }
 }
 
-/// One open connection; it counts until it is dropped.
+/// Counts one open connection until it is dropped.
 struct Open(Arc<Shared>);
 
 impl Drop for Open {
@@ -254,11 +183,11 @@ impl Drop for Open {
     }
 }
 
-/// Whether one more connection of this peer is taken.
+/// Accepts one more connection of this peer, or refuses it.
 fn admit(shared: &Arc<Shared>, config: &Config, peer: SocketAddr) -> Option<Open> {
     let address = peer.ip().to_canonical();
     let allowed = config.allowed_clients.contains(&address);
-    // Only this one task accepts, so nothing comes between the look and the count.
+    // Only this task accepts connections, so the number cannot change between the test and the count.
     if !allowed || shared.open.load(Ordering::Relaxed) >= config.connections {
         Counters::add(&shared.counters.refused);
         tracing::debug!(%peer, allowed, "Modbus connection refused: see `allowed_clients` and `connections`");

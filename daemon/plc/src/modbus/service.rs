@@ -1,4 +1,4 @@
-//! One well-formed request, answered from the state machine.
+//! Answers well-formed requests from the state machine.
 
 use std::future::{Ready, ready};
 use std::sync::Arc;
@@ -9,10 +9,10 @@ use super::counters::Counters;
 use super::{Open, Shared};
 use crate::registers::{self, RegisterError};
 
-/// One connection's view of what all share.
+/// The service of one connection.
 pub(super) struct Service {
     pub(super) shared: Arc<Shared>,
-    /// The connection ends when its service is dropped.
+    /// Counts the connection until the service is dropped with it.
     pub(super) _open: Open,
 }
 
@@ -46,7 +46,7 @@ impl Service {
             }
             Request::WriteMultipleRegisters(address, words) => {
                 self.write(*address, words)?;
-                // The gate lets at most 123 through.
+                // The gate lets at most 123 registers through.
                 Ok(Response::WriteMultipleRegisters(*address, words.len() as u16))
             }
             _ => Err(ExceptionCode::IllegalFunction),

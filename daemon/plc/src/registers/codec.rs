@@ -1,11 +1,11 @@
-//! Between the image and 16-bit words.
+//! Registers as 16-bit words: read from the image, written to the control block.
 
 use thiserror::Error;
 
 use super::image::{Control, Image, control};
 use super::map::{Access, CONTROL_BASE, Get, MAP, Register};
 
-/// In which order the 16-bit words of a longer value lie. Inside a word Modbus is big-endian.
+/// The order of the 16-bit words of a longer value. Inside a word Modbus is big-endian.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WordOrder {
     /// The most significant word at the lowest address.
@@ -21,12 +21,12 @@ pub enum RegisterError {
     /// There is no such register, or it cannot be written.
     #[error("no register {0} for this function: see REGISTERS.md")]
     Address(u16),
-    /// The value has no meaning.
+    /// The control word has bits that have no meaning.
     #[error("control word {0:#06x} has bits without a meaning: see REGISTERS.md")]
     Value(u16),
 }
 
-/// The value's words, at most four, most significant first or last by `order`.
+/// The words of the value, at most four, in the word order.
 fn words(register: &Register, image: &Image, order: WordOrder) -> [u16; 4] {
     let (value, count) = match register.get {
         Get::U16(get) => (u64::from(get(image)), 1),
@@ -35,10 +35,10 @@ fn words(register: &Register, image: &Image, order: WordOrder) -> [u16; 4] {
         Get::U64(get) => (get(image), 4),
     };
     let mut out = [0; 4];
-    for (place, word) in out.iter_mut().take(count).enumerate() {
+    for (index, word) in out.iter_mut().take(count).enumerate() {
         let from_low = match order {
-            WordOrder::Big => count - 1 - place,
-            WordOrder::Little => place,
+            WordOrder::Big => count - 1 - index,
+            WordOrder::Little => index,
         };
         *word = (value >> (16 * from_low)) as u16;
     }
@@ -48,7 +48,7 @@ fn words(register: &Register, image: &Image, order: WordOrder) -> [u16; 4] {
 /// `count` registers from `address` on.
 ///
 /// # Errors
-/// [`RegisterError::Address`] where the range leaves a block of the map.
+/// [`RegisterError::Address`] when a register of the range is not in the map.
 pub fn read(image: &Image, order: WordOrder, address: u16, count: u16) -> Result<Vec<u16>, RegisterError> {
     let end = u32::from(address) + u32::from(count);
     let mut out = Vec::with_capacity(count.into());
@@ -66,11 +66,11 @@ pub fn read(image: &Image, order: WordOrder, address: u16, count: u16) -> Result
     Ok(out)
 }
 
-/// The control block after `values` have been written from `address` on; all of them or none.
+/// The control block as it is after `values` have been written from `address` on: all of them, or none.
 ///
 /// # Errors
-/// [`RegisterError::Address`] where the range leaves the control block, [`RegisterError::Value`] where the control
-/// word has bits without a meaning.
+/// [`RegisterError::Address`] when a register of the range is not in the control block, [`RegisterError::Value`] when the control
+/// word has bits that have no meaning.
 pub fn write(
     image: &Image,
     order: WordOrder,
@@ -107,20 +107,36 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    /// An image whose values are all different, so that a swap shows.
+    /// An image whose values all differ, so that a test sees when two are swapped.
     fn sample() -> Image {
         let mut verdict = shm_schemas::Verdict {
-            model_hash: 0x1122_3344_5566_7788,
-            job_id: 0xAABB_CCDD,
+            job_id: 0x0E01_0E02,
+            model_hash: 0x1001_1002_1003_1004,
+            level: 20,
+            reason: 21,
+            hand: 22,
+            activity: 23,
+            iu: 24,
+            nearest: 25,
+            x_c: [26, 27, 28, 29],
+            early: 30,
             distance: 1.5,
+            threshold: -2.0,
             decided_utc_ns: 1_700_000_000_123_456_789,
             ..Default::default()
         };
-        verdict.stamp.seq = 7;
+        (verdict.stamp.epoch, verdict.stamp.seq) = (0x2601_2602_2603_2604, 0x2A01_2A02_2A03_2A04);
         Image {
             status: 0x0135,
-            result: Some(super::super::image::ResultBlock { sequence: 0x0001_0002, outcome: 32, verdict }),
-            ..Default::default()
+            carried_out: 1,
+            refused: 2,
+            heartbeat: 3,
+            error: 4,
+            error_detail: 0x0501_0502,
+            queued: 8,
+            lost: 0x0901_0902,
+            result: Some(super::super::image::ResultBlock { sequence: 0x0B01_0B02, outcome: 32, verdict }),
+            control: Control { word: 5, load_job_id: 0x6501_6502, load_model_hash: 0x6701_6702_6703_6704 },
         }
     }
 
@@ -142,23 +158,45 @@ mod tests {
         }
     }
 
-    // Addresses and bytes written out by hand: an oracle that shares nothing with the table.
+    // Written out by hand: an oracle that shares nothing with the table.
+    #[rustfmt::skip]
+    const BIG: [u16; 48] = [
+        0x0135, 1, 2, 3, 4, 0x0501, 0x0502, 2, 8, 0x0901, 0x0902,
+        0x0B01, 0x0B02, 32, 0x0E01, 0x0E02, 0x1001, 0x1002, 0x1003, 0x1004,
+        20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30,
+        0x3FC0, 0, 0xC000, 0, // 1.5 and -2.0
+        0x6553, 0xF100, 123, // 1,700,000,000 s and 123 ms
+        0x2601, 0x2602, 0x2603, 0x2604, 0x2A01, 0x2A02, 0x2A03, 0x2A04, 0x0B01, 0x0B02,
+    ];
+    const BIG_CONTROL: [u16; 7] = [5, 0x6501, 0x6502, 0x6701, 0x6702, 0x6703, 0x6704];
+
     #[test]
-    fn values_lie_where_the_document_says_in_both_word_orders() {
-        let big = read(&sample(), WordOrder::Big, 0, 48).unwrap();
-        assert_eq!(big[0], 0x0135);
-        assert_eq!(big[11..13], [1, 2]);
-        assert_eq!(big[14..16], [0xAABB, 0xCCDD]);
-        assert_eq!(big[16..20], [0x1122, 0x3344, 0x5566, 0x7788]);
-        assert_eq!(big[31..33], [0x3FC0, 0]);
-        assert_eq!((u32::from(big[35]) << 16) + u32::from(big[36]), 1_700_000_000);
-        assert_eq!(big[37], 123);
-        assert_eq!(big[42..46], [0, 0, 0, 7]);
-        assert_eq!(big[46..48], [1, 2]);
+    fn every_value_lies_where_the_document_says() {
+        assert_eq!(read(&sample(), WordOrder::Big, 0, 48).unwrap(), BIG);
+        assert_eq!(read(&sample(), WordOrder::Big, 100, 7).unwrap(), BIG_CONTROL);
+    }
+
+    #[test]
+    fn the_other_word_order_turns_the_registers_of_each_value_around() {
         let little = read(&sample(), WordOrder::Little, 0, 48).unwrap();
-        assert_eq!(little[11..13], [2, 1]);
-        assert_eq!(little[16..20], [0x7788, 0x5566, 0x3344, 0x1122]);
-        assert_eq!(little[31..33], [0, 0x3FC0]);
+        let turned =
+            |from: usize, count: usize| little[from..from + count].iter().rev().copied().collect::<Vec<_>>();
+        for (from, count) in
+            [(5, 2), (9, 2), (11, 2), (14, 2), (16, 4), (31, 2), (33, 2), (35, 2), (38, 4), (42, 4), (46, 2)]
+        {
+            assert_eq!(turned(from, count), BIG[from..from + count], "{from}");
+        }
+        for from in (0..5).chain([7, 8, 13]).chain(20..31).chain([37]) {
+            assert_eq!(little[from], BIG[from], "{from}");
+        }
+    }
+
+    #[test]
+    fn before_the_first_result_the_block_shows_that_there_is_none() {
+        let block = read(&Image::default(), WordOrder::Big, 11, 37).unwrap();
+        assert_eq!([block[0], block[1], block[2], block[9]], [0; 4], "sequence, outcome and level");
+        assert_eq!(block[12..15], [0xFFFF; 3], "activity, IU and nearest");
+        assert_eq!(block[20..24], [0x7FC0, 0, 0x7FC0, 0], "distance and threshold are NaN");
     }
 
     #[test]
@@ -178,7 +216,7 @@ mod tests {
         let all = write(&sample(), order, 100, &[3, 0, 9, 1, 2, 3, 4]).unwrap();
         assert_eq!(all, Control { word: 3, load_job_id: 9, load_model_hash: 0x0001_0002_0003_0004 });
         let half = write(&sample(), order, 102, &[5]).unwrap();
-        assert_eq!(half.load_job_id, 5);
+        assert_eq!(half.load_job_id, 0x6501_0005, "the other half stays");
         let swapped = write(&sample(), WordOrder::Little, 101, &[5, 6]).unwrap();
         assert_eq!(swapped.load_job_id, 0x0006_0005);
         assert_eq!(write(&sample(), order, 0, &[1]), Err(RegisterError::Address(0)));

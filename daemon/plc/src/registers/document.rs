@@ -1,12 +1,13 @@
-//! `REGISTERS.md`, made from the table.
+//! `REGISTERS.md`, generated from the table.
 
 use std::fmt::{self, Write as _};
 
-use shm_schemas::{VerdictKind, VerdictReason};
+use shm_schemas::{VerdictLevel, VerdictReason};
 
 use super::image::{control, status};
 use super::map::{Access, CONTROL_BASE, MAP, MAP_VERSION};
 use crate::handshake::{Fault, QUEUE};
+use crate::modbus::Config;
 
 /// The text of `REGISTERS.md`.
 pub fn document() -> String {
@@ -33,15 +34,15 @@ fn write_document(out: &mut String) -> fmt::Result {
     write_bits(out, &control::BITS)?;
     writeln!(
         out,
-        "\nOther bits must be 0: a write that sets one is answered with exception 3 and changes nothing."
+        "\nAll other bits must be 0. A write that sets one is answered with exception 3 and changes nothing."
     )?;
-    writeln!(out, "\n## Numbers\n\n`kind`\n\n| number | word |\n|---|---|")?;
-    for kind in VerdictKind::ALL {
-        writeln!(out, "| {} | {} |", kind.code(), kind.name())?;
+    writeln!(out, "\n## Numbers\n\n`level`\n\n| number | name | meaning |\n|---|---|---|")?;
+    for level in VerdictLevel::ALL {
+        writeln!(out, "| {} | {} | {} |", level.code(), level.name(), level.meaning())?;
     }
-    writeln!(out, "\n`reason`\n\n| number | word |\n|---|---|")?;
+    writeln!(out, "\n`reason`\n\n| number | name | meaning |\n|---|---|---|")?;
     for reason in VerdictReason::ALL {
-        writeln!(out, "| {} | {} |", reason.code(), reason.name())?;
+        writeln!(out, "| {} | {} | {} |", reason.code(), reason.name(), reason.meaning())?;
     }
     writeln!(out, "\n`error`\n\n| number | meaning and remedy |\n|---|---|")?;
     for fault in Fault::ALL {
@@ -58,45 +59,60 @@ fn write_bits(out: &mut String, bits: &[(u16, &str, &str)]) -> fmt::Result {
 }
 
 fn introduction() -> String {
+    let Config { connections, idle_timeout, hold, .. } = Config::default();
+    let (idle_s, hold_ms) = (idle_timeout.as_secs(), hold.as_millis());
     format!(
         "\
 # Registers of `andond run plc` (Modbus TCP), map version {MAP_VERSION}
 
-Made from `daemon/plc/src/registers/map.rs` by `cargo run -p andon-plc --example registers`; a test compares them.
+Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example registers`; a test compares the two.
 
-Addresses are protocol addresses, from 0 (in the older notation 4xxxx and 3xxxx add 1). Functions 3 (read holding registers) and 4
-(read input registers) show the same map; functions 6 and 16 write registers from {CONTROL_BASE} on. All others are answered with
-exception 1, an unknown address with 2, a malformed request with 3. The unit identifier is echoed and otherwise ignored.
+## Access
 
-Inside a register Modbus is big-endian. A value of two or four registers has its most significant register first
-(`word_order = \"big\"`, the default) or last (`\"little\"`).
-
-Without `writes = true` in the configuration every write is answered with exception 1.
+- Addresses are protocol addresses and count from 0. Add 1 where a tool counts from 40001 or 30001.
+- Functions 3 (read holding registers) and 4 (read input registers) read the same registers. Functions 6 and 16 write the registers
+  from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration.
+- Exception 1: the function is not served, or it writes while `plc.writes` is false. Exception 2: the address is outside the map, or
+  the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning.
+- The unit identifier is echoed and otherwise ignored.
+- Only the clients in `plc.allow` may connect, {connections} of them at once. A connection without a whole request for {idle_s} s is closed.
+- Inside a register Modbus is big-endian. A value of two or four registers has its most significant register first, which is
+  `plc.word_order = \"big\"`, the default. With `\"little\"` the least significant register is first, so that a controller with a
+  little-endian processor can lay the registers over a variable of 32 or 64 bits.
+- Numbers of activities and IUs count from 0.
 
 ## Reading a result
 
-1. Wait for `done`. It comes with one of `ok`, `nok`, `not-judged`, and only after the journal has the verdict on disk.
-2. Read the result block, `sequence` to `sequence_copy`.
+1. Wait for `done`. One of `ok`, `nok`, `not-judged` is set with it. The journal has the result on disk by then.
+2. Read the result block, from `sequence` to `sequence_copy`.
 3. Set `acknowledge`. `done` drops.
-4. Clear `acknowledge`. The next result, if one waits, is offered: `done` rises again with a higher `sequence`.
+4. Clear `acknowledge`. If another result waits, `done` rises again with a higher `sequence`.
 
-A result stays until it is acknowledged. {QUEUE} more wait behind it; what comes then is lost, `overrun` is set, and `sequence` jumps by as many
-as were lost. With writes off nothing can be acknowledged: a result stays at least for the configured time and then gives way to the
-next one; watch `sequence`, and `lost` for losses (`overrun` then stays set).
+A result stays until it is acknowledged, and {QUEUE} more can wait behind it. Results that come when the queue is full are lost:
+`overrun` is set, `lost` counts them, and `sequence` jumps by their number. The journal still has them.
 
-**No torn result.** Every request is answered from one moment, so a block that is read in one request is whole. Who reads it in several
-requests reads upwards, from `sequence` to `sequence_copy`, and keeps what was read only where both are equal: sequences only grow, so
-nothing changed between the two. That holds even where every register is read alone: an equal pair over a change would
-need 65,536 results between two requests.
+Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. Watch
+`sequence`: a jump is a loss. `overrun` stays set once it is set.
 
-**Silence is never OK.** Watch `heartbeat` and `ready`. `ready` drops within 2 s when the camera, the markers, a process, the verdict channel or the journal
-is lost, and `busy` with it: no verdict of that run will say OK. The error is latched until `reset_error` (with writes off, until
-the line is well again). A `done` that was offered before stays, as it was in the journal before.
+**No result is torn.** Each request is answered from one state, so a block that is read in one request belongs to one result. A client
+that needs several requests reads upwards from `sequence` to `sequence_copy`, and discards what it has read unless the two are equal.
+`sequence` only grows, so nothing can have changed between two equal values, even if every register is read by itself: for the
+halves of two sequences to look alike, 65,536 results would have to pass between two requests.
+
+**Silence is never OK.** Take the line for not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
+2 s when the camera, a process of the line or the journal fails, and `busy` drops with it. `error` then names the first fault and
+stays until `reset_error`; without `plc.writes` it stays until the line is ready again. A result that is offered at that time
+stays offered.
 
 ## Commands
 
-Set a bit of `control`; wait for the same bit in `carried_out` or `refused`; clear it. Both answers clear with it. A command
-acts once, when its bit rises. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request.
+1. Set the bit of the command in `control`. A command acts once, when its bit rises.
+2. Wait until the same bit is set in `carried_out` or in `refused`.
+3. Clear the bit in `control`. Both answers clear with it.
+
+Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request. `enable`, `load_job`, `start` and `abort` are carried out as
+soon as the judge has been sent them. What became of them there is in the log: AND-301 and AND-302 for `load_job`, AND-310 for a
+command that came at the wrong time.
 "
     )
 }

@@ -1,4 +1,4 @@
-//! What the registers show at one moment, as values.
+//! The values that the registers show at one moment.
 
 use shm_schemas::Verdict;
 
@@ -6,7 +6,7 @@ use shm_schemas::Verdict;
 pub mod status {
     /// The role runs and its loop turns.
     pub const ONLINE: u16 = 1;
-    /// Everything from the camera to the journal works, it is enabled, no error is latched.
+    /// Everything from the camera to the journal works, `enable` is set and no error is latched.
     pub const READY: u16 = 1 << 1;
     /// A job is running.
     pub const BUSY: u16 = 1 << 2;
@@ -22,48 +22,60 @@ pub mod status {
     pub const ERROR: u16 = 1 << 7;
     /// Results were lost: the queue was full, or the channel ran over.
     pub const OVERRUN: u16 = 1 << 8;
-    /// Every bit in order, with its name and its meaning.
+    /// Every bit in order, with its name and meaning.
     pub const BITS: [(u16, &str, &str); 9] = [
-        (ONLINE, "online", "the role runs and its loop turns"),
+        (ONLINE, "online", "the Modbus role runs and its loop turns"),
         (
             READY,
             "ready",
-            "camera, every process, the verdict channel and the journal work, `enable` is set, no error is latched",
+            "camera, every process of the line and the journal work, `enable` is set (or `plc.writes` is false), and no error is latched",
         ),
         (BUSY, "busy", "a job is running"),
         (DONE, "done", "a result is offered and not acknowledged"),
-        (OK, "ok", "the offered result is right; only with `done`"),
-        (NOK, "nok", "the offered result is an anomaly; only with `done`"),
-        (NOT_JUDGED, "not-judged", "the offered result could not be judged; only with `done`"),
-        (ERROR, "error", "an error is latched: see the register `error`"),
-        (OVERRUN, "overrun", "results were lost: the queue was full, or the verdict channel ran over"),
+        (OK, "ok", "the offered result is right; set only with `done`"),
+        (NOK, "nok", "the offered result is an anomaly; set only with `done`"),
+        (NOT_JUDGED, "not-judged", "the offered result could not be judged; set only with `done`"),
+        (ERROR, "error", "a fault is latched: see the register `error`"),
+        (
+            OVERRUN,
+            "overrun",
+            "results were lost: the queue was full, or verdicts came faster than this role could read them",
+        ),
     ];
 }
 
 /// Bits of the control word.
 pub mod control {
-    /// Watch (level).
+    /// The line watches for as long as it is set.
     pub const ENABLE: u16 = 1;
     /// Load the job of the registers `load_job_id` and `load_model_hash`.
     pub const LOAD_JOB: u16 = 1 << 1;
-    /// The job begins now.
+    /// A job begins now.
     pub const START: u16 = 1 << 2;
-    /// The job ends now.
+    /// The running job ends now.
     pub const ABORT: u16 = 1 << 3;
-    /// The offered result has been taken over.
+    /// The client has read the offered result.
     pub const ACKNOWLEDGE: u16 = 1 << 4;
     /// Clears the latched error and the overrun bit.
     pub const RESET_ERROR: u16 = 1 << 5;
-    /// All bits that have a meaning.
+    /// Every bit that has a meaning.
     pub const ALL: u16 = (1 << 6) - 1;
-    /// Every bit in order, with its name and its meaning.
+    /// Every bit in order, with its name and meaning.
     pub const BITS: [(u16, &str, &str); 6] = [
-        (ENABLE, "enable", "a level: watch while it is set"),
-        (LOAD_JOB, "load_job", "load the job of `load_job_id` and `load_model_hash`; refused while busy"),
-        (START, "start", "the job begins now; refused unless ready and not busy"),
-        (ABORT, "abort", "the job ends now"),
-        (ACKNOWLEDGE, "acknowledge", "the offered result has been taken over; refused where none is offered"),
-        (RESET_ERROR, "reset_error", "clears the latched error and the overrun bit"),
+        (ENABLE, "enable", "the line watches for as long as this bit is set"),
+        (
+            LOAD_JOB,
+            "load_job",
+            "load the job of `load_job_id` and `load_model_hash`; refused while busy and without `enable`",
+        ),
+        (START, "start", "a job begins now; refused unless ready and not busy"),
+        (ABORT, "abort", "the running job ends now; refused without `enable`"),
+        (ACKNOWLEDGE, "acknowledge", "the client has read the offered result; refused when none is offered"),
+        (
+            RESET_ERROR,
+            "reset_error",
+            "clear `error` and `overrun`; a fault that is still there is latched again at once",
+        ),
     ];
 }
 
@@ -74,7 +86,7 @@ pub struct Control {
     pub word: u16,
     /// The job that `load_job` loads.
     pub load_job_id: u32,
-    /// Its version; 0 accepts any.
+    /// Hash of the job file that `load_job` accepts; 0 accepts any.
     pub load_model_hash: u64,
 }
 
@@ -85,22 +97,22 @@ pub struct ResultBlock {
     pub sequence: u32,
     /// [`status::OK`], [`status::NOK`] or [`status::NOT_JUDGED`].
     pub outcome: u16,
-    /// What was judged.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
-/// All values at one moment.
+/// The values of all registers at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Image {
     /// Bits of [`status`].
     pub status: u16,
-    /// Commands carried out whose control bit is still set.
+    /// Control bits of the commands that were carried out, until the bit is cleared.
     pub carried_out: u16,
-    /// Commands refused whose control bit is still set.
+    /// Control bits of the commands that were refused, until the bit is cleared.
     pub refused: u16,
-    /// Moves four times a second.
+    /// Counts up four times per second.
     pub heartbeat: u16,
-    /// [`crate::handshake::Fault`] as a number; 0 is none.
+    /// The latched [`crate::handshake::Fault`] as a number; 0 is none.
     pub error: u16,
     /// The number in the code `AND-n` of the log line that belongs to the error; 0 where there is none.
     pub error_detail: u32,
@@ -108,7 +120,7 @@ pub struct Image {
     pub queued: u16,
     /// Results lost since the role started.
     pub lost: u32,
-    /// The result; `None` before the first one.
+    /// The newest result that was offered; `None` before the first one.
     pub result: Option<ResultBlock>,
     /// What the client has written.
     pub control: Control,

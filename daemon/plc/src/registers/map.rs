@@ -1,15 +1,15 @@
-//! The register map: the one table that the encoder, the decoder and `REGISTERS.md` are made from.
+//! The register map: one table, from which registers are read and written and `REGISTERS.md` is generated.
 
 use shm_schemas::{NO_INDEX, Verdict};
 
 use super::image::{Control, Image, ResultBlock};
 
 /// Changes when an address, a type or a meaning changes.
-pub const MAP_VERSION: u16 = 1;
+pub const MAP_VERSION: u16 = 2;
 /// The first register that can be written. 100 leaves the read block room to grow.
 pub const CONTROL_BASE: u16 = 100;
 
-/// How a value is read from the image; also its type.
+/// The type of a value, and how it is read from the image.
 #[derive(Clone, Copy)]
 pub enum Get {
     /// One register.
@@ -25,7 +25,7 @@ pub enum Get {
 /// How a written value is put into the control block.
 #[derive(Clone, Copy)]
 pub enum Access {
-    /// It is read only.
+    /// It is read-only.
     Read,
     /// It can be read back and written.
     ReadWrite(fn(&mut Control, u64)),
@@ -36,7 +36,7 @@ pub enum Access {
 pub struct Register {
     /// Protocol address of its first register, from 0.
     pub address: u16,
-    /// Name in lower case.
+    /// Name, in lower case with underscores.
     pub name: &'static str,
     /// Type, and how it is read.
     pub get: Get,
@@ -47,7 +47,7 @@ pub struct Register {
 }
 
 impl Register {
-    /// How many 16-bit registers it takes.
+    /// The number of 16-bit registers that it takes.
     pub const fn words(&self) -> u16 {
         match self.get {
             Get::U16(_) => 1,
@@ -56,7 +56,7 @@ impl Register {
         }
     }
 
-    /// Its type, as the document writes it.
+    /// The name of its type in the document.
     pub const fn type_name(&self) -> &'static str {
         match self.get {
             Get::U16(_) => "u16",
@@ -90,12 +90,13 @@ const NO_VERDICT: Verdict = Verdict {
     activity: NO_INDEX,
     iu: NO_INDEX,
     nearest: NO_INDEX,
-    kind: 0,
+    level: 0,
+    outcome: 0,
     reason: 0,
     hand: 0,
     early: 0,
     station: [0; shm_schemas::STATION_BYTES],
-    reserved: [0; 2],
+    reserved: 0,
 };
 
 const NS_PER_S: u64 = 1_000_000_000;
@@ -122,38 +123,43 @@ pub const MAP: &[Register] = &[
         1,
         "carried_out",
         Get::U16(|i| i.carried_out),
-        "commands carried out whose control bit is still set",
+        "control bits of the commands that were carried out; each clears with its control bit",
     ),
-    read(2, "refused", Get::U16(|i| i.refused), "commands refused whose control bit is still set"),
-    read(3, "heartbeat", Get::U16(|i| i.heartbeat), "moves four times a second, wraps"),
-    read(4, "error", Get::U16(|i| i.error), "error number, see below; 0 is none"),
+    read(
+        2,
+        "refused",
+        Get::U16(|i| i.refused),
+        "control bits of the commands that were refused; each clears with its control bit",
+    ),
+    read(3, "heartbeat", Get::U16(|i| i.heartbeat), "counts up four times per second and wraps around"),
+    read(4, "error", Get::U16(|i| i.error), "the latched fault, see below; 0 none"),
     read(
         5,
         "error_detail",
         Get::U32(|i| i.error_detail),
-        "n of the code `AND-n` in the log that belongs to the error; 0 where there is none",
+        "the number n of the code `AND-n` in the log that belongs to `error`; 0 none",
     ),
     read(7, "map_version", Get::U16(|_| MAP_VERSION), "version of this map"),
-    read(8, "queued", Get::U16(|i| i.queued), "results that wait behind the offered one"),
-    read(9, "lost", Get::U32(|i| i.lost), "results lost since the role started"),
+    read(8, "queued", Get::U16(|i| i.queued), "number of results that wait behind the offered one"),
+    read(9, "lost", Get::U32(|i| i.lost), "number of results that were lost since the role started"),
     read(
         11,
         "sequence",
         Get::U32(sequence),
-        "number of the result, from 1; a jump is a loss; 0 before the first result",
+        "number of the result, from 1; a jump is a loss; 0 before the first result; after 4,294,967,295 comes 1",
     ),
     read(
         13,
         "outcome",
         Get::U16(|i| i.result.map_or(0, |r| r.outcome)),
-        "the bits `ok`, `nok`, `not-judged` of the status word, kept with the result",
+        "the bit `ok`, `nok` or `not-judged` at its place in the status word; stays after `acknowledge`",
     ),
-    read(14, "job_id", Get::U32(|i| of(i).job_id), "the job that was watched"),
-    read(16, "model_hash", Get::U64(|i| of(i).model_hash), "hash of the job file it was judged by"),
+    read(14, "job_id", Get::U32(|i| of(i).job_id), "the job that is watched"),
+    read(16, "model_hash", Get::U64(|i| of(i).model_hash), "hash of the job file that it was judged by"),
     read(
         20,
-        "kind",
-        Get::U16(|i| of(i).kind.into()),
+        "level",
+        Get::U16(|i| of(i).level.into()),
         "what was judged, see below; 0 before the first result",
     ),
     read(21, "reason", Get::U16(|i| of(i).reason.into()), "the rule that decided, see below"),
@@ -162,32 +168,62 @@ pub const MAP: &[Register] = &[
         23,
         "activity",
         Get::U16(|i| of(i).activity),
-        "number of the activity in the job, from 0; 65535 none",
+        "index of the activity in the job, from 0; 65535 none",
     ),
-    read(24, "iu", Get::U16(|i| of(i).iu), "number of the IU in its activity, from 0; 65535 none"),
-    read(25, "nearest", Get::U16(|i| of(i).nearest), "nominal activity it was judged against; 65535 none"),
-    read(26, "x_c_0", Get::U16(|i| of(i).x_c[0]), "context features x_c: the hand"),
-    read(27, "x_c_1", Get::U16(|i| of(i).x_c[1]), "context features x_c: the object in the hand"),
-    read(28, "x_c_2", Get::U16(|i| of(i).x_c[2]), "context features x_c: the object in the hand, in contact"),
-    read(29, "x_c_3", Get::U16(|i| of(i).x_c[3]), "context features x_c: the object that it touches"),
-    read(30, "early", Get::U16(|i| of(i).early.into()), "1: said before the IU ended"),
+    read(24, "iu", Get::U16(|i| of(i).iu), "index of the IU in its activity, from 0; 65535 none"),
+    read(
+        25,
+        "nearest",
+        Get::U16(|i| of(i).nearest),
+        "index of the nominal activity that it was judged against, from 0; 65535 none",
+    ),
+    read(
+        26,
+        "x_c_0",
+        Get::U16(|i| of(i).x_c[0]),
+        "context x_c: the hand that touches something; 0 none, 1 right, 2 left",
+    ),
+    read(
+        27,
+        "x_c_1",
+        Get::U16(|i| of(i).x_c[1]),
+        "context x_c: `id` of the object that the hand touches; 0 none",
+    ),
+    read(
+        28,
+        "x_c_2",
+        Get::U16(|i| of(i).x_c[2]),
+        "context x_c: `id` of the object that touches another one; 0 none",
+    ),
+    read(29, "x_c_3", Get::U16(|i| of(i).x_c[3]), "context x_c: `id` of that other object; 0 none"),
+    read(
+        30,
+        "early",
+        Get::U16(|i| of(i).early.into()),
+        "1 if the verdict came before the IU ended, otherwise 0",
+    ),
     read(31, "distance", Get::F32(|i| of(i).distance), "DTW distance to the nearest nominal; NaN none"),
-    read(33, "threshold", Get::F32(|i| of(i).threshold), "the threshold it was held against; NaN none"),
+    read(
+        33,
+        "threshold",
+        Get::F32(|i| of(i).threshold),
+        "the threshold that `distance` was compared with; NaN none",
+    ),
     read(
         35,
         "utc_s",
         Get::U32(|i| u32::try_from(of(i).decided_utc_ns / NS_PER_S).unwrap_or(u32::MAX)),
-        "when it was decided, seconds since 1970 UTC",
+        "when it was decided: seconds since 1970-01-01 00:00 UTC",
     ),
     read(
         37,
         "utc_ms",
         Get::U16(|i| u16::try_from(of(i).decided_utc_ns % NS_PER_S / NS_PER_MS).unwrap_or(0)),
-        "and milliseconds",
+        "and milliseconds, 0 to 999",
     ),
     read(38, "epoch", Get::U64(|i| of(i).stamp.epoch), "with `seq` the key of the verdict in the journal"),
     read(42, "seq", Get::U64(|i| of(i).stamp.seq), "with `epoch` the key of the verdict in the journal"),
-    read(46, "sequence_copy", Get::U32(sequence), "`sequence` again, written after everything else"),
+    read(46, "sequence_copy", Get::U32(sequence), "the same as `sequence`"),
     write(
         CONTROL_BASE,
         "control",
@@ -207,6 +243,6 @@ pub const MAP: &[Register] = &[
         "load_model_hash",
         Get::U64(|i| i.control.load_model_hash),
         |c, v| c.load_model_hash = v,
-        "its version; 0 accepts any",
+        "the hash that the job file must have; 0 accepts any",
     ),
 ];

@@ -1,52 +1,65 @@
-//! A Modbus server over channels instead of shared memory, and a client that is nothing but bytes.
-#![allow(dead_code)] // every test file uses a part
+//! A Modbus server over channels instead of shared memory, and a client of plain bytes.
 
-use andon_plc::handshake::{Ask, Fault, Line};
-use andon_plc::modbus::{CommandSink, Config, Counters, Event, ModbusServer, VerdictSource};
-use shm_schemas::{NO_INDEX, Verdict, VerdictKind};
+use andon_plc::handshake::{Fault, Line, LineCommand};
+use andon_plc::modbus::{Config, Counters, ModbusServer};
+use shm_schemas::{NO_INDEX, Verdict, VerdictLevel, VerdictOutcome};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Longer than anything takes here; a test that waits for so long has failed.
+/// Longer than anything here takes; a test that waits for this long has failed.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
-struct Events(Receiver<Event>);
+/// What the role reads from the channels.
+enum Event {
+    Verdict(Verdict),
+    Confirmed { epoch: u64, seq: u64 },
+}
 
-impl VerdictSource for Events {
-    fn next(&mut self, wait: Duration) -> Option<Event> {
-        match self.0.recv_timeout(wait) {
-            Ok(event) => Some(event),
-            Err(RecvTimeoutError::Timeout) => None,
-            Err(RecvTimeoutError::Disconnected) => {
-                thread::sleep(wait);
-                None
+/// The line as the role sees it.
+struct LineEnd {
+    events: Receiver<Event>,
+    commands: Sender<LineCommand>,
+    has_camera: Arc<AtomicBool>,
+    stop: Arc<AtomicBool>,
+}
+
+/// The loop of the role `plc`, over channels instead of shared memory.
+fn run(server: &ModbusServer, line: &LineEnd) {
+    while !line.stop.load(Ordering::Relaxed) {
+        let event = line.events.recv_timeout(Duration::from_millis(20)).ok();
+        let state = match line.has_camera.load(Ordering::Relaxed) {
+            true => Line::Ready,
+            false => Line::Fault { fault: Fault::Camera, detail: 104 },
+        };
+        server.handshake(|handshake, now_ns| {
+            match event {
+                Some(Event::Verdict(verdict)) => handshake.verdict(&verdict, now_ns),
+                Some(Event::Confirmed { epoch, seq }) => handshake.confirmed(epoch, seq, now_ns),
+                None => {}
             }
-        }
+            handshake.tick(state, now_ns);
+            while let Some(command) = handshake.next_command() {
+                let was_sent = line.commands.send(command).is_ok();
+                handshake.command_sent(command.kind, was_sent);
+            }
+        });
     }
 }
 
-struct Told(Sender<Ask>);
-
-impl CommandSink for Told {
-    fn tell(&mut self, ask: &Ask) -> bool {
-        self.0.send(*ask).is_ok()
-    }
-}
-
-/// A server that runs until it is dropped. A healthy line reports to it all the time, until told otherwise.
+/// A server that runs until it is dropped, with a line that is healthy until a test says otherwise.
 pub(crate) struct TestServer {
     pub(crate) address: SocketAddr,
     pub(crate) counters: Arc<Counters>,
-    pub(crate) asks: Receiver<Ask>,
+    pub(crate) commands: Receiver<LineCommand>,
     events: Sender<Event>,
+    has_camera: Arc<AtomicBool>,
     stop: Arc<AtomicBool>,
-    well: Arc<AtomicBool>,
-    threads: Vec<thread::JoinHandle<()>>,
+    role: Option<thread::JoinHandle<()>>,
     seq: u64,
 }
 
@@ -60,34 +73,27 @@ impl TestServer {
         let server = ModbusServer::start(config).unwrap();
         let (address, counters) = (server.address(), server.counters());
         let (events, from_line) = channel();
-        let (to_line, asks) = channel();
-        let stop = Arc::new(AtomicBool::new(false));
-        let well = Arc::new(AtomicBool::new(true));
-        let stopped = Arc::clone(&stop);
-        let role = thread::spawn(move || server.run(&mut Events(from_line), &mut Told(to_line), &stopped));
-        let (stopped, is_well, line) = (Arc::clone(&stop), Arc::clone(&well), events.clone());
-        let health = thread::spawn(move || {
-            while !stopped.load(Ordering::Relaxed) {
-                let state = match is_well.load(Ordering::Relaxed) {
-                    true => Line::Ready,
-                    false => Line::Fault { fault: Fault::Camera, detail: 104 },
-                };
-                let _ = line.send(Event::Line(state));
-                thread::sleep(Duration::from_millis(10));
-            }
-        });
-        Self { address, counters, asks, events, stop, well, threads: vec![role, health], seq: 0 }
+        let (to_line, commands) = channel();
+        let (has_camera, stop) = (Arc::new(AtomicBool::new(true)), Arc::new(AtomicBool::new(false)));
+        let line = LineEnd {
+            events: from_line,
+            commands: to_line,
+            has_camera: Arc::clone(&has_camera),
+            stop: Arc::clone(&stop),
+        };
+        let role = Some(thread::spawn(move || run(&server, &line)));
+        Self { address, counters, commands, events, has_camera, stop, role, seq: 0 }
     }
 
-    /// The camera is there, or not.
-    pub(crate) fn camera(&self, there: bool) {
-        self.well.store(there, Ordering::Relaxed);
+    /// Connects or disconnects the camera.
+    pub(crate) fn camera(&self, is_connected: bool) {
+        self.has_camera.store(is_connected, Ordering::Relaxed);
     }
 
     /// A verdict comes, and the journal has it.
-    pub(crate) fn say(&mut self, kind: VerdictKind) {
+    pub(crate) fn verdict(&mut self, outcome: VerdictOutcome) {
         self.seq += 1;
-        let mut verdict = sample(self.seq, kind);
+        let mut verdict = sample(self.seq, outcome);
         verdict.stamp.seq = self.seq;
         self.events.send(Event::Verdict(verdict)).unwrap();
         self.events.send(Event::Confirmed { epoch: 1, seq: self.seq }).unwrap();
@@ -101,16 +107,15 @@ impl TestServer {
 impl Drop for TestServer {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        for thread in self.threads.drain(..) {
-            let _ = thread.join();
-        }
+        let _ = self.role.take().map(thread::JoinHandle::join);
     }
 }
 
-/// Every field follows from the number, so that a mix of two shows.
-pub(crate) fn sample(number: u64, kind: VerdictKind) -> Verdict {
+/// Fields that follow from the number, so that a mix of two verdicts is noticed.
+pub(crate) fn sample(number: u64, outcome: VerdictOutcome) -> Verdict {
     let mut verdict = Verdict {
-        kind: kind.code(),
+        level: VerdictLevel::Iu.code(),
+        outcome: outcome.code(),
         job_id: 7,
         model_hash: number.wrapping_mul(0x9E37_79B9_7F4A_7C15),
         distance: number as f32,
@@ -125,7 +130,7 @@ pub(crate) fn sample(number: u64, kind: VerdictKind) -> Verdict {
     verdict
 }
 
-/// Bytes over TCP, written after the specification and sharing nothing with the server.
+/// A client of plain bytes, written after the specification. It shares nothing with the server.
 pub(crate) struct Client(TcpStream);
 
 impl Client {
@@ -140,12 +145,12 @@ impl Client {
         self.0.write_all(bytes).unwrap();
     }
 
-    /// Sends; a server that has closed already is no fault here.
+    /// Sends, or does nothing when the server has closed the connection.
     pub(crate) fn send_if_open(&mut self, bytes: &[u8]) {
         let _ = self.0.write_all(bytes);
     }
 
-    /// The next answer: function and what follows. `None`: the server closed.
+    /// The PDU of the next answer; `None` when the server has closed the connection.
     pub(crate) fn answer(&mut self) -> Option<Vec<u8>> {
         let mut header = [0; 7];
         self.0.read_exact(&mut header).ok()?;
@@ -182,7 +187,7 @@ impl Client {
             if status & set == set && status & cleared == 0 {
                 return;
             }
-            assert!(Instant::now() < until, "status {status:#b}, wanted {set:#b} and not {cleared:#b}");
+            assert!(Instant::now() < until, "status {status:#b}, expected {set:#b} and not {cleared:#b}");
             thread::sleep(Duration::from_millis(2));
         }
     }

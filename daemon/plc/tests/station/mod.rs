@@ -1,7 +1,7 @@
-//! A station with a judge that says what it is told, for the tests of readers.
+//! A station with a judge that sends what a test wants, for the tests of readers.
 
-use andon_ipc::{Limits, Node, Station, Steward, Stop, TEND_PERIOD, Writer};
-use shm_schemas::{RoleId, Verdict, VerdictKind, VerdictReason};
+use andon_ipc::{Limits, Node, POLL_PERIOD, Station, Steward, Stop, Writer};
+use shm_schemas::{RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -9,7 +9,7 @@ use std::time::Duration;
 
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A station with its steward in a thread; its directory goes when it is dropped.
+/// A station with its steward in a thread. Its directory is deleted when it is dropped.
 pub(crate) struct TestStation {
     pub(crate) station: Station,
     stop: Arc<AtomicBool>,
@@ -26,8 +26,8 @@ impl TestStation {
         let stopped = Arc::clone(&stop);
         let steward = thread::spawn(move || {
             while !stopped.load(Ordering::Relaxed) {
-                steward.tend().unwrap();
-                thread::sleep(TEND_PERIOD);
+                steward.poll().unwrap();
+                thread::sleep(POLL_PERIOD);
             }
         });
         Self { station, stop, steward: Some(steward), _dir: dir }
@@ -53,21 +53,22 @@ pub(crate) struct Judge {
 }
 
 impl Judge {
-    /// Every third is an anomaly.
-    pub(crate) fn say(&mut self, number: u64) {
+    /// Sends a verdict; every third is an anomaly.
+    pub(crate) fn send(&mut self, number: u64) {
         let mut verdict = self.verdicts.loan().unwrap();
-        let (kind, reason) = match number % 3 {
-            0 => (VerdictKind::IuAnomaly, VerdictReason::Motion),
-            _ => (VerdictKind::IuOk, VerdictReason::None),
+        let (outcome, reason) = match number % 3 {
+            0 => (VerdictOutcome::Anomaly, VerdictReason::Motion),
+            _ => (VerdictOutcome::Ok, VerdictReason::None),
         };
-        verdict.kind = kind.code();
+        verdict.level = VerdictLevel::Iu.code();
+        verdict.outcome = outcome.code();
         verdict.reason = reason.code();
         verdict.distance = number as f32 / 2.0;
         verdict.station[..7].copy_from_slice(b"plctest");
         self.verdicts.send(verdict).unwrap();
     }
 
-    /// Answers readers that come up, for so long.
+    /// Waits for this long, and answers readers that come up meanwhile.
     pub(crate) fn idle(&mut self, time: Duration) {
         self.node.wait(&mut [&mut self.verdicts], time).unwrap();
     }

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 const MS: u64 = 1_000_000;
 const SECOND: u64 = 1000 * MS;
-/// CLOCK_REALTIME minus CLOCK_MONOTONIC of the computers of these tests.
+/// CLOCK_REALTIME minus CLOCK_MONOTONIC in these tests.
 const WALL: u64 = 1_700_000_000 * SECOND;
 
 fn hardware(us: f64) -> SensorTime {
@@ -17,7 +17,7 @@ fn arrival(monotonic_ns: u64) -> Arrival {
 /// A camera whose counter read `start_us` at the computer's time `T0`.
 struct Camera {
     start_us: f64,
-    /// How much faster its crystal is.
+    /// How much faster its crystal is than the computer's.
     drift: f64,
 }
 
@@ -31,10 +31,10 @@ impl Camera {
 }
 
 #[test]
-fn jitter_of_the_arrival_does_not_reach_the_capture_time() {
+fn jitter_of_the_arrival_does_not_affect_the_capture_time() {
     let camera = Camera { start_us: 5e6, drift: 0.0 };
     let mut clock = CameraClock::default();
-    // The third picture is the quickest: 8 ms. From then on every capture time is exact but for those 8 ms.
+    // The third picture is the fastest with 8 ms. From then on every capture time is exact except for these 8 ms.
     for (k, delay_ms) in [15, 12, 8, 30, 9, 8, 250, 11].into_iter().enumerate() {
         let true_ns = T0 + k as u64 * 33 * MS;
         let captured = clock.captured_ns(camera.stamp(true_ns), arrival(true_ns + delay_ms * MS));
@@ -45,7 +45,7 @@ fn jitter_of_the_arrival_does_not_reach_the_capture_time() {
 }
 
 #[test]
-fn the_32_bit_counter_wraps_unseen() {
+fn a_wrap_of_the_32_bit_counter_goes_unnoticed() {
     let camera = Camera { start_us: (1_u64 << 32) as f64 - 100_000.0, drift: 0.0 };
     let mut clock = CameraClock::default();
     let captured: Vec<u64> = (0..12)
@@ -68,19 +68,19 @@ fn a_camera_that_restarts_its_clock_is_followed_at_once() {
 }
 
 #[test]
-fn a_slow_crystal_is_followed_within_the_trusted_time() {
+fn a_slow_crystal_is_followed_within_two_spans() {
     let camera = Camera { start_us: 0.0, drift: -50e-6 };
     let mut clock = CameraClock::default();
     for k in 0..30 * 600 {
         let true_ns = T0 + k * 33_333_333;
         let captured = clock.captured_ns(camera.stamp(true_ns), arrival(true_ns + 8 * MS));
-        // Two spans of 5 s and a picture each at 50 millionths, although the clocks are 30 ms apart in the end.
+        // Two spans of 5 s and one picture each, at 50 millionths, although the clocks differ by 30 ms in the end.
         assert!(captured.abs_diff(true_ns + 8 * MS) < 510_000, "after {k} pictures");
     }
 }
 
 #[test]
-fn a_stamp_of_the_wall_clock_is_moved_by_the_distance_of_the_clocks() {
+fn a_stamp_of_the_wall_clock_is_shifted_by_the_offset_of_the_clocks() {
     for domain in [Domain::System, Domain::Global] {
         let mut clock = CameraClock::default();
         let stamp = SensorTime { ms: (WALL + T0) as f64 / 1e6, domain };
@@ -103,7 +103,7 @@ fn a_step_of_the_wall_clock_does_not_move_the_capture_time() {
 }
 
 #[test]
-fn a_picture_stamped_before_a_step_counts_as_captured_when_it_came() {
+fn a_picture_stamped_before_a_step_counts_as_captured_on_arrival() {
     let mut clock = CameraClock::default();
     let stamp = SensorTime { ms: (WALL + T0) as f64 / 1e6, domain: Domain::Global };
     let stepped = Arrival { monotonic_ns: T0 + 9 * MS, realtime_ns: T0 + 9 * MS + WALL + 3600 * SECOND };
@@ -111,7 +111,7 @@ fn a_picture_stamped_before_a_step_counts_as_captured_when_it_came() {
 }
 
 #[test]
-fn a_change_of_the_clock_in_mid_stream_starts_anew() {
+fn a_change_of_the_clock_in_mid_stream_restarts_the_estimate() {
     let mut clock = CameraClock::default();
     clock.captured_ns(hardware(5e6), arrival(T0));
     let stamp = SensorTime { ms: (WALL + T0 + 33 * MS) as f64 / 1e6, domain: Domain::Global };
@@ -120,7 +120,7 @@ fn a_change_of_the_clock_in_mid_stream_starts_anew() {
 }
 
 #[test]
-fn a_recording_begins_at_zero_and_a_repetition_goes_on() {
+fn a_recording_starts_at_zero_and_continues_where_its_camera_restarts_its_clock() {
     let mut clock = RecordingClock::default();
     let times: Vec<u64> = [7000.0, 7033.0, 7066.0, 7000.0, 7033.0]
         .map(|ms| clock.since_first_ns(hardware(ms * 1000.0)))
@@ -129,7 +129,7 @@ fn a_recording_begins_at_zero_and_a_repetition_goes_on() {
 }
 
 #[test]
-fn a_recording_may_contain_the_wrap_of_its_camera() {
+fn a_recording_may_contain_a_wrap_of_its_camera() {
     let end = (1_u64 << 32) as f64;
     let mut clock = RecordingClock::default();
     let times = [end - 20_000.0, 13_000.0].map(|us| clock.since_first_ns(hardware(us)));

@@ -1,6 +1,6 @@
-//! Opening a camera that is attached.
+//! Opens an attached camera.
 
-use std::collections::{BTreeSet, HashSet, VecDeque};
+use std::collections::{BTreeSet, HashSet};
 use std::ffi::CString;
 use std::path::Path;
 
@@ -11,23 +11,22 @@ use realsense_rust::kind::{OptionSetError, Rs2CameraInfo, Rs2Format, Rs2Option, 
 use realsense_rust::pipeline::InactivePipeline;
 use realsense_rust::sensor::Sensor;
 
-use super::picture::{Optics, sdk_format};
-use super::{Kind, Open};
+use super::picture::Optics;
+use super::{Kind, Source};
 use crate::clock::CameraClock;
 use crate::settings::Camera;
 use crate::{Error, usb};
 
-pub(super) fn open(context: &Context, wanted: &Camera, depth: bool) -> Result<Open, Error> {
-    let device = choose(context, wanted.serial.as_deref())?;
+pub(super) fn open(context: Context, wanted: &Camera, depth: bool) -> Result<Source, Error> {
+    let device = choose(&context, wanted.serial.as_deref())?;
     let serial = info(&device, Rs2CameraInfo::SerialNumber);
-    let mut streams =
-        vec![Mode::new(Rs2StreamKind::Color, sdk_format(wanted.colour_format), wanted.colour_size, wanted)];
+    let mut streams = vec![Mode::new(Rs2StreamKind::Color, Rs2Format::Rgb8, wanted.colour_size, wanted)];
     if depth {
         streams.push(Mode::new(Rs2StreamKind::Depth, Rs2Format::Z16, wanted.depth_size, wanted));
     }
     let mut config = Config::new();
     let failed = |error: String| super::sdk("choosing the streams", error);
-    // A serial number is printable ASCII: it has no zero byte.
+    // A serial number is printable ASCII without a zero byte.
     let named = CString::new(serial.as_str()).map_err(|error| failed(error.to_string()))?;
     config.enable_device_from_serial(&named).map_err(|error| failed(error.to_string()))?;
     for mode in &streams {
@@ -37,29 +36,20 @@ pub(super) fn open(context: &Context, wanted: &Camera, depth: bool) -> Result<Op
             .enable_stream(mode.stream, None, width, height, mode.format, mode.rate_hz as usize)
             .map_err(|error| failed(error.to_string()))?;
     }
-    // Before the start, so that the first picture has them already.
+    // Before the start, so that they apply to the first picture.
     set_options(&device, &serial, wanted, depth)?;
-    let pipeline = InactivePipeline::try_from(context).map_err(|error| failed(error.to_string()))?;
+    let pipeline = InactivePipeline::try_from(&context).map_err(|error| failed(error.to_string()))?;
     let pipeline = pipeline.start(Some(config)).map_err(|error| not_started(&error.to_string(), &serial))?;
     let optics = Optics::read(pipeline.profile())?;
-    let name = format!("{} {serial}", info(&device, Rs2CameraInfo::Name));
-    Ok(Open {
+    Ok(Source {
         pipeline,
-        name,
-        serial,
         depth,
         optics,
-        kind: Kind::Camera(CameraClock::default()),
-        fetched: VecDeque::new(),
+        kind: Kind::Camera { serial, clock: CameraClock::default() },
+        fetched: None,
         last_number: None,
+        _context: context,
     })
-}
-
-/// Resets the firmware of the camera, if it is there.
-pub(super) fn reset(context: &Context, serial: Option<&str>) {
-    if let Ok(device) = choose(context, serial) {
-        device.hardware_reset();
-    }
 }
 
 fn choose(context: &Context, serial: Option<&str>) -> Result<Device, Error> {
@@ -67,13 +57,13 @@ fn choose(context: &Context, serial: Option<&str>) -> Result<Device, Error> {
     let serials: Vec<String> =
         devices.iter().map(|device| info(device, Rs2CameraInfo::SerialNumber)).collect();
     if devices.is_empty() {
-        return Err(usb::explain(&usb::cameras(Path::new("/")), usb::may_open));
+        return Err(usb::explain(&usb::device_files(Path::new("/")), usb::may_open));
     }
     let index = pick(&serials, serial)?;
     Ok(devices.swap_remove(index))
 }
 
-/// Which of the attached cameras is meant. `attached` is not empty.
+/// The index of the requested camera among the attached ones, of which there is at least one.
 fn pick(attached: &[String], serial: Option<&str>) -> Result<usize, Error> {
     match serial {
         Some(serial) => attached.iter().position(|each| each == serial).ok_or_else(|| {
@@ -88,7 +78,7 @@ fn info(device: &Device, what: Rs2CameraInfo) -> String {
     device.info(what).map(|text| text.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// One stream that is wanted.
+/// One requested stream.
 struct Mode {
     stream: Rs2StreamKind,
     format: Rs2Format,
@@ -143,25 +133,24 @@ fn set_options(device: &Device, serial: &str, wanted: &Camera, depth: bool) -> R
         let (is_colour, is_depth) = (has(Rs2StreamKind::Color), has(Rs2StreamKind::Depth));
         let mut set = |option, name, value: f32| set_option(&mut sensor, serial, option, name, value);
         if is_colour {
-            // Auto exposure must not lower the frame rate: what is dark stays dark.
+            // Auto exposure must not lower the frame rate in the dark.
             set(Rs2Option::AutoExposurePriority, "auto exposure priority", 0.0)?;
             // The colour sensor counts exposure in steps of 100 µs.
             let steps = wanted.exposure_us.map(|us| us as f32 / 100.0);
             expose(&mut set, steps)?;
         } else if is_depth && depth {
-            expose(&mut set, wanted.depth_exposure_us.map(|us| us as f32))?;
-            if let Some(power) = wanted.laser_mw {
-                set(Rs2Option::EmitterEnabled, "the projector", if power == 0 { 0.0 } else { 1.0 })?;
-                if power > 0 {
-                    set(Rs2Option::LaserPower, "laser power in mW", power as f32)?;
-                }
+            expose(&mut set, None)?;
+            let power = wanted.laser_mw;
+            set(Rs2Option::EmitterEnabled, "the projector", if power == 0 { 0.0 } else { 1.0 })?;
+            if power > 0 {
+                set(Rs2Option::LaserPower, "laser power in mW", power as f32)?;
             }
         }
     }
     Ok(())
 }
 
-/// Fixes the exposure, or gives it back to the camera: it keeps what the program before has set.
+/// Fixes the exposure, or returns it to the camera, which keeps what an earlier program has set.
 fn expose(
     set: &mut impl FnMut(Rs2Option, &'static str, f32) -> Result<(), Error>,
     exposure: Option<f32>,
@@ -182,7 +171,9 @@ fn set_option(
         Err(OptionSetError::OptionNotSupported) if value == 0.0 => Ok(()),
         Err(error) => {
             let allowed = match sensor.get_option_range(option) {
-                Some(range) => format!("it takes {} to {} in steps of {}", range.min, range.max, range.step),
+                Some(range) => {
+                    format!("it accepts {} to {} in steps of {}", range.min, range.max, range.step)
+                }
                 None => format!("leave it out ({error})"),
             };
             Err(Error::Option { serial: serial.to_owned(), option: name, value, allowed })

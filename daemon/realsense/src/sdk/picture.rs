@@ -11,7 +11,7 @@ use crate::frame::{
     DepthPlane, Distortion, Extrinsics, FrameInfo, Intrinsics, PixelFormat, Plane, write_planes,
 };
 
-/// Colour and depth of one moment, still in the SDK's own memory.
+/// Colour and depth of one moment, still in the memory of the SDK.
 #[derive(Debug)]
 pub struct Frame {
     info: FrameInfo,
@@ -33,7 +33,6 @@ impl Frame {
                 plane: plane(depth, PixelFormat::Z16, *intrinsics),
                 unit_m: depth.depth_units().map_err(|error| super::sdk("reading the depth unit", error))?,
                 colour_from_depth: *colour_from_depth,
-                lag_ns: ((depth.timestamp() - colour.timestamp()) * 1e6) as i64,
             }),
             _ => None,
         };
@@ -69,7 +68,7 @@ pub(super) struct Times {
     pub(super) source_ns: u64,
 }
 
-/// What a camera's lenses are; the same for all frames of one start.
+/// The optics of a camera, which are the same for all frames from one start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Optics {
     colour: Intrinsics,
@@ -77,7 +76,7 @@ pub(super) struct Optics {
 }
 
 impl Optics {
-    /// Asks the SDK. `None` depth where the streams have none.
+    /// Asks the SDK. `depth` is `None` where no depth stream is on.
     pub(super) fn read(profile: &PipelineProfile) -> Result<Self, Error> {
         let failed = |error| super::sdk("reading the calibration", error);
         let stream = |kind| profile.streams().iter().find(|stream| stream.kind() == kind);
@@ -107,17 +106,6 @@ pub(super) fn sensor_time(frame: &ColorFrame) -> SensorTime {
     SensorTime { ms: frame.timestamp(), domain }
 }
 
-/// The SDK's format of the pixels that are asked for.
-pub(super) fn sdk_format(format: PixelFormat) -> Rs2Format {
-    match format {
-        PixelFormat::Rgb8 => Rs2Format::Rgb8,
-        PixelFormat::Bgr8 => Rs2Format::Bgr8,
-        PixelFormat::Yuyv => Rs2Format::Yuyv,
-        PixelFormat::Grey8 => Rs2Format::Y8,
-        PixelFormat::Z16 => Rs2Format::Z16,
-    }
-}
-
 fn pixel_format(format: Rs2Format) -> Result<PixelFormat, Error> {
     match format {
         Rs2Format::Rgb8 => Ok(PixelFormat::Rgb8),
@@ -144,8 +132,8 @@ fn bytes<K>(frame: &ImageFrame<K>) -> &[u8] {
 }
 
 fn intrinsics(raw: &Rs2Intrinsics) -> Intrinsics {
-    let bent = raw.distortion();
-    let distortion = match bent.model {
+    let lens = raw.distortion();
+    let distortion = match lens.model {
         Rs2DistortionModel::None => Distortion::None,
         Rs2DistortionModel::BrownConrady => Distortion::BrownConrady,
         Rs2DistortionModel::BrownConradyInverse => Distortion::InverseBrownConrady,
@@ -156,6 +144,6 @@ fn intrinsics(raw: &Rs2Intrinsics) -> Intrinsics {
         focal: [raw.fx(), raw.fy()],
         centre: [raw.ppx(), raw.ppy()],
         distortion,
-        coefficients: bent.coeffs,
+        coefficients: lens.coeffs,
     }
 }

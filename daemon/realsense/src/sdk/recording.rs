@@ -1,6 +1,7 @@
-//! Opening a `.bag` recording.
+//! Opens a `.bag` recording.
 
 use std::fs::File;
+use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::time::Duration;
 
@@ -16,28 +17,26 @@ use realsense_sys::{
 
 use super::library::Api;
 use super::picture::Optics;
-use super::{Kind, Open};
+use super::{Kind, Source};
 use crate::Error;
 use crate::clock::RecordingClock;
-use crate::settings::{Pace, Recording};
 
-/// The first frame of a recording is due after its index has been read, 0.2 s here for an hour.
+/// The first frame of a recording comes when its index has been read, which took 0.2 s for an hour.
 const FIRST_FRAME: Duration = Duration::from_secs(5);
 
 /// `RS2_PLAYBACK_STATUS_STOPPED` of rs_record_playback.h.
 const STOPPED: i32 = 3;
 
-pub(super) fn open(api: Api, context: &Context, wanted: &Recording, depth: bool) -> Result<Open, Error> {
-    // The SDK notices a missing file late and says so in terms of its own.
-    File::open(&wanted.file)
-        .map_err(|error| Error::NoRecording { file: wanted.file.clone(), detail: error.to_string() })?;
+pub(super) fn open(api: Api, context: Context, file: &Path, depth: bool) -> Result<Source, Error> {
+    // The SDK notices a missing file late and reports it in terms of its own.
+    File::open(file).map_err(|error| Error::NoRecording { file: file.into(), detail: error.to_string() })?;
     let bad = |detail: String| Error::Recording {
-        file: wanted.file.clone(),
+        file: file.into(),
         wanted: if depth { "colour and depth" } else { "colour" },
         detail,
     };
     let mut config = Config::new();
-    config.enable_device_from_file(&wanted.file, wanted.repeat).map_err(|error| bad(error.to_string()))?;
+    config.enable_device_from_file(file, false).map_err(|error| bad(error.to_string()))?;
     config.disable_all_streams().map_err(|error| bad(error.to_string()))?;
     let streams = [Rs2StreamKind::Color, Rs2StreamKind::Depth];
     for stream in &streams[..=usize::from(depth)] {
@@ -45,41 +44,36 @@ pub(super) fn open(api: Api, context: &Context, wanted: &Recording, depth: bool)
         config.enable_stream(*stream, None, 0, 0, any, 0).map_err(|error| bad(error.to_string()))?;
     }
     let pipeline =
-        InactivePipeline::try_from(context).map_err(|error| super::sdk("opening the recording", error))?;
+        InactivePipeline::try_from(&context).map_err(|error| super::sdk("opening the recording", error))?;
     let mut pipeline = pipeline.start(Some(config)).map_err(|error| bad(error.to_string()))?;
     let optics = Optics::read(pipeline.profile())?;
     let first = pipeline.wait(Some(FIRST_FRAME)).map_err(|error| bad(error.to_string()))?;
     let playback = Playback::of(api, &first).map_err(bad)?;
-    playback.set_pace(wanted.pace).map_err(bad)?;
-    let name = wanted.file.display().to_string();
-    Ok(Open {
+    playback.send_as_fetched().map_err(bad)?;
+    Ok(Source {
         pipeline,
-        serial: name.clone(),
-        name,
         depth,
         optics,
-        kind: Kind::Recording(RecordingClock::default(), playback),
-        fetched: [first].into(),
+        kind: Kind::Recording { playback, clock: RecordingClock::default() },
+        fetched: Some(first),
         last_number: None,
+        _context: context,
     })
 }
 
-/// The SDK's control of the file that is being played; `realsense-rust` has no such thing.
+/// The SDK's player of the file, which `realsense-rust` does not provide.
 #[derive(Debug)]
 pub(super) struct Playback {
     api: Api,
     device: NonNull<rs2_device>,
 }
 
-// SAFETY: the SDK's devices may be used from any thread.
-unsafe impl Send for Playback {}
-
 impl Playback {
-    /// The player that a frameset came from: the only way to it that `realsense-rust` leaves open.
+    /// The player that a frameset came from, which is the only access to it that `realsense-rust` leaves.
     fn of(api: Api, frameset: &CompositeFrame) -> Result<Self, String> {
         let colour = frameset.frames_of_type::<ColorFrame>().pop().ok_or("its first frame has no colour")?;
-        // SAFETY: `raw` is a frame that we own now, and release below; `sensor` belongs to it. Both calls report
-        // through `error`, which `checked` looks at before the result is used.
+        // SAFETY: `raw` is a frame that we own and release below; `sensor` belongs to it. Both calls report errors through `error`, which
+        // `checked` reads before the result is used.
         unsafe {
             let raw = colour.get_owned_raw();
             let device = checked(|error| rs2_get_frame_sensor(raw.as_ptr(), error))
@@ -90,19 +84,15 @@ impl Playback {
         }
     }
 
-    fn set_pace(&self, pace: Pace) -> Result<(), String> {
-        let device = self.device.as_ptr();
-        match pace {
-            // SAFETY: the device is a player and lives as long as self.
-            Pace::AsFetched => unsafe { checked(|error| (self.api.set_real_time)(device, 0, error)) },
-            // SAFETY: as above.
-            Pace::Times(speed) => unsafe { checked(|error| (self.api.set_speed)(device, speed, error)) },
-        }
+    /// Sends the next frame when the one before has been fetched, so that none is lost.
+    fn send_as_fetched(&self) -> Result<(), String> {
+        // SAFETY: the device is a player and lives as long as self.
+        unsafe { checked(|error| (self.api.set_real_time)(self.device.as_ptr(), 0, error)) }
     }
 
-    /// Whether the last frame has been played. The SDK itself only stops sending.
+    /// Whether the last frame has been played. At the end the SDK just stops sending.
     pub(super) fn has_ended(&self) -> bool {
-        // SAFETY: as in `set_pace`.
+        // SAFETY: as in `send_as_fetched`.
         let status = unsafe { checked(|error| (self.api.status)(self.device.as_ptr(), error)) };
         status.is_ok_and(|status| status == STOPPED)
     }

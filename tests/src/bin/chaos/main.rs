@@ -1,43 +1,39 @@
-//! Kills, stops and restarts the roles of a line at random, also while they start, and looks at what is left.
+//! Kills, stops and restarts the roles of a line at random, also while they start, and checks what is left.
 //!
-//! `chaos [KILLS] [SEED] [REPORT] [MOST_MS]`: ends with an error when something hangs, when a verdict is missing from the
-//! journal without a gap, when shared memory is leaked, when the PLC did not see `ready` drop, or when a role took
-//! longer than `MOST_MS` to come back; without `MOST_MS` that time is only reported, because a busy machine has a say in it.
+//! `chaos [KILLS] [SEED] [REPORT] [MAX_MS]`: fails when something hangs, when a verdict is missing from the journal without a
+//! gap, when shared memory is leaked, when the PLC did not see `ready` drop, or when a role took longer than `MAX_MS` to
+//! come back. Without `MAX_MS` that time is only reported, because it depends on how busy the machine is.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod plc;
 mod tally;
 
-use andon_ipc::monotonic_ns;
-use andon_tests::line::{Line, ROLES, Settings, Watcher, report, role_id};
+use andon_ipc::MonotonicTime;
+use andon_tests::line::{Line, ROLES, Settings, Watcher, role_id};
+use andon_tests::measure::{Arguments, report};
 use andon_tests::simulator::Random;
 use plc::Plc;
 use rustix::process::Signal;
+use serde_json::{Value, json};
 use shm_schemas::RoleState;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use tally::{Recovery, Tally, load_average};
 
-/// As in the units.
+/// `RestartSec` of the units.
 const RESTART_SEC: Duration = Duration::from_millis(100);
-/// A role that has not come back by then hangs.
+/// A role that has not come back after this long hangs.
 const HANGS: Duration = Duration::from_secs(30);
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |place: usize, default: u64| {
-        arguments.get(place).map_or(default, |text| text.parse().expect("a number"))
-    };
-    let (kills, seed) = (number(0, 1000), number(1, 1));
-    let path = arguments.get(2).map_or("target/chaos/report.json", String::as_str);
-    let most_ms = arguments.get(3).map_or(f64::INFINITY, |text| text.parse().expect("milliseconds"));
+    let arguments = Arguments::of_this_program();
+    let (kills, seed) = (arguments.number(0, 1000), arguments.number(1, 1));
     let mut chaos = Chaos::start(seed);
     while chaos.tally.kills() < kills {
         chaos.disturb();
     }
-    let (text, well) = chaos.finish(most_ms);
-    report(path, &text);
-    if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    let (text, has_passed) = chaos.finish(arguments.number(3, f64::INFINITY));
+    report(arguments.path(2, "target/chaos/report.json"), &text, has_passed)
 }
 
 struct Chaos {
@@ -50,7 +46,7 @@ struct Chaos {
 
 impl Chaos {
     fn start(seed: u64) -> Self {
-        let mut line = Line::new(Settings { at_full_speed: false, repeat: true, ..Settings::default() });
+        let mut line = Line::new(Settings::live());
         let watcher = line.launch();
         let plc = Plc::watch(line.port);
         let mut chaos = Self { line, watcher, plc, random: Random::new(seed, &[]), tally: Tally::default() };
@@ -65,12 +61,12 @@ impl Chaos {
         std::thread::sleep(Duration::from_micros((1e3 * self.random.between(from_ms, to_ms)) as u64));
     }
 
-    /// One disturbance of one role, until the line is well again.
+    /// Disturbs one role and waits until the line is ready again.
     fn disturb(&mut self) {
         let role = ROLES[self.random.index(ROLES.len())];
-        let (began, began_ns) = (Instant::now(), monotonic_ns());
+        let (began, began_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
         let what = match self.random.index(10) {
-            // For longer than any deadline of the default configuration (3 s), shorter than the watchdog's (5 s).
+            // Longer than any deadline of the default configuration (3 s), shorter than the watchdog's (5 s).
             0 => {
                 self.line.role(role).signal(Signal::STOP);
                 self.sleep(3300.0, 4300.0);
@@ -108,14 +104,14 @@ impl Chaos {
         self.tally.disturbances += 1;
     }
 
-    /// Waits until the PLC sees the line ready, starting again whatever ends by itself.
+    /// Waits until the PLC sees the line ready. Starts every role that ends by itself again.
     fn until_ready(&mut self, after: &str) {
-        let (since, since_ns) = (Instant::now(), monotonic_ns());
+        let (since, since_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
         while !self.plc.ready_since(since_ns) {
             assert!(
                 since.elapsed() < HANGS,
                 "the PLC does not see the line ready again: {after}; health: {:?}; log of plc:\n{}",
-                self.watcher.words(),
+                self.watcher.describe_health(),
                 self.line.log("plc")
             );
             self.watcher.listen(Duration::from_millis(5));
@@ -135,26 +131,26 @@ impl Chaos {
         self.tally.startup_kills += 1;
     }
 
-    /// Waits until the role has gone a step, starting again whatever ends by itself, as systemd does.
+    /// Waits until the role has done a step. Starts every role that ends by itself again, as systemd does.
     fn recover(&mut self, role: &'static str, what: &str, began: Instant, began_ns: u64) {
         let since = Instant::now();
-        while !self.is_well(role, began_ns) {
+        while !self.is_running(role, began_ns) {
             assert!(since.elapsed() < HANGS, "{role} hangs; its log:\n{}", self.line.log(role));
             self.watcher.listen(Duration::from_millis(5));
             self.supervise();
         }
-        // One that was only stopped did not start again.
+        // A role that was only stopped has not been started again.
         let started = self.line.role(role).started;
         if began_ns > 0 && started > began {
             let sent_ns = self.watcher.health(role_id(role)).unwrap().stamp.sent_ns;
-            let heard = Duration::from_nanos(monotonic_ns().saturating_sub(sent_ns));
-            let up = started.elapsed().saturating_sub(heard);
+            let age = MonotonicTime::now().since(MonotonicTime::from_nanoseconds(sent_ns));
+            let up = started.elapsed().saturating_sub(age);
             let (what, ms) = (format!("{role} after {what}"), 1e3 * up.as_secs_f64());
             self.tally.recoveries.push(Recovery { what, ms, load: load_average() });
         }
     }
 
-    fn is_well(&mut self, role: &str, began_ns: u64) -> bool {
+    fn is_running(&mut self, role: &str, began_ns: u64) -> bool {
         let pid = self.line.role(role).pid();
         self.watcher.health(role_id(role)).is_some_and(|health| {
             health.pid == pid && health.state == RoleState::Running.code() && health.stamp.sent_ns > began_ns
@@ -171,32 +167,30 @@ impl Chaos {
         }
     }
 
-    /// Stops everything and looks at what is left.
-    fn finish(mut self, most_ms: f64) -> (String, bool) {
+    /// Stops everything and checks what is left. Returns the report, and whether it is as it must be.
+    fn finish(mut self, max_ms: f64) -> (Value, bool) {
         self.plc.stop();
-        let mut bad = self.line.stop_all_but_steward();
+        let mut failures = self.line.stop_all_but_steward();
         self.watcher.listen(Duration::ZERO);
-        let sent: Vec<_> =
-            self.watcher.heard.iter().map(|verdict| (verdict.stamp.epoch, verdict.stamp.seq)).collect();
-        // The steward cleans up as the last one out.
+        let sent = self.watcher.verdict_keys();
+        // The steward cleans up when it is the last member.
         drop(self.watcher);
-        bad.extend(self.line.stop());
+        failures.extend(self.line.stop());
         let journal = self.line.journal();
         let missing = journal.unexplained(&sent);
         let leaked = self.line.shared_files();
-        let well = bad.is_empty()
+        let has_passed = failures.is_empty()
             && missing.is_empty()
             && leaked.is_empty()
             && self.tally.unseen.is_empty()
-            && self.tally.all_within(most_ms);
-        let text = self.tally.report(&[
-            ("verdicts_heard", sent.len().to_string()),
-            ("journal_rows", journal.verdicts().len().to_string()),
-            ("journal_gaps", journal.gaps().to_string()),
-            ("verdicts_missing_without_gap", missing.len().to_string()),
-            ("shared_memory_files_leaked", format!("{leaked:?}")),
-            ("ended_badly", format!("{bad:?}")),
-        ]);
-        (text, well)
+            && self.tally.slower_than(max_ms).is_empty();
+        let mut text = self.tally.json();
+        text["verdicts_received"] = json!(sent.len());
+        text["journal_rows"] = json!(journal.verdicts().len());
+        text["journal_gaps"] = json!(journal.gaps());
+        text["verdicts_missing_without_gap"] = json!(missing.len());
+        text["shared_memory_files_leaked"] = json!(leaked);
+        text["failures"] = json!(failures);
+        (text, has_passed)
     }
 }

@@ -1,20 +1,20 @@
-//! Frames at speed: written in place, read in place, every one checked.
+//! Frames as fast as they go: written in place, read in place, and each of them checked.
 
 use crate::counting::allocations;
 use crate::mapping::Mapping;
 use crate::{FOREVER, Outcome, number};
-use andon_ipc::{Node, Wake, monotonic_ns};
+use andon_ipc::{MonotonicTime, Node, Wake};
 use shm_schemas::{ColourFormat, FrameHeader, RoleId, flag};
 use std::time::Instant;
 
-/// After so many frames everything that is done once has been done: connections, mappings, page tables.
+/// After this many frames everything that happens once has happened: connections, mappings, page tables.
 const STEADY: u64 = 100;
 
-/// The writer leaves here where it thinks that the frame lies: inode and offset, 8 bytes each.
-const WHERE: usize = 16;
+/// At its beginning the writer notes where the frame lies in its view: inode and offset, 8 bytes each.
+const NOTE_BYTES: usize = 16;
 
-/// `write-frames COUNT WIDTH HEIGHT MODE`: `paced` waits for its reader, `live` does not, `copied` is paced and fills
-/// a buffer of its own first, which is what the zero-copy figures are compared with.
+/// `write-frames COUNT WIDTH HEIGHT MODE`: `paced` waits for its reader and `live` does not. `copied` is paced and fills
+/// a buffer of its own first, for a comparison with the figures without a copy.
 pub(crate) fn write(node: &Node, arguments: &[String]) -> Outcome {
     let (count, width, height) =
         (number(arguments, 0)?, number(arguments, 1)? as u32, number(arguments, 2)? as u32);
@@ -45,7 +45,7 @@ pub(crate) fn write(node: &Node, arguments: &[String]) -> Outcome {
             loan.bytes_mut().copy_from_slice(&own);
         }
         loan.bytes_mut()[..8].copy_from_slice(&place.inode.to_le_bytes());
-        loan.bytes_mut()[8..WHERE].copy_from_slice(&place.offset.to_le_bytes());
+        loan.bytes_mut()[8..NOTE_BYTES].copy_from_slice(&place.offset.to_le_bytes());
         *loan.header_mut() = header(width, height, if seq == count { flag::END_OF_STREAM } else { 0 });
         writer.send(loan)?;
         if seq == STEADY {
@@ -55,7 +55,7 @@ pub(crate) fn write(node: &Node, arguments: &[String]) -> Outcome {
     println!("allocations={}", allocations() - steady_allocations);
     println!("nanoseconds={}", begun.elapsed().as_nanos());
     println!("frames={}", count.saturating_sub(STEADY));
-    // The reader's memory is this process's: it goes when the reader has read.
+    // The reader reads in the memory of this process, which must stay until then.
     if paced {
         let _ = node.wait_for_room(&mut writer, FOREVER)?;
     }
@@ -64,7 +64,7 @@ pub(crate) fn write(node: &Node, arguments: &[String]) -> Outcome {
     Ok(())
 }
 
-/// `read-frames COPY`: reads to the end of the stream. With COPY = 1 it copies each frame out first.
+/// `read-frames COPY`: reads to the end of the stream. With COPY = 1 it first copies each frame.
 pub(crate) fn read(node: &Node, arguments: &[String]) -> Outcome {
     let copy = number(arguments, 0)? == 1;
     let mut reader = node.frame_reader()?;
@@ -116,18 +116,18 @@ fn header(width: u32, height: u32, flags: u32) -> FrameHeader {
         flags: flags | flag::PACED,
         ..FrameHeader::default()
     };
-    header.stamp.captured_ns = monotonic_ns();
+    header.stamp.captured_ns = MonotonicTime::now().nanoseconds();
     header
 }
 
-/// What all pixels of a frame are: neighbours differ, and 251 is prime, so that no buffer size repeats it.
+/// The value of all pixels of a frame. Consecutive frames differ, and because 251 is prime, no number of buffers repeats it.
 fn marker(seq: u64) -> u8 {
     (seq % 251) as u8
 }
 
-/// Looks at every cache line, and at the last byte.
+/// Whether every cache line and the last byte have this value.
 fn is_marked(colour: &[u8], marker: u8) -> bool {
-    colour.iter().skip(WHERE).step_by(64).chain(colour.last()).all(|&byte| byte == marker)
+    colour.iter().skip(NOTE_BYTES).step_by(64).chain(colour.last()).all(|&byte| byte == marker)
 }
 
 fn word(bytes: &[u8], at: usize) -> u64 {

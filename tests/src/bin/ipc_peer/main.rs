@@ -8,7 +8,7 @@ mod frames;
 mod mapping;
 mod messages;
 
-use andon_ipc::{Limits, Node, Station, Steward, Stop, TEND_PERIOD};
+use andon_ipc::{Limits, Node, POLL_PERIOD, Station, Steward, Stop};
 use shm_schemas::RoleId;
 use std::path::Path;
 use std::process::ExitCode;
@@ -17,10 +17,10 @@ use std::time::Duration;
 #[global_allocator]
 static ALLOCATOR: counting::Counting = counting::Counting;
 
-/// Longer than any test waits: a wait that ends was ended by something.
+/// Longer than any test lasts: if a wait ends, something has ended it.
 pub(crate) const FOREVER: Duration = Duration::from_secs(600);
 
-/// For opening: other processes start at the same time, on a machine that may be busy.
+/// How long to wait for a station: other processes start at the same time, on a machine that may be busy.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 pub(crate) type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -69,8 +69,8 @@ fn run(arguments: &[String]) -> Outcome {
 fn steward(station: &Station, frame_bytes: u64, stop: &Stop) -> Outcome {
     let mut steward = Steward::create(station, Limits { frame_bytes: usize::try_from(frame_bytes)? })?;
     println!("up");
-    while !stop.wait(TEND_PERIOD) {
-        for death in steward.tend()? {
+    while !stop.wait(POLL_PERIOD) {
+        for death in steward.poll()? {
             if let Some(member) = death.member {
                 println!("died={} {}", member.name, member.pid);
             }
@@ -79,6 +79,6 @@ fn steward(station: &Station, frame_bytes: u64, stop: &Stop) -> Outcome {
     Ok(())
 }
 
-pub(crate) fn number(arguments: &[String], place: usize) -> Result<u64, Box<dyn std::error::Error>> {
-    Ok(arguments.get(place).ok_or("an argument is missing")?.parse()?)
+pub(crate) fn number(arguments: &[String], index: usize) -> Result<u64, Box<dyn std::error::Error>> {
+    Ok(arguments.get(index).ok_or("an argument is missing")?.parse()?)
 }

@@ -1,4 +1,4 @@
-//! Which byte of which file an address is: two processes that agree on it look at the same memory.
+//! Which byte of which file lies at an address. Two processes that find the same byte look at the same memory.
 
 use std::fs;
 use std::io;
@@ -10,7 +10,7 @@ pub(crate) struct Place {
     pub(crate) offset: u64,
 }
 
-/// A mapping of this process that was looked up before.
+/// The mapping of this process that was looked up last.
 #[derive(Default)]
 pub(crate) struct Mapping {
     begin: u64,
@@ -20,7 +20,7 @@ pub(crate) struct Mapping {
 }
 
 impl Mapping {
-    /// The place behind an address. Reads `/proc/self/maps` only when the address is in another mapping than the last.
+    /// The place of some bytes. It reads `/proc/self/maps` only when they lie in another mapping than the last ones.
     pub(crate) fn place_of(&mut self, bytes: &[u8]) -> io::Result<Place> {
         let address = bytes.as_ptr().addr() as u64;
         if !(self.begin..self.end).contains(&address) {

@@ -1,18 +1,18 @@
-//! The line behind the frames, each stage in a process of its own, and writers and readers of verdicts.
+//! The stages of the line after the frames, each in a process of its own, and writers and readers of verdicts.
 
 use crate::{FOREVER, Outcome, number};
-use andon_ipc::{Carried, Node, Port, Reader, Wake, Writer, monotonic_ns};
-use shm_schemas::{Couples, Detections, RoleId, Verdict, VerdictKind, flag};
+use andon_ipc::{ChannelMessage, MonotonicTime, Node, Port, Reader, Wake, Writer};
+use shm_schemas::{Couples, Detections, RoleId, Verdict, VerdictLevel, VerdictOutcome, flag};
 use std::time::Duration;
 
-/// Perceive: a detection for each frame, as fast as encode takes them.
+/// Stands for perceive: sends a message for each frame, as fast as encode takes them.
 pub(crate) fn frames_to_detections(node: &Node) -> Outcome {
     let mut frames = node.frame_reader()?;
     let mut writer = node.writer::<Detections>()?;
     writer.follow(&[RoleId::Encode]);
     println!("up");
     let mut ended = false;
-    while !ended && stays(node, &mut [&mut frames])? {
+    while !ended && goes_on(node, &mut [&mut frames])? {
         while let Some(frame) = frames.take()? {
             ended = frame.header().flags & flag::END_OF_STREAM != 0;
             send(node, &mut writer, |detections: &mut Detections| {
@@ -24,7 +24,7 @@ pub(crate) fn frames_to_detections(node: &Node) -> Outcome {
     finish(node, frames.lost(), frames.received())
 }
 
-/// Encode: couples for each detection.
+/// Stands for encode: sends couples for each message of detections.
 pub(crate) fn detections_to_couples(node: &Node) -> Outcome {
     let mut writer = node.writer::<Couples>()?;
     writer.follow(&[RoleId::Judge]);
@@ -35,19 +35,19 @@ pub(crate) fn detections_to_couples(node: &Node) -> Outcome {
     })
 }
 
-/// Judge: a verdict for each couple. The last has no kind.
+/// Stands for judge: sends a verdict for each message of couples. The last one has no outcome.
 pub(crate) fn couples_to_verdicts(node: &Node) -> Outcome {
     let mut writer = node.writer::<Verdict>()?;
     writer.follow(&[RoleId::Journal]);
     relay(node, writer, |couples: &Couples, verdict: &mut Verdict| {
         let ended = couples.flags & flag::END_OF_STREAM != 0;
         verdict.stamp = couples.stamp;
-        verdict.kind = if ended { 0 } else { VerdictKind::NotJudged.code() };
+        verdict.outcome = if ended { 0 } else { VerdictOutcome::NotJudged.code() };
         ended
     })
 }
 
-fn relay<A: Carried, B: Carried>(
+fn relay<A: ChannelMessage, B: ChannelMessage>(
     node: &Node,
     mut writer: Writer<B>,
     mut step: impl FnMut(&A, &mut B) -> bool,
@@ -55,7 +55,7 @@ fn relay<A: Carried, B: Carried>(
     let mut reader: Reader<A> = node.reader()?;
     println!("up");
     let mut ended = false;
-    while !ended && stays(node, &mut [&mut reader])? {
+    while !ended && goes_on(node, &mut [&mut reader])? {
         while let Some(message) = reader.take()? {
             send(node, &mut writer, |follower| ended = step(&message, follower))?;
         }
@@ -63,7 +63,7 @@ fn relay<A: Carried, B: Carried>(
     finish(node, reader.lost(), reader.received())
 }
 
-fn send<T: Carried>(node: &Node, writer: &mut Writer<T>, fill: impl FnOnce(&mut T)) -> Outcome {
+fn send<T: ChannelMessage>(node: &Node, writer: &mut Writer<T>, fill: impl FnOnce(&mut T)) -> Outcome {
     match node.wait_for_room(writer, FOREVER)? {
         Wake::Room => (),
         other => return Err(format!("waiting for room ended with {other:?}").into()),
@@ -74,12 +74,12 @@ fn send<T: Carried>(node: &Node, writer: &mut Writer<T>, fill: impl FnOnce(&mut 
     Ok(())
 }
 
-/// Waits for messages. False when asked to stop.
-fn stays(node: &Node, ports: &mut [&mut dyn Port]) -> Result<bool, Box<dyn std::error::Error>> {
+/// Waits for messages. False when a stop was requested.
+fn goes_on(node: &Node, ports: &mut [&mut dyn Port]) -> Result<bool, Box<dyn std::error::Error>> {
     Ok(node.wait(ports, FOREVER)? != Wake::Stop)
 }
 
-/// Stays until stopped: memory that a later stage may still be reading belongs to this process.
+/// Stays until it is stopped: a later stage may still be reading in the memory of this process.
 fn finish(node: &Node, lost: u64, received: u64) -> Outcome {
     println!("lost={lost}");
     println!("received={received}");
@@ -88,7 +88,7 @@ fn finish(node: &Node, lost: u64, received: u64) -> Outcome {
     Ok(())
 }
 
-/// `write-verdicts COUNT PAUSE_US`: live, then answers late readers until stopped. COUNT 0 is without end.
+/// `write-verdicts COUNT PAUSE_US`: sends live, then answers late readers until it is stopped. COUNT 0 never ends.
 pub(crate) fn write_verdicts(node: &Node, arguments: &[String]) -> Outcome {
     let (count, pause) = (number(arguments, 0)?, Duration::from_micros(number(arguments, 1)?));
     let mut writer = node.writer::<Verdict>()?;
@@ -99,8 +99,9 @@ pub(crate) fn write_verdicts(node: &Node, arguments: &[String]) -> Outcome {
             return Ok(());
         }
         let mut verdict = writer.loan()?;
-        verdict.stamp.captured_ns = monotonic_ns();
-        verdict.kind = VerdictKind::IuOk.code();
+        verdict.stamp.captured_ns = MonotonicTime::now().nanoseconds();
+        verdict.level = VerdictLevel::Iu.code();
+        verdict.outcome = VerdictOutcome::Ok.code();
         sent = writer.send(verdict)?;
     }
     println!("done");
@@ -109,17 +110,18 @@ pub(crate) fn write_verdicts(node: &Node, arguments: &[String]) -> Outcome {
 }
 
 /// `read-verdicts COUNT PAUSE_US`: reads until it has seen `seq` COUNT or the end of the stream, with a pause after
-/// each; 0 reads until stopped. Prints what it got and how late the messages were.
+/// each message; 0 reads until it is stopped. Prints how many came and how late they were.
 pub(crate) fn read_verdicts(node: &Node, arguments: &[String]) -> Outcome {
     let (last, pause) = (number(arguments, 0)?, Duration::from_micros(number(arguments, 1)?));
     let mut reader: Reader<Verdict> = node.reader()?;
     let mut late_ns = Vec::with_capacity(1 << 20);
     println!("up");
     let mut ended = false;
-    while !ended && stays(node, &mut [&mut reader])? {
+    while !ended && goes_on(node, &mut [&mut reader])? {
         while let Some(verdict) = reader.take()? {
-            late_ns.push(monotonic_ns().saturating_sub(verdict.stamp.sent_ns));
-            ended = verdict.stamp.seq == last || verdict.kind == 0;
+            let sent = MonotonicTime::from_nanoseconds(verdict.stamp.sent_ns);
+            late_ns.push(MonotonicTime::now().since(sent).as_nanos());
+            ended = verdict.stamp.seq == last || verdict.outcome == 0;
             if !pause.is_zero() {
                 std::thread::sleep(pause);
             }
@@ -134,7 +136,7 @@ pub(crate) fn read_verdicts(node: &Node, arguments: &[String]) -> Outcome {
     Ok(())
 }
 
-/// `wait`: blocks on a channel that nobody writes, with a deadline that no test lives to see.
+/// `wait`: blocks on a channel that nobody writes, with a deadline after the end of any test.
 pub(crate) fn wait_for_nothing(node: &Node) -> Outcome {
     let mut reader: Reader<Verdict> = node.reader()?;
     println!("up");

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// What has been sent so far.
+/// Counts of what has been sent.
 #[derive(Debug, Default)]
 pub(crate) struct Sent {
     pub(crate) connections: AtomicU64,
@@ -16,7 +16,7 @@ pub(crate) struct Sent {
     pub(crate) bytes: AtomicU64,
 }
 
-/// Sends until `end` is set, one connection after the other.
+/// Starts a thread that opens one connection after the other and sends, until `end` is set.
 pub(crate) fn start(port: u16, seed: u64, sent: &Arc<Sent>, end: &Arc<AtomicBool>) -> JoinHandle<()> {
     let (sent, end) = (Arc::clone(sent), Arc::clone(end));
     std::thread::spawn(move || {
@@ -32,15 +32,15 @@ pub(crate) fn start(port: u16, seed: u64, sent: &Arc<Sent>, end: &Arc<AtomicBool
     })
 }
 
-/// Some frames, until the server has had enough of it or it has had enough of the server.
+/// Sends up to 50 frames, or fewer when the server closes the connection.
 fn connection(mut stream: TcpStream, random: &mut Random, sent: &Sent) {
-    // Answers are thrown away; a reader that never reads is tried as well.
+    // Answers are not looked at; a client that never reads them is tried as well.
     let reads = random.index(4) > 0;
     let _ = stream.set_read_timeout(Some(Duration::from_millis(1)));
     let _ = stream.set_write_timeout(Some(Duration::from_millis(200)));
     for _ in 0..=random.index(50) {
         let bytes = frame(random);
-        // Whole, or in two parts with a packet between them.
+        // In one packet or in two.
         let cut = if random.index(3) == 0 { random.index(bytes.len() + 1) } else { 0 };
         if stream.write_all(&bytes[..cut]).and_then(|()| stream.write_all(&bytes[cut..])).is_err() {
             return;
@@ -56,23 +56,22 @@ fn connection(mut stream: TcpStream, random: &mut Random, sent: &Sent) {
     }
 }
 
-/// Anything from noise to a request that is right but for one byte, and now and then one that is right.
+/// Noise, a good header before noise, a good request with one byte changed, or a good request.
 fn frame(random: &mut Random) -> Vec<u8> {
     match random.index(4) {
         0 => noise(random, 300),
-        // The header is right, what it heads is noise.
         1 => {
             let length = 1 + random.index(253);
             let pdu = noise(random, length);
-            headed(&pdu)
+            with_header(&pdu)
         }
         2 => {
-            let mut bytes = headed(&request(random));
-            let place = random.index(bytes.len());
-            bytes[place] = byte(random);
+            let mut bytes = with_header(&request(random));
+            let index = random.index(bytes.len());
+            bytes[index] = byte(random);
             bytes
         }
-        _ => headed(&request(random)),
+        _ => with_header(&request(random)),
     }
 }
 
@@ -80,17 +79,17 @@ fn byte(random: &mut Random) -> u8 {
     random.index(256) as u8
 }
 
-/// As many bytes as this, or fewer.
-fn noise(random: &mut Random, most: usize) -> Vec<u8> {
-    (0..=random.index(most)).map(|_| byte(random)).collect()
+/// Between 1 and `max` random bytes.
+fn noise(random: &mut Random, max: usize) -> Vec<u8> {
+    (0..=random.index(max)).map(|_| byte(random)).collect()
 }
 
-fn headed(pdu: &[u8]) -> Vec<u8> {
+fn with_header(pdu: &[u8]) -> Vec<u8> {
     let [high, low] = u16::try_from(pdu.len() + 1).unwrap().to_be_bytes();
     [&[0, 1, 0, 0, high, low, 1], pdu].concat()
 }
 
-/// A served function, its address mostly where registers are.
+/// A request of a function that is served; its address is that of a register in most cases.
 fn request(random: &mut Random) -> Vec<u8> {
     let [function, base] = [[3, 0], [4, 0], [6, 100], [16, 100]][random.index(4)];
     let count = 1 + random.index(8);

@@ -1,107 +1,95 @@
-//! Throws random bytes at the Modbus side of a running line, beside a good client that polls as a PLC does.
+//! Sends random bytes to the Modbus side of a running line, beside a good client that polls as a PLC does.
 //!
-//! `modbus_fuzz [SECONDS] [SEED] [REPORT]`: ends with an error when the role ends, when the good client is not answered
-//! rightly, when no bad request is counted, or when memory grows.
+//! `modbus_fuzz [SECONDS] [SEED] [REPORT]`: fails when the role ends, when the good client gets a wrong answer or none, when
+//! no bad request is counted, or when memory grows.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod attack;
 
-use andon_tests::line::{Line, Modbus, Settings, Watcher, own_memory_kib, report, status};
+use andon_tests::line::{Line, Modbus, Settings, Watcher, own_memory_kib, status};
+use andon_tests::measure::{Arguments, percentile, report};
 use attack::Sent;
+use serde_json::json;
 use shm_schemas::RoleId;
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 /// Attackers at once: with the good client all but two of the eight connections that the server takes.
 const ATTACKERS: u64 = 5;
-/// The good client's scan.
+/// The good client's cycle.
 const SCAN: Duration = Duration::from_millis(5);
-/// What buffers and the allocator may add once everything is warm. A leak of a byte a frame shows.
+/// What buffers and the allocator may add once everything is warm. A leak of one byte per frame is found.
 const SLACK_KIB: u64 = 2048;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let number = |place: usize, default: u64| {
-        arguments.get(place).map_or(default, |text| text.parse().expect("a number"))
-    };
-    let (seconds, seed) = (number(0, 600), number(1, 1));
-    let path = arguments.get(2).map_or("target/modbus_fuzz/report.json", String::as_str);
-    let mut line =
-        Line::new(Settings { at_full_speed: false, repeat: true, writes: true, ..Settings::default() });
+    let arguments = Arguments::of_this_program();
+    let (seconds, seed) = (arguments.number(0, 600), arguments.number(1, 1));
+    let mut line = Line::new(Settings { writes: true, ..Settings::live() });
     let mut watcher = line.launch();
-    let mut plc = Modbus::wait(line.port);
-    plc.write(100, 1).unwrap();
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
     plc.wait_for(status::ONLINE | status::READY);
 
     let (sent, end) = (Arc::new(Sent::default()), Arc::new(AtomicBool::new(false)));
     let attackers: Vec<_> =
         (0..ATTACKERS).map(|number| attack::start(line.port, seed * 1000 + number, &sent, &end)).collect();
-    let served = serve(&mut line, &mut watcher, &mut plc, Duration::from_secs(seconds));
+    let mut served = serve(&mut line, &mut watcher, &mut plc, Duration::from_secs(seconds));
     end.store(true, Ordering::Relaxed);
     attackers.into_iter().for_each(|attacker| attacker.join().unwrap());
-    // What is counted is told once a second.
+    // The role reports its counts once per second.
     let newest = watcher.health(RoleId::Plc).unwrap().stamp.sent_ns;
-    let told = newest + 2_000_000_000;
-    watcher.until("the last counts", |watcher| watcher.health(RoleId::Plc).unwrap().stamp.sent_ns > told);
+    let counted = newest + 2_000_000_000;
+    watcher.until("the last counts", |watcher| watcher.health(RoleId::Plc).unwrap().stamp.sent_ns > counted);
     let refused = watcher.health(RoleId::Plc).unwrap().refused;
-    let bad = line.stop();
+    let failures = line.stop();
 
-    let grew = served.end_kib > served.warm_kib + SLACK_KIB;
-    let well = served.failures == 0 && refused > 0 && bad.is_empty() && !grew;
-    let count = |counter: &std::sync::atomic::AtomicU64| counter.load(Ordering::Relaxed);
-    let text = format!(
-        "{{\n  \"seconds\": {seconds},\n  \"seed\": {seed},\n  \"connections\": {},\n  \"frames\": {},\n  \"bytes\": {},\n  \
-         \"refused_and_counted\": {refused},\n  \"good_requests\": {},\n  \"good_requests_not_served\": {},\n  \
-         \"good_request_us\": {{ \"p50\": {}, \"p99\": {}, \"most\": {} }},\n  \
-         \"own_memory_kib\": {{ \"warm\": {}, \"end\": {} }},\n  \"ended_badly\": {bad:?}\n}}\n",
-        count(&sent.connections),
-        count(&sent.frames),
-        count(&sent.bytes),
-        served.took_us.len(),
-        served.failures,
-        served.at(50),
-        served.at(99),
-        served.at(100),
-        served.warm_kib,
-        served.end_kib,
-    );
-    report(path, &text);
-    if well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    let has_grown = served.end_kib > served.warm_kib + SLACK_KIB;
+    let has_passed = served.failures == 0 && refused > 0 && failures.is_empty() && !has_grown;
+    let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+    let requests = served.took_us.len();
+    let mut at = |percent| percentile(&mut served.took_us, percent);
+    let text = json!({
+        "seconds": seconds,
+        "seed": seed,
+        "connections": count(&sent.connections),
+        "frames": count(&sent.frames),
+        "bytes": count(&sent.bytes),
+        "refused_and_counted": refused,
+        "good_requests": requests,
+        "good_requests_not_served": served.failures,
+        "good_request_us": { "p50": at(50), "p99": at(99), "max": at(100) },
+        "own_memory_kib": { "warm": served.warm_kib, "end": served.end_kib },
+        "failures": failures,
+    });
+    report(arguments.path(2, "target/modbus_fuzz/report.json"), &text, has_passed)
 }
 
-/// How the good client was served.
+/// What the good client got.
 #[derive(Default)]
 struct Served {
-    /// One a request, in ascending order at the end.
-    took_us: Vec<u128>,
-    /// Answers that did not come, or that no register map allows.
+    /// Microseconds of each request.
+    took_us: Vec<f64>,
+    /// Answers that did not come, or that the register map does not allow.
     failures: u64,
     warm_kib: u64,
     end_kib: u64,
 }
 
-impl Served {
-    fn at(&self, percent: usize) -> u128 {
-        let last = self.took_us.len().saturating_sub(1);
-        self.took_us.get(last * percent / 100).copied().unwrap_or_default()
-    }
-}
-
-/// Polls for so long; panics when the role ends.
+/// Polls for this long; panics when the role ends.
 fn serve(line: &mut Line, watcher: &mut Watcher, plc: &mut Modbus, time: Duration) -> Served {
     let (mut served, began) = (Served::default(), Instant::now());
     while began.elapsed() < time {
         let asked = Instant::now();
-        let right = plc.read(0, 48).is_ok_and(|words| {
+        let is_right = plc.read(0, 48).is_ok_and(|words| {
             // The map's version, and a result whose number is the same at both its ends.
-            words.len() == 48 && words[7] == 1 && words[11..13] == words[46..48]
+            words.len() == 48 && words[7] == 2 && words[11..13] == words[46..48]
         });
-        served.took_us.push(asked.elapsed().as_micros());
-        if !right {
+        served.took_us.push(asked.elapsed().as_secs_f64() * 1e6);
+        if !is_right {
             served.failures += 1;
-            *plc = Modbus::wait(line.port);
+            *plc = Modbus::connect_when_up(line.port);
         }
         let role = line.role("plc");
         assert!(role.ended().is_none(), "the role has ended; its log:\n{}", line.log("plc"));
@@ -111,6 +99,5 @@ fn serve(line: &mut Line, watcher: &mut Watcher, plc: &mut Modbus, time: Duratio
         }
         watcher.listen(SCAN);
     }
-    served.took_us.sort_unstable();
     served
 }

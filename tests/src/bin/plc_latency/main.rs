@@ -1,35 +1,34 @@
-//! How long a verdict takes to the PLC: over Modbus, through the journal's disk, and to a C program on this machine.
+//! Measures how long a verdict takes to the PLC's register, through the journal's disk, and to a C program on this machine.
 //!
-//! `plc_latency [VERDICTS] [REPORT]`: steward, journal and plc are the real roles; the judge is this program, so that
-//! verdicts come often enough to be counted. Times run from the sending of the verdict.
+//! `plc_latency [VERDICTS] [REPORT]`: steward, journal and plc are the real roles; the judge is this program, so that there
+//! are enough verdicts for a percentile. Times begin when the verdict is sent.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_ipc::{Node, Stop, Writer, monotonic_ns};
-use andon_tests::line::{Line, Modbus, Settings, andond, report, status};
-use shm_schemas::{RoleId, Verdict, VerdictKind};
+use andon_ipc::{MonotonicTime, Node, Stop, Writer};
+use andon_tests::line::{Line, Modbus, Settings, andond, status};
+use andon_tests::measure::{Arguments, percentile, report};
+use serde_json::json;
+use shm_schemas::{RoleId, Verdict, VerdictLevel, VerdictOutcome};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitCode, Stdio};
 use std::time::{Duration, Instant};
 
-/// Between two verdicts: the journal has written the one, and the PLC has acknowledged it, before the next comes.
+/// Between two verdicts: one has been written to disk and acknowledged before the next comes.
 const EVERY: Duration = Duration::from_millis(40);
-/// For whatever must come sooner or later.
+/// Whatever must happen sooner or later has happened by then.
 const PATIENCE: Duration = Duration::from_secs(60);
-const ENABLE: u16 = 1;
-const ACKNOWLEDGE: u16 = 16;
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let verdicts: usize = arguments.first().map_or(1000, |text| text.parse().expect("a number of verdicts"));
-    let path = arguments.get(1).map_or("target/plc_latency/report.json", String::as_str);
+fn main() -> ExitCode {
+    let arguments = Arguments::of_this_program();
+    let verdicts = arguments.number(0, 1000);
     let mut line = Line::new(Settings { writes: true, ..Settings::default() });
     for role in ["steward", "journal", "plc"] {
         line.start(role);
     }
     let mut judge = Judge::new(&line);
-    let mut plc = Modbus::wait(line.port);
-    plc.write(100, ENABLE).unwrap();
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
     plc.wait_for(status::ONLINE);
     let folder = tempfile::tempdir().unwrap();
     let (mut c_reader, c_lines) = c_reader(folder.path(), &line, verdicts, &mut judge);
@@ -37,57 +36,52 @@ fn main() {
     let mut register_us = Vec::new();
     for _ in 0..verdicts {
         let next = Instant::now() + EVERY;
-        let sent_ns = judge.say();
-        until_offered(&mut plc, judge.said);
-        register_us.push((monotonic_ns() - sent_ns) as f64 / 1e3);
-        plc.write(100, ENABLE | ACKNOWLEDGE).unwrap();
-        plc.write(100, ENABLE).unwrap();
+        let sent = judge.send();
+        until_offered(&mut plc, judge.sent);
+        register_us.push(1e6 * MonotonicTime::now().since(sent).as_secs_f64());
+        plc.acknowledge();
         judge.idle(next.saturating_duration_since(Instant::now()));
     }
-    register_us.sort_by(f64::total_cmp);
-    let at = |percent: usize| register_us[(verdicts - 1) * percent / 100];
-    let c = c_lines.last().unwrap();
-    let c: Vec<&str> = c.strip_prefix("latency_us ").unwrap().split(' ').collect();
+    let c_line = c_lines.last().unwrap();
+    let c_words: Vec<&str> = c_line.strip_prefix("latency_us ").unwrap().split(' ').collect();
+    let c_reader_us = |index: usize| c_words[index].parse::<f64>().unwrap();
     assert!(c_reader.wait().unwrap().success());
     drop(judge);
     assert_eq!(line.stop(), [""; 0]);
-    let text = format!(
-        "{{\n  \"verdicts\": {verdicts},\n  \"verdict_to_register_us\": {{ \"p50\": {:.0}, \"p99\": {:.0}, \"most\": {:.0} }},\n  \
-         \"c_reader_us\": {{ \"p50\": {}, \"p99\": {}, \"most\": {} }}\n}}\n",
-        at(50),
-        at(99),
-        at(100),
-        c[1],
-        c[3],
-        c[5]
-    );
-    report(path, &text);
+    let mut at = |percent| percentile(&mut register_us, percent);
+    let text = json!({
+        "verdicts": verdicts,
+        "verdict_to_register_us": { "p50": at(50), "p99": at(99), "max": at(100) },
+        "c_reader_us": { "p50": c_reader_us(1), "p99": c_reader_us(3), "max": c_reader_us(5) },
+    });
+    report(arguments.path(1, "target/plc_latency/report.json"), &text, true)
 }
 
-/// Says verdicts, which nobody judged.
+/// Sends verdicts in the place of the judge.
 struct Judge {
     verdicts: Writer<Verdict>,
     node: Node,
-    said: u64,
+    sent: u64,
 }
 
 impl Judge {
     fn new(line: &Line) -> Self {
         let node = Node::open(&line.station, RoleId::Judge, PATIENCE, &Stop::new().unwrap()).unwrap();
-        Self { verdicts: node.writer().unwrap(), node, said: 0 }
+        Self { verdicts: node.writer().unwrap(), node, sent: 0 }
     }
 
-    /// Sends one; returns when.
-    fn say(&mut self) -> u64 {
-        self.said += 1;
+    /// Sends one, and returns the time just before.
+    fn send(&mut self) -> MonotonicTime {
+        self.sent += 1;
         let mut verdict = self.verdicts.loan().unwrap();
-        verdict.kind = VerdictKind::IuOk.code();
-        let before_ns = monotonic_ns();
+        verdict.level = VerdictLevel::Iu.code();
+        verdict.outcome = VerdictOutcome::Ok.code();
+        let before = MonotonicTime::now();
         self.verdicts.send(verdict).unwrap();
-        before_ns
+        before
     }
 
-    /// Answers readers that come up, for so long.
+    /// Waits for this long, and answers readers that come up meanwhile.
     fn idle(&mut self, time: Duration) {
         let until = Instant::now() + time;
         while Instant::now() < until {
@@ -97,19 +91,19 @@ impl Judge {
     }
 }
 
-/// Polls without a pause until the registers show this verdict: 42 to 45 are its number.
+/// Polls without a pause until the registers show the verdict of this number.
 fn until_offered(plc: &mut Modbus, seq: u64) {
     let until = Instant::now() + PATIENCE;
     loop {
-        let words = plc.read(42, 4).unwrap();
-        if words.iter().fold(0, |number, word| number << 16 | u64::from(*word)) == seq {
+        if plc.result().1 == seq {
             return;
         }
         assert!(Instant::now() < until, "verdict {seq} is never offered");
     }
 }
 
-/// The C example, compiled against the library beside this program, after it has opened the station; and its lines to come.
+/// Compiles the C example against the library beside this program and starts it. Returns it when it has opened the station, with
+/// the lines that it will print.
 fn c_reader(
     folder: &Path,
     line: &Line,

@@ -1,10 +1,10 @@
 //! Writes the simulated recordings of the paper's experiments and of a shop floor, and measures the rules on them.
 //!
 //! ```text
-//! simulate 1|2|floor SEED FOLDER       write track files: experiment 1, experiment 2, every flaw of the floor
-//! simulate measure FIRST LAST          experiment 2 on the seeds FIRST to LAST, without files
-//! simulate measure-1 FIRST LAST FOLDER experiment 1 on these seeds, with a report of each in the folder
-//! simulate floor-measure FIRST LAST N  the default rules on every flaw, taught by 1 to 5 runs
+//! simulate 1|2|floor SEED FOLDER           writes track files: experiment 1, experiment 2, or every flaw of the shop floor
+//! simulate measure FIRST LAST              measures experiment 2 with the seeds FIRST to LAST, without files
+//! simulate measure-1 FIRST LAST FOLDER     measures experiment 1 with these seeds, and writes a report of each into the folder
+//! simulate floor-measure FIRST LAST RUNS   measures the default rules on every flaw, taught by 1 to 5 runs
 //! ```
 
 mod measure;
@@ -36,11 +36,11 @@ fn run(arguments: &[&str]) -> Outcome {
         ["1", seed, folder] => Ok(save(Path::new(folder), &experiment_1(seed.parse()?, noise))?),
         ["2", seed, folder] => Ok(save(Path::new(folder), &experiment_2(seed.parse()?, noise))?),
         ["floor", seed, folder] => Ok(save(Path::new(folder), &floor(seed.parse()?, noise))?),
-        ["measure", first, last] => measure::experiments(first.parse()?..=last.parse()?),
+        ["measure", first, last] => measure::experiment_2(first.parse()?..=last.parse()?),
         ["measure-1", first, last, folder] => {
             measure::experiment_1(first.parse()?..=last.parse()?, Path::new(folder))
         }
         ["floor-measure", first, last, runs] => measure::floor(first.parse()?..=last.parse()?, runs.parse()?),
-        _ => Err("these arguments make no sense".into()),
+        _ => Err("the arguments do not match any of the forms below".into()),
     }
 }

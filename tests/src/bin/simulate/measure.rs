@@ -1,9 +1,9 @@
-//! The experiments on many seeds, in memory.
+//! Measures the rules on many seeds, without files.
 
 use super::Outcome;
 use andon_core::config::Method;
 use andon_core::job::LocalCost;
-use andon_core::verdict::{Kind, Verdict};
+use andon_core::verdict::{self, Level, Verdict};
 use andon_learn::analysis::report;
 use andon_learn::experiment::{self as learn, Split, Table, Variation};
 use andon_learn::folder::{Labelled, label};
@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// Encodes and segments what was recorded.
+/// Encodes and segments recordings.
 fn labelled(recorded: Vec<Recorded>, method: &Method) -> Result<Vec<Labelled>, Box<dyn std::error::Error>> {
     let one = |recorded: Recorded| {
         let name = format!("{}.tracks.jsonl", recorded.name);
@@ -25,92 +25,109 @@ fn labelled(recorded: Vec<Recorded>, method: &Method) -> Result<Vec<Labelled>, B
     recorded.into_iter().map(one).collect()
 }
 
-/// Experiment 2 with every rule under both splits, all seeds together.
-pub(super) fn experiments(seeds: RangeInclusive<u64>) -> Outcome {
+/// Experiment 2 with every variation under both splits, over all seeds.
+pub(super) fn experiment_2(seeds: RangeInclusive<u64>) -> Outcome {
     let method = Method::default();
     let splits = [Split::Random, Split::LeavePersonOut];
-    let mut all = Vec::new();
-    let (mut right, mut segmented) = (0, 0);
-    for seed in seeds.clone() {
+    let mut total: Vec<learn::Outcome> = Vec::new();
+    let (mut correct, mut all) = (0, 0);
+    for seed in seeds {
         let recorded = simulator::experiment_2(seed, Noise::default());
         let truths: Vec<_> = recorded.iter().map(|one| one.truth.labels.contexts()).collect();
         let runs = labelled(recorded, &method)?;
         for (one, truth) in runs.iter().zip(&truths) {
             let found: Vec<_> = one.run.activities.iter().map(|activity| activity.contexts()).collect();
-            segmented += 1;
-            right += u32::from(found == *truth);
+            all += 1;
+            correct += u32::from(found == *truth);
             if found != *truth {
-                eprintln!("seed {seed} {}: {found:?} in place of {truth:?}", one.run.name);
+                eprintln!("seed {seed} {}: found {found:?}, expected {truth:?}", one.run.name);
             }
         }
         let outcomes = learn::experiment_2(&runs, &method, &Variation::ladder(), &splits, seed, &mut |_| {})?;
-        all.push(outcomes);
+        if total.is_empty() {
+            total = outcomes;
+        } else {
+            total.iter_mut().zip(outcomes).for_each(|(total, outcome)| add(total, outcome));
+        }
     }
-    println!("segmentation right in {right} of {segmented} executions");
-    println!("{}", Table::of_many(&all));
+    println!("segmentation is correct in {correct} of {all} executions");
+    println!("{}", Table(total));
     Ok(())
 }
 
-/// Experiment 1 on each seed, with both local costs.
+/// Adds the rounds of another seed to those of the same variation and split.
+fn add(total: &mut learn::Outcome, outcome: learn::Outcome) {
+    total.ius.0.extend(outcome.ius.0);
+    total.activities.0.extend(outcome.activities.0);
+    total.accused_in_j2 += outcome.accused_in_j2;
+    total.correct_jobs += outcome.correct_jobs;
+    total.correct_jobs_ok += outcome.correct_jobs_ok;
+}
+
+/// Experiment 1 with each seed and both local costs.
 pub(super) fn experiment_1(seeds: RangeInclusive<u64>, folder: &Path) -> Outcome {
     let method = Method::default();
     for seed in seeds {
         let runs = labelled(simulator::experiment_1(seed, Noise::default()), &method)?;
         for cost in [LocalCost::Ordinal, LocalCost::Circular { bins: method.bins }] {
-            let one = learn::experiment_1(&runs, &method, cost, seed, &mut |_| {})?;
-            println!("seed {seed}, {cost:?}\n{one}\n");
-            let report = report(&one.analysis, one.drilling.as_ref(), &format!("seed {seed}, {cost:?}"))?;
-            report.save(&folder.join(format!(
-                "{seed}_{}",
-                if cost == LocalCost::Ordinal { "ordinal" } else { "circular" }
-            )))?;
+            let result = learn::experiment_1(&runs, &method, cost, seed, &mut |_| {})?;
+            println!("seed {seed}, {cost:?}\n{result}\n");
+            let report =
+                report(&result.analysis, result.drilling.as_ref(), &format!("seed {seed}, {cost:?}"))?;
+            let cost_name = if cost == LocalCost::Ordinal { "ordinal" } else { "circular" };
+            report.save(&folder.join(format!("{seed}_{cost_name}")))?;
         }
     }
     Ok(())
 }
 
-/// The default rules on every flaw of the floor: taught by so many correct runs of other people.
+/// The default rules on every flaw of the floor, taught by this number of correct runs of other people.
 pub(super) fn floor(seeds: RangeInclusive<u64>, demonstrations: usize) -> Outcome {
     let method = Method::default();
     let mut counts: BTreeMap<Flaw, BTreeMap<&str, u32>> = BTreeMap::new();
     for seed in seeds {
-        let runs = labelled(simulator::floor(seed, Noise::default()), &method)?;
-        let taught: Vec<Run> = runs
-            .iter()
-            .filter(|one| one.what == "taught")
-            .take(demonstrations)
-            .map(|one| one.run.clone())
-            .collect();
+        let (taught, tested): (Vec<_>, Vec<_>) = labelled(simulator::floor(seed, Noise::default()), &method)?
+            .into_iter()
+            .partition(|one| one.what == "taught");
+        let taught: Vec<Run> = taught.into_iter().take(demonstrations).map(|one| one.run).collect();
         let (job, _) = teach(&taught, &TeachOptions::new("floor", "", method))?;
-        for one in runs.iter().filter(|one| one.what != "taught") {
-            let Some(flaw) = Flaw::ALL.into_iter().find(|flaw| flaw.word() == one.what) else { continue };
+        for one in tested {
+            let Some(flaw) = Flaw::ALL.into_iter().find(|flaw| flaw.name() == one.what) else { continue };
             let verdicts =
                 job.with_job(|lent| one.run.judge(lent, &method)).map_err(|unusable| unusable.to_string())?;
-            let said = said(&verdicts);
-            let fits = match flaw.expected() {
-                Expected::Right => said == "right",
-                Expected::Anomaly => said == "anomaly",
-                Expected::NotOk => said != "right",
+            let found = summary(&verdicts);
+            let is_expected = match flaw.expected() {
+                Expected::Ok => found == OK,
+                Expected::Anomaly => found == ANOMALY,
+                Expected::NotOk => found != OK,
             };
-            if !fits {
-                eprintln!("seed {seed} {}: {said}", one.run.name);
+            if !is_expected {
+                eprintln!("seed {seed} {}: {found}", one.run.name);
             }
-            *counts.entry(flaw).or_default().entry(if fits { "as expected" } else { said }).or_default() += 1;
+            let name = if is_expected { "as expected" } else { found };
+            *counts.entry(flaw).or_default().entry(name).or_default() += 1;
         }
     }
     for (flaw, counts) in counts {
-        println!("{:18} {:10} {counts:?}", flaw.word(), format!("{:?}", flaw.expected()));
+        println!("{:18} {:10} {counts:?}", flaw.name(), format!("{:?}", flaw.expected()));
     }
     Ok(())
 }
 
-fn said(verdicts: &[Verdict]) -> &'static str {
-    let any = |kind| verdicts.iter().any(|verdict| verdict.kind == kind);
-    if any(Kind::JobAnomaly) {
-        "anomaly"
-    } else if any(Kind::JobOk) && !any(Kind::NotJudged) {
-        "right"
+const OK: &str = "OK";
+const ANOMALY: &str = "anomaly";
+const NOT_JUDGED: &str = "not judged";
+
+/// What the verdicts say of the whole job.
+fn summary(verdicts: &[Verdict]) -> &'static str {
+    let job_is =
+        |outcome| verdicts.iter().any(|verdict| verdict.level == Level::Job && verdict.outcome == outcome);
+    let is_judged = verdicts.iter().all(|verdict| verdict.outcome != verdict::Outcome::NotJudged);
+    if job_is(verdict::Outcome::Anomaly) {
+        ANOMALY
+    } else if job_is(verdict::Outcome::Ok) && is_judged {
+        OK
     } else {
-        "not judged"
+        NOT_JUDGED
     }
 }

@@ -6,17 +6,17 @@ use andon_core::capacity;
 use andon_core::input::Space;
 use std::path::PathBuf;
 
-words!(Space { Space::Plane = "plane", Space::Metric = "metric" });
+words!(Space, Space::ALL, Space::name);
 
 /// `[bench]`: the frame of reference.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bench {
-    /// What `andond calibrate` wrote; the configured marker sizes serve where it is `None`.
+    /// What `andond calibrate` wrote; where it is `None`, the sizes of the markers give the scale.
     pub calibration: Option<PathBuf>,
 }
 
 impl Bench {
-    /// `space` stands here for the reader, and in [`Method`] for the program.
+    /// Readers of the file find `space` here; the program has it in the method.
     pub(in crate::config) fn keys(&mut self, space: &mut Space, k: &mut impl Keys) {
         k.key(
             "space",
@@ -29,13 +29,13 @@ impl Bench {
             &mut self.calibration,
             (),
             r#""bench1.calibration.toml""#,
-            "What `andond calibrate` wrote. Without it the sizes of the objects' markers give the scale.",
+            "The file that `andond calibrate` wrote. Without it the sizes of the objects' markers give the scale.",
         );
     }
 }
 
-/// `[[objects]]`: a part or a tool that carries a marker. The object's frame is the marker's: origin in its centre,
-/// x to the right and y up in the marker's own picture, z out of it.
+/// `[[objects]]`: a part or a tool that carries a marker. The object's frame is the marker's: its origin is the marker's
+/// centre, x points right and y up in the marker's own picture, z out of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Object {
     /// Identity: the marker's id.
@@ -57,15 +57,15 @@ impl Object {
             &mut self.marker_side_m,
             within(0.005, 0.5, "m"),
             "0.036",
-            "Side of the marker's black square, measured on the print.",
+            "Side of the marker's black square, as measured on the print.",
         );
         k.required(
             "interaction_points",
             &mut self.interaction_points,
             several(1, capacity::INTERACTION_POINTS, within(-2.0, 2.0, "m")),
             "[[0.0, 0.0, -0.022], [0.104, 0.016, -0.011]]",
-            "Where it is gripped and where it touches other objects, in the object's frame: origin in the marker's \
-             centre, x to the right and y up in the marker's own picture, z out of it.",
+            "Where the object is gripped and where it touches other objects, in the object's frame: its origin is the \
+             marker's centre, x points right and y up in the marker's own picture, z out of it.",
         );
     }
 }

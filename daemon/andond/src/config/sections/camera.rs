@@ -30,7 +30,7 @@ words!(Source {
 });
 
 impl Source {
-    /// A device, which sets its own pace, as opposed to a recording.
+    /// Whether the source is a device, which sets its own pace, and not a recording.
     #[must_use]
     pub fn is_live(self) -> bool {
         matches!(self, Self::V4l2 | Self::Realsense)
@@ -42,7 +42,7 @@ impl Source {
 pub enum Speed {
     /// The recording's own.
     File,
-    /// As fast as the readers go, with nothing dropped.
+    /// As fast as the readers can, with nothing dropped.
     Max,
 }
 words!(Speed { Speed::File = "file", Speed::Max = "max" });
@@ -116,7 +116,7 @@ impl Camera {
             &mut self.path,
             (),
             r#""recording.mp4""#,
-            "The recording: a file for video, tracks and bag, a folder for images. Needed for those sources.",
+            "The recording: a file for video, tracks and bag, a folder for images. These sources need it.",
         );
         k.key("device", &mut self.device, (), "The V4L2 device.");
         k.key(
@@ -135,13 +135,13 @@ impl Camera {
             "rate_hz",
             &mut self.rate_hz,
             within(1.0, 240.0, "Hz"),
-            "Frames a second: what a live camera is asked for, and the pace of a folder of pictures.",
+            "Frames per second: the rate that a live camera is asked for, and the pace of a folder of pictures.",
         );
         k.key(
             "speed",
             &mut self.speed,
             (),
-            "Pace of a recording: its own (file), or as fast as the readers go with nothing dropped (max).",
+            "Pace of a recording: its own (file), or as fast as the readers can, with nothing dropped (max).",
         );
         k.key("loop", &mut self.repeat, (), "Whether a recording starts again at its end.");
         k.optional(
@@ -156,8 +156,8 @@ impl Camera {
             &mut self.exposure_us,
             within(1, 165_000, "µs"),
             "10000",
-            "Fixed exposure of a live camera: a multiple of 10000 does not flicker under 50 Hz light. Without it \
-             the camera decides.",
+            "Fixed exposure of a live camera: a multiple of 10000 does not flicker under 50 Hz light. Without it the \
+             camera chooses.",
         );
         k.key(
             "laser_power_mw",
@@ -165,21 +165,22 @@ impl Camera {
             within(0, 360, "mW"),
             "Power of the RealSense projector; 0 turns it off.",
         );
-        k.key("depth", &mut self.depth, (), "Whether a RealSense camera or recording gives depth too.");
+        k.key("depth", &mut self.depth, (), "Whether depth is taken from a RealSense camera or recording.");
         k.optional(
             "depth_width",
             &mut self.depth_width,
             within(64, 4096, "pixels"),
             "848",
-            "Width of the depth picture that a RealSense camera is asked for. Without it that of the colour picture, \
-             which depth has up to 1280 x 720.",
+            "Width of the depth picture that a RealSense camera is asked for. Without it depth is as wide as the colour \
+             picture, which is possible up to 1280 x 720.",
         );
         k.optional(
             "depth_height",
             &mut self.depth_height,
             within(64, 4096, "pixels"),
             "480",
-            "Height of the depth picture that a RealSense camera is asked for. Without it that of the colour picture.",
+            "Height of the depth picture that a RealSense camera is asked for. Without it depth is as high as the colour \
+             picture.",
         );
     }
 }

@@ -10,7 +10,7 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
         "rate_hz",
         &mut method.rate_hz,
         within(5.0, 240.0, "Hz"),
-        "The grid: feature couples a second. A job judges at the rate that it was taught at.",
+        "Rate of the grid: feature couples per second. A job must be judged at the rate at which it was taught.",
     );
     k.key("bins", &mut method.bins, within(4, 36, ""), "N, the number of direction bins around the circle.");
     contact(
@@ -29,7 +29,7 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
         "persist_frames",
         &mut method.persist_frames,
         within(1, 30, "frames"),
-        "How long a contact must hold before it is believed. Verdicts come so much later.",
+        "How long a contact must hold before it counts. Verdicts come later by this time.",
     );
     k.key(
         "rest_speed_m_s",
@@ -53,13 +53,13 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
         "blind_ms",
         &mut method.blind_ms,
         within(50, 10_000, "ms"),
-        "A hand or an object that is hidden for longer than this makes the running IU not judged, never OK.",
+        "When a hand or an object is hidden for longer than this, the running IU is not judged. It is never OK.",
     );
     k.key(
         "idle_end_ms",
         &mut method.idle_end_ms,
         within(500, 600_000, "ms"),
-        "The job ends when there has been no hand for this long.",
+        "The job ends when no hand has been seen for this long.",
     );
 }
 
@@ -69,6 +69,6 @@ fn contact(contact: &mut Contact, [on, off]: [&'static str; 2], meaning: &'stati
         off,
         &mut contact.off_m,
         within(0.001, 0.5, "m"),
-        "That contact ends when they are farther apart than this; at least the distance at which it begins.",
+        "The contact ends when they are farther apart than this; at least the distance at which it begins.",
     );
 }

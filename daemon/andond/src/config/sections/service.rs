@@ -3,17 +3,21 @@
 use crate::config::keys::Keys;
 use crate::config::value::{several, within, words};
 use crate::log::Level;
+use andon_plc::registers::WordOrder;
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::PathBuf;
+use std::time::Duration;
+
+use shm_schemas::RoleId;
 
 /// `[journal]`: where verdicts are kept.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Journal {
     /// The database; see [`crate::config::Config::journal_path`].
     pub path: Option<PathBuf>,
-    /// Verdicts that are older are removed, days.
+    /// Age at which verdicts are removed, days.
     pub keep_days: u32,
-    /// The oldest verdicts are removed when the database is larger, MB.
+    /// Size of the database from which on the oldest verdicts are removed, MB.
     pub keep_mb: u32,
 }
 
@@ -32,17 +36,27 @@ impl Journal {
             &mut self.path,
             (),
             r#""/var/lib/andon/bench1.sqlite""#,
-            "The database of all verdicts. Without it /var/lib/andon/NAME.sqlite, NAME being the station's.",
+            "The database of all verdicts. Without it the database is /var/lib/andon/NAME.sqlite, with the station's name.",
         );
-        k.key("keep_days", &mut self.keep_days, within(1, 36_500, "days"), "Older verdicts are removed.");
+        k.key(
+            "keep_days",
+            &mut self.keep_days,
+            within(1, 36_500, "days"),
+            "Verdicts that are older are removed.",
+        );
         k.key(
             "keep_mb",
             &mut self.keep_mb,
             within(10, 1_000_000, "MB"),
-            "When the database grows over this the oldest verdicts are removed.",
+            "When the database grows larger, the oldest verdicts are removed.",
         );
     }
 }
+
+words!(WordOrder {
+    WordOrder::Big = "big",
+    WordOrder::Little = "little",
+});
 
 /// `[plc]`: the Modbus TCP server.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,13 +71,22 @@ pub struct Plc {
     pub allow: Vec<IpAddr>,
     /// Whether clients may write the control words.
     pub writes: bool,
+    /// In which order the two or four registers of a longer value lie.
+    pub word_order: WordOrder,
 }
 
 impl Default for Plc {
     fn default() -> Self {
         let loopback = IpAddr::V4(Ipv4Addr::LOCALHOST);
-        // Modbus' own port, 502, needs a right that the unit does without.
-        Self { enable: false, bind: loopback, port: 1502, allow: vec![loopback], writes: false }
+        // The standard port of Modbus, 502, needs a right that the unit does without.
+        Self {
+            enable: false,
+            bind: loopback,
+            port: 1502,
+            allow: vec![loopback],
+            writes: false,
+            word_order: WordOrder::Big,
+        }
     }
 }
 
@@ -80,7 +103,8 @@ impl Plc {
             "port",
             &mut self.port,
             within(1, 65_535, ""),
-            "The TCP port. Modbus' own is 502; a port under 1024 needs a right that the unit says how to give.",
+            "The TCP port. The standard port of Modbus is 502; a port below 1024 needs a right, and the unit says how to \
+             grant it.",
         );
         k.key(
             "allow",
@@ -95,11 +119,18 @@ impl Plc {
             (),
             "Whether clients may write the control words. Without it they can only read.",
         );
+        k.key(
+            "word_order",
+            &mut self.word_order,
+            (),
+            "Which register of a value of two or four registers is the first: the most significant (big) or the least \
+             significant (little). Inside a register Modbus is always big-endian.",
+        );
     }
 }
 
-/// `[health]`: when a role counts as stuck. Times in ms without progress, after which a role is unhealthy, `ready`
-/// drops at the PLC and the log says so.
+/// `[health]`: when a role counts as stuck. Times in ms without a sign of life, after which `ready` drops at the PLC. The
+/// role `plc` watches the others and has no deadline here: the PLC sees by the server's own life counter whether it runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Health {
     /// Deadline of `capture`.
@@ -112,8 +143,8 @@ pub struct Health {
     pub judge_deadline_ms: u32,
     /// Deadline of `journal`.
     pub journal_deadline_ms: u32,
-    /// Deadline of `plc`.
-    pub plc_deadline_ms: u32,
+    /// Deadline of `steward`.
+    pub steward_deadline_ms: u32,
 }
 
 impl Default for Health {
@@ -125,12 +156,26 @@ impl Default for Health {
             judge_deadline_ms: 1000,
             // A commit to a slow disk takes this long when the disk is busy.
             journal_deadline_ms: 3000,
-            plc_deadline_ms: 1000,
+            steward_deadline_ms: 1000,
         }
     }
 }
 
 impl Health {
+    /// How long a role may give no sign of life; `None` for one that has no deadline.
+    pub fn deadline(&self, role: RoleId) -> Option<Duration> {
+        let deadline_ms = match role {
+            RoleId::Capture => self.capture_deadline_ms,
+            RoleId::Perceive => self.perceive_deadline_ms,
+            RoleId::Encode => self.encode_deadline_ms,
+            RoleId::Judge => self.judge_deadline_ms,
+            RoleId::Journal => self.journal_deadline_ms,
+            RoleId::Steward => self.steward_deadline_ms,
+            _ => return None,
+        };
+        Some(Duration::from_millis(deadline_ms.into()))
+    }
+
     /// The deadlines with the names of their keys, in the order of the data path.
     pub(in crate::config) fn deadlines(&mut self) -> [(&'static str, &mut u32); 6] {
         [
@@ -139,7 +184,7 @@ impl Health {
             ("encode_deadline_ms", &mut self.encode_deadline_ms),
             ("judge_deadline_ms", &mut self.judge_deadline_ms),
             ("journal_deadline_ms", &mut self.journal_deadline_ms),
-            ("plc_deadline_ms", &mut self.plc_deadline_ms),
+            ("steward_deadline_ms", &mut self.steward_deadline_ms),
         ]
     }
 
@@ -149,7 +194,7 @@ impl Health {
                 name,
                 deadline,
                 within(100, 60_000, "ms"),
-                "Without progress for this long the role is unhealthy and `ready` drops.",
+                "When the role gives no sign of life for this long, `ready` drops at the PLC.",
             );
         }
     }
@@ -166,7 +211,7 @@ words!(Level {
 /// `[log]`: how much is logged.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Log {
-    /// The least grave messages that are logged.
+    /// The lowest level that is logged.
     pub level: Level,
 }
 
@@ -176,8 +221,8 @@ impl Log {
             "level",
             &mut self.level,
             (),
-            "The least grave messages that are logged: info is a transition, debug an IU, trace a frame. The variable \
-             ANDON_LOG overrides it.",
+            "The lowest level that is logged: info is a transition, debug an IU, trace a frame. The variable ANDON_LOG \
+             overrides it.",
         );
     }
 }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// `[station]`: which bench this is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Station {
-    /// Name of the station; services, directories and units are named by it.
+    /// Name of the station, after which its services, directories and units are named.
     pub name: String,
     /// Directory that holds the shared memory's files of all stations; see [`crate::config::Config::root`].
     pub root: PathBuf,
@@ -30,14 +30,14 @@ impl Station {
             &mut self.name,
             Text::Name,
             r#""bench1""#,
-            "The station's name, the same as the instance of its units (andon-judge@bench1).",
+            "The station's name, which is the instance of its units as well (andon-judge@bench1).",
         );
         k.key(
             "root",
             &mut self.root,
             (),
-            "Directory with one directory for each station, in which its services live. Not under /tmp: a cleaner \
-             that removes it splits the line in silence. Shorter than 60 characters together with the name.",
+            "Directory that holds one directory per station with the files of its services. Do not put it under /tmp: a \
+             cleaner that removes it splits the line in silence. With the name it must be shorter than 60 characters.",
         );
         k.optional(
             "job",

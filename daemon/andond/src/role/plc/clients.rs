@@ -7,16 +7,16 @@ use std::time::{Duration, Instant};
 use andon_plc::modbus::Counters;
 
 use crate::log::{code, log};
-use crate::role::Pulse;
+use crate::role::Liveness;
 
-/// How often what clients did is logged: a broken one asks a thousand times a second.
+/// How often what clients did is logged: a broken one sends a thousand requests per second.
 const LOG_EVERY: Duration = Duration::from_secs(1);
 
-/// Tells what the counters have counted since it last looked.
+/// Logs what the counters have counted since the last look.
 pub(super) struct Clients {
     counters: Arc<Counters>,
     looked: Instant,
-    told: Counted,
+    logged: Counted,
 }
 
 /// A reading of the counters.
@@ -51,21 +51,21 @@ impl Counted {
 
 impl Clients {
     pub(super) fn new(counters: Arc<Counters>) -> Self {
-        Self { counters, looked: Instant::now(), told: Counted::default() }
+        Self { counters, looked: Instant::now(), logged: Counted::default() }
     }
 
-    /// To be called often; looks once a second.
-    pub(super) fn tell(&mut self, pulse: &mut Pulse) {
+    /// To be called in every turn; looks once per second.
+    pub(super) fn log(&mut self, liveness: &mut Liveness) {
         if self.looked.elapsed() < LOG_EVERY {
             return;
         }
         self.looked = Instant::now();
         let now = Counted::of(&self.counters);
-        let before = std::mem::replace(&mut self.told, now);
+        let before = std::mem::replace(&mut self.logged, now);
         let refused = now.refused - before.refused;
         let writes = now.writes_refused - before.writes_refused;
         let bad = now.bad.saturating_sub(before.bad);
-        // A client that connects anew for each request is always there.
+        // A client that opens a connection for each request counts as connected all the time.
         if before.open() == 0 && now.open() > 0 {
             log!(code::PLC_CONNECTED, "{} clients are connected", now.open());
         }
@@ -81,6 +81,6 @@ impl Clients {
         if bad > 0 {
             log!(code::PLC_BAD_REQUEST, "{bad} requests were refused");
         }
-        (0..writes + bad).for_each(|_| pulse.refused());
+        (0..writes + bad).for_each(|_| liveness.refused());
     }
 }

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use andon_ipc::Heartbeat;
+use andon_ipc::{Heartbeat, MonotonicTime};
 use andon_plc::handshake::{Fault, Line};
 use shm_schemas::{Health, RoleId, RoleState};
 
-use crate::config::{Config, Source};
+use crate::config::Config;
 use crate::log::code;
 
 /// The newest health of each role that the line needs, in the order of the data path: the first that is not well is
@@ -14,39 +14,28 @@ use crate::log::code;
 pub(super) struct Watch {
     roles: Vec<Seen>,
     /// When a writer was last found gone. Who it was shows by who is not heard from then on.
-    gone_ns: u64,
+    gone: MonotonicTime,
     was_ready: bool,
 }
 
 struct Seen {
     role: RoleId,
-    deadline_ns: u64,
+    deadline: Duration,
     newest: Option<Health>,
 }
 
 impl Watch {
     /// Expects every role that the configuration needs.
     pub(super) fn new(config: &Config) -> Self {
-        let health = &config.health;
-        // Without pictures there is nothing to capture.
-        let capture = config.camera.source != Source::Tracks;
-        let expected = [
-            (capture, RoleId::Capture, health.capture_deadline_ms),
-            (true, RoleId::Perceive, health.perceive_deadline_ms),
-            (true, RoleId::Encode, health.encode_deadline_ms),
-            (true, RoleId::Judge, health.judge_deadline_ms),
-            (true, RoleId::Journal, health.journal_deadline_ms),
-            // It looks after its neighbours ten times a second, and moves no data that a deadline could be set by.
-            (true, RoleId::Steward, health.plc_deadline_ms),
-        ];
-        let seen = |(_, role, deadline_ms): (bool, RoleId, u32)| Seen {
-            role,
+        let seen = |role| {
             // One beat may be late.
-            deadline_ns: nanoseconds(Duration::from_millis(deadline_ms.into()).max(2 * Heartbeat::PERIOD)),
-            newest: None,
+            let deadline = config.health.deadline(role)?.max(2 * Heartbeat::PERIOD);
+            Some(Seen { role, deadline, newest: None })
         };
-        let roles = expected.into_iter().filter(|(expected, ..)| *expected).map(seen).collect();
-        Self { roles, gone_ns: 0, was_ready: false }
+        let mut roles: Vec<Seen> = config.roles().into_iter().filter_map(seen).collect();
+        // It carries no data: another role names the cause better.
+        roles.sort_by_key(|seen| seen.role == RoleId::Steward);
+        Self { roles, gone: MonotonicTime::default(), was_ready: false }
     }
 
     /// A role told how it is.
@@ -54,21 +43,20 @@ impl Watch {
         if let Some(seen) = self.roles.iter_mut().find(|seen| seen.role.code() == health.role) {
             // One that came back at once has been gone all the same.
             if seen.newest.is_some_and(|known| known.stamp.epoch != health.stamp.epoch) {
-                self.gone_ns = self.gone_ns.max(health.stamp.sent_ns);
+                self.gone = self.gone.max(sent(health));
             }
             seen.newest = Some(*health);
         }
     }
 
     /// Some role has gone.
-    pub(super) fn gone(&mut self, now_ns: u64) {
-        self.gone_ns = now_ns;
+    pub(super) fn gone(&mut self, now: MonotonicTime) {
+        self.gone = now;
     }
 
     /// How the line is now.
-    pub(super) fn line(&mut self, now_ns: u64) -> Line {
-        let line =
-            self.roles.iter().map(|seen| seen.line(now_ns, self.gone_ns)).find(|line| *line != Line::Ready);
+    pub(super) fn line(&mut self, now: MonotonicTime) -> Line {
+        let line = self.roles.iter().map(|seen| seen.line(now, self.gone)).find(|line| *line != Line::Ready);
         match line {
             None => {
                 self.was_ready = true;
@@ -82,11 +70,11 @@ impl Watch {
 }
 
 impl Seen {
-    fn line(&self, now_ns: u64, gone_ns: u64) -> Line {
+    fn line(&self, now: MonotonicTime, gone: MonotonicTime) -> Line {
         let missing = Line::Fault { fault: Fault::Role, detail: code::ROLE_DIED.number };
         let Some(health) = &self.newest else { return missing };
-        let sent_ns = health.stamp.sent_ns;
-        if sent_ns < gone_ns || now_ns.saturating_sub(sent_ns) > self.deadline_ns {
+        let sent = sent(health);
+        if sent < gone || now.since(sent) > self.deadline {
             return missing;
         }
         let detail = health.last_error;
@@ -107,9 +95,8 @@ impl Seen {
     }
 }
 
-fn nanoseconds(duration: Duration) -> u64 {
-    // The configuration allows a minute.
-    duration.as_nanos() as u64
+fn sent(health: &Health) -> MonotonicTime {
+    MonotonicTime::from_nanoseconds(health.stamp.sent_ns)
 }
 
 #[cfg(test)]
@@ -117,6 +104,10 @@ mod tests {
     use super::*;
 
     const S: u64 = 1_000_000_000;
+
+    fn at(nanoseconds: u64) -> MonotonicTime {
+        MonotonicTime::from_nanoseconds(nanoseconds)
+    }
 
     fn health(role: RoleId, state: RoleState, sent_ns: u64) -> Health {
         let mut health = Health { role: role.code(), state: state.code(), ..Health::default() };
@@ -150,66 +141,66 @@ mod tests {
     #[test]
     fn a_line_is_ready_when_every_role_has_said_so_and_starting_before() {
         let mut watch = Watch::new(&Config::default());
-        assert_eq!(watch.line(S), Line::Starting);
-        assert_eq!(well().line(10 * S), Line::Ready);
+        assert_eq!(watch.line(at(S)), Line::Starting);
+        assert_eq!(well().line(at(10 * S)), Line::Ready);
     }
 
     #[test]
     fn a_role_that_falls_silent_is_a_fault() {
         let mut watch = well();
-        assert_eq!(watch.line(10 * S), Line::Ready);
-        assert_eq!(fault_of(watch.line(12 * S)), Some(Fault::Role));
+        assert_eq!(watch.line(at(10 * S)), Line::Ready);
+        assert_eq!(fault_of(watch.line(at(12 * S))), Some(Fault::Role));
     }
 
     #[test]
     fn after_a_departure_everyone_must_be_heard_again() {
         let mut watch = well();
-        assert_eq!(watch.line(10 * S), Line::Ready);
-        watch.gone(10 * S + 1);
-        assert_eq!(fault_of(watch.line(10 * S + 2)), Some(Fault::Role));
+        assert_eq!(watch.line(at(10 * S)), Line::Ready);
+        watch.gone(at(10 * S + 1));
+        assert_eq!(fault_of(watch.line(at(10 * S + 2))), Some(Fault::Role));
         for role in RoleId::ALL {
             watch.heard(&health(*role, RoleState::Running, 10 * S + 3));
         }
-        assert_eq!(watch.line(10 * S + 4), Line::Ready);
+        assert_eq!(watch.line(at(10 * S + 4)), Line::Ready);
     }
 
     #[test]
     fn a_role_that_comes_back_unnoticed_has_been_gone() {
         let mut watch = well();
-        assert_eq!(watch.line(10 * S), Line::Ready);
+        assert_eq!(watch.line(at(10 * S)), Line::Ready);
         let mut again = health(RoleId::Steward, RoleState::Running, 10 * S + 1);
         again.stamp.epoch = 7;
         watch.heard(&again);
-        assert_eq!(fault_of(watch.line(10 * S + 2)), Some(Fault::Role));
+        assert_eq!(fault_of(watch.line(at(10 * S + 2))), Some(Fault::Role));
     }
 
     #[test]
     fn the_first_role_of_the_data_path_that_is_not_well_is_named() {
         let mut watch = well();
-        assert_eq!(watch.line(10 * S), Line::Ready);
+        assert_eq!(watch.line(at(10 * S)), Line::Ready);
         watch.heard(&health(RoleId::Perceive, RoleState::Waiting, 10 * S));
         watch.heard(&health(RoleId::Encode, RoleState::Waiting, 10 * S));
-        assert_eq!(fault_of(watch.line(10 * S)), Some(Fault::Camera));
+        assert_eq!(fault_of(watch.line(at(10 * S))), Some(Fault::Camera));
     }
 
     #[test]
     fn a_journal_that_cannot_write_is_a_fault_of_the_journal() {
         let mut watch = well();
         watch.heard(&health(RoleId::Journal, RoleState::Fault, 10 * S));
-        assert_eq!(fault_of(watch.line(10 * S)), Some(Fault::Journal));
+        assert_eq!(fault_of(watch.line(at(10 * S))), Some(Fault::Journal));
     }
 
     #[test]
     fn a_camera_that_is_missing_is_a_fault_of_the_camera() {
         let mut watch = well();
         watch.heard(&health(RoleId::Capture, RoleState::Fault, 10 * S));
-        assert_eq!(fault_of(watch.line(10 * S)), Some(Fault::Camera));
+        assert_eq!(fault_of(watch.line(at(10 * S))), Some(Fault::Camera));
     }
 
     #[test]
     fn a_recording_that_has_ended_is_no_fault_and_not_ready() {
         let mut watch = well();
         watch.heard(&health(RoleId::Perceive, RoleState::Finished, 10 * S));
-        assert_eq!(watch.line(10 * S), Line::Starting);
+        assert_eq!(watch.line(at(10 * S)), Line::Starting);
     }
 }

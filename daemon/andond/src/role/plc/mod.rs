@@ -7,184 +7,174 @@ mod clients;
 mod line;
 
 use std::net::SocketAddr;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use andon_ipc::{Error, Node, Reader, Wake, Writer, monotonic_ns};
-use andon_plc::handshake::{Ask, Fault, Line};
-use andon_plc::modbus::{CommandSink, Config as Server, Counters, Event, ModbusServer, VerdictSource};
+use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
+use andon_plc::handshake::{Line, LineCommand};
+use andon_plc::modbus::{Config as Server, ModbusServer};
 use andon_plc::registers::{Image, status};
-use shm_schemas::{Command, CommandSource, Confirmed, Health, Verdict};
+use shm_schemas::{Command, Confirmed, Health, Verdict};
 
-use super::{Pulse, RoleError, WAIT};
+use super::RoleError;
+use super::cycle::{Cycle, Role, Turn};
+use super::output::Output;
 use crate::config::Config;
 use crate::log::{code, log};
 use clients::Clients;
 use line::Watch;
 
-/// How often the server is told how the line is when nothing changes: it counts a line as silent after 2 s.
-const TELL_EVERY: Duration = Duration::from_millis(250);
+/// The longest wait: a command of a client waits no longer than this to be passed on.
+const TURN: Duration = Duration::from_millis(20);
 
-/// A line that is not ready for so long is listened to anew. Where iceoryx2 0.10.0 fails once to connect a reader with a writer, as
-/// with one that is killed while it comes up, it does not try again before another one comes or goes: a role that is well would stay
-/// unheard. Twice as long as the longest beat is apart.
-const LISTEN_ANEW: Duration = Duration::from_secs(1);
+/// After this long without a line that is ready, `health` is opened again. Where iceoryx2 0.10.0 fails once to connect a reader
+/// with a writer, as with one that is killed while it comes up, it does not try again before another one comes or goes: a
+/// healthy role would stay unheard. Twice the longest time between two beats.
+const REOPEN_HEALTH_AFTER: Duration = Duration::from_secs(1);
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
-    if !config.plc.enable {
-        return rest(node);
-    }
-    let began = Instant::now();
-    let server = ModbusServer::start(server_config(config))?;
-    let stop = AtomicBool::new(false);
-    let mut line = Events::open(node, config, server.counters(), &stop)?;
-    let mut commands = Commands { writer: node.writer()? };
-    log!(code::PLC_LISTENING, { address = %server.address() }, "Modbus TCP on {}", server.address());
-    line.pulse.stepped(began.elapsed());
-    server.run(&mut line, &mut commands, &stop);
-    line.outcome
-}
-
-/// Without a PLC in the configuration there is nothing to do; the unit is there all the same, and healthy.
-fn rest(node: &Node) -> Result<(), RoleError> {
-    let mut pulse = Pulse::new(node)?;
-    log!(code::PLC_OFF, "plc.enable is false: nothing listens");
-    pulse.stepped(Duration::ZERO);
-    while !node.stop().wait(WAIT) {
-        pulse.beat()?;
+    let mut cycle = Cycle::new(node)?;
+    if config.plc.enable {
+        let mut role = Plc::open(&mut cycle, config)?;
+        cycle.run(&mut role)?;
+    } else {
+        log!(code::PLC_OFF, "plc.enable is false: nothing listens");
+        cycle.stepped(Instant::now());
+        cycle.run(&mut Disabled)?;
     }
     Ok(())
 }
 
-fn server_config(config: &Config) -> Server {
-    Server {
-        bind: SocketAddr::new(config.plc.bind, config.plc.port),
-        allowed_clients: config.plc.allow.clone(),
-        writes: config.plc.writes,
-        ..Server::default()
+/// Without a PLC in the configuration there is nothing to do; the unit is there all the same, and healthy.
+struct Disabled;
+
+impl Role for Disabled {
+    const INPUT_IS_STEADY: bool = false;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        Vec::new()
+    }
+
+    fn turn(&mut self, _cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        Ok(Turn::Idle)
     }
 }
 
-/// What comes from the line, as the server asks for it.
-struct Events<'a> {
-    node: &'a Node,
+struct Plc {
+    server: ModbusServer,
+    clients: Clients,
+    commands: Output<Writer<Command>>,
     verdicts: Reader<Verdict>,
     confirmed: Reader<Confirmed>,
     health: Reader<Health>,
     watch: Watch,
     line: Line,
-    told: Instant,
-    /// Since when `health` has had the chance to hear everybody.
-    listening: Instant,
-    began_ns: u64,
-    /// When the server was handed a verdict: its step.
-    handed: Option<Instant>,
-    clients: Clients,
-    shown: u16,
-    pulse: Pulse,
-    stop: &'a AtomicBool,
-    outcome: Result<(), RoleError>,
+    /// When the line was last ready or `health` was opened.
+    health_since: Instant,
+    began: MonotonicTime,
+    /// The status word that was last on the registers.
+    status: u16,
 }
 
-impl<'a> Events<'a> {
-    fn open(
-        node: &'a Node,
-        config: &Config,
-        counters: Arc<Counters>,
-        stop: &'a AtomicBool,
-    ) -> Result<Self, RoleError> {
-        Ok(Self {
-            node,
+impl Role for Plc {
+    const INPUT_IS_STEADY: bool = false;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![self.commands.port(), &mut self.verdicts, &mut self.confirmed, &mut self.health]
+    }
+
+    fn patience(&self) -> Duration {
+        TURN
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        // Its own predecessor may be the one that has gone: that is for `watch` to tell.
+        if let Wake::WriterGone { .. } = cycle.wake() {
+            self.watch.gone(MonotonicTime::now());
+        }
+        self.clients.log(cycle.liveness());
+        self.watch_line(cycle)?;
+        let turn = self.tell_verdict(cycle)?;
+        self.tell_confirmed()?;
+        self.server.handshake(|handshake, now_ns| handshake.tick(self.line, now_ns));
+        self.pass_commands_on(cycle);
+        let image = self.server.handshake(|handshake, now_ns| handshake.image(now_ns));
+        self.log_changes(&image);
+        Ok(turn)
+    }
+}
+
+impl Plc {
+    /// A server that listens is the first step: readiness must not wait for a worker.
+    fn open(cycle: &mut Cycle<'_>, config: &Config) -> Result<Self, RoleError> {
+        let began = Instant::now();
+        let server = ModbusServer::start(server_config(config))?;
+        let node = cycle.node();
+        let role = Self {
+            clients: Clients::new(server.counters()),
+            commands: Output::new(node.writer()?, &[]),
             verdicts: node.reader()?,
             confirmed: node.reader()?,
             health: node.reader()?,
             watch: Watch::new(config),
             line: Line::Starting,
-            told: Instant::now(),
-            listening: Instant::now(),
-            began_ns: monotonic_ns(),
-            handed: None,
-            clients: Clients::new(counters),
-            shown: 0,
-            pulse: Pulse::new(node)?,
-            stop,
-            outcome: Ok(()),
-        })
+            health_since: Instant::now(),
+            began: MonotonicTime::now(),
+            status: 0,
+            server,
+        };
+        let address = role.server.address();
+        log!(code::PLC_LISTENING, { address = %address }, "Modbus TCP on {address}");
+        cycle.stepped(began);
+        Ok(role)
     }
 
-    fn try_next(&mut self, wait: Duration) -> Result<Option<Event>, RoleError> {
-        if let Some(handed) = self.handed.take() {
-            self.pulse.stepped(handed.elapsed());
-        }
-        let wake = self.node.wait(&mut [&mut self.verdicts, &mut self.confirmed, &mut self.health], wait)?;
-        match wake {
-            Wake::Stop => self.stop.store(true, Ordering::Relaxed),
-            Wake::WriterGone { .. } => self.watch.gone(monotonic_ns()),
-            _ => (),
-        }
-        self.pulse.losses(self.verdicts.lost(), self.verdicts.restarts());
-        self.clients.tell(&mut self.pulse);
-        // This role works while its loop turns. A bench where nobody works gives no verdicts, and who of the others has gone, this role's
-        // own predecessor among them, is `watch`'s to tell.
-        self.pulse.beat()?;
-        if let Some(line) = self.look()? {
-            return Ok(Some(Event::Line(line)));
-        }
-        self.take()
-    }
-
-    /// How the line is, when that has changed or is due to be told.
-    fn look(&mut self) -> Result<Option<Line>, Error> {
+    /// Finds the state of the line by the health of its roles.
+    fn watch_line(&mut self, cycle: &Cycle<'_>) -> Result<(), RoleError> {
         while let Some(health) = self.health.take()? {
             self.watch.heard(&health);
         }
-        let line = self.watch.line(monotonic_ns());
-        if line == Line::Ready {
-            self.listening = Instant::now();
-        } else if self.listening.elapsed() > LISTEN_ANEW {
-            self.health = self.node.reader()?;
-            self.listening = Instant::now();
+        self.line = self.watch.line(MonotonicTime::now());
+        if self.line == Line::Ready {
+            self.health_since = Instant::now();
+        } else if self.health_since.elapsed() > REOPEN_HEALTH_AFTER {
+            self.health = cycle.node().reader()?;
+            self.health_since = Instant::now();
         }
-        if line == self.line && self.told.elapsed() < TELL_EVERY {
-            return Ok(None);
-        }
-        self.line = line;
-        self.told = Instant::now();
-        Ok(Some(line))
+        Ok(())
     }
 
-    fn take(&mut self) -> Result<Option<Event>, RoleError> {
-        while let Some(verdict) = self.verdicts.take()? {
-            self.pulse.received(&verdict.stamp);
-            if verdict.stamp.sent_ns >= self.began_ns {
-                self.handed = Some(Instant::now());
-                return Ok(Some(Event::Verdict(*verdict)));
+    fn tell_verdict(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        while let Some(verdict) = cycle.take(&mut self.verdicts)? {
+            if MonotonicTime::from_nanoseconds(verdict.stamp.sent_ns) >= self.began {
+                self.server.handshake(|handshake, now_ns| handshake.verdict(&verdict, now_ns));
+                return Ok(Turn::Stepped);
             }
         }
-        let confirmed = self.confirmed.take()?;
-        Ok(confirmed
-            .map(|message| Event::Confirmed { epoch: message.verdict_epoch, seq: message.verdict_seq }))
+        Ok(Turn::Idle)
     }
-}
 
-impl VerdictSource for Events<'_> {
-    fn next(&mut self, wait: Duration) -> Option<Event> {
-        match self.try_next(wait) {
-            Ok(event) => event,
-            Err(error) => {
-                self.outcome = Err(error);
-                self.stop.store(true, Ordering::Relaxed);
-                let detail = code::SERVICE_UNUSABLE.number;
-                Some(Event::Line(Line::Fault { fault: Fault::Channel, detail }))
+    fn tell_confirmed(&mut self) -> Result<(), RoleError> {
+        while let Some(confirmed) = self.confirmed.take()? {
+            let (epoch, seq) = (confirmed.verdict_epoch, confirmed.verdict_seq);
+            self.server.handshake(|handshake, now_ns| handshake.confirmed(epoch, seq, now_ns));
+        }
+        Ok(())
+    }
+
+    /// Passes on what clients ask for. A command that cannot be sent is one that the PLC is told was refused.
+    fn pass_commands_on(&mut self, cycle: &mut Cycle<'_>) {
+        while let Some(command) = self.server.handshake(|handshake, _| handshake.next_command()) {
+            let sent = self.commands.send(cycle, |message| write_command(&command, message));
+            if let Err(error) = &sent {
+                log!(code::SERVICE_UNUSABLE, "{error}");
             }
+            self.server.handshake(|handshake, _| handshake.command_sent(command.kind, sent.is_ok()));
         }
     }
 
-    fn turned(&mut self, image: &Image) {
-        let changed = image.status ^ self.shown;
-        self.shown = image.status;
+    fn log_changes(&mut self, image: &Image) {
+        let changed = image.status ^ std::mem::replace(&mut self.status, image.status);
         if changed & status::READY != 0 {
             match (image.status & status::READY != 0, self.line) {
                 (true, _) => log!(code::PLC_READY, "ready"),
@@ -200,19 +190,18 @@ impl VerdictSource for Events<'_> {
     }
 }
 
-/// Where the PLC's commands go.
-struct Commands {
-    writer: Writer<Command>,
+fn server_config(config: &Config) -> Server {
+    Server {
+        bind: SocketAddr::new(config.plc.bind, config.plc.port),
+        allowed_clients: config.plc.allow.clone(),
+        writes: config.plc.writes,
+        word_order: config.plc.word_order,
+        ..Server::default()
+    }
 }
 
-impl CommandSink for Commands {
-    fn tell(&mut self, ask: &Ask) -> bool {
-        let Ok(mut message) = self.writer.loan() else { return false };
-        message.kind = ask.kind.code();
-        message.source = CommandSource::Plc.code();
-        message.job_id = ask.job_id;
-        message.model_hash = ask.model_hash;
-        message.argument = ask.argument;
-        self.writer.send(message).is_ok()
-    }
+fn write_command(command: &LineCommand, message: &mut Command) {
+    message.kind = command.kind.code();
+    message.job_id = command.job_id;
+    message.model_hash = command.model_hash;
 }

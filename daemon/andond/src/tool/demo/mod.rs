@@ -1,10 +1,12 @@
-//! `andond demo`: every role as its own process, the shipped clips through all of them, and what a technician reads.
+//! `andond demo`: runs every role as its own process, plays the shipped clips through all of them, and prints what a
+//! technician would read.
 
 mod film;
 mod supervisor;
 mod usage;
 mod watch;
 
+use std::io::ErrorKind;
 use std::net::{Ipv4Addr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -14,7 +16,7 @@ use andon_ipc::{Node, Station, Stop};
 use indicatif::ProgressBar;
 use shm_schemas::RoleId;
 
-use super::{Failure, config_files, job, progress};
+use super::{ToolError, config_files, job, progress};
 use crate::cli::{Demo, Speed};
 use crate::config::Config;
 use crate::exit::Code;
@@ -22,7 +24,7 @@ use crate::report::{Names, verdict_sentence};
 use crate::wire;
 use supervisor::Running;
 use usage::Usage;
-use watch::{Channels, Heard};
+use watch::{Channels, Received};
 
 /// The roles that stay up from clip to clip, in the order of the data path.
 const ROLES: [(&str, RoleId); 6] = [
@@ -34,8 +36,11 @@ const ROLES: [(&str, RoleId); 6] = [
     ("plc", RoleId::Plc),
 ];
 
-/// Name of the demo's station.
+/// The name of the demo's station.
 const STATION: &str = "demo";
+
+/// What to do about a folder without clips.
+const CLIPS_REMEDY: &str = "name a folder with films (.mp4) with --clips";
 
 /// How long the roles may take to come up: the models are loaded from a cold disk.
 const START: Duration = Duration::from_secs(60);
@@ -46,8 +51,8 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// Runs the command.
 ///
 /// # Errors
-/// What is missing, or the role that ended with its last words.
-pub fn run(arguments: &Demo) -> Result<Code, Failure> {
+/// What is missing, or the role that ended, with the end of its log.
+pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
     let file = job::load(&arguments.job)?;
     let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
     let clips = clips(&arguments.clips)?;
@@ -57,38 +62,38 @@ pub fn run(arguments: &Demo) -> Result<Code, Failure> {
     for clip in &clips {
         let Some(outcome) = line.play(clip, arguments, &names)? else { return Ok(Code::Stopped) };
         outcome.print();
-        played.push(outcome.heard);
+        played.push(outcome.received);
     }
     line.print_usage();
     // Afterwards: drawing would take the processor from the line.
     if let Some(folder) = &arguments.annotate {
-        for (clip, heard) in clips.iter().zip(&played) {
-            film::write(clip, folder, heard, &names)?;
+        for (clip, received) in clips.iter().zip(&played) {
+            film::write(clip, folder, received, &names)?;
         }
     }
     Ok(Code::Stopped)
 }
 
 /// The films of a folder, by name.
-fn clips(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let listed = std::fs::read_dir(folder).map_err(|error| {
-        Failure::new(Code::Usage, format!("{}: {error}; name the clips with --clips", folder.display()))
-    })?;
+fn clips(folder: &Path) -> Result<Vec<PathBuf>, ToolError> {
+    let refused = |source| ToolError::Read { path: folder.into(), source, remedy: CLIPS_REMEDY };
+    let listed = std::fs::read_dir(folder).map_err(refused)?;
     let mut clips: Vec<PathBuf> = listed.flatten().map(|entry| entry.path()).collect();
     clips.retain(|path| path.extension().is_some_and(|ending| ending == "mp4"));
     clips.sort();
     if clips.is_empty() {
-        return Err(Failure::new(Code::Usage, format!("{}: no film (.mp4) in it", folder.display())));
+        return Err(refused(ErrorKind::NotFound.into()));
     }
     Ok(clips)
 }
 
-/// A port that nobody listens on now: a demo may run beside a station.
+/// A port that no program listens on now: a demo may run beside a station.
 fn free_port() -> std::io::Result<u16> {
     Ok(TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?.local_addr()?.port())
 }
 
-/// A folder that goes with the demo. Sockets lie in it, whose paths must be short: where TMPDIR is too long, under /tmp.
+/// A folder that is removed with the demo. It holds sockets, whose paths must be short: where TMPDIR is too long, it is made
+/// under /tmp.
 fn own_folder() -> std::io::Result<tempfile::TempDir> {
     let folder = tempfile::Builder::new().prefix("andon-").tempdir()?;
     if Station::under(STATION, &folder.path().join(STATION)).is_ok() {
@@ -99,7 +104,7 @@ fn own_folder() -> std::io::Result<tempfile::TempDir> {
 
 /// The running line.
 struct Line {
-    // Declared in the order in which they must go: the reader, the roles, their directory.
+    // Declared in the order in which they must be dropped: the readers, the roles, their directory.
     channels: Channels,
     node: Node,
     roles: Vec<Running>,
@@ -108,20 +113,20 @@ struct Line {
     began: Instant,
     /// Messages lost and frames skipped in all clips so far.
     losses: u64,
-    /// Of all captures together, one a clip.
+    /// What all captures used together, one per clip.
     capture: Usage,
 }
 
-/// What one clip gave.
+/// What came of one clip.
 struct Outcome {
-    heard: Heard,
+    received: Received,
     took: Duration,
     losses: u64,
 }
 
 impl Line {
-    fn start(arguments: &Demo, clip: &Path) -> Result<Self, Failure> {
-        let fault = |error: std::io::Error| Failure::new(Code::Fault, error);
+    fn start(arguments: &Demo, clip: &Path) -> Result<Self, ToolError> {
+        let fault = |source| ToolError::Demo { what: "its files".into(), source };
         let folder = own_folder().map_err(fault)?;
         let own = folder.path().join("demo.toml");
         let job = std::path::absolute(&arguments.job).map_err(fault)?;
@@ -139,22 +144,21 @@ impl Line {
         configs.push(own);
         let config = Config::load(&configs)?;
         let mut roles = vec![Running::start("steward", &configs, folder.path())?];
-        let unusable = |error: andon_ipc::Error| Failure::new(Code::Fault, error);
-        let stop = Stop::on_signals().map_err(unusable)?;
-        let station = Station::under(&config.station.name, &config.root()).map_err(unusable)?;
-        let node = Node::open(&station, RoleId::Tool, START, &stop).map_err(unusable)?;
-        let mut channels = Channels::open(&node).map_err(unusable)?;
+        let stop = Stop::on_signals()?;
+        let station = Station::under(&config.station.name, &config.root())?;
+        let node = Node::open(&station, RoleId::Tool, START, &stop)?;
+        let mut channels = Channels::open(&node)?;
         for (name, _) in ROLES.into_iter().skip(1) {
             roles.push(Running::start(name, &configs, folder.path())?);
         }
-        let missing = channels.wait_for(&node, &ROLES.map(|(_, id)| id), START).map_err(unusable)?;
+        let missing = channels.wait_for(&node, &ROLES.map(|(_, id)| id), START)?;
         for role in &mut roles {
             role.check()?;
         }
         if !missing.is_empty() {
-            return Err(Failure::new(Code::Fault, format!("these roles did not come up: {missing:?}")));
+            return Err(ToolError::NotUp(missing));
         }
-        // They stop in this order: the steward cleans up after those who left before it.
+        // They stop in this order: the steward cleans up after the others.
         roles.reverse();
         Ok(Self {
             channels,
@@ -169,48 +173,45 @@ impl Line {
     }
 
     /// Plays one clip to its end; `None` when a stop was asked for.
-    fn play(&mut self, clip: &Path, arguments: &Demo, names: &Names) -> Result<Option<Outcome>, Failure> {
+    fn play(&mut self, clip: &Path, arguments: &Demo, names: &Names) -> Result<Option<Outcome>, ToolError> {
         let began = Instant::now();
         let mut configs = self.configs.clone();
         configs.push(self.clip_config(clip, arguments.speed)?);
         let mut capture = Running::start("capture", &configs, self.folder.path())?;
         let bar = progress(None, clip);
         println!("\n{}", clip.file_name().unwrap_or_default().to_string_lossy());
-        let mut heard = Heard::default();
+        let mut received = Received::default();
         let mut newest = Instant::now();
-        while !heard.finished {
-            let before = (heard.verdicts.len(), heard.detections.len());
+        while !received.finished {
+            let before = (received.verdicts.len(), received.detections.len());
             let wait = Duration::from_millis(500);
-            let goes_on = self.channels.listen(&self.node, &mut heard, wait);
-            if !goes_on.map_err(|error| Failure::new(Code::Fault, error))? {
+            let goes_on = self.channels.listen(&self.node, &mut received, wait);
+            if !goes_on? {
                 return Ok(None);
             }
-            print_new(&heard, before.0, names, &bar);
-            bar.set_position(heard.detections.len() as u64);
-            if before != (heard.verdicts.len(), heard.detections.len()) {
+            print_new(&received, before.0, names, &bar);
+            bar.set_position(received.detections.len() as u64);
+            if before != (received.verdicts.len(), received.detections.len()) {
                 newest = Instant::now();
             }
             for role in self.roles.iter_mut().chain([&mut capture]) {
                 role.check()?;
             }
             if newest.elapsed() > SILENCE {
-                return Err(Failure::new(
-                    Code::NoProgress,
-                    format!("{}: nothing came for {SILENCE:?}", clip.display()),
-                ));
+                return Err(ToolError::Silence { clip: clip.into(), silence: SILENCE });
             }
         }
         bar.finish_and_clear();
         self.capture.add(usage::of(capture.pid()));
         // Health counts from the start of a role.
-        let so_far: u64 = heard.health.iter().map(|health| health.losses).sum();
+        let so_far: u64 = received.health.iter().map(|health| health.losses).sum();
         let losses = so_far.saturating_sub(self.losses);
         self.losses = so_far;
-        Ok(Some(Outcome { heard, took: began.elapsed(), losses }))
+        Ok(Some(Outcome { received, took: began.elapsed(), losses }))
     }
 
-    fn clip_config(&self, clip: &Path, speed: Speed) -> Result<PathBuf, Failure> {
-        let fault = |error: std::io::Error| Failure::new(Code::Fault, error);
+    fn clip_config(&self, clip: &Path, speed: Speed) -> Result<PathBuf, ToolError> {
+        let fault = |source| ToolError::Demo { what: "its files".into(), source };
         let path = self.folder.path().join("clip.toml");
         let speed = match speed {
             Speed::File => "file",
@@ -240,8 +241,8 @@ impl Line {
 }
 
 /// Prints the verdicts from number `from` on.
-fn print_new(heard: &Heard, from: usize, names: &Names, bar: &ProgressBar) {
-    let new: Vec<Verdict> = heard.verdicts[from..].iter().filter_map(wire::verdict::read).collect();
+fn print_new(received: &Received, from: usize, names: &Names, bar: &ProgressBar) {
+    let new: Vec<Verdict> = received.verdicts[from..].iter().filter_map(wire::verdict::read).collect();
     bar.suspend(|| {
         for verdict in new {
             println!("{}", verdict_sentence(&verdict, names));
@@ -251,20 +252,20 @@ fn print_new(heard: &Heard, from: usize, names: &Names, bar: &ProgressBar) {
 
 impl Outcome {
     fn print(&self) {
-        let frames = self.heard.detections.len();
+        let frames = self.received.detections.len();
         let mut latencies: Vec<u64> = self
-            .heard
+            .received
             .verdicts
             .iter()
             .map(|verdict| verdict.stamp.sent_ns.saturating_sub(verdict.stamp.captured_ns))
             .collect();
         latencies.sort_unstable();
         let at = |share: f64| {
-            let place = ((latencies.len() as f64 - 1.0) * share).round().max(0.0) as usize;
-            latencies.get(place).map_or(0.0, |&ns| ns as f64 / 1e6)
+            let index = ((latencies.len() as f64 - 1.0) * share).round().max(0.0) as usize;
+            latencies.get(index).map_or(0.0, |&ns| ns as f64 / 1e6)
         };
         println!(
-            "{frames} frames in {:.1} s ({:.1} a second), {} lost or skipped; frame to verdict {:.1} ms (median), {:.1} ms (p99)",
+            "{frames} frames in {:.1} s ({:.1} per second), {} lost or skipped; frame to verdict {:.1} ms (median), {:.1} ms (p99)",
             self.took.as_secs_f64(),
             frames as f64 / self.took.as_secs_f64(),
             self.losses,

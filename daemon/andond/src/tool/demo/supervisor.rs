@@ -7,8 +7,10 @@ use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 
-use crate::exit::Code;
-use crate::tool::Failure;
+use crate::tool::ToolError;
+
+/// How many lines of a role's log are shown when it has ended: the error, and what led to it.
+const LOG_LINES: usize = 3;
 
 /// How long a role may take to stop when asked.
 const GRACE: Duration = Duration::from_secs(3);
@@ -22,12 +24,14 @@ pub(super) struct Running {
 
 impl Running {
     /// Starts `andond run NAME` with these configuration files; what it logs goes into `folder`.
-    pub(super) fn start(name: &'static str, configs: &[PathBuf], folder: &Path) -> Result<Self, Failure> {
-        let program = std::env::current_exe().map_err(|error| Failure::new(Code::Fault, error))?;
+    pub(super) fn start(name: &'static str, configs: &[PathBuf], folder: &Path) -> Result<Self, ToolError> {
+        let failed = |path: &Path| {
+            let what = path.display().to_string();
+            |source| ToolError::Demo { what, source }
+        };
+        let program = std::env::current_exe().map_err(failed(Path::new("andond")))?;
         let log = folder.join(format!("{name}.log"));
-        let stderr = File::options().create(true).append(true).open(&log);
-        let stderr =
-            stderr.map_err(|error| Failure::new(Code::Fault, format!("{}: {error}", log.display())))?;
+        let stderr = File::options().create(true).append(true).open(&log).map_err(failed(&log))?;
         let mut command = Command::new(&program);
         command.args(["run", name]);
         for config in configs {
@@ -38,7 +42,7 @@ impl Running {
             .stdout(Stdio::null())
             .stderr(stderr)
             .spawn()
-            .map_err(|error| Failure::new(Code::Fault, format!("{}: {error}", program.display())))?;
+            .map_err(failed(&program))?;
         Ok(Self { name, child, log })
     }
 
@@ -46,32 +50,21 @@ impl Running {
         self.child.id()
     }
 
-    /// An error with the role's own last words when it has ended.
-    pub(super) fn check(&mut self) -> Result<(), Failure> {
+    /// Fails with the end of the role's log when the role has ended.
+    pub(super) fn check(&mut self) -> Result<(), ToolError> {
         match self.child.try_wait() {
             Ok(None) => Ok(()),
             Ok(Some(status)) => {
-                let words = std::fs::read_to_string(&self.log).unwrap_or_default();
-                let last = words
-                    .lines()
-                    .rev()
-                    .take(3)
-                    .collect::<Vec<_>>()
-                    .into_iter()
-                    .rev()
-                    .collect::<Vec<_>>()
-                    .join("\n");
-                let code = match status.code() {
-                    Some(78) => Code::Configuration,
-                    _ => Code::Fault,
-                };
-                Err(Failure::new(code, format!("the role {} has ended ({status}):\n{last}", self.name)))
+                let text = std::fs::read_to_string(&self.log).unwrap_or_default();
+                let lines: Vec<&str> = text.lines().collect();
+                let log = lines[lines.len().saturating_sub(LOG_LINES)..].join("\n");
+                Err(ToolError::RoleEnded { role: self.name, status, log })
             }
-            Err(error) => Err(Failure::new(Code::Fault, error)),
+            Err(source) => Err(ToolError::Demo { what: self.name.to_owned(), source }),
         }
     }
 
-    /// Asks it to stop, and makes it when it does not.
+    /// Asks it to stop, and kills it when it does not stop in time.
     pub(super) fn stop(&mut self) {
         let pid = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw);
         if let Some(pid) = pid

@@ -22,7 +22,7 @@ impl Usage {
     }
 }
 
-/// What the process has used so far; zero when it is gone.
+/// What the process has used so far; zero when it has ended.
 pub(super) fn of(pid: u32) -> Usage {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
     let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();

@@ -15,13 +15,13 @@ pub(super) struct Channels {
 
 /// All that came over the channels while one clip ran.
 #[derive(Default)]
-pub(super) struct Heard {
+pub(super) struct Received {
     pub(super) detections: Vec<Detections>,
     pub(super) couples: Vec<Couples>,
     pub(super) verdicts: Vec<Verdict>,
-    /// When the end of the stream came by, on the clock of [`andon_ipc::monotonic_ns`].
+    /// When the end of the stream came, on the clock of [`andon_ipc::MonotonicTime`].
     ended_ns: Option<u64>,
-    /// The judge has said everything that follows from the clip.
+    /// The judge has sent everything that follows from the clip.
     pub(super) finished: bool,
     /// Newest health of every role, by its number.
     pub(super) health: Vec<Health>,
@@ -37,11 +37,11 @@ impl Channels {
         })
     }
 
-    /// Waits for news and takes all of it. False when a stop was asked for.
+    /// Waits for messages and takes all of them. False when a stop was asked for.
     pub(super) fn listen(
         &mut self,
         node: &Node,
-        heard: &mut Heard,
+        received: &mut Received,
         patience: Duration,
     ) -> Result<bool, Error> {
         let ports: &mut [&mut dyn andon_ipc::Port] =
@@ -51,27 +51,27 @@ impl Channels {
         }
         while let Some(detections) = self.detections.take()? {
             if detections.flags & flag::END_OF_STREAM == 0 {
-                heard.detections.push(*detections);
+                received.detections.push(*detections);
             }
         }
         while let Some(couples) = self.couples.take()? {
             if couples.flags & flag::END_OF_STREAM != 0 {
-                heard.ended_ns = Some(couples.stamp.sent_ns);
+                received.ended_ns = Some(couples.stamp.sent_ns);
             } else {
-                heard.couples.push(*couples);
+                received.couples.push(*couples);
             }
         }
         while let Some(health) = self.health.take()? {
-            heard.note(&health);
+            received.note(&health);
         }
-        // Last: what the judge sent before it said that it had finished is here by now.
+        // Last: what the judge sent before it reported that it had finished has arrived by now.
         while let Some(verdict) = self.verdicts.take()? {
-            heard.verdicts.push(*verdict);
+            received.verdicts.push(*verdict);
         }
         Ok(true)
     }
 
-    /// Waits until every one of the roles has said that it is there.
+    /// Waits until every one of the roles has given a sign of life; the roles that have not.
     pub(super) fn wait_for(
         &mut self,
         node: &Node,
@@ -79,21 +79,21 @@ impl Channels {
         patience: Duration,
     ) -> Result<Vec<RoleId>, Error> {
         let began = Instant::now();
-        let mut heard = Heard::default();
-        let missing = |heard: &Heard| -> Vec<RoleId> {
-            let there = |role: &RoleId| heard.health.iter().any(|health| health.role == role.code());
+        let mut received = Received::default();
+        let missing = |received: &Received| -> Vec<RoleId> {
+            let there = |role: &RoleId| received.health.iter().any(|health| health.role == role.code());
             roles.iter().copied().filter(|role| !there(role)).collect()
         };
-        while !missing(&heard).is_empty() && began.elapsed() < patience {
-            if !self.listen(node, &mut heard, Duration::from_millis(100))? {
+        while !missing(&received).is_empty() && began.elapsed() < patience {
+            if !self.listen(node, &mut received, Duration::from_millis(100))? {
                 break;
             }
         }
-        Ok(missing(&heard))
+        Ok(missing(&received))
     }
 }
 
-impl Heard {
+impl Received {
     fn note(&mut self, health: &Health) {
         let judge = health.role == RoleId::Judge.code() && health.state == RoleState::Finished.code();
         if judge && self.ended_ns.is_some_and(|ended_ns| health.stamp.sent_ns > ended_ns) {

@@ -2,7 +2,7 @@
 
 use crate::dtw::symbols::{PLANES, Tables};
 
-/// A shuffle looks up bytes, so a cost is two digits, `low + DIGIT * high`. The low digits of five lookups add up to at most
+/// A shuffle looks up bytes, so a cost has two digits, `low + DIGIT * high`. The low digits of five lookups sum up to at most
 /// 5 * 51 = 255.
 pub(super) const DIGIT: i32 = 52;
 
@@ -16,10 +16,10 @@ pub(super) struct Digits {
 }
 
 impl Digits {
-    /// `None` if high digits could add up to more than 255.
+    /// `None` if the sum of high digits could exceed 255.
     pub(super) fn new(tables: &Tables) -> Option<Self> {
-        let greatest = |costs: &[i32; 16]| costs.iter().copied().fold(0, i32::max);
-        let sum = greatest(&tables.ordered) + (PLANES as i32 - 1) * greatest(&tables.apart);
+        let max = |costs: &[i32; 16]| costs.iter().copied().fold(0, i32::max);
+        let sum = max(&tables.ordered) + (PLANES as i32 - 1) * max(&tables.apart);
         let digits = |costs: &[i32; 16]| {
             [costs.map(|cost| (cost % DIGIT) as u8), costs.map(|cost| (cost / DIGIT) as u8)]
         };

@@ -1,12 +1,11 @@
-//! A processor without a SIMD path.
+//! Processors without a SIMD path.
 
 use super::Border;
 use crate::couple::Motion;
-use crate::dtw::bank::{Column, Group};
 use crate::dtw::row::Row;
 use crate::dtw::symbols::{Symbols, Tables};
 
-/// There is none.
+/// Uninhabited: this target has no SIMD path.
 #[derive(Clone, Debug)]
 pub(in crate::dtw) enum Simd {}
 
@@ -27,17 +26,6 @@ impl Simd {
         _: usize,
         _: &mut Row,
     ) -> Option<i32> {
-        match *self {}
-    }
-
-    pub(in crate::dtw) fn advance_group(
-        &self,
-        _: &Tables,
-        _: &Motion,
-        _: i32,
-        _: &mut Group,
-        _: &mut [Column],
-    ) -> Option<()> {
         match *self {}
     }
 

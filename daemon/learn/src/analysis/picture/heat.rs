@@ -1,21 +1,21 @@
 //! A confidence matrix as a picture: dark is alike, as in the paper's figures.
 
-use super::Svg;
-use crate::analysis::Matrix;
+use super::svg::{Svg, escaped};
+use crate::analysis::matrix::Matrix;
 
-/// Side of the square that the cells fill, in pixels.
+/// Side of the square that the cells fill, in pixels like all sizes here.
 const SIDE: f64 = 560.0;
 
 /// Room for the names of rows and columns.
 const MARGIN: f64 = 62.0;
 
-/// More rows than this have no room for a name each: then only groups are named.
-const NAMED_ROWS: usize = 30;
+/// With more rows than this there is no room for a name per row, so only the groups are named.
+const MAX_NAMED_ROWS: usize = 30;
 
-/// Shades that an eye can tell apart; neighbouring cells of one shade are drawn as one.
+/// Number of shades that the eye can distinguish; neighbouring cells of the same shade are drawn as one.
 const SHADES: f64 = 40.0;
 
-/// From alike to different, red green blue: a blue that grows lighter, readable on light and on dark pages.
+/// Red, green and blue from alike to different: a blue that becomes lighter, which is readable on light and on dark pages.
 const RAMP: [[f64; 3]; 3] = [[8.0, 48.0, 107.0], [74.0, 144.0, 196.0], [240.0, 246.0, 252.0]];
 
 /// How to read the shades.
@@ -29,11 +29,11 @@ fn colour(shade: u32) -> String {
     let along = f64::from(shade) / SHADES * 2.0;
     let (from, to, share) =
         if along < 1.0 { (RAMP[0], RAMP[1], along) } else { (RAMP[1], RAMP[2], along - 1.0) };
-    let mix = |place: usize| (from[place] + (to[place] - from[place]) * share).round() as u8;
+    let mix = |index: usize| (from[index] + (to[index] - from[index]) * share).round() as u8;
     format!("#{:02x}{:02x}{:02x}", mix(0), mix(1), mix(2))
 }
 
-/// Draws a matrix; `group` names the groups of rows.
+/// Draws a matrix. `group` gives the name of a group of rows.
 pub(crate) fn heat(matrix: &Matrix, title: &str, group: impl Fn(usize) -> String) -> String {
     let rows = matrix.rows.len().max(1);
     let cell = SIDE / rows as f64;
@@ -53,7 +53,7 @@ pub(crate) fn heat(matrix: &Matrix, title: &str, group: impl Fn(usize) -> String
     }
     svg.add(format_args!("</g>"));
     names(&mut svg, matrix, cell, group);
-    legend(&mut svg, matrix.greatest);
+    legend(&mut svg, matrix.max_distance);
     svg.finish()
 }
 
@@ -67,16 +67,16 @@ fn names(svg: &mut Svg, matrix: &Matrix, cell: f64, group: impl Fn(usize) -> Str
             svg.line("k", [MARGIN, from], [MARGIN + SIDE, from]);
         }
         let name = group(same[0].0);
-        svg.text(middle, if matrix.rows.len() <= NAMED_ROWS { 14.0 } else { MARGIN - 8.0 }, "n m", &name);
-        if matrix.rows.len() <= NAMED_ROWS {
-            for (place, (_, name)) in same.iter().enumerate() {
-                let at = from + (place as f64 + 0.5) * cell;
+        svg.text(middle, if matrix.rows.len() <= MAX_NAMED_ROWS { 14.0 } else { MARGIN - 8.0 }, "n m", &name);
+        if matrix.rows.len() <= MAX_NAMED_ROWS {
+            for (index, (_, name)) in same.iter().enumerate() {
+                let at = from + (index as f64 + 0.5) * cell;
                 svg.text(MARGIN - 5.0, at + 3.5, "s e", name);
                 svg.add(format_args!(
                     "<text class=\"t s\" transform=\"translate({:.1} {:.1}) rotate(-90)\">{}</text>",
                     at + 3.5,
                     MARGIN - 5.0,
-                    super::escaped(name)
+                    escaped(name)
                 ));
             }
         } else {
@@ -86,7 +86,7 @@ fn names(svg: &mut Svg, matrix: &Matrix, cell: f64, group: impl Fn(usize) -> Str
     }
 }
 
-fn legend(svg: &mut Svg, greatest: f64) {
+fn legend(svg: &mut Svg, max_distance: f64) {
     let (x, step) = (MARGIN + SIDE + 22.0, 200.0 / SHADES);
     for shade in 0..=SHADES as u32 {
         svg.add(format_args!(
@@ -98,5 +98,5 @@ fn legend(svg: &mut Svg, greatest: f64) {
     }
     svg.text(x + 22.0, MARGIN + 10.0, "s", "0: alike");
     svg.text(x + 22.0, MARGIN + 204.0, "s", "1: furthest");
-    svg.text(x + 22.0, MARGIN + 218.0, "s", &format!("(DTW {greatest:.1})"));
+    svg.text(x + 22.0, MARGIN + 218.0, "s", &format!("(DTW {max_distance:.1})"));
 }

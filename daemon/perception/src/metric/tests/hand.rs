@@ -6,10 +6,10 @@ const TABLE: f64 = 0.76;
 /// The back of the hand.
 const BACK: f64 = 0.66;
 
-/// A flat hand, palm down, fingers away from the worker: palm 80 mm wide, fingers in rows of 20 mm.
-fn landmark(k: usize) -> [f64; 2] {
-    let (finger, joint) = (k.saturating_sub(1) / 4, k.saturating_sub(1) % 4);
-    match k {
+/// A landmark of a flat hand, palm down, fingers away from the worker: the palm is 80 mm wide, the fingers are 20 mm apart.
+fn landmark(index: usize) -> [f64; 2] {
+    let (finger, joint) = (index.saturating_sub(1) / 4, index.saturating_sub(1) % 4);
+    match index {
         0 => [0.0, 0.10],
         1..=4 => [-0.05, 0.07 - 0.025 * joint as f64],
         _ => [-0.03 + 0.02 * (finger as f64 - 1.0), -0.005 - 0.025 * joint as f64],
@@ -17,14 +17,14 @@ fn landmark(k: usize) -> [f64; 2] {
 }
 
 fn pixels() -> [[f32; 2]; LANDMARKS] {
-    std::array::from_fn(|k| {
-        let [x, y] = landmark(k);
+    std::array::from_fn(|index| {
+        let [x, y] = landmark(index);
         let point = nalgebra::Point3::new(x, y, BACK);
-        scene::rig().colour.project(&point).unwrap().map(|value| value as f32)
+        scene::rig().colour.project(&point).unwrap().into()
     })
 }
 
-/// Its depth, with something over the tip of the index finger.
+/// The depth picture of the hand. `cover` is the depth of something over the tip of the index finger.
 fn hand(cover: Option<f64>) -> Vec<u8> {
     let mut parts = vec![
         Rectangle::facing([0.0, 0.0, TABLE], [5.0, 5.0]),
@@ -37,11 +37,11 @@ fn hand(cover: Option<f64>) -> Vec<u8> {
     scene::depth(&parts)
 }
 
-/// The shape that a hand model guesses: the hand's own, but a fifth smaller, and the index finger bent down at its tip.
+/// The shape that a hand model guesses: that of the hand, but a fifth smaller and with the tip of the index finger bent down.
 fn outline(tip_below: f64) -> Outline {
-    let shape: [[f32; 3]; LANDMARKS] = std::array::from_fn(|k| {
-        let [x, y] = landmark(k);
-        [x, y, if k == 8 { tip_below } else { 0.0 }].map(|value| (0.8 * value) as f32)
+    let shape: [[f32; 3]; LANDMARKS] = std::array::from_fn(|index| {
+        let [x, y] = landmark(index);
+        [x, y, if index == 8 { tip_below } else { 0.0 }].map(|value| (0.8 * value) as f32)
     });
     Outline::new(&pixels(), &shape)
 }

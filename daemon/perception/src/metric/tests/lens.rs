@@ -1,4 +1,5 @@
 use crate::metric::lens::{Distortion, Lens, rigid};
+use crate::points::PixelPoint;
 use nalgebra::Point3;
 use opencv::core::{Mat, Point2d, Point3d, Vector};
 use opencv::{calib3d, core, prelude::*};
@@ -27,7 +28,7 @@ fn pixels_are_those_of_librealsense() {
             let seen = bent(distortion).project(&Point3::from(*point)).unwrap();
             // It computes in f32.
             assert!(
-                (seen[0] - wanted[0]).hypot(seen[1] - wanted[1]) < 2e-4,
+                seen.distance(PixelPoint::new(wanted[0], wanted[1])) < 2e-4,
                 "{distortion:?} {point:?}: {seen:?}"
             );
         }
@@ -47,7 +48,7 @@ fn brown_conrady_is_that_of_opencv() {
     calib3d::project_points_def(&points, &still, &still, &eye, &distortion, &mut seen).unwrap();
     for (point, wanted) in POINTS.iter().zip(seen.iter()) {
         let own = lens.project(&Point3::from(*point)).unwrap();
-        assert!((own[0] - wanted.x).hypot(own[1] - wanted.y) < 1e-9, "{point:?}");
+        assert!(own.distance(PixelPoint::new(wanted.x, wanted.y)) < 1e-9, "{point:?}");
     }
 }
 
@@ -58,12 +59,9 @@ fn deprojection_undoes_projection() {
         let lens = Lens { coefficients: [0.05, -0.08, 0.0004, -0.0003, 0.02], ..bent(distortion) };
         for u in (0..1280).step_by(80) {
             for v in (0..720).step_by(60) {
-                let pixel = [f64::from(u), f64::from(v)];
+                let pixel = PixelPoint::new(f64::from(u), f64::from(v));
                 let back = lens.project(&lens.deproject(pixel, 0.7)).unwrap();
-                assert!(
-                    (back[0] - pixel[0]).hypot(back[1] - pixel[1]) < 1e-6,
-                    "{distortion:?} {pixel:?}: {back:?}"
-                );
+                assert!(back.distance(pixel) < 1e-6, "{distortion:?} {pixel:?}: {back:?}");
             }
         }
     }

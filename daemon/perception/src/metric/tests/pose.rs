@@ -1,5 +1,6 @@
 use super::scene::{self, Rectangle, sampled};
 use crate::metric::pose::{Before, candidates, choose};
+use crate::points::PixelPoint;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 const SIDE: f64 = 0.036;
@@ -15,17 +16,20 @@ fn marker(degrees: f64, axis: f64) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(0.05, -0.04, 0.7), facing * tilt)
 }
 
-fn corners(pose: &Isometry3<f64>) -> [[f64; 2]; 4] {
+fn corners(pose: &Isometry3<f64>) -> [PixelPoint; 4] {
     let half = SIDE / 2.0;
     [[-half, half], [half, half], [half, -half], [-half, -half]]
         .map(|[x, y]| scene::rig().colour.project(&(pose * Point3::new(x, y, 0.0))).unwrap())
 }
 
-/// Corners with an error as a detector makes it.
-fn noisy(pose: &Isometry3<f64>) -> [[f64; 2]; 4] {
+/// Corners with the errors of a detector.
+fn noisy(pose: &Isometry3<f64>) -> [PixelPoint; 4] {
     let errors = [[0.06, -0.08], [-0.09, 0.02], [0.05, 0.07], [-0.03, -0.06]];
     let exact = corners(pose);
-    std::array::from_fn(|k| [exact[k][0] + errors[k][0], exact[k][1] + errors[k][1]])
+    std::array::from_fn(|index| {
+        let [x, y] = errors[index];
+        PixelPoint::new(exact[index].x + x, exact[index].y + y)
+    })
 }
 
 fn tilt_between(one: &Isometry3<f64>, two: &Isometry3<f64>) -> f64 {
@@ -33,7 +37,7 @@ fn tilt_between(one: &Isometry3<f64>, two: &Isometry3<f64>) -> f64 {
 }
 
 #[test]
-fn one_of_the_two_poses_is_the_marker_s_own() {
+fn one_of_the_two_poses_is_that_of_the_marker() {
     for degrees in [3.0, 20.0, 45.0] {
         for axis in [0.0, 1.0, 2.5] {
             let pose = marker(degrees, axis);
@@ -49,7 +53,7 @@ fn one_of_the_two_poses_is_the_marker_s_own() {
 }
 
 #[test]
-fn depth_on_the_marker_tells_the_two_poses_apart() {
+fn depth_on_the_marker_decides_between_the_two_poses() {
     for axis in [0.3, 1.5, 3.6] {
         let pose = marker(20.0, axis);
         let bytes = scene::depth(&[
@@ -69,7 +73,7 @@ fn depth_on_the_marker_tells_the_two_poses_apart() {
 }
 
 #[test]
-fn without_depth_the_pose_of_a_moment_ago_tells() {
+fn without_depth_the_pose_of_a_moment_ago_decides() {
     let pose = marker(12.0, 0.7);
     let found = candidates(&noisy(&pose), SIDE, &scene::rig().colour).unwrap();
     let other = found
@@ -84,7 +88,7 @@ fn without_depth_the_pose_of_a_moment_ago_tells() {
 }
 
 #[test]
-fn a_pose_of_long_ago_tells_nothing() {
+fn a_pose_of_long_ago_decides_nothing() {
     let pose = marker(3.0, 0.7);
     let found = candidates(&noisy(&pose), SIDE, &scene::rig().colour).unwrap();
     let alone = choose(&found, None, None);
@@ -93,7 +97,7 @@ fn a_pose_of_long_ago_tells_nothing() {
 }
 
 #[test]
-fn without_depth_and_past_a_nearly_face_on_marker_is_called_ambiguous() {
+fn a_marker_that_is_nearly_face_on_is_ambiguous_without_depth_and_past() {
     let flat = candidates(&noisy(&marker(3.0, 0.7)), SIDE, &scene::rig().colour).unwrap();
     assert!(!choose(&flat, None, None).unwrap().unambiguous);
     let steep = candidates(&corners(&marker(45.0, 0.7)), SIDE, &scene::rig().colour).unwrap();

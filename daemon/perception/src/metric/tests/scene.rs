@@ -1,7 +1,8 @@
-//! Scenes of rectangles before two cameras that are side by side, as a D435i's.
+//! Scenes of rectangles in front of two cameras that are side by side, as in a D435i.
 
 use crate::metric::depth::{DepthImage, Sampler};
 use crate::metric::lens::{Distortion, Lens, Rig, rigid};
+use crate::points::PixelPoint;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 pub(super) const WIDTH: usize = 320;
@@ -35,7 +36,7 @@ impl Rectangle {
         Self { pose: Isometry3::translation(centre[0], centre[1], centre[2]), half }
     }
 
-    /// Where a ray from `origin` meets it, in lengths of `along`.
+    /// Where a ray from `origin` meets the rectangle, in lengths of `along`.
     fn meet(&self, origin: &Point3<f64>, along: &Vector3<f64>) -> Option<f64> {
         let start = self.pose.inverse_transform_point(origin);
         let way = self.pose.inverse_transform_vector(along);
@@ -53,7 +54,7 @@ pub(super) fn depth(scene: &[Rectangle]) -> Vec<u8> {
     for row in 0..HEIGHT {
         for column in 0..WIDTH {
             // At depth 1, so that lengths along the ray are depths.
-            let ray = rig.depth.deproject([column as f64, row as f64], 1.0).coords;
+            let ray = rig.depth.deproject(PixelPoint::new(column as f64, row as f64), 1.0).coords;
             let along = rig.colour_from_depth.rotation * ray;
             let nearest =
                 scene.iter().filter_map(|part| part.meet(&origin, &along)).fold(f64::INFINITY, f64::min);

@@ -3,6 +3,7 @@ use crate::bench::Calibration;
 use crate::metric::bench::BenchFrame;
 use crate::metric::depth::DepthImage;
 use crate::metric::lens::Lens;
+use crate::points::PixelPoint;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 
 const TABLE: f64 = 0.76;
@@ -17,7 +18,7 @@ fn finger() -> Rectangle {
 }
 
 /// The colour pixel of the middle of the finger.
-fn finger_pixel() -> [f64; 2] {
+fn finger_pixel() -> PixelPoint {
     scene::rig().colour.project(&Point3::new(0.02, 0.01, TABLE - 0.1)).unwrap()
 }
 
@@ -25,10 +26,16 @@ fn finger_depth(bytes: &[u8]) -> Option<f64> {
     sampled(bytes, |depth| depth.surface(finger_pixel(), 0.006)).map(|point| point.z)
 }
 
+/// Column and row of the depth pixel that sees a point of the depth camera's frame.
+fn pixel_of(point: &Point3<f64>) -> [usize; 2] {
+    let PixelPoint { x, y } = scene::rig().depth.project(point).unwrap();
+    [x, y].map(|value| value.round() as usize)
+}
+
 #[test]
 fn a_colour_pixel_finds_its_depth_through_the_extrinsics() {
     let bytes = scene::depth(&[table()]);
-    for pixel in [[60.0, 40.0], [319.5, 239.5], [580.0, 440.0]] {
+    for pixel in [(60.0, 40.0), (319.5, 239.5), (580.0, 440.0)].map(|(x, y)| PixelPoint::new(x, y)) {
         let point = sampled(&bytes, |depth| depth.surface(pixel, 0.006)).unwrap();
         assert!((point.z - TABLE).abs() < 0.0015, "{pixel:?}: {point}");
         let wanted = scene::rig().colour.deproject(pixel, TABLE);
@@ -47,7 +54,7 @@ fn a_hole_in_the_depth_is_bridged_by_its_rim() {
     let mut bytes = scene::depth(&[table(), finger()]);
     let rig = scene::rig();
     let point = rig.colour_from_depth.inverse_transform_point(&Point3::new(0.02, 0.01, TABLE - 0.1));
-    let [column, row] = rig.depth.project(&point).unwrap().map(|value| value.round() as usize);
+    let [column, row] = pixel_of(&point);
     for beside in 0..2 {
         scene::put(&mut bytes, column + beside, row, 0.0);
     }
@@ -56,11 +63,11 @@ fn a_hole_in_the_depth_is_bridged_by_its_rim() {
 }
 
 #[test]
-fn points_that_fly_before_the_finger_do_not_count() {
+fn points_that_fly_in_front_of_the_finger_do_not_count() {
     let mut bytes = scene::depth(&[table(), finger()]);
     let rig = scene::rig();
     let point = rig.colour_from_depth.inverse_transform_point(&Point3::new(0.02, 0.01, TABLE - 0.1));
-    let [column, row] = rig.depth.project(&point).unwrap().map(|value| value.round() as usize);
+    let [column, row] = pixel_of(&point);
     scene::put(&mut bytes, column, row - 1, 0.40);
     scene::put(&mut bytes, column + 1, row + 1, 0.52);
     let depth = finger_depth(&bytes).unwrap();
@@ -75,7 +82,7 @@ fn without_any_depth_there_is_no_surface() {
 #[test]
 fn a_pixel_outside_the_depth_picture_has_no_surface() {
     let bytes = scene::depth(&[table()]);
-    assert_eq!(sampled(&bytes, |depth| depth.surface([-4000.0, 0.0], 0.006)), None);
+    assert_eq!(sampled(&bytes, |depth| depth.surface(PixelPoint::new(-4000.0, 0.0), 0.006)), None);
 }
 
 #[test]
@@ -109,7 +116,7 @@ fn the_bench_is_found_under_a_tilted_camera_and_behind_what_lies_on_it() {
 }
 
 #[test]
-fn a_wall_is_no_bench() {
+fn a_wall_is_not_taken_for_the_bench() {
     let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), 70_f64.to_radians());
     let wall = Isometry3::from_parts(Translation3::new(0.0, 0.0, 1.0), turn);
     let bytes = scene::depth(&[Rectangle { pose: wall, half: [5.0, 5.0] }]);
@@ -117,7 +124,7 @@ fn a_wall_is_no_bench() {
 }
 
 #[test]
-fn a_calibration_of_the_bench_plane_tells_where_the_camera_is() {
+fn a_calibration_of_the_bench_plane_gives_the_pose_of_the_camera() {
     let lens = scene::rig().colour;
     let turn = UnitQuaternion::from_euler_angles(std::f64::consts::PI - 0.25, 0.1, 0.4);
     let camera_from_bench = Isometry3::from_parts(Translation3::new(0.02, -0.03, 0.9), turn);

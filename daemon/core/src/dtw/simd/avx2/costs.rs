@@ -1,4 +1,4 @@
-//! Costs of 32 places at once.
+//! Costs of 32 cells at once.
 
 use crate::dtw::row::LANES;
 use crate::dtw::simd::digits::{DIGIT, Digits};
@@ -7,10 +7,10 @@ use core::arch::x86_64::__m256i;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
 
-/// Costs of 32 places in the order of `Row`.
+/// Costs of 32 cells in the order of `Row`.
 pub(super) type Costs = [__m256i; BLOCK / LANES];
 
-/// Low and high digits for each four bits.
+/// Low and high digits for each value of four bits.
 type DigitTables = [__m256i; 2];
 
 #[inline(always)]
@@ -18,16 +18,16 @@ fn table(digits: [[u8; 16]; 2]) -> DigitTables {
     [cast([digits[0], digits[0]]), cast([digits[1], digits[1]])]
 }
 
-/// Both digits for 32 places.
+/// Both digits for 32 cells.
 #[inline(always)]
-fn look_up(v3: V3, tables: DigitTables, places: __m256i) -> [__m256i; 2] {
-    [v3.avx2._mm256_shuffle_epi8(tables[0], places), v3.avx2._mm256_shuffle_epi8(tables[1], places)]
+fn look_up(v3: V3, tables: DigitTables, indices: __m256i) -> [__m256i; 2] {
+    [v3.avx2._mm256_shuffle_epi8(tables[0], indices), v3.avx2._mm256_shuffle_epi8(tables[1], indices)]
 }
 
-/// How far direction symbols are apart, 15 for all that is farther.
+/// Difference of direction symbols, at most 15.
 #[inline(always)]
 fn apart(v3: V3, x: __m256i, y: __m256i) -> __m256i {
-    // Symbols are at most 64, so that their difference is a signed byte.
+    // Symbols are at most 64, so their difference fits a signed byte.
     let apart = v3.avx2._mm256_abs_epi8(v3.avx2._mm256_sub_epi8(x, y));
     v3.avx2._mm256_min_epu8(apart, v3.avx._mm256_set1_epi8(15))
 }
@@ -37,7 +37,7 @@ fn add(v3: V3, sums: [__m256i; 2], digits: [__m256i; 2]) -> [__m256i; 2] {
     [v3.avx2._mm256_add_epi8(sums[0], digits[0]), v3.avx2._mm256_add_epi8(sums[1], digits[1])]
 }
 
-/// Puts the digits together. Byte `4 k + r` goes to lane `k` of vector `r`: without a shuffle, which are the scarcest here.
+/// Combines the digits. Byte `4 k + r` goes to lane `k` of vector `r`, without shuffles, which are the bottleneck here.
 #[inline(always)]
 fn widen(v3: V3, [low, high]: [__m256i; 2]) -> Costs {
     let (avx, avx2) = (v3.avx, v3.avx2);
@@ -71,7 +71,7 @@ impl Pairs {
         Self { ordered: table(digits.ordered), apart: table(digits.apart) }
     }
 
-    /// Costs of 32 pairs, a vector of symbols a plane.
+    /// Costs of 32 pairs, with one vector of symbols per plane.
     #[inline(always)]
     pub(super) fn costs<const N: usize>(&self, v3: V3, x: &[__m256i; N], y: &[__m256i; N]) -> Costs {
         let mut sums = look_up(v3, self.ordered, v3.avx2._mm256_xor_si256(x[0], y[0]));
@@ -82,7 +82,7 @@ impl Pairs {
     }
 }
 
-/// Tables for one frame against any symbol, a pair for each plane.
+/// Tables for one frame against any symbol, one pair per plane.
 #[derive(Clone, Copy)]
 pub(super) struct OfFrame<const N: usize>([DigitTables; N]);
 
@@ -102,16 +102,16 @@ impl<const N: usize> OfFrame<N> {
         Self(tables)
     }
 
-    /// Costs of the frame against 32 places, a vector of symbols a plane.
+    /// Costs of the frame against 32 motions, with one vector of symbols per plane.
     #[inline(always)]
-    pub(super) fn costs(&self, v3: V3, places: &[__m256i; N]) -> Costs {
-        let mut sums = look_up(v3, self.0[0], places[0]);
+    pub(super) fn costs(&self, v3: V3, symbols: &[__m256i; N]) -> Costs {
+        let mut sums = look_up(v3, self.0[0], symbols[0]);
         #[allow(
             clippy::needless_range_loop,
             reason = "zipped iterators are not unrolled here: twice as slow"
         )]
         for plane in 1..N {
-            sums = add(v3, sums, look_up(v3, self.0[plane], places[plane]));
+            sums = add(v3, sums, look_up(v3, self.0[plane], symbols[plane]));
         }
         widen(v3, sums)
     }

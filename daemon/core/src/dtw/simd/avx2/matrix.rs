@@ -11,7 +11,7 @@ use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
 
-/// Value of the last cell; `None` if it is over `bound`. `y` is backwards.
+/// The value of the last cell; `None` if it is above `bound`. `y` is backwards.
 pub(super) struct LastCell<'a> {
     pub(super) v3: V3,
     pub(super) digits: &'a Digits,
@@ -35,11 +35,12 @@ impl NullaryFnOnce for LastCell<'_> {
 }
 
 impl LastCell<'_> {
-    /// In strips of 32 rows. In step `t` of a strip, row `i` is at column `t - i`: 32 cells that do not depend on each other, in the order of
-    /// `Row`. What the next step needs stays in registers, and the strip's last row goes to the next strip through `border`.
+    /// Works in strips of 32 rows. In step `t` of a strip, row `i` is at column `t - i`: these are 32 cells that do not depend on
+    /// each other, in the order of `Row`. The values for the next step stay in registers, and the last row of the strip goes to
+    /// the next strip through `border`.
     ///
-    /// Before its first and after its last column a row computes cells that no other needs: those before come only from what is
-    /// not reached, and no cell depends on a column after its own.
+    /// Before its first and after its last column a row computes cells that no other cell needs: those before have only
+    /// unreached predecessors, and no cell depends on a column after its own.
     #[inline(always)]
     fn planes<const N: usize>(self) -> Option<i32> {
         let Self { v3, x: (x, rows), y: (y, columns), border, .. } = self;
@@ -72,13 +73,12 @@ impl LastCell<'_> {
                     newest[r] = avx2._mm256_add_epi32(avx2._mm256_min_epi32(newest[r], best), cost[r]);
                 }
                 corner = up;
-                // The last lane is the strip's last row, at column step + 1 - BLOCK.
+                // The last lane is the last row of the strip, at column step + 1 - BLOCK.
                 store(border, BORDER_ZERO + BLOCK - LANES - step, newest[3]);
             }
-            // Every path passes through the strip's last row.
+            // Every path passes through the last row of the strip.
             let last_row = &border[BORDER_ZERO + 1 - columns..=BORDER_ZERO];
-            if strip == BLOCK && last_row.iter().fold(UNREACHED, |least, &cell| least.min(cell)) > self.bound
-            {
+            if strip == BLOCK && last_row.iter().fold(UNREACHED, |min, &cell| min.min(cell)) > self.bound {
                 return None;
             }
         }

@@ -1,9 +1,8 @@
 //! The kernels for x86-64-v3.
 //!
-//! What is computed with vectors is in types that implement `NullaryFnOnce` and in functions that are always inlined: anything else would be
-//! compiled without the vector instructions and called for every one of them.
+//! Everything that computes with vectors is in types that implement `NullaryFnOnce` or in functions that are always inlined:
+//! other functions would be compiled without the vector instructions and called for each of them.
 
-mod bank;
 mod costs;
 mod matrix;
 mod read;
@@ -12,14 +11,13 @@ mod row;
 use super::Border;
 use super::digits::Digits;
 use crate::couple::Motion;
-use crate::dtw::bank::{Column, Group};
 use crate::dtw::row::{LANES, Row};
 use crate::dtw::symbols::{Symbols, Tables};
 use core::arch::x86_64::__m256i;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
 
-/// What the SIMD path needs: the proof that the processor has it, and the costs.
+/// The SIMD path: the proof that the processor has it, and the costs.
 #[derive(Clone, Debug)]
 pub(in crate::dtw) struct Simd {
     v3: V3,
@@ -27,7 +25,7 @@ pub(in crate::dtw) struct Simd {
 }
 
 impl Simd {
-    /// `None` where the processor or the costs do not allow it.
+    /// `None` if the processor or the costs do not allow it.
     pub(in crate::dtw) fn new(tables: &Tables) -> Option<Self> {
         Some(Self { v3: V3::try_new()?, digits: Digits::new(tables)? })
     }
@@ -43,39 +41,23 @@ impl Simd {
         self.v3.vectorize(read::Read { v3: self.v3, tables, motions, backwards, symbols })
     }
 
-    /// [`Row::advance`]; `None` if the frame has no symbols, and then nothing has changed.
+    /// Computes the next row in place and returns its minimum; `None` if the frame has no symbols, and then nothing has changed.
     pub(in crate::dtw) fn advance(
         &self,
         tables: &Tables,
         frame: &Motion,
         reference: &Symbols,
-        places: usize,
+        length: usize,
         row: &mut Row,
     ) -> Option<i32> {
         let elevated = reference.elevated || frame.0[1] != 0 || frame.0[4] != 0;
         let frame = tables.symbols(frame)?;
         let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
-        Some(v3.vectorize(row::Advance { v3, digits, rest, frame, elevated, reference, places, row }))
+        Some(v3.vectorize(row::Advance { v3, digits, rest, frame, elevated, reference, length, row }))
     }
 
-    /// The next rows of a group of which all references have symbols; `None` if the frame has none, and then nothing has changed.
-    pub(in crate::dtw) fn advance_group(
-        &self,
-        tables: &Tables,
-        frame: &Motion,
-        border: i32,
-        group: &mut Group,
-        columns: &mut [Column],
-    ) -> Option<()> {
-        let elevated = group.elevated || frame.0[1] != 0 || frame.0[4] != 0;
-        let frame = tables.symbols(frame)?;
-        let (v3, digits, rest) = (self.v3, &self.digits, tables.rest);
-        v3.vectorize(bank::AdvanceGroup { v3, digits, rest, frame, elevated, border, group, columns });
-        Some(())
-    }
-
-    /// Value of the last cell of the DTW matrix of two sequences and their lengths, `y` read backwards; `None` if it is over
-    /// `bound`.
+    /// The value of the last cell of the DTW matrix of two sequences, given by symbols and length, `y` read backwards; `None` if
+    /// it is above `bound`.
     pub(in crate::dtw) fn last_cell(
         &self,
         x: (&Symbols, usize),
@@ -97,13 +79,13 @@ fn store(values: &mut [i32], at: usize, vector: __m256i) {
     values[at..at + LANES].as_chunks_mut::<LANES>().0[0] = cast(vector);
 }
 
-/// All values one lane further, and the last one in the first lane.
+/// All values moved by one lane, the last one into the first lane.
 #[inline(always)]
 fn rotate(v3: V3, vector: __m256i) -> __m256i {
     v3.avx2._mm256_permutevar8x32_epi32(vector, cast([7, 0, 1, 2, 3, 4, 5, 6]))
 }
 
-/// The first lane of one vector and the others of another.
+/// The first lane of one vector with the other lanes of another.
 #[inline(always)]
 fn with_first(v3: V3, first: __m256i, others: __m256i) -> __m256i {
     v3.avx2._mm256_blend_epi32::<1>(others, first)

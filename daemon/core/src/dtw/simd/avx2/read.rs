@@ -7,7 +7,7 @@ use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
 
-/// Reads a sequence; false if a feature is out of range.
+/// Writes the symbols of a sequence; false if a feature is out of range.
 pub(super) struct Read<'a> {
     pub(super) v3: V3,
     pub(super) tables: &'a Tables,
@@ -23,7 +23,7 @@ impl NullaryFnOnce for Read<'_> {
     fn call(self) -> bool {
         let Self { v3, tables, motions, backwards, symbols: out } = self;
         let (avx, avx2) = (v3.avx, v3.avx2);
-        let most = avx._mm256_set1_epi8(tables.most as i8);
+        let max = avx._mm256_set1_epi8(tables.max as i8);
         let rest = avx._mm256_set1_epi8(tables.rest as i8);
         let one = avx._mm256_set1_epi8(1);
         let two = avx._mm256_set1_epi8(2);
@@ -43,7 +43,7 @@ impl NullaryFnOnce for Read<'_> {
             over = avx2._mm256_or_si256(over, avx2._mm256_subs_epu8(jm, one));
             let mut symbols = [ordered, phi_hj, phi_jl, theta_hj, theta_jl];
             for direction in &mut symbols[1..] {
-                over = avx2._mm256_or_si256(over, avx2._mm256_subs_epu8(*direction, most));
+                over = avx2._mm256_or_si256(over, avx2._mm256_subs_epu8(*direction, max));
                 let at_rest = avx2._mm256_and_si256(avx2._mm256_cmpeq_epi8(*direction, zero), rest);
                 *direction = avx2._mm256_or_si256(*direction, at_rest);
             }
@@ -58,7 +58,7 @@ impl NullaryFnOnce for Read<'_> {
     }
 }
 
-/// 32 motions from a place on, one in each eight bytes; zeros after the last. In the order that [`transpose`] takes.
+/// 32 motions from `start` on, one in each eight bytes, with zeros after the last one, in the order that [`transpose`] takes.
 #[inline(always)]
 fn gather(motions: &[Motion], start: usize, backwards: bool) -> [[u64; 4]; 8] {
     let mut rows = [[0; 4]; 8];
@@ -68,23 +68,23 @@ fn gather(motions: &[Motion], start: usize, backwards: bool) -> [[u64; 4]; 8] {
     } else {
         &motions[start..start + count]
     };
-    for (place, motion) in block.iter().enumerate() {
-        let place = if backwards { count - 1 - place } else { place };
+    for (index, motion) in block.iter().enumerate() {
+        let index = if backwards { count - 1 - index } else { index };
         let [a, b, c, d, e, f, g] = motion.0.map(|feature| feature as u8);
-        rows[place % 16 / 2][place / 16 * 2 + place % 2] = u64::from_le_bytes([a, b, c, d, e, f, g, 0]);
+        rows[index % 16 / 2][index / 16 * 2 + index % 2] = u64::from_le_bytes([a, b, c, d, e, f, g, 0]);
     }
     rows
 }
 
-/// From motions to features: the bytes of eight vectors, each of which has places `2 i` and `2 i + 1` of the first 16 in
-/// its first half and of the second 16 in its second.
+/// From motions to features: vector `i` of eight holds motions `2 i` and `2 i + 1` of the first 16 in its first half, and those
+/// of the second 16 in its second half.
 #[inline(always)]
 fn transpose(v3: V3, rows: &[[u64; 4]; 8]) -> [__m256i; 8] {
     let avx2 = v3.avx2;
     let pair = [0u8, 8, 1, 9, 2, 10, 3, 11, 4, 12, 5, 13, 6, 14, 7, 15];
     let pair = cast([pair, pair]);
     let zero = v3.avx._mm256_setzero_si256();
-    // Two places of each feature together, then four, eight and sixteen.
+    // Brings two values of each feature together, then four, eight and sixteen.
     let mut two = [zero; 8];
     for (two, row) in two.iter_mut().zip(rows) {
         *two = avx2._mm256_shuffle_epi8(cast(*row), pair);

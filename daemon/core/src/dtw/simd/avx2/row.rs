@@ -11,7 +11,7 @@ use pulp::NullaryFnOnce;
 use pulp::bytemuck::cast;
 use pulp::x86::V3;
 
-/// Makes the next row in place and returns its least value.
+/// Computes the next row in place and returns its minimum.
 pub(super) struct Advance<'a> {
     pub(super) v3: V3,
     pub(super) digits: &'a Digits,
@@ -19,7 +19,7 @@ pub(super) struct Advance<'a> {
     pub(super) frame: [u8; PLANES],
     pub(super) elevated: bool,
     pub(super) reference: &'a Symbols,
-    pub(super) places: usize,
+    pub(super) length: usize,
     pub(super) row: &'a mut Row,
 }
 
@@ -33,28 +33,28 @@ impl NullaryFnOnce for Advance<'_> {
 }
 
 impl Advance<'_> {
-    /// In a plain loop each cell waits for the cell to its left: a minimum and an addition. Here the 32 cells of a block are
-    /// first computed as if nothing came from the left, four in each lane, and the lanes combined in three steps of doubling
-    /// width, all without waiting for the block before. Then what comes from there is added: one addition, minimum and
-    /// broadcast remain in the chain from block to block.
+    /// In a plain loop each cell waits for the cell to its left: a minimum and an addition. Here the 32 cells of a block are first
+    /// computed as if nothing came from the left, four in each lane. Then the lanes are combined in three steps of doubling width,
+    /// without waiting for the block before. Last, the value from that block is added, so that only one addition, one minimum
+    /// and one broadcast remain in the chain from block to block.
     #[inline(always)]
     fn planes<const N: usize>(self) -> i32 {
-        let Self { v3, places, row, .. } = self;
+        let Self { v3, length, row, .. } = self;
         let (avx, avx2) = (v3.avx, v3.avx2);
         let of_frame = OfFrame::<N>::new(v3, self.digits, self.rest, self.frame);
         let unreached = avx._mm256_set1_epi32(UNREACHED);
         let mut corner = avx._mm256_set1_epi32(row.border);
         row.border = UNREACHED;
         let mut carry = unreached;
-        let mut least = unreached;
-        for (block, cells) in row.blocks[..places.div_ceil(BLOCK)].iter_mut().enumerate() {
+        let mut min = unreached;
+        for (block, cells) in row.blocks[..length.div_ceil(BLOCK)].iter_mut().enumerate() {
             let mut symbols = [unreached; N];
             for (symbols, plane) in symbols.iter_mut().zip(&self.reference.planes) {
                 *symbols = cast(plane[FRONT..].as_chunks::<BLOCK>().0[block]);
             }
             let cost = of_frame.costs(v3, &symbols);
 
-            // From above, and along the four cells of a lane. `from_left` is what a value costs that comes in from the left.
+            // From above, and along the four cells of a lane. `from_left` is the cost of a path that enters the lane from the left.
             let up = [load(cells, 0), load(cells, LANES), load(cells, 2 * LANES), load(cells, 3 * LANES)];
             let last_up = rotate(v3, up[3]);
             let mut best = [avx2._mm256_min_epi32(with_first(v3, corner, last_up), up[0]); 4];
@@ -67,7 +67,7 @@ impl Advance<'_> {
                 from_left[r] = avx2._mm256_add_epi32(from_left[r - 1], cost[r]);
             }
 
-            // From lane to lane; the shifts bring in 0, which is `UNREACHED` and costs nothing.
+            // From lane to lane. The shifts fill in 0, which as a sum is `UNREACHED` and as a cost is nothing.
             let (mut through, mut whole) = (best[3], from_left[3]);
             through = avx2._mm256_min_epi32(
                 through,
@@ -91,24 +91,25 @@ impl Advance<'_> {
                 best[r] = avx2._mm256_min_epi32(best[r], avx2._mm256_add_epi32(left, from_left[r]));
             }
 
-            let here = places - block * BLOCK;
-            let mut first_place = cast([0, 4, 8, 12, 16, 20, 24, 28]);
+            let remaining = length - block * BLOCK;
+            let mut indices = cast([0, 4, 8, 12, 16, 20, 24, 28]);
             for (best, cells) in best.iter_mut().zip(cells.as_chunks_mut::<LANES>().0) {
                 *cells = cast(*best);
-                if here < BLOCK {
-                    // Cells beyond the reference must not count: all ones is over all that is reached.
-                    let beyond = avx2._mm256_cmpgt_epi32(first_place, avx._mm256_set1_epi32(here as i32 - 1));
+                if remaining < BLOCK {
+                    // Cells beyond the reference must not count: all bits set is above every reached value.
+                    let beyond =
+                        avx2._mm256_cmpgt_epi32(indices, avx._mm256_set1_epi32(remaining as i32 - 1));
                     *best = avx2._mm256_or_si256(*best, beyond);
-                    first_place = avx2._mm256_add_epi32(first_place, avx._mm256_set1_epi32(1));
+                    indices = avx2._mm256_add_epi32(indices, avx._mm256_set1_epi32(1));
                 }
-                least = avx2._mm256_min_epi32(least, *best);
+                min = avx2._mm256_min_epi32(min, *best);
             }
         }
-        cast::<__m256i, [i32; LANES]>(least).into_iter().fold(UNREACHED, i32::min)
+        cast::<__m256i, [i32; LANES]>(min).into_iter().fold(UNREACHED, i32::min)
     }
 }
 
-/// Zeros in the first half, the first half's last value in all of the second.
+/// Zeros in the first half; the last value of the first half in all lanes of the second.
 #[inline(always)]
 fn first_half_end(v3: V3, vector: __m256i) -> __m256i {
     v3.avx2._mm256_permute2x128_si256::<0x08>(v3.avx2._mm256_shuffle_epi32::<0xff>(vector), vector)

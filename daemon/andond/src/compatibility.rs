@@ -1,0 +1,107 @@
+//! Whether a job fits what it is to judge: distances and thresholds mean nothing under other constants or objects.
+
+use andon_core::config::Method;
+use andon_core::input::Space;
+use andon_learn::job_file::JobFile;
+use andon_learn::recording::Header;
+
+use crate::config::Config;
+
+/// What of a job does not fit, and what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Misfit {
+    /// The station has another constant of the method.
+    #[error("it was taught with another method.{0} than this station has: set it as in the job file")]
+    Constant(&'static str),
+    /// The station does not have an object of the job.
+    #[error("this station has no object {id} ({name}): add it to [[objects]]")]
+    NoObject {
+        /// The object.
+        id: u16,
+        /// What the job calls it.
+        name: String,
+    },
+    /// An object of the job has other interaction points at the station.
+    #[error("object {id} ({name}) has other interaction points here: correct [[objects]]")]
+    OtherObject {
+        /// The object.
+        id: u16,
+        /// What the job calls it.
+        name: String,
+    },
+    /// The recording has other coordinates.
+    #[error(
+        "the job was taught in {} coordinates and the recording has {} ones: record it as the job was recorded",
+        job.name(), recording.name()
+    )]
+    Space {
+        /// The job's.
+        job: Space,
+        /// The recording's.
+        recording: Space,
+    },
+    /// The recording does not know an object of the job.
+    #[error(
+        "the recording knows no object {id} ({name}), which the job needs: name the station that has it with --config FILE"
+    )]
+    NotRecorded {
+        /// The object.
+        id: u16,
+        /// What the job calls it.
+        name: String,
+    },
+}
+
+/// Holds a job against a live station: it needs the same constants of the method, and the job's objects with the same
+/// interaction points.
+///
+/// # Errors
+/// What differs first, and what to do.
+pub fn station(job: &JobFile, config: &Config) -> Result<(), Misfit> {
+    if let Some(key) = differing_constant(&job.method, &config.method()) {
+        return Err(Misfit::Constant(key));
+    }
+    let shapes = config.shapes();
+    for object in &job.objects {
+        let (id, name) = (object.shape.id, object.name.clone());
+        match shapes.iter().find(|shape| shape.id == id) {
+            None => return Err(Misfit::NoObject { id, name }),
+            Some(shape) if *shape != object.shape => return Err(Misfit::OtherObject { id, name }),
+            Some(_) => (),
+        }
+    }
+    Ok(())
+}
+
+/// Holds a job against a recording: it needs the job's space, and all of the job's objects.
+///
+/// # Errors
+/// What is missing first, and what to do.
+pub fn recording(job: &JobFile, header: &Header) -> Result<(), Misfit> {
+    if header.space != job.method.space {
+        return Err(Misfit::Space { job: job.method.space, recording: header.space });
+    }
+    let is_recorded = |id| header.objects.iter().any(|recorded| recorded.shape.id == id);
+    match job.objects.iter().find(|object| !is_recorded(object.shape.id)) {
+        Some(object) => Err(Misfit::NotRecorded { id: object.shape.id, name: object.name.clone() }),
+        None => Ok(()),
+    }
+}
+
+/// The first constant of the method that is not the same.
+fn differing_constant(one: &Method, other: &Method) -> Option<&'static str> {
+    let same = [
+        ("space", one.space == other.space),
+        ("rate_hz", one.rate_hz == other.rate_hz),
+        ("bins", one.bins == other.bins),
+        ("hand_contact", one.hand_contact == other.hand_contact),
+        ("object_contact", one.object_contact == other.object_contact),
+        ("persist_frames", one.persist_frames == other.persist_frames),
+        ("rest_speed_m_s", one.rest_speed_m_s == other.rest_speed_m_s),
+        ("dead_band_m_s2", one.dead_band_m_s2 == other.dead_band_m_s2),
+        ("filter_frames", one.filter_frames == other.filter_frames),
+        ("blind_ms", one.blind_ms == other.blind_ms),
+        ("idle_end_ms", one.idle_end_ms == other.idle_end_ms),
+    ];
+    same.into_iter().find(|(_, same)| !same).map(|(key, _)| key)
+}

@@ -1,0 +1,310 @@
+//! The life cycle that all roles share: wait, take what has come, work on it, publish, give a sign of life.
+//!
+//! A role is a [`Role`]: it names its ports and says what it does in one turn. [`Cycle::run`] does what no role should do by itself:
+//! it waits, ends when a stop is asked for, measures the steps, counts what comes, goes and is lost, hands the pace of the
+//! source and its end from input to output, and gives the signs of life, which come from this loop and from nowhere else.
+
+use std::time::{Duration, Instant};
+
+use andon_ipc::{FrameReader, FrameSample, MonotonicTime, Node, Paced, Port, Reader, Sample, Wake};
+use shm_schemas::{Confirmed, Couples, Detections, Health, Stamp, Verdict, flag};
+
+use super::{Liveness, RoleError, WAIT};
+
+/// How long a paced writer waits for a reader that makes no progress: longer than any restart takes.
+const STUCK: Duration = Duration::from_secs(30);
+
+/// What a role did in a turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// There was nothing to do.
+    Idle,
+    /// A step of its work has gone through. The first one makes the role ready.
+    Stepped,
+    /// It leaves the cycle, and whoever ran it decides what comes next.
+    Left,
+}
+
+/// Why a role is no longer in its cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// It was asked to stop.
+    Stopped,
+    /// It left by itself: [`Turn::Left`].
+    Left,
+}
+
+/// A role's own logic.
+pub trait Role {
+    /// Whether messages come all the time while the line works. If so, silence is logged and shows in the role's health.
+    /// Verdicts do not: on a bench where nobody works there are none.
+    const INPUT_IS_STEADY: bool;
+
+    /// Every port, outputs first: a writer answers its readers when it is looked at, and the look ends at the first port
+    /// with a message.
+    fn ports(&mut self) -> Vec<&mut dyn Port>;
+
+    /// The longest wait for a message before the next turn. The heartbeat has to come around in it.
+    fn patience(&self) -> Duration {
+        WAIT
+    }
+
+    /// Works on the next message, if one has come. It takes one at a time, so that neither a stop nor a sign of life waits
+    /// for the end of a queue.
+    ///
+    /// # Errors
+    /// What ends the role.
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError>;
+
+    /// Finishes what must not be left behind when a stop is asked for.
+    ///
+    /// # Errors
+    /// What ends the role.
+    fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        Ok(())
+    }
+}
+
+/// The turning loop of a process, with what its role may use in a turn.
+pub struct Cycle<'n> {
+    node: &'n Node,
+    liveness: Liveness,
+    wake: Wake,
+    /// Of the newest message taken: what is sent now rests on it.
+    stamp: Stamp,
+    flags: u32,
+    /// The message that was taken in this turn is the last one of its source.
+    is_at_end: bool,
+    /// Time of this turn in which the role waited, which is no work.
+    waited: Duration,
+}
+
+impl<'n> Cycle<'n> {
+    /// A cycle that has not begun to turn.
+    ///
+    /// # Errors
+    /// That the channel `health` cannot be opened.
+    pub fn new(node: &'n Node) -> Result<Self, RoleError> {
+        Ok(Self {
+            node,
+            liveness: Liveness::new(node)?,
+            wake: Wake::DeadlineMissed,
+            stamp: Stamp::default(),
+            flags: 0,
+            is_at_end: false,
+            waited: Duration::ZERO,
+        })
+    }
+
+    /// Turns until a stop is asked for or the role leaves.
+    ///
+    /// # Errors
+    /// What ends the role.
+    pub fn run<R: Role>(&mut self, role: &mut R) -> Result<Ended, RoleError> {
+        // The first turn waits for nothing: a role without input is ready at once.
+        let mut patience = Duration::ZERO;
+        loop {
+            self.wake = self.node.wait(&mut role.ports(), patience)?;
+            if self.wake == Wake::Stop {
+                role.stop(self)?;
+                return Ok(Ended::Stopped);
+            }
+            if R::INPUT_IS_STEADY {
+                self.liveness.note(&self.wake);
+            }
+            if self.turn(role)? == Turn::Left {
+                return Ok(Ended::Left);
+            }
+            self.liveness.beat()?;
+            patience = role.patience();
+        }
+    }
+
+    fn turn(&mut self, role: &mut impl Role) -> Result<Turn, RoleError> {
+        let began = Instant::now();
+        (self.is_at_end, self.waited) = (false, Duration::ZERO);
+        let turn = role.turn(self)?;
+        if turn == Turn::Stepped {
+            if self.is_at_end {
+                self.liveness.finished();
+            }
+            self.stepped(began);
+        }
+        Ok(turn)
+    }
+
+    /// A step that began at this time has gone through. For what a role opens before its first turn: where no message may
+    /// come for an hour, that is its first step.
+    pub fn stepped(&mut self, began: Instant) {
+        self.liveness.stepped(began.elapsed().saturating_sub(self.waited));
+    }
+
+    /// The process's place in the station.
+    pub fn node(&self) -> &'n Node {
+        self.node
+    }
+
+    /// Why the wait before this turn ended.
+    pub fn wake(&self) -> Wake {
+        self.wake
+    }
+
+    /// The signs of life, for what only the role itself can tell.
+    pub fn liveness(&mut self) -> &mut Liveness {
+        &mut self.liveness
+    }
+
+    /// The flags of the newest message taken: [`flag`].
+    pub fn flags(&self) -> u32 {
+        self.flags
+    }
+
+    /// The stamp of the newest message taken.
+    pub fn stamp(&self) -> &Stamp {
+        &self.stamp
+    }
+
+    /// Whether the source waits for its readers, so that nothing may be lost.
+    pub fn is_paced(&self) -> bool {
+        self.flags & flag::PACED != 0
+    }
+
+    /// Whether the message that was taken in this turn is the last one of its source.
+    pub fn is_at_end(&self) -> bool {
+        self.is_at_end
+    }
+
+    /// The next message of the role's data channel. What is sent from now on rests on it and goes at its pace.
+    ///
+    /// # Errors
+    /// The station's shared memory.
+    pub fn take<I: Input>(&mut self, input: &mut I) -> Result<Option<I::Sample>, RoleError> {
+        let sample = input.take(self.is_paced())?;
+        if let Some(sample) = &sample {
+            let (stamp, flags) = I::head(sample);
+            self.rest_on(*stamp, flags);
+            self.liveness.received(stamp);
+        }
+        let (lost, restarts) = input.losses();
+        self.liveness.losses(lost, restarts);
+        Ok(sample)
+    }
+
+    /// What is sent from now on rests on this: for a role that is itself the source.
+    pub fn rest_on(&mut self, stamp: Stamp, flags: u32) {
+        (self.stamp, self.flags) = (stamp, flags);
+        self.is_at_end = flags & flag::END_OF_STREAM != 0;
+    }
+
+    /// Waits until a time on the monotonic clock, with signs of life. False when a stop was asked for.
+    ///
+    /// # Errors
+    /// The station's shared memory.
+    pub fn wait_until(&mut self, due: MonotonicTime) -> Result<bool, RoleError> {
+        let began = Instant::now();
+        loop {
+            let left = due.since(MonotonicTime::now());
+            if left.is_zero() {
+                break;
+            }
+            if self.node.stop().wait(left.min(WAIT)) {
+                return Ok(false);
+            }
+            self.liveness.beat()?;
+        }
+        self.waited += began.elapsed();
+        Ok(true)
+    }
+
+    /// Waits until a paced writer may send. A missed deadline says nothing of the role's input here, so it is not noted.
+    pub(super) fn wait_for_room(&mut self, writer: &mut impl Paced) -> Result<(), RoleError> {
+        let began = Instant::now();
+        loop {
+            match self.node.wait_for_room(writer, WAIT)? {
+                Wake::Room => break,
+                Wake::Stop => return Err(RoleError::Stopped),
+                _ => self.liveness.beat()?,
+            }
+            if began.elapsed() > STUCK {
+                return Err(RoleError::NoProgress(STUCK));
+            }
+        }
+        self.waited += began.elapsed();
+        Ok(())
+    }
+}
+
+/// A data channel that a role takes its messages from.
+pub trait Input {
+    /// A message where its writer filled it.
+    type Sample;
+
+    /// The next message. Where the source does not wait, an input may give up old messages for the newest.
+    ///
+    /// # Errors
+    /// The station's shared memory.
+    fn take(&mut self, is_paced: bool) -> Result<Option<Self::Sample>, andon_ipc::Error>;
+
+    /// What a message rests on, and its flags.
+    fn head(sample: &Self::Sample) -> (&Stamp, u32);
+
+    /// Messages lost or given up, and restarts of the writer.
+    fn losses(&self) -> (u64, u32);
+}
+
+impl<T: Flagged> Input for Reader<T> {
+    type Sample = Sample<T>;
+
+    fn take(&mut self, _is_paced: bool) -> Result<Option<Sample<T>>, andon_ipc::Error> {
+        Reader::take(self)
+    }
+
+    fn head(sample: &Sample<T>) -> (&Stamp, u32) {
+        (sample.stamp(), sample.flags())
+    }
+
+    fn losses(&self) -> (u64, u32) {
+        (self.lost(), self.restarts())
+    }
+}
+
+impl Input for FrameReader {
+    type Sample = FrameSample;
+
+    /// Every frame of a source that waits; of a live one the newest, because a late frame is worth less than the next.
+    fn take(&mut self, is_paced: bool) -> Result<Option<FrameSample>, andon_ipc::Error> {
+        if is_paced { FrameReader::take(self) } else { self.take_newest() }
+    }
+
+    fn head(sample: &FrameSample) -> (&Stamp, u32) {
+        (&sample.header().stamp, sample.header().flags)
+    }
+
+    fn losses(&self) -> (u64, u32) {
+        (self.lost() + self.skipped(), self.restarts())
+    }
+}
+
+/// A message that says of which kind its source is.
+pub trait Flagged: andon_ipc::ChannelMessage {
+    /// [`flag::PACED`] and [`flag::END_OF_STREAM`] of what travels along the data path; 0 of everything else.
+    fn flags(&self) -> u32 {
+        0
+    }
+}
+
+impl Flagged for Detections {
+    fn flags(&self) -> u32 {
+        self.flags
+    }
+}
+
+impl Flagged for Couples {
+    fn flags(&self) -> u32 {
+        self.flags
+    }
+}
+
+impl Flagged for Verdict {}
+impl Flagged for Confirmed {}
+impl Flagged for Health {}

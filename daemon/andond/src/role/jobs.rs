@@ -1,0 +1,175 @@
+//! The job files of a station, and which of them a command means.
+
+use std::path::{Path, PathBuf};
+
+use andon_learn::job_file::JobFile;
+
+use super::RoleError;
+use crate::compatibility;
+use crate::config::Config;
+use crate::log::{code, log};
+
+/// The job that a command names.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    pub(super) job_id: u32,
+    /// The version; 0 accepts any.
+    pub(super) model_hash: u64,
+}
+
+/// Reads a job file that this station can judge by.
+pub(super) fn load(path: &Path, config: &Config) -> Result<JobFile, RoleError> {
+    let file = read(path)?;
+    compatibility::station(&file, config)
+        .map_err(|misfit| RoleError::Job { path: path.display().to_string(), reason: misfit.to_string() })?;
+    Ok(file)
+}
+
+fn read(path: &Path) -> Result<JobFile, RoleError> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path)
+        .map_err(|error| RoleError::Job { path: name.clone(), reason: error.to_string() })?;
+    Ok(JobFile::parse(&name, &bytes)?)
+}
+
+/// The file of the job that a command names; `running` where there is none that can be used.
+pub(super) fn select(config: &Config, wanted: Wanted, running: Option<PathBuf>) -> Option<PathBuf> {
+    let folder = &config.station.jobs;
+    let Wanted { job_id, .. } = wanted;
+    let search = Search::new(config, wanted);
+    for reason in &search.skipped {
+        log!(code::JOB_REFUSED, "skipped {reason}");
+    }
+    match search.found.as_slice() {
+        [path] => return Some(path.clone()),
+        [] => log!(
+            code::JOB_REFUSED,
+            "no job {job_id} of the wanted version that fits this station in {}",
+            folder.display()
+        ),
+        [first, second, ..] => log!(
+            code::JOB_REFUSED,
+            "the job {job_id} is in {} and in {}: remove one of them, or name the version",
+            first.display(),
+            second.display()
+        ),
+    }
+    running
+}
+
+/// What the folder of jobs has to offer.
+#[derive(Debug, Default)]
+struct Search {
+    /// Files of the wanted job and version that fit the station.
+    found: Vec<PathBuf>,
+    /// File and reason of everything else that might have been meant.
+    skipped: Vec<String>,
+}
+
+impl Search {
+    fn new(config: &Config, wanted: Wanted) -> Self {
+        let mut search = Self::default();
+        let folder = &config.station.jobs;
+        let mut paths = match job_files(folder) {
+            Ok(paths) => paths,
+            Err(error) => {
+                search.skipped.push(format!("{}: {error}", folder.display()));
+                return search;
+            }
+        };
+        // A folder is listed in no order; what is logged should have one.
+        paths.sort();
+        for path in paths {
+            search.look_at(path, config, wanted);
+        }
+        search
+    }
+
+    fn look_at(&mut self, path: PathBuf, config: &Config, wanted: Wanted) {
+        let Wanted { job_id, model_hash } = wanted;
+        match read(&path) {
+            Err(error) => self.skipped.push(error.to_string()),
+            Ok(file) if file.id != job_id => {}
+            Ok(file) if model_hash != 0 && file.model_hash() != model_hash => self.skipped.push(format!(
+                "job {}: its version is {:016x}, and {model_hash:016x} is wanted",
+                path.display(),
+                file.model_hash()
+            )),
+            Ok(file) => match compatibility::station(&file, config) {
+                Ok(()) => self.found.push(path),
+                Err(misfit) => self.skipped.push(format!("job {}: {misfit}", path.display())),
+            },
+        }
+    }
+}
+
+fn job_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let paths = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+    let is_job = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
+    paths.filter(|path| path.as_ref().map_or(true, is_job)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    const REPOSITORY: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+
+    /// A station with the objects of the job that comes with Andon, and a folder of jobs of its own.
+    fn station(folder: &Path) -> Config {
+        let mut config = Config::load(&[format!("{REPOSITORY}/config/stations/demo.toml")]).unwrap();
+        config.station.jobs = folder.into();
+        config
+    }
+
+    fn job() -> JobFile {
+        read(Path::new(&format!("{REPOSITORY}/config/jobs/polish-and-measure.toml"))).unwrap()
+    }
+
+    fn search(files: &[(&str, &str)], wanted: Wanted) -> Search {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).unwrap();
+        }
+        Search::new(&station(folder.path()), wanted)
+    }
+
+    #[test]
+    fn the_one_file_of_the_wanted_job_is_found() {
+        let wanted = Wanted { job_id: job().id, model_hash: job().model_hash() };
+        let search = search(&[("one.toml", &job().to_toml()), ("readme.txt", "no job")], wanted);
+        assert_eq!((search.found.len(), search.skipped.len()), (1, 0), "{search:?}");
+    }
+
+    #[test]
+    fn two_files_of_the_same_job_are_both_found_so_that_neither_is_taken_by_chance() {
+        let wanted = Wanted { job_id: job().id, model_hash: 0 };
+        let search = search(&[("b.toml", &job().to_toml()), ("a.toml", &job().to_toml())], wanted);
+        let names: Vec<_> = search.found.iter().filter_map(|path| path.file_name()).collect();
+        assert_eq!(names, ["a.toml", "b.toml"]);
+    }
+
+    #[test]
+    fn a_file_that_is_skipped_is_named_with_the_reason() {
+        let mut unfit = job();
+        let mut missing = unfit.objects[0].clone();
+        missing.shape.id = 999;
+        unfit.objects.push(missing);
+        let wanted = Wanted { job_id: job().id, model_hash: 0 };
+        let search = search(&[("broken.toml", "no job"), ("unfit.toml", &unfit.to_toml())], wanted);
+        assert!(search.found.is_empty(), "{search:?}");
+        let [broken, unfit] = search.skipped.as_slice() else { unreachable!("{search:?}") };
+        assert!(broken.contains("broken.toml"), "{broken}");
+        assert!(unfit.contains("unfit.toml") && unfit.contains("no object 999"), "{unfit}");
+    }
+
+    #[test]
+    fn another_version_is_skipped_and_both_versions_are_named() {
+        let wanted = Wanted { job_id: job().id, model_hash: 1 };
+        let search = search(&[("one.toml", &job().to_toml())], wanted);
+        let reason = search.skipped.concat();
+        assert!(reason.contains(&format!("{:016x}", job().model_hash())), "{reason}");
+        assert!(reason.contains("0000000000000001 is wanted"), "{reason}");
+    }
+}

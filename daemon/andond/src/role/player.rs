@@ -1,0 +1,179 @@
+//! Plays a recording as if its source were live, or as fast as its readers go: films and pictures as frames, track files as
+//! detections.
+
+use std::time::Duration;
+
+use andon_ipc::{FrameLoan, Loan, MonotonicTime, Port};
+use shm_schemas::{Detections, Stamp, flag};
+
+use super::cycle::{Cycle, Role, Turn};
+use super::output::{Output, Publish};
+use super::{RoleError, WAIT};
+use crate::config::{Camera, Speed};
+use crate::log::{code, log};
+
+/// A recording that is read from its beginning to its end, each message into the place where its readers will read it.
+pub trait Recording<L> {
+    /// Bytes of a message.
+    fn message_bytes(&self) -> usize;
+
+    /// From one message to the next at the recording's nominal rate.
+    fn interval(&self) -> Duration;
+
+    /// Writes the next message and gives its time since the first; `None` after the last.
+    ///
+    /// # Errors
+    /// What is damaged, with its place.
+    fn next(&mut self, message: &mut L) -> Result<Option<Duration>, RoleError>;
+}
+
+/// A message of a recording, as far as the player writes it.
+pub trait Played {
+    /// Writes what it rests on, its source time, and its flags beside those that it has.
+    fn put(&mut self, stamp: &Stamp, source_time: Duration, flags: u32);
+}
+
+impl Played for FrameLoan {
+    fn put(&mut self, stamp: &Stamp, source_time: Duration, flags: u32) {
+        let header = self.header_mut();
+        header.stamp.captured_ns = stamp.captured_ns;
+        header.source_ns = nanoseconds(source_time);
+        header.flags |= flags;
+    }
+}
+
+impl Played for Loan<Detections> {
+    fn put(&mut self, stamp: &Stamp, source_time: Duration, flags: u32) {
+        self.follow(stamp);
+        self.source_ns = nanoseconds(source_time);
+        self.flags |= flags;
+    }
+}
+
+fn nanoseconds(source_time: Duration) -> u64 {
+    // 2^64 ns are 584 years.
+    source_time.as_nanos() as u64
+}
+
+/// The role that plays a recording. `open` opens it for every round.
+pub struct Player<W, R, O> {
+    output: Output<W>,
+    open: O,
+    repeat: bool,
+    /// Of every message: [`flag::PACED`] where the player goes as fast as its readers.
+    flags: u32,
+    round: Option<Round<R>>,
+    /// Source time that earlier rounds have taken.
+    offset: Duration,
+    /// Messages played so far.
+    played: u64,
+    has_ended: bool,
+}
+
+/// One time through the recording.
+struct Round<R> {
+    recording: R,
+    began: MonotonicTime,
+    /// Time of the newest message since the first of the round.
+    newest: Duration,
+}
+
+impl<W, R, O> Player<W, R, O>
+where
+    W: Publish<Loan: Played>,
+    R: Recording<W::Loan>,
+    O: FnMut(&mut W) -> Result<R, RoleError>,
+{
+    /// A player that has not opened its recording.
+    pub fn new(output: Output<W>, camera: &Camera, open: O) -> Self {
+        Self {
+            output,
+            open,
+            repeat: camera.repeat,
+            flags: if camera.speed == Speed::Max { flag::PACED } else { 0 },
+            round: None,
+            offset: Duration::ZERO,
+            played: 0,
+            has_ended: false,
+        }
+    }
+
+    fn is_paced(&self) -> bool {
+        self.flags & flag::PACED != 0
+    }
+
+    fn play(&mut self, mut round: Round<R>, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        cycle.rest_on(Stamp::default(), self.flags);
+        let mut message = self.output.loan(cycle, round.recording.message_bytes())?;
+        let Some(time) = round.recording.next(&mut message)? else {
+            // Once more from the start, as if the source had gone on.
+            self.offset += round.newest + round.recording.interval();
+            return if self.repeat { Ok(Turn::Idle) } else { self.end(cycle) };
+        };
+        round.newest = time;
+        let due = round.began + time;
+        if !self.is_paced() && !cycle.wait_until(due)? {
+            return Ok(Turn::Idle);
+        }
+        // A message counts as captured when it is due, so that its latencies compare with those of a camera.
+        let captured = if self.is_paced() { MonotonicTime::now() } else { due };
+        self.publish(message, captured, self.offset + time, cycle)?;
+        self.round = Some(round);
+        Ok(Turn::Stepped)
+    }
+
+    /// Says that nothing follows.
+    fn end(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        self.flags |= flag::END_OF_STREAM;
+        let message = self.output.loan(cycle, 0)?;
+        self.publish(message, MonotonicTime::now(), self.offset, cycle)?;
+        log!(code::RECORDING_ENDED, "the recording is at its end");
+        self.has_ended = true;
+        Ok(Turn::Stepped)
+    }
+
+    fn publish(
+        &mut self,
+        mut message: W::Loan,
+        captured: MonotonicTime,
+        source_time: Duration,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<(), RoleError> {
+        self.played += 1;
+        let captured_ns = captured.nanoseconds();
+        let stamp = Stamp { frame_seq: self.played, captured_ns, ..Stamp::default() };
+        cycle.rest_on(stamp, self.flags);
+        message.put(&stamp, source_time, self.flags);
+        self.output.send_loan(cycle, message)
+    }
+}
+
+impl<W, R, O> Role for Player<W, R, O>
+where
+    W: Publish<Loan: Played>,
+    R: Recording<W::Loan>,
+    O: FnMut(&mut W) -> Result<R, RoleError>,
+{
+    const INPUT_IS_STEADY: bool = false;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![self.output.port()]
+    }
+
+    /// The recording's own time is waited for in the turn. At its end the player stays, until everybody has heard of it.
+    fn patience(&self) -> Duration {
+        if self.has_ended { WAIT } else { Duration::ZERO }
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        if self.has_ended {
+            return Ok(Turn::Idle);
+        }
+        if let Some(round) = self.round.take() {
+            return self.play(round, cycle);
+        }
+        let recording = (self.open)(self.output.writer())?;
+        self.round = Some(Round { recording, began: MonotonicTime::now(), newest: Duration::ZERO });
+        Ok(Turn::Idle)
+    }
+}

@@ -1,0 +1,245 @@
+//! Why a command ended without a result: what it tells the person who ran it, and the exit code that says so to a program.
+
+use std::io;
+use std::path::PathBuf;
+use std::process::ExitStatus;
+use std::time::Duration;
+
+use andon_core::config::MethodFault;
+use andon_core::{anomaly, couple};
+use andon_journal::JournalError;
+use andon_learn::analysis::AnalysisError;
+use andon_learn::experiment::ExperimentError;
+use andon_learn::folder::FolderError;
+use andon_learn::job_file::JobFileError;
+use andon_learn::run::RunError;
+use andon_learn::teach::TeachError;
+use andon_perception::PerceptionError;
+use andon_perception::bench::CalibrationError;
+use shm_schemas::RoleId;
+
+use super::DEFAULT_CONFIGS;
+use crate::compatibility::Misfit;
+use crate::config::Faults;
+use crate::exit::Code;
+use crate::picture::AnnotateError;
+use crate::recording::RecordingError;
+use crate::role::RoleError;
+use crate::video::VideoError;
+
+/// Why a command ended without a result. Each message names the place and the remedy.
+#[derive(Debug, thiserror::Error)]
+pub enum ToolError {
+    /// The configuration has faults.
+    #[error(transparent)]
+    Configuration(#[from] Faults),
+    /// No configuration was named, and none lies where one is looked for.
+    #[error(
+        "no configuration: name a station with --config FILE or $ANDON_CONFIG; there is none at {}",
+        DEFAULT_CONFIGS.join(" and ")
+    )]
+    NoConfiguration,
+    /// The value of an option cannot be understood.
+    #[error("{option} {given:?}: {expected}")]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// Its value.
+        given: String,
+        /// What it must be, with an example.
+        expected: &'static str,
+    },
+    /// A track file was to be annotated.
+    #[error("--annotate needs a film: a track file has no pictures")]
+    NothingToAnnotate,
+    /// A file or a folder that is needed cannot be read.
+    #[error("{}: {source}; {remedy}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+        /// What to do.
+        remedy: &'static str,
+    },
+    /// A result cannot be written.
+    #[error("{}: it cannot be written: {source}; name a file in a folder of yours", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The job file that the command needs is not there.
+    #[error("job {}: {source}; teach it with `andond teach`", path.display())]
+    NoJob {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The job file is damaged or of another version.
+    #[error(transparent)]
+    JobFile(#[from] JobFileError),
+    /// The job does not fit the recording.
+    #[error("job {}: {misfit}", path.display())]
+    Misfit {
+        /// The job file.
+        path: PathBuf,
+        /// What does not fit.
+        misfit: Misfit,
+    },
+    /// The encoder takes neither these constants nor these objects.
+    #[error("the feature couples cannot be computed: {0}; correct [method] and [[objects]]")]
+    Encoder(#[from] couple::Unusable),
+    /// The segmentation does not take these constants.
+    #[error("the recording cannot be segmented: {0}; correct [method]")]
+    Method(#[from] MethodFault),
+    /// The job asks for more than can be judged.
+    #[error("the job cannot be judged: {0}; teach it again with `andond teach`")]
+    Judge(#[from] anomaly::Unusable),
+    /// A recording cannot be used.
+    #[error(transparent)]
+    Recording(#[from] RecordingError),
+    /// A recording is not a run that a job can be learned from.
+    #[error("{}: {source}", path.display())]
+    Run {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        source: RunError,
+    },
+    /// Recordings of two spaces were given together.
+    #[error("{}: recordings in plane and in metric coordinates cannot be mixed; give those of one space", .0.display())]
+    MixedSpaces(PathBuf),
+    /// Nothing can be learned from the runs.
+    #[error(transparent)]
+    Teach(#[from] TeachError),
+    /// A folder of recordings cannot be read.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// The recordings are not enough for the experiment.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// The recordings cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] AnalysisError),
+    /// A film cannot be read or written.
+    #[error(transparent)]
+    Video(#[from] VideoError),
+    /// A film cannot be drawn on.
+    #[error(transparent)]
+    Annotate(#[from] AnnotateError),
+    /// The recording to calibrate from has no picture.
+    #[error("{}: there is no picture in it; give one that shows the four markers", .0.display())]
+    NoPicture(PathBuf),
+    /// The picture to calibrate from cannot be read as pixels.
+    #[error("{}: {source}", picture.display())]
+    Picture {
+        /// The picture.
+        picture: PathBuf,
+        /// Why.
+        source: PerceptionError,
+    },
+    /// The bench cannot be placed by the picture.
+    #[error("{}: {source}", picture.display())]
+    Calibration {
+        /// The picture.
+        picture: PathBuf,
+        /// Why.
+        source: CalibrationError,
+    },
+    /// The calibration cannot be saved.
+    #[error(transparent)]
+    SaveCalibration(CalibrationError),
+    /// The configuration names no station that can be joined.
+    #[error(transparent)]
+    Station(RoleError),
+    /// The station's shared memory.
+    #[error(transparent)]
+    Ipc(#[from] andon_ipc::Error),
+    /// The journal cannot be read.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+    /// Standard output is closed or full.
+    #[error("standard output cannot be written: {0}")]
+    Print(io::Error),
+    /// Frames did not reach the recorder.
+    #[error("{0} frames were lost: the machine is too busy, and a replay may judge otherwise; record again")]
+    Lost(u64),
+    /// A file, a port or a process of the demo cannot be made.
+    #[error("the demo cannot start: {what}: {source}")]
+    Demo {
+        /// What was tried.
+        what: String,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Roles of the demo did not come up.
+    #[error("these roles did not come up: {0:?}; look at the load of the machine, or name another --config")]
+    NotUp(Vec<RoleId>),
+    /// A role of the demo ended by itself.
+    #[error("the role {role} has ended ({status}):\n{log}")]
+    RoleEnded {
+        /// The role.
+        role: &'static str,
+        /// How it ended.
+        status: ExitStatus,
+        /// The end of its log, which says what to do.
+        log: String,
+    },
+    /// The line of the demo stands still.
+    #[error("{}: nothing came for {silence:?}; look at the load of the machine", clip.display())]
+    Silence {
+        /// The clip that was played.
+        clip: PathBuf,
+        /// For how long nothing came.
+        silence: Duration,
+    },
+}
+
+impl ToolError {
+    /// What the process ends with.
+    pub fn code(&self) -> Code {
+        match self {
+            Self::Configuration(_)
+            | Self::NoConfiguration
+            | Self::NoJob { .. }
+            | Self::JobFile(_)
+            | Self::Misfit { .. }
+            | Self::Encoder(_)
+            | Self::Method(_)
+            | Self::Judge(_)
+            | Self::Recording(RecordingError::Perception(_) | RecordingError::Setup(_))
+            | Self::Station(_) => Code::Configuration,
+            Self::Ipc(_)
+            | Self::Journal(_)
+            | Self::Print(_)
+            | Self::Lost(_)
+            | Self::Demo { .. }
+            | Self::NotUp(_) => Code::Fault,
+            Self::RoleEnded { status, .. } if status.code() == Some(Code::Configuration as i32) => {
+                Code::Configuration
+            }
+            Self::RoleEnded { .. } => Code::Fault,
+            Self::Silence { .. } => Code::NoProgress,
+            Self::Option { .. }
+            | Self::NothingToAnnotate
+            | Self::Read { .. }
+            | Self::Write { .. }
+            | Self::Recording(_)
+            | Self::Run { .. }
+            | Self::MixedSpaces(_)
+            | Self::Teach(_)
+            | Self::Folder(_)
+            | Self::Experiment(_)
+            | Self::Analysis(_)
+            | Self::Video(_)
+            | Self::Annotate(_)
+            | Self::NoPicture(_)
+            | Self::Picture { .. }
+            | Self::Calibration { .. }
+            | Self::SaveCalibration(_) => Code::Usage,
+        }
+    }
+}

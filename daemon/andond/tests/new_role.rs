@@ -1,0 +1,92 @@
+//! What a new role takes: one that counts verdicts by their outcome, running on a station of its own.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_ipc::{Limits, Node, Port, Reader, Station, Steward, Stop};
+use andond::config::Config;
+use andond::exit::Code;
+use andond::role::{Cycle, Role, RoleError, Turn, run_with};
+use rustix::process::{Signal, getpid, kill_process};
+use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel, VerdictOutcome};
+use std::sync::mpsc::{Sender, channel};
+use std::time::{Duration, Instant};
+
+/// For whatever must happen sooner or later; only a test that fails waits for so long.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The example: all that a role has to write by itself.
+struct Tally {
+    verdicts: Reader<Verdict>,
+    /// How many are right, wrong and not judged; sent out after each verdict.
+    counts: [u32; 3],
+    report: Sender<[u32; 3]>,
+}
+
+fn tally(node: &Node, report: Sender<[u32; 3]>) -> Result<(), RoleError> {
+    let mut role = Tally { verdicts: node.reader()?, counts: [0; 3], report };
+    Cycle::new(node)?.run(&mut role)?;
+    Ok(())
+}
+
+impl Role for Tally {
+    const INPUT_IS_STEADY: bool = false;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![&mut self.verdicts]
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        let Some(verdict) = cycle.take(&mut self.verdicts)? else { return Ok(Turn::Idle) };
+        match verdict.outcome() {
+            Ok(VerdictOutcome::Ok) => self.counts[0] += 1,
+            Ok(VerdictOutcome::Anomaly) => self.counts[1] += 1,
+            Ok(VerdictOutcome::NotJudged) => self.counts[2] += 1,
+            Err(_) => cycle.liveness().refused(),
+        }
+        let _ = self.report.send(self.counts);
+        Ok(Turn::Stepped)
+    }
+}
+
+#[test]
+fn a_role_of_a_few_lines_takes_its_messages_gives_signs_of_life_and_stops_on_request() {
+    // Under /tmp whatever TMPDIR says: the path must be short.
+    let folder = tempfile::Builder::new().prefix("andon-").tempdir_in("/tmp").unwrap();
+    let path = folder.path().join("tally.toml");
+    let text = format!(
+        "[station]\nname = \"tally\"\nroot = {:?}\n[[objects]]\nid = 1\nname = \"cup\"\nmarker_side_m = 0.03\n\
+         interaction_points = [[0.0, 0.0, 0.0]]\n",
+        folder.path()
+    );
+    std::fs::write(&path, text).unwrap();
+    let config = Config::load(&[path]).unwrap();
+    let station = Station::under("tally", &config.root()).unwrap();
+    let _steward = Steward::create(&station, Limits { frame_bytes: 4096 }).unwrap();
+    let node = Node::open(&station, RoleId::Judge, PATIENCE, &Stop::new().unwrap()).unwrap();
+    let mut health = node.reader::<Health>().unwrap();
+    let mut verdicts = node.writer::<Verdict>().unwrap();
+
+    let (report, counts) = channel();
+    let role = std::thread::spawn(move || run_with(&config, RoleId::Tool, |node| tally(node, report)));
+    for outcome in
+        [VerdictOutcome::Ok, VerdictOutcome::Ok, VerdictOutcome::Anomaly, VerdictOutcome::NotJudged]
+    {
+        let mut verdict = verdicts.loan().unwrap();
+        (verdict.level, verdict.outcome) = (VerdictLevel::Iu.code(), outcome.code());
+        verdicts.send(verdict).unwrap();
+    }
+    // The reader may come up after them: the writer hands the history to it while it waits.
+    let mut newest = [0; 3];
+    let until = Instant::now() + PATIENCE;
+    while newest != [2, 1, 1] {
+        node.wait(&mut [&mut verdicts], Duration::from_millis(10)).unwrap();
+        assert!(Instant::now() < until, "the verdicts have not all come: {newest:?}");
+        newest = counts.try_iter().last().unwrap_or(newest);
+    }
+    while health.take().unwrap().is_none_or(|health| health.state != RoleState::Running.code()) {
+        node.wait(&mut [&mut health], Duration::from_millis(10)).unwrap();
+        assert!(Instant::now() < until, "no sign of life");
+    }
+    kill_process(getpid(), Signal::TERM).unwrap();
+    assert_eq!(role.join().unwrap(), Code::Stopped);
+}

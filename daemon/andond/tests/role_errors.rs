@@ -1,0 +1,82 @@
+//! Every error that ends a role has its code in the log and its exit code. One test, because the newest code belongs to the
+//! whole process.
+
+#![allow(clippy::unwrap_used)]
+
+use andon_ipc::{Channel, Error as Ipc};
+use andon_journal::JournalError;
+use andon_learn::job_file::JobFile;
+use andon_learn::recording::TrackReader;
+use andon_perception::bench::CalibrationError;
+use andon_perception::{PerceptionError, RuntimeFile};
+use andond::exit::Code;
+use andond::log::last_error;
+use andond::perception::SetupError;
+use andond::role::RoleError;
+use andond::video::OpenError;
+use std::io::{Error, ErrorKind};
+use std::path::PathBuf;
+use std::time::Duration;
+
+fn io() -> Error {
+    ErrorKind::Other.into()
+}
+
+fn open(why: fn(String) -> OpenError) -> RoleError {
+    why("/dev/video0".into()).into()
+}
+
+fn missing(what: RuntimeFile) -> RoleError {
+    SetupError::from(PerceptionError::Missing { what, path: PathBuf::new() }).into()
+}
+
+fn layout_mismatch() -> Ipc {
+    let [ours, theirs, members] = [const { String::new() }; 3];
+    Ipc::LayoutMismatch { channel: Channel::Verdict, ours, theirs, members }
+}
+
+fn transport() -> Ipc {
+    Ipc::Transport { channel: Channel::Verdict, what: "opening it", why: String::new() }
+}
+
+#[test]
+fn every_error_of_a_role_has_its_code_and_its_exit_code() {
+    let station = || "bench1".to_owned();
+    let (root, lock) = (PathBuf::new(), PathBuf::new());
+    let address = ([127, 0, 0, 1], 502).into();
+    let errors: [(RoleError, u32, Code); 24] = [
+        (open(OpenError::Refused), 105, Code::Configuration),
+        (open(OpenError::NotAllowed), 107, Code::Fault),
+        (open(OpenError::Gone), 108, Code::Fault),
+        (RoleError::Source(String::new()), 108, Code::Fault),
+        (TrackReader::new("empty.tracks.jsonl", &b""[..]).err().unwrap().into(), 108, Code::Configuration),
+        (open(OpenError::Unfit), 109, Code::Fault),
+        (open(OpenError::Unsupported), 109, Code::Configuration),
+        (missing(RuntimeFile::PalmModel), 205, Code::Configuration),
+        (missing(RuntimeFile::LandmarkModel), 205, Code::Configuration),
+        (missing(RuntimeFile::OnnxRuntime), 206, Code::Configuration),
+        (SetupError::from(CalibrationError::Mirrored).into(), 208, Code::Configuration),
+        (JobFile::parse("job.toml", b"").unwrap_err().into(), 302, Code::Configuration),
+        (JournalError::Export(io()).into(), 402, Code::Fault),
+        (JournalError::Locked { path: PathBuf::new(), waiting: 0 }.into(), 403, Code::Fault),
+        (JournalError::Newer { path: PathBuf::new(), found: 2, known: 1 }.into(), 404, Code::Configuration),
+        (andon_plc::modbus::ServeError::Bind { address, source: io() }.into(), 506, Code::Fault),
+        (Ipc::NoRoom { free_mib: 1, needed_mib: 2 }.into(), 603, Code::Fault),
+        (Ipc::StewardRunning { station: station(), lock }.into(), 604, Code::Fault),
+        (
+            Ipc::NoSteward { station: station(), channel: Channel::Verdict, waited_ms: 1 }.into(),
+            605,
+            Code::Fault,
+        ),
+        (Ipc::RootVanished { root }.into(), 606, Code::Fault),
+        (layout_mismatch().into(), 607, Code::Fault),
+        (RoleError::NoProgress(Duration::ZERO), 612, Code::NoProgress),
+        (transport().into(), 613, Code::Fault),
+        (RoleError::Start { path: String::new(), source: io() }, 615, Code::Fault),
+    ];
+    for (error, code, exit) in errors {
+        assert_eq!((error.report(), last_error()), (exit, code), "{error}");
+    }
+    let root = Ipc::RootNotAbsolute { root: PathBuf::new() };
+    assert_eq!((RoleError::from(root).report(), last_error()), (Code::Configuration, 801));
+}

@@ -1,0 +1,170 @@
+//! The comparisons of an open IU with nominal IUs.
+
+use crate::capacity::ACTIVITIES;
+use crate::couple::{Context, Motion};
+use crate::dtw::{LocalCosts, OnlineDtw, Refused};
+use crate::input::Side;
+use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
+use crate::verdict::Reason;
+use heapless::Vec;
+
+/// The comparison of the open IU with one nominal IU.
+#[derive(Clone, Copy, Debug)]
+struct Comparison<'a> {
+    /// Index of the nominal activity in the job.
+    nominal: usize,
+    iu: &'a NominalIu<'a>,
+    /// The IU cannot be this one any more, so its distance is not computed further.
+    is_lost: bool,
+}
+
+/// The result of a comparison, so far or at the end of the IU.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ComparisonResult {
+    /// Index of the nominal activity in the job.
+    pub(super) nominal: usize,
+    /// The rule that is broken, or [`Reason::None`].
+    pub(super) reason: Reason,
+    /// The DTW distance, or a lower bound of it while the IU is open.
+    pub(super) distance: f64,
+    pub(super) threshold: f32,
+}
+
+impl ComparisonResult {
+    /// The distance as a multiple of the threshold: a measure of how near the IU is.
+    pub(super) fn ratio(&self) -> f64 {
+        let threshold = f64::from(self.threshold);
+        match self.distance {
+            0.0 => 0.0,
+            distance if threshold > 0.0 => distance / threshold,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+/// How long the IU is, and how often its motion reversed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Extent {
+    pub(super) frames: u32,
+    pub(super) reversals: u32,
+    /// Whether the IU has ended.
+    pub(super) ended: bool,
+}
+
+/// The memory for the distances of one hand's comparisons: `heapless::Vec`, or `Vec` where there is a heap.
+pub trait Memory<'a>: AsRef<[OnlineDtw<'a>]> + AsMut<[OnlineDtw<'a>]> + FromIterator<OnlineDtw<'a>> {}
+
+impl<'a, M> Memory<'a> for M where
+    M: AsRef<[OnlineDtw<'a>]> + AsMut<[OnlineDtw<'a>]> + FromIterator<OnlineDtw<'a>>
+{
+}
+
+/// The maximum number of comparisons of this hand at the same time: how many nominal activities of the job have an IU in the same
+/// context.
+pub(super) fn needed(job: &Job<'_>, side: Side) -> usize {
+    let contexts = job.activities.iter().flat_map(|nominal| nominal.ius).map(|iu| iu.context);
+    let of_hand = contexts.filter(|context| context.0[0] == side as u16);
+    let sharing = |context: Context| {
+        let has = |nominal: &&NominalActivity<'_>| nominal.ius.iter().any(|iu| iu.context == context);
+        job.activities.iter().filter(has).count()
+    };
+    of_hand.map(sharing).max().unwrap_or(0)
+}
+
+/// The comparisons of the open IU with all nominal IUs that it can be.
+#[derive(Clone, Debug)]
+pub(super) struct Comparisons<'a, M> {
+    comparisons: Vec<Comparison<'a>, ACTIVITIES>,
+    /// One for each comparison in the same order, then unused ones. They are made once, because their rows are long.
+    distances: M,
+    /// [`Job::max_slowdown`].
+    max_slowdown: f32,
+}
+
+impl<'a, M: Memory<'a>> Comparisons<'a, M> {
+    /// Makes room for as many comparisons as this hand can have at the same time. The references have been checked.
+    pub(super) fn new(job: &'a Job<'a>, side: Side) -> Self {
+        let costs = LocalCosts::new(job.cost);
+        let touch = job.activities.iter().flat_map(|nominal| nominal.ius).find(|iu| iu.context.is_touch());
+        let spare = touch.and_then(|iu| OnlineDtw::new(&costs, iu.reference).ok());
+        let distances = spare.iter().cycle().take(needed(job, side)).cloned().collect();
+        Self { comparisons: Vec::new(), distances, max_slowdown: job.max_slowdown }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.comparisons.clear();
+    }
+
+    /// Adds a nominal IU that has the context of the open one. There is room for one of each nominal activity.
+    pub(super) fn add(&mut self, nominal: usize, iu: &'a NominalIu<'a>) {
+        if let Some(distance) = self.distances.as_mut().get_mut(self.comparisons.len()) {
+            // The lengths were checked when the judge was made, so this does not fail.
+            if distance.begin(iu.reference).is_ok() {
+                let _ = self.comparisons.push(Comparison { nominal, iu, is_lost: false });
+            }
+        }
+    }
+
+    /// Takes the next motion.
+    ///
+    /// # Errors
+    /// If the IU is too long to be compared.
+    pub(super) fn append(&mut self, motion: &Motion) -> Result<(), Refused> {
+        let open = self
+            .comparisons
+            .iter()
+            .zip(self.distances.as_mut())
+            .filter(|(comparison, _)| !comparison.is_lost);
+        open.map(|(_, distance)| distance).try_for_each(|distance| distance.append(motion))
+    }
+
+    /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
+    pub(super) fn all_lost(&mut self, extent: Extent) -> bool {
+        let max_slowdown = self.max_slowdown;
+        for (comparison, distance) in self.comparisons.iter_mut().zip(self.distances.as_ref()) {
+            comparison.is_lost |= result(comparison, distance, extent, max_slowdown).reason != Reason::None;
+        }
+        self.comparisons.iter().all(|comparison| comparison.is_lost)
+    }
+
+    /// The results of all comparisons.
+    pub(super) fn results(&self, extent: Extent) -> impl Iterator<Item = ComparisonResult> {
+        self.comparisons
+            .iter()
+            .zip(self.distances.as_ref())
+            .map(move |(comparison, distance)| result(comparison, distance, extent, self.max_slowdown))
+    }
+
+    /// The nearest result of those that are right, or of all if none is.
+    pub(super) fn nearest(&self, extent: Extent) -> Option<ComparisonResult> {
+        self.results(extent).min_by(|one, other| {
+            let is_wrong = |result: &ComparisonResult| result.reason != Reason::None;
+            is_wrong(one).cmp(&is_wrong(other)).then(one.ratio().total_cmp(&other.ratio()))
+        })
+    }
+}
+
+/// Bounds come before the distance: that a motion was cut short explains its distance, not the other way round.
+fn result(
+    comparison: &Comparison<'_>,
+    dtw: &OnlineDtw<'_>,
+    extent: Extent,
+    max_slowdown: f32,
+) -> ComparisonResult {
+    let NominalIu { frames, reversals, reference, .. } = *comparison.iu;
+    let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
+    let distance = whole.unwrap_or_else(|| dtw.lower_bound());
+    // An open IU may still become as slow as the bounds allow.
+    let length = if extent.ended { extent.frames } else { frames.max };
+    let threshold = comparison.iu.threshold * slowdown_factor(length, reference.len(), max_slowdown);
+    let reason = if extent.frames > frames.max || extent.reversals > reversals.max {
+        Reason::TooLong
+    } else if extent.ended && (extent.frames < frames.min || extent.reversals < reversals.min) {
+        Reason::TooShort
+    } else if distance > f64::from(threshold) {
+        Reason::Motion
+    } else {
+        Reason::None
+    };
+    ComparisonResult { nominal: comparison.nominal, reason, distance, threshold }
+}

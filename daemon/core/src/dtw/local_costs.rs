@@ -1,0 +1,117 @@
+//! The local costs and the fastest way to sum them on this processor.
+
+use super::cost::{IntegerCosts, UNREACHED};
+use super::row::{Row, slot};
+use super::simd::Simd;
+use super::symbols::{BLOCK, Symbols, Tables};
+use crate::couple::Motion;
+use crate::job::LocalCost;
+
+/// How two motions are compared, prepared for this processor.
+///
+/// Costs are integers, and sums of integers do not depend on the order of summation. That is why the online, the batch, the
+/// portable and the SIMD path return the same bits.
+#[derive(Clone, Debug)]
+pub struct LocalCosts {
+    costs: IntegerCosts,
+    /// Costs of symbols; `None` where motions have no symbols.
+    tables: Option<Tables>,
+    /// The SIMD path; `None` where the processor or the costs do not allow it.
+    simd: Option<Simd>,
+}
+
+impl LocalCosts {
+    /// Rounds the costs and looks for the processor's SIMD path. `bins` of a circular cost count as at least 1 and at most 127, the
+    /// most that a motion can hold.
+    pub fn new(cost: LocalCost) -> Self {
+        let portable = Self::portable(cost);
+        let simd = portable.tables.as_ref().and_then(Simd::new);
+        Self { simd, ..portable }
+    }
+
+    /// As [`new`](Self::new), but without SIMD: slower, with the same results. On a processor with SIMD it lets tests and
+    /// benchmarks compare both paths.
+    pub fn portable(cost: LocalCost) -> Self {
+        let costs = IntegerCosts::new(cost);
+        let tables = Tables::new(&costs);
+        Self { costs, tables, simd: None }
+    }
+
+    /// How far a distance may be from the one in real numbers, relative to it: costs are rounded to integers.
+    pub fn relative_error(&self) -> f64 {
+        self.costs.relative_error()
+    }
+
+    /// The distance that a cell's value stands for.
+    pub(super) fn distance_of(&self, value: i32) -> f64 {
+        self.costs.distance_of(value)
+    }
+
+    /// The maximum value of a cell whose distance is at most `bound`; `None` if `bound` is negative or not a number.
+    pub(super) fn max_value(&self, bound: f64) -> Option<i32> {
+        self.costs.max_value(bound)
+    }
+
+    /// Writes the symbols of a sequence by the fastest path. False if it has none under these costs.
+    pub(super) fn read(&self, motions: &[Motion], backwards: bool, symbols: &mut Symbols) -> bool {
+        match (&self.simd, &self.tables) {
+            (Some(simd), Some(tables)) => simd.read(tables, motions, backwards, symbols),
+            (None, Some(tables)) => symbols.read(tables, motions, backwards),
+            _ => false,
+        }
+    }
+
+    /// Computes the next row in place by the fastest path and returns its minimum. `symbols` are those of the reference, if it has
+    /// any.
+    pub(super) fn advance(
+        &self,
+        row: &mut Row,
+        frame: &Motion,
+        reference: &[Motion],
+        symbols: Option<&Symbols>,
+    ) -> i32 {
+        if let (Some(simd), Some(tables), Some(symbols)) = (&self.simd, &self.tables, symbols)
+            && let Some(min) = simd.advance(tables, frame, symbols, reference.len(), row)
+        {
+            return min;
+        }
+        self.advance_with(row, frame, reference, symbols, |_, _, _| {})
+    }
+
+    /// Computes the next row in place and returns its minimum. Calls `visit` for each cell in order with the values of its three
+    /// predecessors: diagonal, up, left.
+    #[inline]
+    pub(super) fn advance_with(
+        &self,
+        row: &mut Row,
+        frame: &Motion,
+        reference: &[Motion],
+        symbols: Option<&Symbols>,
+        mut visit: impl FnMut(i32, i32, i32),
+    ) -> i32 {
+        let mut diagonal = core::mem::replace(&mut row.border, UNREACHED);
+        let (mut left, mut min) = (UNREACHED, UNREACHED);
+        let mut index = 0;
+        let next = |cost: i32| {
+            let cell = &mut row.blocks[index / BLOCK][slot(index)];
+            let up = *cell;
+            visit(diagonal, up, left);
+            left = diagonal.min(up).min(left) + cost;
+            *cell = left;
+            diagonal = up;
+            min = min.min(left);
+            index += 1;
+        };
+        let by_symbols = symbols.zip(self.tables.as_ref());
+        match by_symbols.and_then(|(symbols, tables)| Some((symbols, tables, tables.symbols(frame)?))) {
+            Some((symbols, tables, frame)) => tables.costs(frame, symbols, reference.len(), next),
+            None => reference.iter().map(|motion| self.costs.between(frame, motion)).for_each(next),
+        }
+        min
+    }
+
+    /// The SIMD path; `None` where the processor or the costs do not allow it.
+    pub(super) fn simd(&self) -> Option<&Simd> {
+        self.simd.as_ref()
+    }
+}

@@ -1,0 +1,79 @@
+//! The journal as CSV (RFC 4180), for spreadsheets.
+
+use std::fmt::Display;
+use std::io::Write;
+
+use jiff::Timestamp;
+
+use super::error::JournalError;
+use super::history::{Entry, Gap, History, Query, Record};
+
+const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
+                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq\r\n";
+
+impl History {
+    /// Writes one line per entry that matches the query. A value that has no meaning is left empty. A gap has a line of its own,
+    /// from `seq` to `last_seq`.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
+    pub fn export_csv(&self, query: &Query, out: &mut impl Write) -> Result<(), JournalError> {
+        out.write_all(HEADER.as_bytes())?;
+        self.visit(query, |entry| {
+            match entry {
+                Entry::Verdict(record) => write_record(out, &record)?,
+                Entry::Gap(gap) => write_gap(out, &gap)?,
+            }
+            Ok(())
+        })?;
+        out.flush()?;
+        Ok(())
+    }
+}
+
+// No field needs quoting: they are numbers, names of codes, and the station's name, which consists of a-z, 0-9 and -.
+fn write_record(out: &mut impl Write, r: &Record) -> std::io::Result<()> {
+    write!(
+        out,
+        "{},verdict,{},{},{},{},{},{},{},{}",
+        utc(r.decided_utc_ns),
+        r.kind(),
+        r.level,
+        r.outcome,
+        r.reason,
+        r.hand,
+        r.station,
+        r.job_id,
+        r.model_hash
+    )?;
+    write!(out, ",{},{},{}", or_empty(r.activity), or_empty(r.iu), or_empty(r.nearest))?;
+    write!(out, ",{},{},{},{}", r.x_c[0], r.x_c[1], r.x_c[2], r.x_c[3])?;
+    write!(out, ",{},{},{}", or_empty(r.distance), or_empty(r.threshold), u8::from(r.early))?;
+    write!(out, ",{},{},{}", seconds(r.began_ns), seconds(r.ended_ns), seconds(r.decided_ns))?;
+    write!(out, ",{},{},\r\n", r.epoch, r.seq)
+}
+
+fn write_gap(out: &mut impl Write, gap: &Gap) -> std::io::Result<()> {
+    let last_seq = or_empty(gap.last_seq);
+    write!(
+        out,
+        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq}\r\n",
+        utc(gap.utc_ns),
+        gap.why,
+        gap.epoch,
+        gap.first_seq
+    )
+}
+
+fn or_empty(value: Option<impl Display>) -> String {
+    value.map(|value| value.to_string()).unwrap_or_default()
+}
+
+fn seconds(ns: u64) -> String {
+    format!("{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000)
+}
+
+/// The time as in RFC 3339, or as a number where it is beyond the calendar.
+fn utc(ns: u64) -> String {
+    Timestamp::from_nanosecond(ns.into()).map_or_else(|_| ns.to_string(), |time| time.to_string())
+}

@@ -1,0 +1,95 @@
+//! What can go wrong with the journal, and what to do about it.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rusqlite::ErrorCode;
+use thiserror::Error;
+
+/// A fault of the journal. Its message ends with the remedy.
+#[derive(Debug, Error)]
+pub enum JournalError {
+    /// The disk is full or cannot be written.
+    #[error(
+        "cannot write the journal {path}: {source}; {waiting} verdicts wait in memory and the PLC is not told of them. \
+         Make room on the disk, or lower `keep_mb`"
+    )]
+    Full {
+        /// The database.
+        path: PathBuf,
+        /// Length of the queue.
+        waiting: usize,
+        /// The cause that SQLite gives.
+        source: rusqlite::Error,
+    },
+    /// Another process holds its lock.
+    #[error(
+        "the journal {path} is locked by another program; {waiting} verdicts wait in memory and the PLC is not told of \
+         them. Close the program (`fuser {path}` names it); to read, use `andond history`"
+    )]
+    Locked {
+        /// The database.
+        path: PathBuf,
+        /// Length of the queue.
+        waiting: usize,
+    },
+    /// It cannot be opened.
+    #[error(
+        "cannot open the journal {path}: {source}; does its directory exist, and may this user write there?"
+    )]
+    Open {
+        /// The database.
+        path: PathBuf,
+        /// The cause that SQLite gives.
+        source: rusqlite::Error,
+    },
+    /// The file is damaged, or is no journal.
+    #[error(
+        "{path} is damaged or no journal: {source}; move it away (`sqlite3 .recover` may repair it), and the next start creates a new one"
+    )]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// The cause that SQLite gives.
+        source: rusqlite::Error,
+    },
+    /// A newer Andon wrote it.
+    #[error(
+        "the journal {path} has schema {found}, but this Andon knows schemas up to {known}; install the newer Andon"
+    )]
+    Newer {
+        /// The database.
+        path: PathBuf,
+        /// Its schema.
+        found: u32,
+        /// The newest schema known here.
+        known: u32,
+    },
+    /// Any other error of SQLite.
+    #[error("journal {path}: {source}")]
+    Database {
+        /// The database.
+        path: PathBuf,
+        /// The cause that SQLite gives.
+        source: rusqlite::Error,
+    },
+    /// The export cannot be written.
+    #[error("cannot write the export: {0}")]
+    Export(#[from] io::Error),
+}
+
+impl JournalError {
+    pub(super) fn of(path: &Path, waiting: usize, source: rusqlite::Error) -> Self {
+        let path = path.to_path_buf();
+        match source.sqlite_error_code() {
+            // A quota, a file size limit and a broken disk are reported as I/O errors and have the same remedy.
+            Some(ErrorCode::DiskFull | ErrorCode::SystemIoFailure) => Self::Full { path, waiting, source },
+            Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => Self::Locked { path, waiting },
+            Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly | ErrorCode::PermissionDenied) => {
+                Self::Open { path, source }
+            }
+            Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase) => Self::Damaged { path, source },
+            _ => Self::Database { path, source },
+        }
+    }
+}

@@ -1,0 +1,173 @@
+//! The journal: every verdict is in SQLite before the PLC is told.
+//!
+//! [`Journal`] is the only writer (role `journal`); [`History`] may read at the same time (`andond history`).
+//!
+//! A confirmed verdict survives a power failure: the database is in WAL mode with `synchronous = FULL`, so a commit has been synced when
+//! [`Journal::flush`] returns. `NORMAL` would be faster, but would lose commits of which the PLC has already been told. A commit costs
+//! one sync of a few kilobytes, and a bench produces a few verdicts per second.
+//!
+//! A missing verdict is recorded as a gap: each jump in `seq` and each restart of the judge is a row of its own, written in the same
+//! transaction as the verdict that revealed it. A verdict that cannot be written now (disk full, database locked) is queued in memory.
+//! When the queue is full, the oldest is dropped and becomes a gap like any other.
+#![forbid(unsafe_code)]
+
+mod csv;
+mod error;
+mod history;
+mod retention;
+mod row;
+mod schema;
+mod table;
+
+#[cfg(test)]
+mod tests;
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rusqlite::{Connection, TransactionBehavior};
+use shm_schemas::Verdict;
+
+pub use error::JournalError;
+pub use history::{Entry, Gap, History, Query, Record};
+pub use retention::Retention;
+
+/// Length of the queue that fills while the disk is full or the database is locked. It is as long as the channel `verdict`, which holds
+/// some minutes of a busy bench.
+const MAX_WAITING: usize = 1024;
+/// How long a write waits for the lock of another writer. It is shorter than the role's watchdog allows, since the next flush tries again.
+const LOCK_TIMEOUT: Duration = Duration::from_millis(250);
+/// Rows between two applications of the retention: one costs a query on an index, and a thousand rows take a quarter of a megabyte.
+const ROWS_BETWEEN_RETENTIONS: u32 = 1000;
+
+/// The newest verdict on disk. Every earlier verdict of its epoch is on disk too, or a gap stands for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Confirmed {
+    /// The epoch of the judge that sent it.
+    pub epoch: u64,
+    /// Its number within the epoch, from 1.
+    pub seq: u64,
+}
+
+/// The writer of the journal.
+#[derive(Debug)]
+pub struct Journal {
+    connection: Connection,
+    path: PathBuf,
+    retention: Retention,
+    newest: Option<Confirmed>,
+    waiting: VecDeque<Verdict>,
+    lost: u64,
+    removed: u64,
+    until_retention: u32,
+}
+
+impl Journal {
+    /// Opens or creates the database, brings its schema up to date and applies the retention.
+    ///
+    /// # Errors
+    /// [`JournalError`] when the file cannot be opened or written, is no journal, or was written by a newer Andon.
+    pub fn open(path: &Path, retention: Retention) -> Result<Self, JournalError> {
+        let failed = |source| JournalError::of(path, 0, source);
+        let mut connection = Connection::open(path).map_err(failed)?;
+        connection.busy_timeout(LOCK_TIMEOUT).map_err(failed)?;
+        schema::prepare(&mut connection, path)?;
+        let newest = row::newest(&connection).map_err(failed)?;
+        let waiting = VecDeque::new();
+        let mut journal = Self {
+            connection,
+            path: path.into(),
+            retention,
+            newest,
+            waiting,
+            lost: 0,
+            removed: 0,
+            until_retention: ROWS_BETWEEN_RETENTIONS,
+        };
+        journal.retain();
+        Ok(journal)
+    }
+
+    /// Queues a verdict for the next [`Journal::flush`]: verdicts that are written together cost one sync. When the queue is full, the
+    /// oldest verdict in it is dropped and becomes a gap.
+    pub fn push(&mut self, verdict: &Verdict) {
+        if !self.has_room() {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(*verdict);
+    }
+
+    /// Whether the queue has room for another verdict.
+    pub fn has_room(&self) -> bool {
+        self.waiting.len() < MAX_WAITING
+    }
+
+    /// Writes the queue. It is on disk when this returns `Ok`. A verdict that was on disk before is not written twice.
+    ///
+    /// # Errors
+    /// [`JournalError`] when nothing could be written; the queue is kept for the next call.
+    pub fn flush(&mut self) -> Result<(), JournalError> {
+        let (newest, lost) = self.write_waiting().map_err(|source| self.failed(source))?;
+        self.newest = newest;
+        self.lost += lost;
+        // The queue holds at most MAX_WAITING verdicts.
+        self.until_retention = self.until_retention.saturating_sub(self.waiting.len() as u32);
+        self.waiting.clear();
+        if self.until_retention == 0 {
+            self.until_retention = ROWS_BETWEEN_RETENTIONS;
+            self.retain();
+        }
+        Ok(())
+    }
+
+    /// The newest verdict on disk.
+    pub fn newest(&self) -> Option<Confirmed> {
+        self.newest
+    }
+
+    /// Number of verdicts in the gaps that this writer has recorded.
+    pub fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Number of verdicts that this writer has removed because of their age or the size of the database.
+    pub fn removed(&self) -> u64 {
+        self.removed
+    }
+
+    /// Number of verdicts in the queue.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// Writes the queue in one transaction: all of it or nothing. Returns the newest verdict on disk and the number of verdicts in new gaps.
+    fn write_waiting(&mut self) -> rusqlite::Result<(Option<Confirmed>, u64)> {
+        let mut lost = 0;
+        if self.waiting.is_empty() {
+            return Ok((self.newest, lost));
+        }
+        // Immediate: a wait for the lock happens here and not in the middle of the transaction.
+        let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+        let mut newest = self.newest;
+        for verdict in &self.waiting {
+            newest = Some(row::insert(&transaction, verdict, newest, &mut lost)?);
+        }
+        transaction.commit()?;
+        Ok((newest, lost))
+    }
+
+    /// A failure is only logged, and the next application tries again: writing matters more than removing.
+    fn retain(&mut self) {
+        match retention::apply(&mut self.connection, self.retention) {
+            Ok(removed) => self.removed += removed as u64,
+            Err(error) => {
+                tracing::debug!(%error, path = %self.path.display(), "old verdicts could not be removed yet")
+            }
+        }
+    }
+
+    fn failed(&self, source: rusqlite::Error) -> JournalError {
+        JournalError::of(&self.path, self.waiting.len(), source)
+    }
+}

@@ -1,0 +1,93 @@
+//! The tables, and the migrations from older ones.
+
+use std::path::Path;
+
+use rusqlite::{Connection, TransactionBehavior};
+
+use super::error::JournalError;
+
+/// Migration `i` takes the schema from version `i` to `i + 1`, which SQLite keeps as `user_version`. Only append.
+pub(super) const MIGRATIONS: &[&str] = &[
+    "
+    CREATE TABLE verdict (
+        id             INTEGER PRIMARY KEY,  -- in the order of arrival
+        epoch          INTEGER NOT NULL,     -- one per start of the judge
+        seq            INTEGER NOT NULL,     -- number within the epoch, from 1
+        kind           TEXT    NOT NULL,
+        reason         TEXT    NOT NULL,
+        ok             INTEGER,              -- 1 correct, 0 anomaly, NULL not judged
+        hand           TEXT    NOT NULL,
+        station        TEXT    NOT NULL,
+        job_id         INTEGER NOT NULL,
+        model_hash     TEXT    NOT NULL,     -- 16 hexadecimal digits
+        activity       INTEGER,
+        iu             INTEGER,
+        nearest        INTEGER,
+        x_c0           INTEGER NOT NULL,
+        x_c1           INTEGER NOT NULL,
+        x_c2           INTEGER NOT NULL,
+        x_c3           INTEGER NOT NULL,
+        distance       REAL,
+        threshold      REAL,
+        early          INTEGER NOT NULL,
+        began_ns       INTEGER NOT NULL,     -- source time
+        ended_ns       INTEGER NOT NULL,
+        decided_ns     INTEGER NOT NULL,
+        decided_utc_ns INTEGER NOT NULL,     -- since 1970
+        frame_seq      INTEGER NOT NULL,
+        captured_ns    INTEGER NOT NULL,     -- CLOCK_MONOTONIC
+        sent_ns        INTEGER NOT NULL,
+        UNIQUE (epoch, seq)
+    ) STRICT;
+    CREATE INDEX verdict_decided ON verdict (decided_utc_ns);
+    CREATE TABLE gap (
+        id             INTEGER PRIMARY KEY,
+        before_verdict INTEGER NOT NULL,     -- id of the first verdict after the gap
+        utc_ns         INTEGER NOT NULL,     -- when that verdict was decided
+        why            TEXT    NOT NULL CHECK (why IN ('lost', 'restart', 'retention')),
+        epoch          INTEGER NOT NULL,
+        first_seq      INTEGER NOT NULL,     -- first missing number
+        last_seq       INTEGER               -- last missing number, NULL: unknown whether any is missing
+    ) STRICT;
+",
+    "
+    -- Level and outcome have a column each; `kind` mixed them, and `ok` repeated the outcome.
+    ALTER TABLE verdict ADD COLUMN level TEXT NOT NULL DEFAULT '';
+    ALTER TABLE verdict ADD COLUMN outcome TEXT NOT NULL DEFAULT '';
+    UPDATE verdict SET
+        level = CASE WHEN iu IS NOT NULL THEN 'iu' WHEN activity IS NOT NULL THEN 'activity' ELSE 'job' END,
+        outcome = CASE ok WHEN 1 THEN 'ok' WHEN 0 THEN 'anomaly' ELSE 'not_judged' END;
+    ALTER TABLE verdict DROP COLUMN kind;
+    ALTER TABLE verdict DROP COLUMN ok;
+",
+];
+
+/// Configures the connection and brings the schema up to date.
+pub(super) fn prepare(connection: &mut Connection, path: &Path) -> Result<(), JournalError> {
+    let failed = |source| JournalError::of(path, 0, source);
+    // Must precede the first table; it lets the file shrink when old rows are removed.
+    connection.pragma_update(None, "auto_vacuum", "INCREMENTAL").map_err(failed)?;
+    connection.pragma_update(None, "journal_mode", "WAL").map_err(failed)?;
+    connection.pragma_update(None, "synchronous", "FULL").map_err(failed)?;
+    // Truncates a WAL that has grown during a long read to 4 MB, the size at which SQLite checkpoints it by default.
+    connection.pragma_update(None, "journal_size_limit", 4 << 20).map_err(failed)?;
+
+    // An up-to-date schema is not written, so that the journal opens on a full disk too.
+    if version(connection).map_err(failed)? == MIGRATIONS.len() as u32 {
+        return Ok(());
+    }
+    let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
+    let (found, known) = (version(&transaction).map_err(failed)?, MIGRATIONS.len() as u32);
+    if found > known {
+        return Err(JournalError::Newer { path: path.into(), found, known });
+    }
+    for migration in MIGRATIONS.iter().skip(found as usize) {
+        transaction.execute_batch(migration).map_err(failed)?;
+    }
+    transaction.pragma_update(None, "user_version", known).map_err(failed)?;
+    transaction.commit().map_err(failed)
+}
+
+fn version(connection: &Connection) -> rusqlite::Result<u32> {
+    connection.query_row("SELECT user_version FROM pragma_user_version", [], |row| row.get(0))
+}

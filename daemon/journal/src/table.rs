@@ -1,0 +1,68 @@
+//! The journal as a table for a terminal.
+
+use std::io::Write;
+
+use jiff::Timestamp;
+
+use super::error::JournalError;
+use super::history::{Entry, Gap, History, Query, Record};
+
+impl History {
+    /// Writes one line per entry that matches the query.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
+    pub fn print_table(&self, query: &Query, out: &mut impl Write) -> Result<(), JournalError> {
+        writeln!(
+            out,
+            "decided (UTC)        what             why           hand   act  iu  context            distance  threshold"
+        )?;
+        self.visit(query, |entry| {
+            match entry {
+                Entry::Verdict(record) => write_record(out, &record)?,
+                Entry::Gap(gap) => write_gap(out, &gap)?,
+            }
+            Ok(())
+        })?;
+        out.flush()?;
+        Ok(())
+    }
+}
+
+fn write_record(out: &mut impl Write, r: &Record) -> std::io::Result<()> {
+    let number = |value: Option<f32>| value.map(|value| format!("{value:.2}")).unwrap_or_default();
+    let index = |value: Option<u16>| value.map(|value| (value + 1).to_string()).unwrap_or_default();
+    writeln!(
+        out,
+        "{:20} {:16} {:13} {:5} {:>4} {:>3}  {:18} {:>8} {:>10}{}",
+        utc(r.decided_utc_ns),
+        r.kind(),
+        if r.reason == "None" { "" } else { &r.reason },
+        r.hand,
+        index(r.activity),
+        index(r.iu),
+        format!("{:?}", r.x_c),
+        number(r.distance),
+        number(r.threshold),
+        if r.early { "  early" } else { "" },
+    )
+}
+
+fn write_gap(out: &mut impl Write, gap: &Gap) -> std::io::Result<()> {
+    let last = gap.last_seq.map_or("?".into(), |seq| seq.to_string());
+    writeln!(
+        out,
+        "{:20} -- gap: {}, verdicts {} to {last} of epoch {}",
+        utc(gap.utc_ns),
+        gap.why,
+        gap.first_seq,
+        gap.epoch
+    )
+}
+
+/// The time to the second, which is enough for a reader, or as a number where it is beyond the calendar.
+fn utc(ns: u64) -> String {
+    let second =
+        i64::try_from(ns / 1_000_000_000).ok().and_then(|second| Timestamp::from_second(second).ok());
+    second.map_or_else(|| ns.to_string(), |time| time.to_string())
+}

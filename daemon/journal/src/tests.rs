@@ -1,0 +1,316 @@
+#![allow(clippy::unwrap_used)]
+use super::*;
+use shm_schemas::{NO_INDEX, VerdictLevel, VerdictOutcome, VerdictReason};
+
+const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
+const DAY_NS: u64 = 86_400_000_000_000;
+
+fn verdict(epoch: u64, seq: u64) -> Verdict {
+    let mut verdict = Verdict {
+        level: VerdictLevel::Activity.code(),
+        outcome: VerdictOutcome::Ok.code(),
+        job_id: 3,
+        distance: f32::NAN,
+        threshold: 2.5,
+        activity: 1,
+        iu: NO_INDEX,
+        decided_utc_ns: seq * 1_000_000_000,
+        ..Default::default()
+    };
+    verdict.station[..6].copy_from_slice(b"bench1");
+    (verdict.stamp.epoch, verdict.stamp.seq) = (epoch, seq);
+    verdict
+}
+
+struct Bench {
+    dir: tempfile::TempDir,
+    journal: Journal,
+}
+
+impl Bench {
+    fn new() -> Self {
+        Self::keeping(KEEP)
+    }
+
+    fn keeping(retention: Retention) -> Self {
+        let dir = tempfile::tempdir().unwrap();
+        let journal = Journal::open(&dir.path().join("j.sqlite"), retention).unwrap();
+        Self { dir, journal }
+    }
+
+    fn path(&self) -> PathBuf {
+        self.dir.path().join("j.sqlite")
+    }
+
+    fn send(&mut self, epoch: u64, seqs: impl IntoIterator<Item = u64>) {
+        for seq in seqs {
+            self.append(&verdict(epoch, seq)).unwrap();
+        }
+    }
+
+    /// Writes one verdict, as the role does when one has arrived.
+    fn append(&mut self, verdict: &Verdict) -> Result<(), JournalError> {
+        self.journal.push(verdict);
+        self.journal.flush()
+    }
+
+    fn entries(&self, query: &Query) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        let collect = |entry| {
+            entries.push(entry);
+            Ok(())
+        };
+        History::open(&self.path()).unwrap().visit(query, collect).unwrap();
+        entries
+    }
+
+    /// One line per entry: `v EPOCH SEQ` or `WHY EPOCH FIRST-LAST`.
+    fn lines(&self, query: &Query) -> Vec<String> {
+        self.entries(query)
+            .iter()
+            .map(|entry| match entry {
+                Entry::Verdict(record) => format!("v {} {}", record.epoch, record.seq),
+                Entry::Gap(gap) => {
+                    let last = gap.last_seq.map_or("?".into(), |last| last.to_string());
+                    format!("{} {} {}-{last}", gap.why, gap.epoch, gap.first_seq)
+                }
+            })
+            .collect()
+    }
+}
+
+#[test]
+fn a_verdict_comes_back_as_it_was_written() {
+    let mut bench = Bench::new();
+    let mut sent = verdict(u64::MAX, 1);
+    sent.outcome = VerdictOutcome::Anomaly.code();
+    sent.reason = VerdictReason::Motion.code();
+    sent.model_hash = 0xFFFF_0000_0000_0001;
+    sent.x_c = [1, 2, 2, 65535];
+    bench.append(&sent).unwrap();
+    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: u64::MAX, seq: 1 }));
+    let entries = bench.entries(&Query::default());
+    let [Entry::Verdict(record)] = entries.as_slice() else { unreachable!("{entries:?}") };
+    assert_eq!(
+        (record.level.as_str(), record.outcome.as_str(), record.reason.as_str()),
+        ("activity", "anomaly", "Motion")
+    );
+    assert_eq!((record.epoch, record.model_hash.as_str()), (u64::MAX, "ffff000000000001"));
+    assert_eq!((record.activity, record.iu, record.x_c), (Some(1), None, [1, 2, 2, 65535]));
+    assert_eq!((record.distance, record.threshold, record.station.as_str()), (None, Some(2.5), "bench1"));
+}
+
+#[test]
+fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("j.sqlite");
+    let old = Connection::open(&path).unwrap();
+    old.execute_batch(schema::MIGRATIONS[0]).unwrap();
+    old.pragma_update(None, "user_version", 1).unwrap();
+    // A judged IU, an activity that was not judged, and a job that was not.
+    for (seq, kind, ok, activity, iu) in [
+        (1, "IuAnomaly", Some(false), Some(0), Some(2)),
+        (2, "NotJudged", None, Some(0), None),
+        (3, "NotJudged", None, None::<u16>, None),
+    ] {
+        old.execute(
+            "INSERT INTO verdict (epoch, seq, kind, reason, ok, hand, station, job_id, model_hash, activity, iu, x_c0,
+             x_c1, x_c2, x_c3, early, began_ns, ended_ns, decided_ns, decided_utc_ns, frame_seq, captured_ns, sent_ns)
+             VALUES (1, ?1, ?2, 'None', ?3, 'None', 'bench1', 3, '', ?4, ?5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)",
+            rusqlite::params![seq, kind, ok, activity, iu],
+        )
+        .unwrap();
+    }
+    drop(old);
+    let mut bench = Bench { journal: Journal::open(&path, KEEP).unwrap(), dir };
+    bench.append(&verdict(1, 4)).unwrap();
+    let words: Vec<String> = bench
+        .entries(&Query::default())
+        .iter()
+        .map(|entry| match entry {
+            Entry::Verdict(record) => format!("{} {} {}", record.kind(), record.level, record.outcome),
+            Entry::Gap(gap) => format!("{gap:?}"),
+        })
+        .collect();
+    assert_eq!(
+        words,
+        [
+            "IuAnomaly iu anomaly",
+            "NotJudged activity not_judged",
+            "NotJudged job not_judged",
+            "ActivityOk activity ok"
+        ]
+    );
+}
+
+#[test]
+fn a_jump_in_the_numbers_and_a_restart_of_the_judge_are_recorded_as_gaps() {
+    let mut bench = Bench::new();
+    bench.send(5, [3, 4, 7]);
+    bench.send(2, [1, 2]);
+    bench.send(9, [3]);
+    let expected = [
+        "lost 5 1-2",
+        "v 5 3",
+        "v 5 4",
+        "lost 5 5-6",
+        "v 5 7",
+        "restart 5 8-?",
+        "v 2 1",
+        "v 2 2",
+        "restart 2 3-?",
+        "lost 9 1-2",
+        "v 9 3",
+    ];
+    assert_eq!(bench.lines(&Query::default()), expected);
+}
+
+#[test]
+fn a_verdict_that_arrives_twice_is_written_once_even_across_a_restart_of_the_journal() {
+    let mut bench = Bench::new();
+    bench.send(1, [1, 2, 2]);
+    bench.journal = Journal::open(&bench.path(), KEEP).unwrap();
+    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: 2 }));
+    bench.send(1, [1, 2, 3]);
+    assert_eq!(bench.lines(&Query::default()), ["v 1 1", "v 1 2", "v 1 3"]);
+}
+
+#[test]
+fn queries_select_verdicts_and_never_hide_a_gap() {
+    let mut bench = Bench::new();
+    bench.send(1, [1, 2]);
+    let mut nok = verdict(1, 5);
+    nok.outcome = VerdictOutcome::Anomaly.code();
+    nok.job_id = 4;
+    bench.append(&nok).unwrap();
+    let mut blind = verdict(1, 6);
+    blind.outcome = VerdictOutcome::NotJudged.code();
+    bench.append(&blind).unwrap();
+    let all = Query::default();
+    assert_eq!(bench.lines(&Query { nok: true, ..all }), ["lost 1 3-4", "v 1 5", "v 1 6"]);
+    assert_eq!(bench.lines(&Query { job_id: Some(4), ..all }), ["lost 1 3-4", "v 1 5"]);
+    assert_eq!(bench.lines(&Query { since_utc_ns: Some(6_000_000_000), ..all }), ["v 1 6"]);
+}
+
+#[test]
+fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
+    let mut bench = Bench::new();
+    bench.send(1, [1, 3]);
+    let mut csv = Vec::new();
+    History::open(&bench.path()).unwrap().export_csv(&Query::default(), &mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    let lines: Vec<&str> = csv.split("\r\n").collect();
+    assert_eq!(
+        lines[1],
+        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,0.000000000,\
+         0.000000000,0.000000000,1,1,"
+    );
+    assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
+    assert!(lines[2].ends_with(",1,2,2"));
+    assert_eq!(lines.len(), 5);
+    for line in &lines[..4] {
+        assert_eq!(line.split(',').count(), 26, "{line}");
+    }
+}
+
+#[test]
+fn on_a_full_disk_nothing_is_confirmed_and_the_queue_is_written_when_there_is_room() {
+    let mut bench = Bench::new();
+    let pages: u32 = bench.journal.connection.query_row("PRAGMA page_count", [], |row| row.get(0)).unwrap();
+    bench.journal.connection.pragma_update(None, "max_page_count", pages + 3).unwrap();
+    let mut seq = 0;
+    let error = loop {
+        seq += 1;
+        match bench.append(&verdict(1, seq)) {
+            Ok(()) => assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq })),
+            Err(error) => break error,
+        }
+    };
+    assert!(matches!(error, JournalError::Full { waiting: 1, .. }), "{error}");
+    assert!(bench.append(&verdict(1, seq + 1)).is_err());
+    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: seq - 1 }));
+    bench.journal.connection.pragma_update(None, "max_page_count", 1_000_000).unwrap();
+    bench.journal.flush().unwrap();
+    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: seq + 1 }));
+    assert_eq!(bench.lines(&Query::default()).len() as u64, seq + 1, "every one, and no gap");
+}
+
+#[test]
+fn verdicts_that_do_not_fit_the_queue_become_a_gap() {
+    let mut bench = Bench::new();
+    bench.send(1, [1]);
+    let other = Connection::open(bench.path()).unwrap();
+    other.execute_batch("BEGIN IMMEDIATE").unwrap();
+    bench.journal.connection.busy_timeout(Duration::ZERO).unwrap();
+    for seq in 2..=MAX_WAITING as u64 + 3 {
+        let error = bench.append(&verdict(1, seq)).unwrap_err();
+        assert!(matches!(error, JournalError::Locked { .. }), "{error}");
+    }
+    assert_eq!(bench.journal.waiting(), MAX_WAITING);
+    other.execute_batch("COMMIT").unwrap();
+    bench.journal.flush().unwrap();
+    assert_eq!(bench.lines(&Query::default())[..3], ["v 1 1", "lost 1 2-3", "v 1 4"]);
+}
+
+#[test]
+fn verdicts_that_are_too_old_are_removed_and_a_gap_names_them() {
+    let mut bench = Bench::keeping(Retention { keep_days: 2, ..KEEP });
+    for seq in 1..=10 {
+        let mut old = verdict(1, seq);
+        old.decided_utc_ns = seq * DAY_NS;
+        bench.append(&old).unwrap();
+    }
+    bench.journal = Journal::open(&bench.path(), Retention { keep_days: 2, ..KEEP }).unwrap();
+    assert_eq!(bench.lines(&Query::default()), ["retention 1 1-7", "v 1 8", "v 1 9", "v 1 10"]);
+    assert_eq!(bench.journal.removed(), 7);
+    bench.journal = Journal::open(&bench.path(), Retention { keep_days: 1, ..KEEP }).unwrap();
+    assert_eq!(bench.lines(&Query::default()), ["retention 1 1-8", "v 1 9", "v 1 10"]);
+}
+
+#[test]
+fn a_database_that_is_too_large_shrinks_and_keeps_its_newest() {
+    let mut bench = Bench::new();
+    bench.journal.connection.pragma_update(None, "synchronous", "OFF").unwrap();
+    bench.send(1, 1..=9000);
+    drop(bench.journal);
+    let size = || std::fs::metadata(bench.dir.path().join("j.sqlite")).unwrap().len();
+    let before = size();
+    assert!(before > 1 << 20, "{before}");
+    let path = bench.dir.path().join("j.sqlite");
+    let retention = Retention { keep_mb: 1, ..KEEP };
+    for _ in 0..4 {
+        drop(Journal::open(&path, retention).unwrap());
+    }
+    assert!(size() <= before / 2 + (1 << 20), "{} of {before}", size());
+    let journal = Journal::open(&path, retention).unwrap();
+    assert_eq!(journal.newest(), Some(Confirmed { epoch: 1, seq: 9000 }));
+}
+
+#[test]
+fn a_clock_that_jumps_ahead_does_not_empty_the_journal_at_once() {
+    let mut bench = Bench::new();
+    bench.journal.connection.pragma_update(None, "synchronous", "OFF").unwrap();
+    bench.send(1, 1..=3000);
+    let mut future = verdict(1, 3001);
+    future.decided_utc_ns = 40_000 * DAY_NS;
+    bench.append(&future).unwrap();
+    bench.journal = Journal::open(&bench.path(), Retention { keep_days: 30, ..KEEP }).unwrap();
+    assert_eq!(bench.lines(&Query::default()).len(), 1 + 1001);
+}
+
+#[test]
+fn a_journal_of_a_newer_andon_and_a_file_that_is_no_journal_are_refused_with_a_remedy() {
+    let bench = Bench::new();
+    bench.journal.connection.pragma_update(None, "user_version", 99).unwrap();
+    let error = Journal::open(&bench.path(), KEEP).unwrap_err().to_string();
+    assert!(error.contains("schema 99") && error.contains("install the newer Andon"), "{error}");
+
+    let other = bench.dir.path().join("other");
+    std::fs::write(&other, [b'x'; 5000]).unwrap();
+    let error = Journal::open(&other, KEEP).unwrap_err().to_string();
+    assert!(error.contains("no journal") && error.contains("move it away"), "{error}");
+    let error = Journal::open(&bench.dir.path().join("no/dir"), KEEP).unwrap_err().to_string();
+    assert!(error.contains("does its directory exist"), "{error}");
+    let error = History::open(&bench.dir.path().join("none")).unwrap_err();
+    assert!(matches!(error, JournalError::Open { .. }), "a reader makes no journal: {error}");
+}

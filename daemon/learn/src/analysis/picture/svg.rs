@@ -1,0 +1,67 @@
+//! Text of an SVG picture.
+
+use std::fmt::Write as _;
+
+/// Colours of text, lines and marks. They are the same in every picture, so that a page can have several.
+const STYLE: &str = "<style>\
+.t{font:12px system-ui,sans-serif;fill:#30363d}.s{font-size:10px}.n{font-weight:600}.e{text-anchor:end}.m{text-anchor:middle}\
+.a{stroke:#8b949e;fill:none}.g{stroke:#8b949e;stroke-opacity:.35;fill:none}.w{stroke:#8b949e;stroke-opacity:.6;fill:none}\
+.b{stroke:#0b5cad;stroke-width:2;fill:none}.o{stroke:#c2410c;stroke-width:2;fill:none}.p{fill:#0b5cad}.d{fill:#c2410c}\
+.h{fill:#5b8def}.k{stroke:#fff;stroke-width:1.5}\
+@media(prefers-color-scheme:dark){.t{fill:#d0d7de}.b{stroke:#6cb6ff}.o{stroke:#ff9d5c}.p{fill:#6cb6ff}.d{fill:#ff9d5c}.k{stroke:#0d1117}}\
+</style>";
+
+/// A picture that is being drawn.
+pub(super) struct Svg {
+    text: String,
+}
+
+impl Svg {
+    pub(super) fn new(width: f64, height: f64, title: &str) -> Self {
+        let mut text = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" role=\"img\">\
+             <title>{}</title>",
+            escaped(title)
+        );
+        text += STYLE;
+        Self { text }
+    }
+
+    pub(super) fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
+        self.add(format_args!(
+            "<text x=\"{x:.1}\" y=\"{y:.1}\" class=\"t {class}\">{}</text>",
+            escaped(text)
+        ));
+    }
+
+    pub(super) fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
+        let ([x1, y1], [x2, y2]) = (from, to);
+        self.add(format_args!(
+            "<line class=\"{class}\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>"
+        ));
+    }
+
+    pub(super) fn polyline(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
+        let mut all = String::new();
+        for [x, y] in points {
+            // Writing to a string cannot fail.
+            let _ = write!(all, "{x:.1},{y:.1} ");
+        }
+        self.add(format_args!("<polyline class=\"{class}\" points=\"{}\"/>", all.trim_end()));
+    }
+
+    pub(super) fn add(&mut self, element: std::fmt::Arguments<'_>) {
+        // Writing to a string cannot fail.
+        let _ = self.text.write_fmt(element);
+    }
+
+    pub(super) fn finish(mut self) -> String {
+        self.text += "</svg>\n";
+        self.text
+    }
+}
+
+/// Escapes text for XML and HTML.
+pub(in crate::analysis) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

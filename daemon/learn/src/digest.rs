@@ -1,0 +1,8 @@
+//! SHA-256 digests, by which recordings and job files are identified.
+
+use sha2::{Digest, Sha256};
+
+/// The SHA-256 digest of these bytes, as 64 lower-case hexadecimal digits.
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}

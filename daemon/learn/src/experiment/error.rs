@@ -1,0 +1,32 @@
+//! Why an experiment could not be carried out.
+
+use crate::teach::TeachError;
+use andon_core::anomaly::Unusable;
+
+/// Why an experiment could not be carried out.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// There are not enough recordings.
+    #[error(
+        "the second experiment needs more than 14 correct executions (p<person>_none_r<repetition>) and some flawed ones \
+         (p<person>_J1_r1, p<person>_J2_r1); there are {correct} and {flawed}"
+    )]
+    TooFew {
+        /// Number of correct executions.
+        correct: usize,
+        /// Number of flawed executions.
+        flawed: usize,
+    },
+    /// No job could be taught.
+    #[error(transparent)]
+    Teach(#[from] TeachError),
+    /// A taught job cannot be used by the judge.
+    #[error("the taught job cannot be used by the judge: {0:?}")]
+    Unusable(Unusable),
+}
+
+impl From<Unusable> for ExperimentError {
+    fn from(unusable: Unusable) -> Self {
+        Self::Unusable(unusable)
+    }
+}

@@ -1,0 +1,86 @@
+//! The rules by which thresholds and bounds are chosen. A job file records the rules that it was taught with.
+
+use serde::Deserialize;
+
+/// How the threshold of an IU is derived from its demonstrations.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(tag = "name", rename_all = "snake_case", deny_unknown_fields)]
+pub enum ThresholdRule {
+    /// The paper's rule (IV-B): the mean plus `sigmas` standard deviations of the distances to the barycentre of all demonstrations.
+    /// It is optimistic, because every demonstration has shaped the barycentre that it is measured against.
+    Paper {
+        /// Number of standard deviations above the mean; 2 in the paper.
+        sigmas: f64,
+    },
+    /// Like the paper's rule, but with the distance of each demonstration to the barycentre of the others.
+    LeaveOneOut {
+        /// Number of standard deviations above the mean.
+        sigmas: f64,
+        /// Time in seconds for which an IU may begin or end like its neighbour, with the hand moving in the opposite direction.
+        /// Contacts begin and end by distance, and the point of a movement at which that happens differs from one execution to the
+        /// next. The allowance widens the thresholds of short IUs, and hardly those of long ones.
+        /// A job file without this key was taught without the allowance.
+        #[serde(default)]
+        border_s: f64,
+    },
+    /// The leave-one-out distance that at most this share of correct executions exceeds. It is chosen by rank, without any
+    /// assumption about the distribution of the distances (jackknife+ style). `n` demonstrations cannot promise less than `1 / (n + 1)`.
+    Conformal {
+        /// Share of correct executions that may be judged anomalous, 0 to 1.
+        false_alarms: f64,
+    },
+}
+
+impl ThresholdRule {
+    /// The paper's rule with the paper's number of standard deviations.
+    pub const PAPER: Self = Self::Paper { sigmas: 2.0 };
+}
+
+impl Default for ThresholdRule {
+    /// The rule that measured best on simulated people who were held out, with the development seeds.
+    fn default() -> Self {
+        Self::LeaveOneOut { sigmas: 4.0, border_s: 0.17 }
+    }
+}
+
+/// How the bounds of duration and of reversals are derived from the demonstrations of an IU.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoundsRule {
+    /// Minimum duration, as a share of the shortest demonstration.
+    pub min_duration: f64,
+    /// Maximum duration, as a multiple of the longest demonstration; `pause_s` is added to it.
+    pub max_duration: f64,
+    /// Length in seconds of a pause that is no anomaly.
+    pub pause_s: f64,
+    /// Minimum number of reversals, as a share of the smallest number in any demonstration.
+    pub min_reversals: f64,
+    /// Maximum number of reversals, as a multiple of the largest number in any demonstration.
+    pub max_reversals: f64,
+}
+
+impl BoundsRule {
+    /// No bounds, as in the paper.
+    pub const NONE: Self = Self {
+        min_duration: 0.0,
+        max_duration: f64::MAX,
+        pause_s: 0.0,
+        min_reversals: 0.0,
+        max_reversals: f64::MAX,
+    };
+}
+
+impl Default for BoundsRule {
+    fn default() -> Self {
+        Self {
+            // Half of a step is missing at 0.5; a person in a hurry needs 0.7 of the usual time.
+            min_duration: 0.55,
+            // Half speed takes twice the time.
+            max_duration: 2.5,
+            pause_s: 3.0,
+            // Half of the strokes are missing at 0.5; one stroke more or less of six is 0.83.
+            min_reversals: 0.7,
+            max_reversals: 1.5,
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! Statistics of small samples.
+
+/// The mean; 0 if there are no values.
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
+}
+
+/// The standard deviation with `n - freedom` in the denominator; 0 if the denominator is not positive.
+pub(crate) fn deviation(values: &[f64], freedom: usize) -> f64 {
+    let centre = mean(values);
+    let squares = values.iter().map(|value| (value - centre).powi(2)).sum::<f64>();
+    match values.len().checked_sub(freedom) {
+        None | Some(0) => 0.0,
+        Some(count) => (squares / count as f64).sqrt(),
+    }
+}
+
+/// The median, for an even number of values the lower of the two in the middle; 0 if there are no values.
+pub(crate) fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default()
+}

@@ -1,0 +1,134 @@
+//! How to teach, and why nothing was taught.
+
+use crate::rule::{BoundsRule, ThresholdRule};
+use andon_core::capacity::IU_FRAMES;
+use andon_core::config::Method;
+use andon_core::dtw::Refused;
+use andon_core::job::LocalCost;
+
+/// How to teach.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TeachOptions {
+    /// The number by which a PLC selects the job.
+    pub id: u32,
+    /// The name that people use for the job.
+    pub name: String,
+    /// The date of teaching; it is copied into the job file as it is.
+    pub date: String,
+    /// Program and version; they are copied into the job file as they are.
+    pub program: String,
+    /// The constants that the runs were encoded with.
+    pub method: Method,
+    /// How motions are compared.
+    pub cost: LocalCost,
+    /// The job's [`max_slowdown`](andon_core::job::Job::max_slowdown), 1 or more.
+    pub max_slowdown: f32,
+    /// How thresholds are chosen.
+    pub rule: ThresholdRule,
+    /// How bounds are chosen.
+    pub bounds: BoundsRule,
+    /// Whether the order of activities matters. `None`: it matters if at least two runs are used and all of them have the same order.
+    pub order_matters: Option<bool>,
+}
+
+impl TeachOptions {
+    /// The default of [`max_slowdown`](Self::max_slowdown): half speed is no anomaly.
+    pub const DEFAULT_MAX_SLOWDOWN: f32 = 2.0;
+
+    /// The default rules, which measured best on simulated people who were held out, with the development seeds.
+    pub fn new(name: &str, date: &str, method: Method) -> Self {
+        Self {
+            id: 1,
+            name: name.to_owned(),
+            date: date.to_owned(),
+            program: concat!("andond ", env!("CARGO_PKG_VERSION")).to_owned(),
+            cost: LocalCost::Circular { bins: method.bins },
+            method,
+            max_slowdown: Self::DEFAULT_MAX_SLOWDOWN,
+            rule: ThresholdRule::default(),
+            bounds: BoundsRule::default(),
+            order_matters: None,
+        }
+    }
+
+    /// Checks that every number is in its range.
+    ///
+    /// # Errors
+    /// [`TeachError::Option`] for the first one that is not.
+    pub(super) fn check(&self) -> Result<(), TeachError> {
+        match self.rule {
+            ThresholdRule::Paper { sigmas } => at_least(0.0, "sigmas", sigmas)?,
+            ThresholdRule::LeaveOneOut { sigmas, border_s } => {
+                at_least(0.0, "sigmas", sigmas)?;
+                at_least(0.0, "border_s", border_s)?;
+            }
+            ThresholdRule::Conformal { false_alarms: value } => {
+                let is_share = value > 0.0 && value < 1.0;
+                option(is_share, "false_alarms", value, "greater than 0 and less than 1")?;
+            }
+        }
+        at_least(1.0, "max_slowdown", f64::from(self.max_slowdown))?;
+        let bounds = self.bounds;
+        for (name, share) in [("min_duration", bounds.min_duration), ("min_reversals", bounds.min_reversals)]
+        {
+            option((0.0..=1.0).contains(&share), name, share, "0 to 1")?;
+        }
+        at_least(1.0, "max_duration", bounds.max_duration)?;
+        at_least(1.0, "max_reversals", bounds.max_reversals)?;
+        at_least(0.0, "pause_s", bounds.pause_s)
+    }
+}
+
+fn at_least(min: f64, name: &'static str, value: f64) -> Result<(), TeachError> {
+    option(value >= min && value.is_finite(), name, value, if min == 0.0 { "0 or more" } else { "1 or more" })
+}
+
+fn option(is_kept: bool, name: &'static str, value: f64, range: &'static str) -> Result<(), TeachError> {
+    if is_kept { Ok(()) } else { Err(TeachError::Option { name, value, range }) }
+}
+
+/// Why nothing was taught.
+#[derive(Debug, thiserror::Error)]
+pub enum TeachError {
+    /// No run was given.
+    #[error("there is no run to learn from: give at least one recording of the whole job")]
+    NoRun,
+    /// No run has an activity, or no step is common to most of them.
+    #[error(
+        "the {0} runs have no activity in common: check that the hand touches the objects (interaction points, contact distances) \
+         and that all runs show the same job"
+    )]
+    NothingInCommon(usize),
+    /// The job exceeds a capacity of the method.
+    #[error("the job needs {needed} {what}; at most {max} can be judged: split the job")]
+    Full {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many the job needs.
+        needed: usize,
+        /// How many there may be.
+        max: usize,
+    },
+    /// An IU cannot be compared.
+    #[error("run {run}, activity {activity}, IU {iu}: {refused}; at most {IU_FRAMES} frames can be compared")]
+    Iu {
+        /// The run's name.
+        run: String,
+        /// Index of the activity in the run, from 1.
+        activity: usize,
+        /// Index of the IU in the activity, from 1.
+        iu: usize,
+        /// Why it cannot be compared.
+        refused: Refused,
+    },
+    /// An option is out of its range.
+    #[error("{name} is {value}; it must be {range}")]
+    Option {
+        /// The option's name.
+        name: &'static str,
+        /// The option's value.
+        value: f64,
+        /// The values that it may have.
+        range: &'static str,
+    },
+}

@@ -1,0 +1,41 @@
+//! Cameras and films in, films out: the part of the daemon that links OpenCV's `videoio`, as a library for its binary and its tests.
+//!
+//! [`capture`] is the role; [`open`] gives it the [`source`] that the configuration names. [`film`] serves the tools of `andond` over a pipe.
+#![forbid(unsafe_code)]
+
+pub mod capture;
+mod device;
+pub mod film;
+mod rate;
+#[cfg(feature = "realsense")]
+mod realsense;
+mod recording;
+pub mod source;
+
+use andond::config::{Config, Source as Configured};
+use andond::video::OpenError;
+
+use source::Source;
+
+/// Opens the source that the configuration names.
+///
+/// # Errors
+/// [`OpenError`]: what is wrong with the camera or the recording, and what to do about it.
+pub fn open(config: &Config) -> Result<Box<dyn Source>, OpenError> {
+    let camera = &config.camera;
+    let path = camera.path.clone().unwrap_or_default();
+    match camera.source {
+        Configured::Video | Configured::Images => recording::open(&path, camera.rate_hz.into())
+            .map_err(|message| OpenError::Gone(format!("{}: {message}", path.display()))),
+        Configured::V4l2 => Ok(Box::new(device::Device::open(camera)?)),
+        Configured::Tracks => Err(OpenError::Refused(
+            "a track file has no pictures: the role perceive plays it, capture is not needed".into(),
+        )),
+        #[cfg(feature = "realsense")]
+        Configured::Realsense | Configured::Bag => Ok(Box::new(realsense::RealSense::open(config)?)),
+        #[cfg(not(feature = "realsense"))]
+        Configured::Realsense | Configured::Bag => Err(OpenError::Unsupported(
+            "this build has no RealSense support: build with --features andon-video/realsense".into(),
+        )),
+    }
+}

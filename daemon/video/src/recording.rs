@@ -1,0 +1,224 @@
+//! Films and folders of pictures, read by OpenCV.
+
+use std::path::{Path, PathBuf};
+
+use andond::video::pipe::PictureFormat;
+use opencv::core::{Mat, MatTraitConst, Vec3b};
+use opencv::imgcodecs;
+use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst};
+
+use crate::source::Source;
+
+/// The rate of a film or a device that does not tell its own.
+const DEFAULT_RATE_HZ: f64 = 30.0;
+
+/// Opens a film, or a folder of pictures that is played at `rate_hz`.
+pub(crate) fn open(path: &Path, rate_hz: f64) -> Result<Box<dyn Source>, String> {
+    if path.is_dir() {
+        return Ok(Box::new(Folder::open(path, rate_hz)?));
+    }
+    if !path.exists() {
+        return Err("no such file; give a film or a folder of pictures".into());
+    }
+    Ok(Box::new(Film::open(path)?))
+}
+
+/// Lets OpenCV write the next picture of `capture` into the caller's memory; false at the end.
+pub(crate) fn read_in_place(
+    capture: &mut VideoCapture,
+    format: PictureFormat,
+    picture: &mut [u8],
+) -> Result<bool, String> {
+    let at = picture.as_ptr();
+    let mut mat =
+        Mat::new_rows_cols_with_bytes_mut::<Vec3b>(format.height as i32, format.width as i32, picture)
+            .map_err(|error| error.to_string())?;
+    let read = capture.read(&mut mat).map_err(|error| error.to_string())?;
+    // OpenCV keeps the given buffer while size and type fit, and allocates another one when they do not.
+    if read && mat.data() != at {
+        return Err("the pictures change their size or colour format in mid-stream".into());
+    }
+    Ok(read)
+}
+
+fn property(capture: &VideoCapture, property: i32) -> f64 {
+    capture.get(property).unwrap_or(0.0)
+}
+
+pub(crate) fn format_of(capture: &VideoCapture) -> Result<PictureFormat, String> {
+    let width = property(capture, videoio::CAP_PROP_FRAME_WIDTH);
+    let height = property(capture, videoio::CAP_PROP_FRAME_HEIGHT);
+    let rate_hz = property(capture, videoio::CAP_PROP_FPS);
+    if !(width >= 1.0 && height >= 1.0) {
+        return Err("it holds no pictures".into());
+    }
+    Ok(PictureFormat {
+        width: width as u32,
+        height: height as u32,
+        rate_hz: if rate_hz.is_finite() && rate_hz > 0.0 { rate_hz } else { DEFAULT_RATE_HZ },
+        count: property(capture, videoio::CAP_PROP_FRAME_COUNT).max(0.0) as u64,
+    })
+}
+
+/// A video file.
+struct Film {
+    capture: VideoCapture,
+    format: PictureFormat,
+    shown: u64,
+    times: Times,
+}
+
+/// The times at which the pictures of a film are due.
+#[derive(Default)]
+struct Times {
+    /// The container's time of the first picture.
+    first_ms: Option<f64>,
+    /// The times of the container do not keep to the rate.
+    vary: bool,
+    newest_ns: Option<u64>,
+}
+
+impl Times {
+    /// Time of the picture at `index` in a film of this rate, in nanoseconds since the first; `container_ms` is the container's time.
+    ///
+    /// Containers round their times, while the rate is exact and the same on every machine. So the rate decides until a picture is half
+    /// a period away from it: telephones and screen recorders write films without a fixed rate.
+    fn of(&mut self, index: u64, rate_hz: f64, container_ms: f64) -> u64 {
+        let by_rate_ns = index as f64 * 1e9 / rate_hz;
+        let container_ns = 1e6 * (container_ms - *self.first_ms.get_or_insert(container_ms));
+        // A container without times reports 0.
+        self.vary |= container_ns > 0.0 && (container_ns - by_rate_ns).abs() > 0.5e9 / rate_hz;
+        let ns = (if self.vary { container_ns } else { by_rate_ns }).round().max(0.0) as u64;
+        let ns = self.newest_ns.map_or(ns, |newest_ns| ns.max(newest_ns + 1));
+        self.newest_ns = Some(ns);
+        ns
+    }
+}
+
+impl Film {
+    fn open(path: &Path) -> Result<Self, String> {
+        let capture =
+            VideoCapture::from_file(path, videoio::CAP_FFMPEG).map_err(|error| error.to_string())?;
+        if !capture.is_opened().unwrap_or(false) {
+            return Err("it is not a film that this machine can decode; H.264 in MP4 always works".into());
+        }
+        let format = format_of(&capture)?;
+        Ok(Self { capture, format, shown: 0, times: Times::default() })
+    }
+}
+
+impl Source for Film {
+    fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
+        if !read_in_place(&mut self.capture, self.format, picture)? {
+            return self.end();
+        }
+        let container_ms = property(&self.capture, videoio::CAP_PROP_POS_MSEC);
+        let pts_ns = self.times.of(self.shown, self.format.rate_hz, container_ms);
+        self.shown += 1;
+        Ok(Some(pts_ns))
+    }
+}
+
+impl Film {
+    /// A decoder that meets damage reports the end of the film, so the number of pictures is checked. Containers round their length:
+    /// one second is tolerated.
+    fn end(&self) -> Result<Option<u64>, String> {
+        if self.shown as f64 + self.format.rate_hz < self.format.count as f64 {
+            return Err(format!(
+                "it breaks off after {} of {} pictures: it is damaged or was cut short, copy it again",
+                self.shown, self.format.count
+            ));
+        }
+        Ok(None)
+    }
+}
+
+/// A folder of pictures, in the order of their names.
+struct Folder {
+    pictures: Vec<PathBuf>,
+    format: PictureFormat,
+    shown: usize,
+}
+
+impl Folder {
+    fn open(path: &Path, rate_hz: f64) -> Result<Self, String> {
+        let listed = std::fs::read_dir(path).map_err(|error| error.to_string())?;
+        let mut pictures: Vec<PathBuf> = listed
+            .filter_map(|entry| entry.ok().map(|entry| entry.path()))
+            .filter(|path| {
+                let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+                matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg" | "bmp" | "tif" | "tiff"))
+            })
+            .collect();
+        pictures.sort();
+        let first = pictures.first().ok_or("the folder holds no picture (png, jpg, bmp, tif)")?;
+        let (width, height) = {
+            let mat = decode(first)?;
+            (mat.cols() as u32, mat.rows() as u32)
+        };
+        let format = PictureFormat { width, height, rate_hz, count: pictures.len() as u64 };
+        Ok(Self { pictures, format, shown: 0 })
+    }
+}
+
+fn decode(path: &Path) -> Result<Mat, String> {
+    let mat = imgcodecs::imread(path, imgcodecs::IMREAD_COLOR)
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    if mat.empty() { Err(format!("{}: not a picture that can be read", path.display())) } else { Ok(mat) }
+}
+
+impl Source for Folder {
+    fn format(&self) -> PictureFormat {
+        self.format
+    }
+
+    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
+        let Some(path) = self.pictures.get(self.shown) else { return Ok(None) };
+        let mat = decode(path)?;
+        let bytes = opencv::core::MatTraitConstManual::data_bytes(&mat).map_err(|error| error.to_string())?;
+        if bytes.len() != picture.len() || mat.cols() as u32 != self.format.width {
+            return Err(format!(
+                "{}: {} x {} pixels, but the first picture of the folder has {} x {}",
+                path.display(),
+                mat.cols(),
+                mat.rows(),
+                self.format.width,
+                self.format.height
+            ));
+        }
+        picture.copy_from_slice(bytes);
+        let pts_ns = (self.shown as f64 * 1e9 / self.format.rate_hz).round() as u64;
+        self.shown += 1;
+        Ok(Some(pts_ns))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(rate_hz: f64, container_ms: &[f64]) -> Vec<u64> {
+        let mut times = Times::default();
+        let pictures = (0..).zip(container_ms);
+        pictures.map(|(index, container_ms)| times.of(index, rate_hz, *container_ms) / 1_000_000).collect()
+    }
+
+    #[test]
+    fn a_film_of_a_fixed_rate_keeps_to_it_however_the_container_rounds() {
+        assert_eq!(times(40.0, &[7.0, 32.4, 56.6, 82.0]), [0, 25, 50, 75]);
+    }
+
+    #[test]
+    fn a_film_whose_container_has_no_times_keeps_to_its_rate() {
+        assert_eq!(times(40.0, &[0.0, 0.0, 0.0]), [0, 25, 50]);
+    }
+
+    #[test]
+    fn a_film_without_a_fixed_rate_has_the_times_of_its_container() {
+        assert_eq!(times(40.0, &[0.0, 25.0, 90.0, 115.0, 140.0]), [0, 25, 90, 115, 140]);
+    }
+}

@@ -1,0 +1,100 @@
+//! A clip, decoded by ffmpeg, frame by frame with its truth.
+
+use crate::Error;
+use crate::truth::{TrueFrame, Truth};
+use andon_perception::{ImageView, PixelFormat};
+use std::io::{BufReader, ErrorKind, Read};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+/// How the pictures are changed before they are looked at.
+pub(crate) struct Change {
+    /// An ffmpeg filter that changes pixels and moves none.
+    pub(crate) filter: Option<String>,
+    pub(crate) scale: f64,
+    pub(crate) mirror: bool,
+    /// Quality of a JPEG that every frame is encoded as first: 2 (best) to 31 (worst).
+    pub(crate) jpeg: Option<u8>,
+}
+
+impl Default for Change {
+    /// The clip as it is.
+    fn default() -> Self {
+        Self { filter: None, scale: 1.0, mirror: false, jpeg: None }
+    }
+}
+
+pub(crate) struct Clip {
+    pub(crate) truth: Truth,
+    shown: usize,
+    picture: Vec<u8>,
+    pipe: BufReader<ChildStdout>,
+    children: Vec<Child>,
+}
+
+/// A frame of a clip.
+pub(crate) struct Shown<'a> {
+    pub(crate) index: usize,
+    pub(crate) captured_ns: u64,
+    pub(crate) image: ImageView<'a>,
+    pub(crate) truth: &'a TrueFrame,
+}
+
+impl Clip {
+    pub(crate) fn open(path: &Path, change: &Change) -> Result<Self, Error> {
+        let truth = Truth::beside(path, change)?;
+        let mut filters = vec![format!("scale={}:{}:flags=bicubic", truth.width, truth.height)];
+        filters.extend(change.filter.clone());
+        filters.extend(change.mirror.then(|| "hflip".to_owned()));
+
+        let mut decoder = Command::new("ffmpeg");
+        decoder.args(["-v", "error", "-i"]).arg(path).args(["-vf", &filters.join(",")]);
+        let mut children = Vec::new();
+        if let Some(quality) = change.jpeg {
+            decoder.args(["-c:v", "mjpeg", "-q:v", &quality.to_string(), "-f", "matroska", "-"]);
+            let (child, pipe) = start(decoder)?;
+            children.push(child);
+            decoder = Command::new("ffmpeg");
+            decoder.args(["-v", "error", "-i", "-"]).stdin(pipe);
+        }
+        decoder.args(["-f", "rawvideo", "-pix_fmt", "bgr24", "-"]);
+        let (child, pipe) = start(decoder)?;
+        children.push(child);
+        let picture = vec![0; truth.width * truth.height * 3];
+        Ok(Self { truth, shown: 0, picture, pipe: BufReader::new(pipe), children })
+    }
+
+    /// The next frame; `None` after the last.
+    pub(crate) fn next(&mut self) -> Result<Option<Shown<'_>>, Error> {
+        match self.pipe.read_exact(&mut self.picture) {
+            Err(error) if error.kind() == ErrorKind::UnexpectedEof => return Ok(None),
+            outcome => outcome?,
+        }
+        let index = self.shown;
+        self.shown += 1;
+        let Truth { rate_hz, width, height, frames, .. } = &self.truth;
+        Ok(Some(Shown {
+            index,
+            captured_ns: (index as f64 / rate_hz * 1e9) as u64,
+            image: ImageView::new(*width, *height, width * 3, PixelFormat::Bgr8, &self.picture)?,
+            truth: frames.get(index).ok_or("the clip is longer than its truth")?,
+        }))
+    }
+}
+
+impl Drop for Clip {
+    fn drop(&mut self) {
+        for child in &mut self.children {
+            // It may have ended by itself.
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+fn start(mut command: Command) -> Result<(Child, ChildStdout), Error> {
+    let child = command.stdout(Stdio::piped()).spawn();
+    let mut child = child.map_err(|error| format!("ffmpeg cannot be started: {error}"))?;
+    let pipe = child.stdout.take().ok_or("ffmpeg has no output")?;
+    Ok((child, pipe))
+}

@@ -1,0 +1,57 @@
+//! Measures perception against clips whose truth is known.
+//!
+//! Every clip `NAME.mp4` has its truth beside it in `NAME.truth.jsonl` (see `tests/footage/README.md`). `ffmpeg` decodes the
+//! clips.
+
+mod carried;
+mod clip;
+mod detected;
+mod errors;
+mod metric;
+mod truth;
+
+use andon_perception::config::{HandsConfig, MarkersConfig};
+use andon_perception::{Perceiver, PerceptionConfig};
+use clap::{Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use truth::Truth;
+
+type Error = Box<dyn std::error::Error>;
+
+#[derive(Parser)]
+struct Arguments {
+    #[command(subcommand)]
+    measurement: Measurement,
+    /// Folder of the models and ONNX Runtime.
+    #[arg(long, global = true, env = "ANDON_RUNTIME", default_value = "target/runtime")]
+    runtime: PathBuf,
+}
+
+#[derive(Subcommand)]
+enum Measurement {
+    /// How well hands and markers are detected, and how long it takes: one row per clip.
+    Detected(detected::Arguments),
+    /// What is gained by moving a hidden object with the hand that carries it.
+    Carried {
+        /// Clips with their truth beside them.
+        #[arg(required = true)]
+        clips: Vec<PathBuf>,
+    },
+    /// How far landmarks and markers are from the truth in three dimensions.
+    Metric(metric::Arguments),
+}
+
+fn main() -> Result<(), Error> {
+    let Arguments { measurement, runtime } = Arguments::parse();
+    match measurement {
+        Measurement::Detected(arguments) => detected::run(&arguments, &runtime),
+        Measurement::Carried { clips } => carried::run(&clips, &runtime),
+        Measurement::Metric(arguments) => metric::run(&arguments, &runtime),
+    }
+}
+
+/// A perceiver for the objects of a clip.
+fn perceiver(runtime: &Path, truth: &Truth, hands: HandsConfig) -> Result<Perceiver, Error> {
+    let markers = MarkersConfig { objects: truth.objects.clone(), ..MarkersConfig::default() };
+    Ok(Perceiver::new(&PerceptionConfig { runtime: runtime.into(), hands, markers }, None)?)
+}

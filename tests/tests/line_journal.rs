@@ -1,0 +1,102 @@
+//! A whole line and a simulated worker: the journal and the tools say what the judge has sent.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_tests::line::{Line, Settings, Watcher};
+use andon_tests::simulator::Flaw;
+use shm_schemas::{RoleId, VerdictOutcome};
+use std::process::{Command, Output, Stdio};
+
+/// What a command that succeeded has printed.
+fn text(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// Plays the line's track file until every verdict on it is on disk, and stops the line.
+fn play(line: &mut Line) -> Watcher {
+    let mut watcher = line.launch();
+    let sent = watcher.until_judged();
+    watcher.until("the journal", |watcher| {
+        watcher.health(RoleId::Journal).is_some_and(|journal| journal.received == sent)
+    });
+    assert_eq!(line.stop(), [""; 0]);
+    watcher
+}
+
+#[test]
+fn every_verdict_that_was_sent_is_in_the_journal_once_and_in_order() {
+    let mut line = Line::new(Settings::default());
+    let watcher = play(&mut line);
+    let sent = watcher.verdict_keys();
+    assert!(sent.len() > 5, "the worker was judged: {}", sent.len());
+    assert_eq!(line.journal().verdicts(), sent);
+    let table = text(&line.command("history", &[]));
+    assert_eq!(table.lines().count(), sent.len() + 1);
+}
+
+#[test]
+fn the_judge_logs_when_a_job_begins_and_how_it_ends() {
+    let mut line = Line::new(Settings::default());
+    play(&mut line);
+    let log = line.log("judge");
+    let index_of = |code: &str| log.find(code).unwrap_or_else(|| panic!("no {code} in {log}"));
+    assert!(index_of("AND-303") < index_of("AND-304"), "{log}");
+    assert_eq!(log.matches("AND-303").count(), 1, "{log}");
+}
+
+#[test]
+fn history_shows_on_request_only_what_is_not_right() {
+    let mut line = Line::new(Settings { flaw: Flaw::WrongOrder, ..Settings::default() });
+    let watcher = play(&mut line);
+    let wrong = watcher.verdicts.iter().filter(|verdict| verdict.outcome() != Ok(VerdictOutcome::Ok)).count();
+    assert!(wrong > 0, "the worker did something wrong");
+    let table = text(&line.command("history", &["--nok"]));
+    assert_eq!(table.lines().count(), wrong + 1, "{table}");
+    let other_job = text(&line.command("history", &["--job", "99", "--csv"]));
+    assert_eq!(other_job.lines().count(), 1, "{other_job}");
+    let refused = line.command("history", &["--since", "yesterday"]);
+    assert_eq!(refused.status.code(), Some(64));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("8h"));
+}
+
+/// What `andond replay` prints for a recording, with this line's job.
+fn replayed(line: &Line, recording: &str) -> String {
+    let job = line.path("job.toml");
+    let output = line.command("replay", &["--json", "--job", job.to_str().unwrap(), recording]);
+    // The exit code is the verdict: 1 is an anomaly.
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+fn tail_prints_byte_for_byte_what_a_replay_of_the_same_tracks_and_of_the_line_s_own_recording_prints() {
+    let mut line = Line::new(Settings { flaw: Flaw::CutShort, ..Settings::default() });
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    let recording = line.path("recorded.tracks.jsonl");
+    let spawn = |command: &str, arguments: &[&str]| {
+        let mut tool = Command::new(andon_tests::line::andond());
+        tool.args([command, "--config"]).arg(line.config()).args(arguments);
+        tool.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    let tail = spawn("tail", &["--json"]);
+    let record = spawn("record", &["--out", recording.to_str().unwrap()]);
+    // Both tools must be members before the first frame.
+    while line.station.members().iter().filter(|member| member.name == "tool").count() < 3 {
+        watcher.listen(std::time::Duration::from_millis(20));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    line.start_all_but(&["steward"]);
+    let sent = watcher.until_judged();
+    let record = record.wait_with_output().unwrap();
+    assert!(record.status.success(), "{}", String::from_utf8_lossy(&record.stderr));
+    rustix::process::kill_process(
+        rustix::process::Pid::from_raw(i32::try_from(tail.id()).unwrap()).unwrap(),
+        rustix::process::Signal::TERM,
+    )
+    .unwrap();
+    let printed = text(&tail.wait_with_output().unwrap());
+    assert_eq!(printed.lines().count() as u64, sent);
+    assert_eq!(printed, replayed(&line, line.tracks().to_str().unwrap()));
+    assert_eq!(printed, replayed(&line, recording.to_str().unwrap()));
+}

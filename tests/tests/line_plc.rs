@@ -1,0 +1,196 @@
+//! The line as the PLC sees it: results only after the journal has them, read by our own client and by others' clients.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_tests::line::{Line, Modbus, Settings, Watcher, control, status};
+use rustix::process::Signal;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::time::Duration;
+
+/// A line at the worker's own pace, ready.
+fn ready(writes: bool) -> (Line, Watcher, Modbus) {
+    let mut line = Line::new(Settings { writes, ..Settings::live() });
+    let (watcher, plc) = up(&mut line, writes);
+    (line, watcher, plc)
+}
+
+fn up(line: &mut Line, writes: bool) -> (Watcher, Modbus) {
+    let watcher = line.launch();
+    let mut plc = Modbus::connect_when_up(line.port);
+    if writes {
+        plc.enable();
+    }
+    plc.wait_for(status::ONLINE | status::READY);
+    (watcher, plc)
+}
+
+#[test]
+fn a_result_is_offered_only_once_the_journal_has_it() {
+    let (mut line, mut watcher, mut plc) = ready(false);
+    line.role("journal").signal(Signal::STOP);
+    let before = watcher.verdicts.len();
+    watcher.until("a verdict that the journal cannot take", |watcher| watcher.verdicts.len() > before + 1);
+    let unwritten = watcher.newest_verdict_key().unwrap();
+    for _ in 0..20 {
+        assert!(plc.result() < unwritten, "a result is offered that is not on disk");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    line.role("journal").signal(Signal::CONT);
+    let until = std::time::Instant::now() + Duration::from_secs(60);
+    while plc.result() < unwritten {
+        assert!(std::time::Instant::now() < until, "the result is never offered");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(line.journal().verdicts().contains(&unwritten));
+}
+
+#[test]
+fn each_acknowledged_result_is_the_next_verdict_of_the_journal() {
+    let (line, _watcher, mut plc) = ready(true);
+    let mut taken = Vec::new();
+    for _ in 0..4 {
+        plc.wait_for(status::DONE);
+        taken.push(plc.result());
+        plc.acknowledge();
+    }
+    let rows = line.journal().verdicts();
+    let from = rows.iter().position(|row| *row == taken[0]).unwrap();
+    assert_eq!(&rows[from..from + taken.len()], taken);
+}
+
+/// Kills a role, waits until the PLC sees it, starts the role, and waits until the PLC sees the line ready.
+fn kill_and_start(line: &mut Line, plc: &mut Modbus, role: &'static str) {
+    line.role(role).kill();
+    let until = std::time::Instant::now() + Duration::from_secs(60);
+    while plc.status().unwrap() & status::READY != 0 {
+        assert!(std::time::Instant::now() < until, "{role} is gone and the line is still ready");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    line.start(role);
+    plc.wait_for(status::READY);
+}
+
+#[test]
+fn ready_drops_when_a_role_is_killed_and_comes_back_with_it() {
+    let (mut line, _watcher, mut plc) = ready(false);
+    for role in ["perceive", "encode", "judge", "journal", "steward"] {
+        kill_and_start(&mut line, &mut plc, role);
+    }
+    let log = line.log("plc");
+    assert!(log.contains("AND-510") && log.contains("AND-509"), "{log}");
+}
+
+#[test]
+fn ready_comes_back_without_a_verdict_while_nobody_works() {
+    let mut line = Line::new(Settings::live());
+    line.edit_tracks(|frames| frames.iter_mut().for_each(|frame| frame.hands.clear()));
+    let (watcher, mut plc) = up(&mut line, false);
+    kill_and_start(&mut line, &mut plc, "judge");
+    assert!(watcher.verdicts.is_empty());
+}
+
+#[test]
+fn the_error_register_names_the_fault_of_a_role_that_is_gone() {
+    let (mut line, _watcher, mut plc) = ready(true);
+    line.role("encode").kill();
+    plc.wait_for(status::ERROR);
+    assert_eq!(plc.read(4, 1).unwrap(), [3], "a process of the line is gone");
+}
+
+#[test]
+fn the_configuration_decides_which_register_of_a_value_comes_first() {
+    for (word_order, not_a_number) in [("big", [0x7FC0, 0]), ("little", [0, 0x7FC0])] {
+        let mut line = Line::new(Settings::default());
+        let text = std::fs::read_to_string(line.config()).unwrap();
+        let text = text.replace("[plc]\n", &format!("[plc]\nword_order = \"{word_order}\"\n"));
+        std::fs::write(line.config(), text).unwrap();
+        line.start("steward");
+        line.start("plc");
+        let mut plc = Modbus::connect_when_up(line.port);
+        // `distance`, which is no number before the first result.
+        assert_eq!(plc.read(31, 2).unwrap(), not_a_number, "{word_order}");
+    }
+}
+
+#[test]
+fn a_write_that_is_not_allowed_and_a_plc_that_leaves_are_logged() {
+    let (line, _watcher, mut plc) = ready(false);
+    assert!(plc.control(control::ENABLE).is_err());
+    line.wait_for_log("plc", "AND-505", "Set plc.writes = true");
+    drop(plc);
+    line.wait_for_log("plc", "AND-503", "Check the PLC and the network");
+}
+
+fn all_output(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+#[test]
+fn mbpoll_reads_the_status_word_of_a_ready_line() {
+    let (line, _watcher, _plc) = ready(false);
+    let port = line.port.to_string();
+    let output = Command::new("mbpoll")
+        .args(["-m", "tcp", "-p", &port, "-t", "4", "-0", "-r", "0", "-c", "1", "-1", "127.0.0.1"])
+        .output()
+        .expect("mbpoll is needed: run `make test-packages`, or apt install mbpoll");
+    let text = all_output(&output);
+    let word = text.lines().find_map(|row| row.strip_prefix("[0]:")).map(|word| word.trim().parse::<u16>());
+    assert!(matches!(word, Some(Ok(word)) if word & status::READY != 0), "{text}");
+}
+
+/// A Python with pymodbus, made once under `target`.
+fn python() -> PathBuf {
+    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("line-venv");
+    let python = venv.join("bin/python");
+    let is_complete =
+        || Command::new(&python).args(["-c", "import pymodbus"]).output().is_ok_and(|o| o.status.success());
+    if is_complete() {
+        return python;
+    }
+    let made = Command::new("python3").args(["-m", "venv", "--clear"]).arg(&venv).output().unwrap();
+    assert!(
+        made.status.success(),
+        "python3 -m venv failed (apt install python3-venv?): {}",
+        all_output(&made)
+    );
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "pymodbus==3.16.1"];
+    let pip = Command::new(&python).args(pip).output().unwrap();
+    assert!(
+        pip.status.success() && is_complete(),
+        "pip must reach a registry that has pymodbus: {}",
+        all_output(&pip)
+    );
+    python
+}
+
+/// Reads results and acknowledges them, with no knowledge but the register map.
+const PYMODBUS: &str = r#"
+import sys, time
+from pymodbus.client import ModbusTcpClient
+client = ModbusTcpClient("127.0.0.1", port=int(sys.argv[1]))
+assert client.connect()
+client.write_register(100, 1)
+numbers = []
+until = time.monotonic() + 60
+while len(numbers) < 3:
+    assert time.monotonic() < until, "no result"
+    words = client.read_holding_registers(0, count=48).registers
+    if not words[0] & 8:
+        time.sleep(0.01)
+        continue
+    first, again = words[11:13], words[46:48]
+    assert first == again, "torn"
+    numbers.append(first[0] << 16 | first[1])
+    client.write_register(100, 1 | 16)
+    client.write_register(100, 1)
+assert numbers == list(range(numbers[0], numbers[0] + 3)), numbers
+print("taken", numbers)
+"#;
+
+#[test]
+fn pymodbus_takes_results_in_order() {
+    let python = python();
+    let (line, _watcher, _plc) = ready(true);
+    let output = Command::new(python).args(["-c", PYMODBUS, &line.port.to_string()]).output().unwrap();
+    assert!(output.status.success() && all_output(&output).contains("taken"), "{}", all_output(&output));
+}
