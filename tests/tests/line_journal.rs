@@ -70,6 +70,13 @@ fn replayed(line: &Line, recording: &str) -> String {
 
 #[test]
 fn tail_prints_byte_for_byte_what_a_replay_of_the_same_tracks_and_of_the_line_s_own_recording_prints() {
+    // A recorder that lost frames says so and has failed; on a machine as busy as that there is nothing to compare.
+    let compared = (0..5).any(|_| tail_and_recording_agree_with_replay());
+    assert!(compared, "the recorder lost frames five times");
+}
+
+/// Returns false, and has compared nothing, where the recorder lost frames.
+fn tail_and_recording_agree_with_replay() -> bool {
     let mut line = Line::new(Settings { flaw: Flaw::CutShort, ..Settings::default() });
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
@@ -89,14 +96,20 @@ fn tail_prints_byte_for_byte_what_a_replay_of_the_same_tracks_and_of_the_line_s_
     line.start_all_but(&["steward"]);
     let sent = watcher.until_judged();
     let record = record.wait_with_output().unwrap();
-    assert!(record.status.success(), "{}", String::from_utf8_lossy(&record.stderr));
+    let said = String::from_utf8_lossy(&record.stderr);
+    let lost_frames = said.contains("frames were lost");
+    assert!(record.status.success() || lost_frames, "{said}");
     rustix::process::kill_process(
         rustix::process::Pid::from_raw(i32::try_from(tail.id()).unwrap()).unwrap(),
         rustix::process::Signal::TERM,
     )
     .unwrap();
     let printed = text(&tail.wait_with_output().unwrap());
+    if lost_frames {
+        return false;
+    }
     assert_eq!(printed.lines().count() as u64, sent);
     assert_eq!(printed, replayed(&line, line.tracks().to_str().unwrap()));
     assert_eq!(printed, replayed(&line, recording.to_str().unwrap()));
+    true
 }
