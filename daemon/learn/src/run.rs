@@ -10,12 +10,16 @@ use andon_core::job::Job;
 use andon_core::segment::{Event, JobSegmenter};
 use andon_core::verdict::Verdict;
 
+/// The share of an IU whose motion must have been measured for it to be learnt: a reference is the mean of a few, and what is missing
+/// in one of them weighs there more than in a piece that is judged.
+const MIN_MEASURED: f64 = 0.8;
+
 /// One Interaction Unit of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iu {
     /// The context of the IU.
     pub context: Context,
-    /// Its motion after the opening-closing filter, one motion per frame of the grid.
+    /// Its motion after the opening-closing filter, one motion per frame of the grid in which it was measured.
     pub motion: Vec<Motion>,
     /// Number of times that the motion reversed its direction.
     pub reversals: u32,
@@ -23,8 +27,10 @@ pub struct Iu {
     pub began_ns: u64,
     /// When it ended and the next one began, in nanoseconds of source time.
     pub ended_ns: u64,
-    /// False if the hand or an object was out of sight for too long.
-    pub sighted: bool,
+    /// Its length in frames of the grid; more than its motion has where not all of it was measured.
+    pub frames: u32,
+    /// Whether so much of it was seen that it can be learnt.
+    pub is_well_seen: bool,
 }
 
 /// One activity of a run.
@@ -162,12 +168,16 @@ impl Collector {
                         reversals: iu.reversals,
                         began_ns: iu.began_ns,
                         ended_ns: iu.ended_ns,
-                        sighted: iu.sighted,
+                        frames: iu.frames,
+                        is_well_seen: iu.is_in_sight && MIN_MEASURED * f64::from(iu.frames) <= f64::from(iu.measured),
                     });
                 }
             }
             Event::ActivityEnded { side, .. } => self.open[side.index()] = None,
-            Event::JobBegan { .. } | Event::Eru { .. } | Event::JobEnded { .. } => {}
+            Event::JobBegan { .. }
+            | Event::IuUnmeasured { .. }
+            | Event::Eru { .. }
+            | Event::JobEnded { .. } => {}
         }
     }
 }

@@ -46,13 +46,23 @@ pub(super) struct OpenActivity {
     pub(super) aligned: [Option<usize>; ACTIVITIES],
     /// Why one of its IUs was not judged.
     pub(super) unjudged_reason: Option<Reason>,
+    /// It may be the rest of an activity, or something in it was not seen: what does not fit may have another reason than a fault.
+    pub(super) is_doubtful: bool,
+    /// Something did not fit, and was not judged because it was doubtful. Nothing that follows in the activity has a certain place.
+    pub(super) is_astray: bool,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }
 
 impl OpenActivity {
     /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity.
-    pub(super) fn new(number: u16, context: Context, began_ns: u64, job: &Job<'_>) -> Self {
+    pub(super) fn new(
+        number: u16,
+        context: Context,
+        began_ns: u64,
+        is_doubtful: bool,
+        job: &Job<'_>,
+    ) -> Self {
         Self {
             number,
             context,
@@ -66,6 +76,8 @@ impl OpenActivity {
             alignments: [Alignment::new(); ACTIVITIES],
             aligned: [None; ACTIVITIES],
             unjudged_reason: None,
+            is_doubtful,
+            is_astray: false,
             is_concluded: false,
         }
     }
@@ -88,6 +100,15 @@ impl OpenActivity {
             Against::Candidates(candidates) => candidates,
             Against::Following(_) => ActivitySet::EMPTY,
         }
+    }
+
+    /// Whether the place of an IU of this context is certain: the activity was seen from its beginning, or no candidate has the context
+    /// twice.
+    pub(super) fn is_place_certain(&self, job: &Job<'_>, context: Context) -> bool {
+        let is_twice = |nominal: usize| {
+            job.activities[nominal].ius.iter().filter(|iu| iu.context == context).count() > 1
+        };
+        !self.is_astray && !(self.is_doubtful && self.candidates().iter().any(is_twice))
     }
 
     /// The newest IU agrees with these candidates.

@@ -7,13 +7,28 @@ use super::progress::Progress;
 use super::set::ActivitySet;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion};
+use crate::job::Job;
 use crate::segment::{Iu, Segmenter};
 use crate::verdict::{Outcome, Reason, Verdict};
 use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
-        self.activity = Some(OpenActivity::new(progress.next_activity(), context, began_ns, progress.job));
+        let is_doubtful = self.watch.may_be_rest || self.watch.is_doubtful();
+        let number = progress.next_activity();
+        if !is_doubtful {
+            progress.set_start_seen(context);
+        }
+        self.activity = Some(OpenActivity::new(number, context, began_ns, is_doubtful, progress.job));
+    }
+
+    /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
+    pub(super) fn observe(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
+        self.watch.observe(couple);
+        progress.set_hidden(self.watch.hidden_frames());
+        if let Some(activity) = &mut self.activity {
+            activity.is_doubtful |= couple.is_doubtful;
+        }
     }
 
     /// An IU begins with `couple`. Everything that its context alone decides is decided at once.
@@ -26,13 +41,20 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
+        let number = activity.next_iu(job, context);
         self.iu = Some(OpenIu {
-            number: activity.next_iu(job, context),
+            number,
             context,
             began_ns: couple.captured_ns,
-            extent: Extent::default(),
+            extent: Extent {
+                gap_before: self.watch.gap(),
+                may_be_part: self.watch.is_doubtful() || number == 0 && self.watch.may_be_rest,
+                ..Extent::default()
+            },
+            captured: 0,
             is_concluded: false,
         });
+        self.watch.may_be_rest = false;
         match activity.against {
             Against::Candidates(_) => self.begin_with_candidates(couple, progress, emit),
             Against::Following(nominal) => self.begin_following(nominal, couple, progress, emit),
@@ -58,13 +80,18 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             activity.follow(nominal);
             // The IUs in between may have happened while the hand or an object was out of sight.
             let may_have_been_unseen = activity.unjudged_reason.is_some() && comes_later;
-            self.conclude_context(couple.sighted && !may_have_been_unseen, reason, nominal, progress, emit);
+            let is_certain = couple.is_in_sight() && !may_have_been_unseen && !activity.is_doubtful;
+            activity.is_astray = !is_certain;
+            self.conclude_context(is_certain, reason, nominal, progress, emit);
             return;
         }
         activity.against = Against::Candidates(agreeing);
         if context.is_touch() {
             for nominal in agreeing.iter() {
                 self.comparisons.add(nominal, &job.activities[nominal].ius[activity.index]);
+            }
+            if self.watch.gap() > 0 {
+                self.comparisons.append_unknown();
             }
         }
     }
@@ -80,6 +107,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         let nominal = activity.nearest_by_context(job, nominal);
         activity.follow(nominal);
+        if activity.is_astray {
+            self.conclude_unjudged(Reason::Blind, progress, emit);
+            return;
+        }
         match nominal.and_then(|nominal| Some((nominal, activity.aligned[nominal]?))) {
             Some((nominal, index)) if context.is_touch() => {
                 self.comparisons.add(nominal, &job.activities[nominal].ius[index]);
@@ -89,7 +120,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => {
                 let among = nominal.map_or(ActivitySet::first(ACTIVITIES), ActivitySet::of);
                 let reason = context_reason(job, among, context);
-                self.conclude_context(couple.sighted, reason, nominal, progress, emit);
+                let is_certain = couple.is_in_sight() && !activity.is_doubtful;
+                self.conclude_context(is_certain, reason, nominal, progress, emit);
             }
         }
     }
@@ -129,17 +161,28 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
+    /// The motion of the next frames of the open IU is not known.
+    pub(super) fn skip_motion(&mut self) {
+        if self.iu.is_some_and(|iu| !iu.is_concluded) {
+            self.comparisons.append_unknown();
+        }
+    }
+
     /// The open IU continues with `couple`. Decides what can be decided before its end.
     pub(super) fn continue_iu(
         &mut self,
         couple: &Couple,
+        is_captured: bool,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
+        iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
+        iu.captured = iu.captured.saturating_add(is_captured.into());
+        iu.extent.is_doubtful |= couple.is_doubtful;
         let extent = iu.extent;
-        if !couple.sighted {
+        if !couple.is_in_sight() {
             self.conclude_unjudged(Reason::Blind, progress, emit);
         } else if iu.context.is_release() {
             // It has no motion of a hand and may last for any time, so its context decides.
@@ -157,12 +200,20 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         {
             activity.ended_ns = iu.ended_ns;
         }
-        if self.iu.is_some_and(|open| !open.is_concluded) {
-            self.decide_by_motion(
-                Extent { frames: iu.frames, reversals: iu.reversals, ended: true },
-                progress,
-                emit,
-            );
+        if let Some(open) = self.iu.filter(|open| !open.is_concluded) {
+            let extent = Extent {
+                frames: iu.frames,
+                measured: iu.measured,
+                reversals: iu.reversals,
+                ended: true,
+                gap_after: self.watch.gap(),
+                may_be_part: open.extent.may_be_part || self.watch.is_doubtful(),
+                ..open.extent
+            };
+            if extent.gap_after > 0 {
+                self.comparisons.append_unknown();
+            }
+            self.decide_by_motion(extent, progress, emit);
         }
         self.iu = None;
     }
@@ -179,7 +230,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         };
         let early = !extent.ended;
-        if nearest.reason == Reason::None {
+        let is_place_certain = self.is_place_certain(progress.job);
+        let is_right = nearest.reason == Reason::None;
+        if is_right && !extent.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
+            self.conclude_unjudged(self.unseen_reason(), progress, emit);
+        } else if is_right {
             let right = self.comparisons.results(extent).filter(|result| result.reason == Reason::None);
             let mut survivors = ActivitySet::EMPTY;
             for result in right {
@@ -205,10 +260,25 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
+    fn is_place_certain(&self, job: &Job<'_>) -> bool {
+        let open = self.activity.as_ref().zip(self.iu);
+        open.is_some_and(|(activity, iu)| activity.is_place_certain(job, iu.context))
+    }
+
+    /// Why too little of the open IU is known: most of its frames never came, or they did not show it.
+    fn unseen_reason(&self) -> Reason {
+        let is_overloaded = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
+        if self.iu.is_some_and(is_overloaded) { Reason::Overload } else { Reason::Blind }
+    }
+
     /// Concludes that the activity is out of order, as soon as every candidate is.
     fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        let Some(OpenActivity { against: Against::Candidates(candidates), is_concluded: false, .. }) =
-            self.activity
+        let Some(OpenActivity {
+            against: Against::Candidates(candidates),
+            is_concluded: false,
+            is_doubtful: false,
+            ..
+        }) = self.activity
         else {
             return;
         };
@@ -236,6 +306,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_followed_to_its_end(job) {
             // It has its verdict. If it is done again at once, that is another activity.
             segmenter.activity_matched(&[]);
+            if activity.is_astray {
+                let (nearest, reason) = (activity.nearest, activity.unjudged_reason.unwrap_or(Reason::Blind));
+                self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
+                return;
+            }
         }
         let Some(nominal) = activity.matched(self.side, progress) else { return };
         let continuations: Vec<Context, ACTIVITIES> = activity
@@ -255,19 +330,22 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The activity has ended.
     pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         let Some(activity) = &self.activity else { return };
-        let (nearest, unjudged_reason) = (activity.nearest, activity.unjudged_reason);
+        let (nearest, is_doubtful) = (activity.nearest, activity.is_doubtful);
+        // The missing IUs may have happened while the hand or an object was out of sight.
+        let unjudged_reason = activity.unjudged_reason.or(is_doubtful.then_some(Reason::Blind));
         match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
-            // The missing IUs may have happened while the hand or an object was out of sight.
-            None => match unjudged_reason {
-                Some(reason) => {
-                    self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
+            None => {
+                if is_doubtful && !activity.is_concluded {
+                    self.watch.may_be_rest = true;
+                    progress.set_doubtful();
                 }
-                None => {
-                    let (outcome, reason) = (Outcome::Anomaly, Reason::NotCompleted);
-                    self.conclude_activity(outcome, reason, nearest, false, progress, emit);
-                }
-            },
+                let (outcome, reason) = match unjudged_reason {
+                    Some(reason) => (Outcome::NotJudged, reason),
+                    None => (Outcome::Anomaly, Reason::NotCompleted),
+                };
+                self.conclude_activity(outcome, reason, nearest, false, progress, emit);
+            }
         }
         self.activity = None;
         progress.set_waiting(self.side, None);

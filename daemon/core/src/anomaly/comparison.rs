@@ -28,6 +28,8 @@ pub(super) struct ComparisonResult {
     /// The DTW distance, or a lower bound of it while the IU is open.
     pub(super) distance: f64,
     pub(super) threshold: f32,
+    /// The rule may be broken only because something was not seen.
+    pub(super) is_doubtful: bool,
 }
 
 impl ComparisonResult {
@@ -42,13 +44,54 @@ impl ComparisonResult {
     }
 }
 
-/// How long the IU is, and how often its motion reversed.
+/// How long the IU is, how often its motion reversed, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
     pub(super) frames: u32,
+    /// In how many frames its motion was measured.
+    pub(super) measured: u32,
     pub(super) reversals: u32,
     /// Whether the IU has ended.
     pub(super) ended: bool,
+    /// It may have begun as many frames earlier.
+    pub(super) gap_before: u32,
+    /// It may have ended as many frames earlier.
+    pub(super) gap_after: u32,
+    /// Its beginning or its end may be that of another stretch: the IU may be a part of one.
+    pub(super) may_be_part: bool,
+    /// What was not seen of it may have been something else.
+    pub(super) is_doubtful: bool,
+}
+
+/// The shortest time in which a motion reverses, in frames of which nothing is known.
+const FRAMES_PER_REVERSAL: u32 = 4;
+
+impl Extent {
+    /// The number of frames that the IU may have, from the fewest to the most.
+    fn possible_frames(&self) -> [u32; 2] {
+        [self.frames.saturating_sub(self.gap_after), self.frames.saturating_add(self.gap_before)]
+    }
+
+    /// The most reversals that the IU may have.
+    fn max_reversals(&self) -> u32 {
+        let unknown = self.frames.saturating_sub(self.measured) + self.gap_before;
+        self.reversals.saturating_add(unknown / FRAMES_PER_REVERSAL)
+    }
+
+    /// Whether so much of the IU was measured that it can be right.
+    pub(super) fn is_known(&self) -> bool {
+        2 * self.measured >= self.frames
+    }
+
+    /// Whether what was not seen may explain this reason. A stretch that is cut may be too short, and one that hides another stretch too
+    /// long or another motion; that a stretch with both ends is too short is not explained by a gap in it that was counted in full.
+    fn explains(&self, reason: Reason) -> bool {
+        match reason {
+            Reason::None => false,
+            Reason::TooShort => self.may_be_part,
+            _ => self.may_be_part || self.is_doubtful,
+        }
+    }
 }
 
 /// The memory for the distances of one hand's comparisons: `heapless::Vec`, or `Vec` where there is a heap.
@@ -118,6 +161,12 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         open.map(|(_, distance)| distance).try_for_each(|distance| distance.append(motion))
     }
 
+    /// Takes any number of frames of which nothing is known.
+    pub(super) fn append_unknown(&mut self) {
+        let open = self.comparisons.iter().zip(self.distances.as_mut());
+        open.filter(|(comparison, _)| !comparison.is_lost).for_each(|(_, distance)| distance.append_unknown());
+    }
+
     /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
     pub(super) fn all_lost(&mut self, extent: Extent) -> bool {
         let max_slowdown = self.max_slowdown;
@@ -157,14 +206,19 @@ fn result(
     // An open IU may still become as slow as the bounds allow.
     let length = if extent.ended { extent.frames } else { frames.max };
     let threshold = comparison.iu.threshold * slowdown_factor(length, reference.len(), max_slowdown);
-    let reason = if extent.frames > frames.max || extent.reversals > reversals.max {
-        Reason::TooLong
-    } else if extent.ended && (extent.frames < frames.min || extent.reversals < reversals.min) {
-        Reason::TooShort
-    } else if distance > f64::from(threshold) {
-        Reason::Motion
-    } else {
-        Reason::None
+    let reason_if = |[min_frames, max_frames]: [u32; 2], max_reversals: u32| {
+        if min_frames > frames.max || extent.reversals > reversals.max {
+            Reason::TooLong
+        } else if extent.ended && (max_frames < frames.min || max_reversals < reversals.min) {
+            Reason::TooShort
+        } else if distance > f64::from(threshold) {
+            Reason::Motion
+        } else {
+            Reason::None
+        }
     };
-    ComparisonResult { nominal: comparison.nominal, reason, distance, threshold }
+    let reason = reason_if([extent.frames; 2], extent.reversals);
+    // What is right only if something happened unseen is neither right nor wrong.
+    let is_doubtful = reason != reason_if(extent.possible_frames(), extent.max_reversals()) || extent.explains(reason);
+    ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, is_doubtful }
 }

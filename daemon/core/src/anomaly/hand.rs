@@ -4,6 +4,7 @@ use super::activity::OpenActivity;
 use super::comparison::{ComparisonResult, Comparisons, Extent, Memory};
 use super::progress::Progress;
 use super::set::ActivitySet;
+use super::watch::Watch;
 use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
@@ -17,6 +18,8 @@ pub(super) struct OpenIu {
     pub(super) context: Context,
     pub(super) began_ns: u64,
     pub(super) extent: Extent,
+    /// How many of its frames were captured.
+    pub(super) captured: u32,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }
@@ -25,6 +28,7 @@ pub(super) struct OpenIu {
 #[derive(Clone, Debug)]
 pub(super) struct HandJudge<'a, M> {
     pub(super) side: Side,
+    pub(super) watch: Watch,
     pub(super) comparisons: Comparisons<'a, M>,
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
@@ -40,8 +44,14 @@ pub(super) struct Finding {
 }
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    pub(super) fn new(side: Side, job: &'a Job<'a>) -> Self {
-        Self { side, comparisons: Comparisons::new(job, side), activity: None, iu: None }
+    pub(super) fn new(side: Side, job: &'a Job<'a>, persist_frames: u8) -> Self {
+        Self {
+            side,
+            watch: Watch::new(persist_frames),
+            comparisons: Comparisons::new(job, side),
+            activity: None,
+            iu: None,
+        }
     }
 
     /// No IU is open in which the hand acts: there is none, or only a release state.
@@ -105,11 +115,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else { return };
         let unjudged_reason = activity.unjudged_reason;
         let (outcome, reason, early) = match unjudged_reason {
+            Some(reason) => (Outcome::NotJudged, reason, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            _ if progress.is_out_of_order(self.side, nominal) => {
+            None if progress.is_out_of_order(self.side, nominal) => {
                 (Outcome::Anomaly, Reason::WrongOrder, false)
             }
-            Some(reason) => (Outcome::NotJudged, reason, early),
             None => (Outcome::Ok, Reason::None, early),
         };
         self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);

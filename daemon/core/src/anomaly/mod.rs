@@ -32,6 +32,7 @@ mod comparison;
 mod hand;
 mod progress;
 mod set;
+mod watch;
 
 pub use comparison::Memory;
 
@@ -179,7 +180,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         Ok(Self {
             segmenter,
             bench: Bench {
-                hands: [HandJudge::new(Side::Right, job), HandJudge::new(Side::Left, job)],
+                hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, method.persist_frames)),
                 progress: Progress::new(job),
             },
         })
@@ -190,16 +191,24 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Self { segmenter, bench } = self;
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
+        for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
+            hand.observe(couple, &mut bench.progress);
+        }
+        let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
+        let begins_next_job = couples.hands.iter().any(|couple| {
+            segmenter.begins_activity(couple)
+                && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed)
+        });
+        segmenter.job_matched(bench.progress.is_matched() || begins_next_job);
         segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
         let Bench { hands, progress } = bench;
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
-            hand.continue_iu(couple, progress, emit_verdict);
+            hand.continue_iu(couple, couples.is_captured, progress, emit_verdict);
         }
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
             hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
         }
-        segmenter.job_matched(progress.is_matched());
         if hands.iter().all(|hand| hand.is_concluded()) {
             progress.conclude(false, emit_verdict);
         }
@@ -209,6 +218,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
+        bench.hands.iter_mut().for_each(|hand| hand.watch.may_be_rest = false);
     }
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.
@@ -224,8 +234,11 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         let Self { hands, progress } = self;
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         match *event {
-            segment::Event::JobBegan { began_ns } => {
-                progress.begin(began_ns);
+            segment::Event::JobBegan { began_ns, is_start_seen } => {
+                progress.begin(began_ns, is_start_seen);
+                if is_start_seen {
+                    hands.iter_mut().for_each(|hand| hand.watch.may_be_rest = false);
+                }
                 emit(Event::JobBegan { began_ns });
             }
             segment::Event::ActivityBegan { side, context, began_ns } => {
@@ -240,6 +253,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
             segment::Event::IuFrame { side, motion, reversals, .. } => {
                 hands[side.index()].push_motion(&motion, reversals, progress, emit_verdict)
             }
+            segment::Event::IuUnmeasured { side, .. } => hands[side.index()].skip_motion(),
             segment::Event::Eru { .. } => {}
             segment::Event::IuEnded { side, iu } => hands[side.index()].end_iu(&iu, progress, emit_verdict),
             segment::Event::ActivityEnded { side, .. } => {

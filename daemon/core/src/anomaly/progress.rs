@@ -30,6 +30,14 @@ pub(super) struct Progress<'a> {
     waiting: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
     underway: [ActivitySet; HANDS],
+    /// Whether nothing of the job can have happened before what was seen of it.
+    is_start_seen: bool,
+    /// The last job was right, so the next one begins behind it.
+    was_right: bool,
+    /// For how many frames a hand has been hidden at most since the last job ended.
+    hidden_frames: u32,
+    /// An activity was not seen well enough to say which one it is.
+    is_doubtful: bool,
     /// The reason of the first fault, and the number of the nominal activity that is nearest to it.
     fault: Option<(Reason, Option<u16>)>,
     /// The first reason why something was not judged.
@@ -51,15 +59,99 @@ impl<'a> Progress<'a> {
             wrong: ActivitySet::EMPTY,
             waiting: [ActivitySet::EMPTY; HANDS],
             underway: [ActivitySet::EMPTY; HANDS],
+            is_start_seen: false,
+            was_right: false,
+            hidden_frames: 0,
+            is_doubtful: false,
             fault: None,
             unjudged_reason: None,
             is_open: false,
         }
     }
 
-    pub(super) fn begin(&mut self, began_ns: u64) {
-        let (now_ns, known_ns) = (self.now_ns, self.known_ns);
-        *self = Self { began_ns, now_ns, known_ns, is_open: true, ..Self::new(self.job) };
+    pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool) {
+        *self = Self {
+            began_ns,
+            now_ns: self.now_ns,
+            known_ns: self.known_ns,
+            is_start_seen: is_start_seen || self.was_right,
+            hidden_frames: self.hidden_frames,
+            is_open: true,
+            ..Self::new(self.job)
+        };
+    }
+
+    /// A hand has been hidden for this long.
+    pub(super) fn set_hidden(&mut self, frames: u32) {
+        self.hidden_frames = self.hidden_frames.max(frames);
+    }
+
+    /// An activity came that was not seen well enough to say which one it is.
+    pub(super) fn set_doubtful(&mut self) {
+        self.is_doubtful = true;
+    }
+
+    /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is the job's first.
+    pub(super) fn set_start_seen(&mut self, context: Context) {
+        let is_first = self.activities == 1 && (self.opens_first(context) || !self.job.order_matters);
+        self.is_start_seen |= is_first;
+    }
+
+    /// Whether the first activity of the job begins with the hand and object of this context.
+    fn opens_first(&self, context: Context) -> bool {
+        self.opens(context, |number| number == 0)
+    }
+
+    /// Whether an activity among these begins with the hand and object of this context.
+    fn opens(&self, context: Context, among: impl Fn(u16) -> bool) -> bool {
+        let opening = |context: Context| [context.0[0], context.0[1]];
+        self.job.activities.iter().any(|nominal| {
+            let first = nominal.ius.first().map(|iu| opening(iu.context));
+            among(nominal.activity) && first == Some(opening(context))
+        })
+    }
+
+    /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
+    /// left begins like it. Where the order matters, only the first activity begins a job, and only if others came after it or if the
+    /// bench was rearranged; else it is done twice. A job whose start was not seen ends wherever the first activity begins.
+    pub(super) fn begins_next_job(&self, side: Side, context: Context, is_disturbed: bool) -> bool {
+        let number_is_in = |number: u16, set: ActivitySet| {
+            let same = |index: usize| self.number(index) == Some(number);
+            set.iter().any(same)
+        };
+        let came = self.done | self.unjudged;
+        let is_left = |number: u16| !number_is_in(number, self.tried());
+        if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
+            return false;
+        }
+        if !self.job.order_matters {
+            return self.opens(context, |number| number_is_in(number, came)) && !self.opens(context, is_left);
+        }
+        let begun = self.tried() | self.underway[side.index()];
+        let others_came = begun.iter().any(|index| self.number(index).is_some_and(|number| number > 0));
+        let first_came = number_is_in(0, came) && (others_came || is_disturbed)
+            || number_is_in(0, self.wrong) && others_came;
+        self.opens_first(context) && (!self.is_start_seen || first_came && !self.opens(context, is_left))
+    }
+
+    /// Whether the other hand is in the middle of an activity that may still come out right.
+    fn is_unfinished_by_others(&self, side: Side) -> bool {
+        let is_unfinished = |hand: usize| {
+            let underway = self.underway[hand];
+            !underway.is_empty() && self.waiting[hand].is_empty() && underway.without(self.tried()) == underway
+        };
+        (0..HANDS).any(|hand| hand != side.index() && is_unfinished(hand))
+    }
+
+    /// Whether these activities may have happened without being seen.
+    fn may_be_unseen(&self, missing: ActivitySet) -> bool {
+        let frames = |nominal: usize| -> u32 {
+            let touches = self.job.activities[nominal].ius.iter().filter(|iu| iu.context.is_touch());
+            touches.map(|iu| iu.frames.min).fold(0, u32::saturating_add)
+        };
+        // What shows less than half of itself may have been taken for another activity.
+        let may_be_hidden = |nominal: usize| self.hidden_frames >= frames(nominal) / 2;
+        !self.is_start_seen || self.is_doubtful || missing.iter().any(may_be_hidden)
     }
 
     /// The number in this job of an activity that begins.
@@ -109,9 +201,13 @@ impl<'a> Progress<'a> {
         let number = self.number(nominal);
         let earlier =
             self.job.activities.iter().enumerate().filter(|(_, other)| Some(other.activity) < number);
-        let is_overtaking = !self.first_variants(earlier.map(|(index, _)| index)).without(came).is_empty();
-        let is_done = self.first_variant(nominal).without(self.done).is_empty();
-        is_done || self.job.order_matters && is_overtaking
+        let overtaken = self.first_variants(earlier.map(|(index, _)| index)).without(came);
+        let is_overtaking = !overtaken.is_empty() && !self.may_be_unseen(overtaken);
+        // What comes a second time may be that of the next job, if all between them was hidden.
+        let others = self.all().without(self.tried());
+        let is_repeated = self.first_variant(nominal).without(self.done).is_empty()
+            && (others.is_empty() || !self.may_be_unseen(others));
+        is_repeated || self.job.order_matters && is_overtaking
     }
 
     /// Sets the activity that a hand has matched to its last IU while a longer candidate may still go on.
@@ -126,6 +222,8 @@ impl<'a> Progress<'a> {
 
     pub(super) fn set_done(&mut self, nominal: usize) {
         self.done |= self.first_variant(nominal);
+        let first = self.number(nominal) == Some(0) || !self.job.order_matters;
+        self.is_start_seen |= first && self.activities == 1;
     }
 
     pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, reason: Reason) {
@@ -140,26 +238,31 @@ impl<'a> Progress<'a> {
         self.fault = self.fault.or(Some((reason, number)));
     }
 
-    /// Whether all activities are done, those included that wait because a longer candidate may go on.
+    /// Whether all activities have come, those included that wait because a longer candidate may go on.
     pub(super) fn is_matched(&self) -> bool {
         let waiting = self.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.all().without(self.done | self.unjudged | waiting).is_empty()
+        self.all().without(self.tried() | waiting).is_empty()
     }
 
-    /// Gives the verdict on the job once all activities are done, or when it has `ended`.
+    /// Gives the verdict on the job once all activities have come, or when it has `ended`.
     pub(super) fn conclude(&mut self, ended: bool, emit: &mut impl FnMut(Verdict)) {
-        let missing = self.all().without(self.done | self.unjudged).lowest();
-        if !self.is_open || missing.is_some() && !ended {
+        let is_complete = self.all().without(self.tried()).is_empty();
+        if !self.is_open || !is_complete && !ended {
             return;
         }
         self.is_open = false;
-        let (outcome, reason, nearest) = match (self.fault, self.unjudged_reason, missing) {
+        let missing = self.all().without(self.done | self.unjudged);
+        let (outcome, reason, nearest) = match (self.fault, self.unjudged_reason, missing.lowest()) {
             (Some((reason, nearest)), ..) => (Outcome::Anomaly, reason, nearest),
             // The missing activity may have been done while it could not be judged.
             (None, Some(reason), _) => (Outcome::NotJudged, reason, None),
+            (None, None, _) if !self.is_start_seen => (Outcome::NotJudged, Reason::Blind, None),
             (None, None, None) => (Outcome::Ok, Reason::None, None),
-            (None, None, Some(missing)) => (Outcome::Anomaly, Reason::NotCompleted, self.number(missing)),
+            (None, None, Some(_)) if self.may_be_unseen(missing) => (Outcome::NotJudged, Reason::Blind, None),
+            (None, None, Some(lowest)) => (Outcome::Anomaly, Reason::NotCompleted, self.number(lowest)),
         };
+        self.was_right = outcome == Outcome::Ok;
+        self.hidden_frames = 0;
         emit(Verdict {
             level: Level::Job,
             outcome,

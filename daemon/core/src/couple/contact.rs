@@ -2,29 +2,39 @@
 
 use crate::config::Contact;
 
+/// How many of the `persist_frames` must have been known for a change to be believed: one wrong position is no change, and two may
+/// come from one shaken frame. Half of the default of 5, rounded up.
+const MIN_KNOWN: u32 = 3;
+
 /// The recent history of one edge of the scene graph.
 ///
 /// The newest frame is `persist_frames` ahead of the one whose couple is made. So a change is believed from its true first
 /// frame on, and only if it has lasted for `persist_frames`, that first frame included.
+///
+/// While one of its ends is not known, an edge neither begins nor ends: it stays as it was, and such frames do not make a change
+/// believable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Edge {
     /// Bit k: near (with hysteresis) k frames before the newest. 32 frames are more than the longest delay.
     near: u32,
+    /// Bit k: both ends were known k frames before the newest.
+    known: u32,
     /// Whether it was believed in the frame that [`believe`](Self::believe) last asked for.
     believed: bool,
 }
 
 impl Edge {
-    /// Takes the newest distance, in metres. An edge begins only while both ends are `sighted`.
-    pub(super) fn push(&mut self, distance: f32, sighted: bool, contact: &Contact) {
-        let near =
-            if self.is_near() { distance <= contact.off_m } else { sighted && distance < contact.on_m };
+    /// Takes the newest distance, in metres, of two ends that are known.
+    pub(super) fn push(&mut self, distance: f32, contact: &Contact) {
+        let near = if self.is_near() { distance <= contact.off_m } else { distance < contact.on_m };
         self.near = self.near << 1 | u32::from(near);
+        self.known = self.known << 1 | 1;
     }
 
-    /// There is no contact in the newest frame, whatever the distance.
-    pub(super) fn push_apart(&mut self) {
-        self.near <<= 1;
+    /// One of the ends is not known in the newest frame.
+    pub(super) fn push_unknown(&mut self) {
+        self.near = self.near << 1 | self.near & 1;
+        self.known <<= 1;
     }
 
     /// Whether it is near in the newest frame, believed or not.
@@ -32,21 +42,21 @@ impl Edge {
         self.near & 1 == 1
     }
 
-    /// Whether it was near in each of the newest `frames`.
-    pub(super) fn lasted_for(self, frames: u8) -> bool {
-        let all = window(frames, 0);
-        self.near & all == all
-    }
-
     /// Moves on to the frame `age` frames before the newest and returns whether there is a contact in it. With fewer than
     /// `persist` frames from there to the newest (at the end of a recording) nothing new is believed.
     pub(super) fn believe(&mut self, age: usize, persist: u8) -> bool {
         if let Some(rest) = (age + 1).checked_sub(usize::from(persist)) {
             let frames = window(persist, rest);
-            self.believed = match self.believed {
-                true => self.near & frames != 0,
+            let changed = match self.believed {
+                true => self.near & frames == 0,
                 false => self.near & frames == frames,
             };
+            let known = (self.known & frames).count_ones();
+            // What was last seen before the end of the window may have been over before it.
+            let has_lasted = self.known >> rest & 1 == 1;
+            if changed && has_lasted && known >= MIN_KNOWN.min(persist.into()) {
+                self.believed = !self.believed;
+            }
         }
         self.believed
     }
@@ -58,7 +68,7 @@ impl Edge {
 }
 
 /// `frames` set bits from bit `from` on.
-fn window(frames: u8, from: usize) -> u32 {
+pub(super) fn window(frames: u8, from: usize) -> u32 {
     ((1 << frames) - 1) << from
 }
 
@@ -75,7 +85,11 @@ mod tests {
         let mut edge = Edge::default();
         let mut believed = Vec::new();
         for (newest, distance) in distances.iter().enumerate() {
-            edge.push(*distance, true, &CONTACT);
+            if distance.is_nan() {
+                edge.push_unknown();
+            } else {
+                edge.push(*distance, &CONTACT);
+            }
             if newest >= usize::from(persist) {
                 believed.push(edge.believe(usize::from(persist), persist));
             }
@@ -87,11 +101,12 @@ mod tests {
     }
 
     fn distances(text: &str) -> Vec<f32> {
-        // `-` is far, `x` is near, `=` is between the two distances.
+        // `-` is far, `x` is near, `=` is between the two distances, `?` is not known.
         text.chars()
             .map(|c| match c {
                 '-' => 1.0,
                 'x' => 0.01,
+                '?' => f32::NAN,
                 _ => 0.04,
             })
             .collect()
@@ -123,5 +138,18 @@ mod tests {
         assert_eq!(text(&believed(&distances("---xxx"), 3)), "---xxx");
         assert_eq!(text(&believed(&distances("xxx---"), 3)), "xxx---");
         assert_eq!(text(&believed(&distances("xxxx--"), 3)), "xxxxxx");
+    }
+
+    #[test]
+    fn while_an_end_is_not_known_a_contact_neither_begins_nor_ends() {
+        assert_eq!(text(&believed(&distances("---xxxxx??????????xxxx"), 5)), "---xxxxxxxxxxxxxxxxxxx");
+        assert_eq!(text(&believed(&distances("---xxxxx??????????-----"), 5)), "---xxxxxxxxxxxxxxx-----");
+        assert_eq!(text(&believed(&distances("---??????????xxxxx"), 5)), "-------------xxxxx");
+        assert_eq!(text(&believed(&distances("---x????????----"), 5)), "----------------");
+    }
+
+    #[test]
+    fn every_second_frame_is_enough_to_believe_a_contact() {
+        assert_eq!(text(&believed(&distances("-?-?x?x?x?x?-?-?-?-?"), 5)), "----xxxxxxxx--------");
     }
 }

@@ -84,13 +84,13 @@ impl core::error::Error for Refused {}
 /// lasted long enough to be believed, and velocity and acceleration come from a window centred on it. So contacts and motion
 /// have their true time, without phase lag, at the price of one fixed delay.
 ///
-/// An object or hand that is not seen keeps its last pose; a hidden object that a hand carries moves with the hand. Once a
-/// hand or an object has been out of sight for longer than `blind_ms`, couples whose context rests on it are not `sighted`
-/// and it begins no new contact; the contacts of such a hand end `persist_frames` later.
+/// Not seen is not known. While a hand or an object is not seen, its contacts neither begin nor end; a hidden object that a seen hand
+/// carries moves with the hand, and one that a hand covers is taken to lie where it was last seen. Motion is measured where enough
+/// positions around the frame were seen, and is unknown elsewhere. Each couple says what was seen, assumed and unseen, and whether
+/// so little was seen that its context is doubtful.
 ///
-/// Frames that are missing on the grid are filled by holding the last poses. Of a gap longer than `blind_ms` only that much
-/// and one frame more is filled, so that whatever was in progress ends with a couple that is not sighted; after the gap the
-/// encoder starts from the beginning. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
+/// Frames that are missing on the grid are filled with frames in which nothing was seen, of a longer gap only `blind_ms` and one
+/// frame more. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
 ///
 /// In a frame, a hand or an object is left out if it repeats one of the same frame, has an unknown id, or holds a number that
 /// is not finite.
@@ -149,7 +149,11 @@ impl Encoder {
 
     /// Ends the recording: emits the couples that are still delayed. The next frame starts a new recording.
     pub fn flush(&mut self, emit: &mut impl FnMut(Couples)) {
-        self.drain(self.scene.newest_ns(), emit);
+        let known_ns = self.scene.newest_ns();
+        while self.pending > 0 {
+            self.emit_oldest(known_ns, emit);
+        }
+        self.scene.clear();
         self.grid.clear();
     }
 
@@ -166,7 +170,6 @@ impl Encoder {
             self.push(captured_ns, None, next_ns, emit);
         }
         if missing >= max {
-            self.drain(next_ns, emit);
             self.grid.anchor(next_ns);
         }
     }
@@ -185,17 +188,8 @@ impl Encoder {
         }
     }
 
-    /// Emits the couples that are still delayed, and forgets everything that was seen.
-    fn drain(&mut self, known_ns: u64, emit: &mut impl FnMut(Couples)) {
-        while self.pending > 0 {
-            self.emit_oldest(known_ns, emit);
-        }
-        self.scene.clear();
-    }
-
     fn emit_oldest(&mut self, known_ns: u64, emit: &mut impl FnMut(Couples)) {
         self.pending -= 1;
-        let hands = self.scene.couples(self.pending);
-        emit(Couples { captured_ns: hands[0].captured_ns, known_ns, hands });
+        emit(self.scene.couples(self.pending, known_ns));
     }
 }

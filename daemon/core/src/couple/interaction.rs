@@ -36,6 +36,15 @@ pub(super) enum Interaction {
 pub(super) type Edge = (usize, f32);
 
 impl Interaction {
+    /// Whether the object is `o_j` or `o_l`.
+    pub(super) fn involves(self, object: usize) -> bool {
+        match self {
+            Self::Idle => false,
+            Self::Acts { j, l } => j == object || l == Some(object),
+            Self::Released { j, l } => j == object || l == object,
+        }
+    }
+
     /// The interaction in the next frame. `touched` are the edges from the hand, `neighbours` those from an object to others.
     ///
     /// This is a Dijkstra search from the hand that stops after its second node. The first node that it settles is the one

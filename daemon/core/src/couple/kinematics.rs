@@ -14,20 +14,24 @@ pub(super) struct Kinematics {
     pub(super) tangential: f32,
 }
 
+/// How many positions a motion must rest on, where the window has as many. A parabola has three unknowns: through three positions it
+/// passes exactly, and the noise of each is multiplied.
+pub(super) const MIN_SAMPLES: usize = 4;
+
 /// A time in seconds from the frame that is asked for, and the position then.
 pub(super) type Sample = (f64, Point);
 
 /// Fits a parabola to the positions around a frame and takes its derivatives in that frame: a Savitzky-Golay filter that uses
 /// the time stamps as they are and skips frames without a position. The window is centred, so there is no phase lag.
 ///
-/// The result is rest if there are fewer than three positions, or if they all lie on one side of the frame: a held pose does
-/// not move.
-pub(super) fn kinematics(samples: impl Iterator<Item = Sample> + Clone) -> Kinematics {
+/// `None` if there are fewer than `min_samples` positions, or if they all lie on one side of the frame: what was not measured is not
+/// known, and is not rest.
+pub(super) fn kinematics(
+    samples: impl Iterator<Item = Sample> + Clone,
+    min_samples: usize,
+) -> Option<Kinematics> {
     // Times are scaled to the window, so that the sums of their powers have similar magnitudes.
-    let Some(scale) = samples.clone().map(|(t, _)| t.abs()).reduce(f64::max).filter(|scale| *scale > 0.0)
-    else {
-        return Kinematics::default();
-    };
+    let scale = samples.clone().map(|(t, _)| t.abs()).reduce(f64::max).filter(|scale| *scale > 0.0)?;
     let mut powers = [0.0; 5];
     let mut moments = [[0.0; 3]; 3];
     let (mut before, mut after) = (false, false);
@@ -46,17 +50,16 @@ pub(super) fn kinematics(samples: impl Iterator<Item = Sample> + Clone) -> Kinem
             power *= t;
         }
     }
-    // A parabola has three unknowns.
-    if !(before && after) || powers[0] < 3.0 {
-        return Kinematics::default();
+    if !(before && after) || powers[0] < min_samples as f64 {
+        return None;
     }
-    let Some(curve) = Parabola::fit(powers) else { return Kinematics::default() };
+    let curve = Parabola::fit(powers)?;
     let [velocity, acceleration]: [Point; 2] = [(1, scale), (2, scale * scale / 2.0)].map(|(row, unit)| {
         [0, 1, 2].map(|axis| (curve.coefficient(row, moments.map(|moment| moment[axis])) / unit) as f32)
     });
     let speed = norm(velocity);
     let tangential = if speed > 0.0 { dot(acceleration, velocity) / speed } else { 0.0 };
-    Kinematics { velocity, tangential }
+    Some(Kinematics { velocity, tangential })
 }
 
 /// The inverse of the normal equations of a parabola.
@@ -163,16 +166,18 @@ mod tests {
         // p = 3 - 0.5 t + 2 t²: at 0 the velocity is -0.5 and, as it slows down, the tangential acceleration -4.
         let times = [-0.17, -0.09, -0.06, 0.011, 0.04, 0.13];
         let motion =
-            kinematics(times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])));
+            kinematics(times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])), 4).unwrap();
         assert!((motion.velocity[1] + 0.5).abs() < 1e-4, "{motion:?}");
         assert!((motion.tangential + 4.0).abs() < 1e-3, "{motion:?}");
         assert!(motion.velocity[2].abs() < 1e-6, "{motion:?}");
     }
 
     #[test]
-    fn positions_on_one_side_only_are_rest() {
-        let motion = kinematics([-0.3, -0.2, -0.1].into_iter().map(|t| (t, [t as f32, 0.0, 0.0])));
-        assert_eq!(motion, Kinematics::default());
+    fn positions_on_one_side_only_and_too_few_positions_are_no_measurement() {
+        let motion = |times: &[f64]| kinematics(times.iter().map(|t| (*t, [*t as f32, 0.0, 0.0])), 4);
+        assert_eq!(motion(&[-0.4, -0.3, -0.2, -0.1]), None);
+        assert_eq!(motion(&[-0.1, 0.0, 0.1]), None);
+        assert!(motion(&[-0.1, 0.0, 0.1, 0.2]).is_some());
     }
 
     #[test]

@@ -43,6 +43,18 @@ impl Context {
     }
 }
 
+/// How far the pose of a hand or object can be relied on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sight {
+    /// It was seen in this frame.
+    #[default]
+    Seen,
+    /// It was not, and is taken to be where it was last seen, or to move with the hand that carries it.
+    Assumed,
+    /// It has been out of sight for longer than `blind_ms`.
+    Unseen,
+}
+
 /// The feature couple of one hand on one frame of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Couple {
@@ -50,16 +62,19 @@ pub struct Couple {
     pub side: Side,
     /// The time that the couple describes, in nanoseconds: that of its frame, not that at which it became known.
     pub captured_ns: u64,
-    /// Motion features.
-    pub motion: Motion,
+    /// Motion features; `None` where a position that they rest on was seen too seldom to measure its motion.
+    pub motion: Option<Motion>,
     /// Context features.
     pub context: Context,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
-    /// False where the hand, or an object that its context rests on, has been out of sight for longer than `blind_ms`.
-    pub sighted: bool,
-    /// True where the hand itself was seen in this frame, rather than held from an earlier one.
-    pub seen: bool,
+    /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
+    pub sight: [Sight; 3],
+    /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at or may have
+    /// taken.
+    pub is_clear: bool,
+    /// So few frames here were clear that a context may have come and gone unseen, or may be another one.
+    pub is_doubtful: bool,
 }
 
 impl Couple {
@@ -68,12 +83,24 @@ impl Couple {
         Self {
             side,
             captured_ns,
-            motion: Motion::default(),
+            motion: Some(Motion::default()),
             context: Context::IDLE,
             distances: [f32::INFINITY; 2],
-            sighted: true,
-            seen: false,
+            sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
+            is_clear: false,
+            is_doubtful: true,
         }
+    }
+
+    /// Whether the hand itself was seen in this frame, rather than held from an earlier one.
+    pub fn is_hand_seen(&self) -> bool {
+        self.sight[0] == Sight::Seen
+    }
+
+    /// Whether nothing that the context rests on has been out of sight for longer than `blind_ms`. A hand that touches nothing may be.
+    pub fn is_in_sight(&self) -> bool {
+        let relevant = if self.context.is_touch() { &self.sight[..] } else { &self.sight[1..] };
+        !relevant.contains(&Sight::Unseen)
     }
 }
 
@@ -84,6 +111,10 @@ pub struct Couples {
     pub captured_ns: u64,
     /// The time of the newest frame that they rest on, in nanoseconds: `persist_frames` later, or less at the end of a recording.
     pub known_ns: u64,
+    /// Whether there was a frame; false where the grid was filled.
+    pub is_captured: bool,
+    /// An object lies elsewhere than before, and no hand was seen at it: a hand was overlooked, or somebody rearranged the bench.
+    pub has_moved_unseen: bool,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
 }

@@ -1,10 +1,13 @@
 //! The recent poses of hands and objects on the grid. An unseen pose is held; a hidden object that a hand carries moves with it.
 
 use super::geometry::{
-    Cloud, Quaternion, about_z, add, inverse, is_finite, rotated, rotation_after, subtract, unit, yaw,
+    Cloud, Quaternion, about_z, add, inverse, is_finite, norm, rotated, rotation_after, subtract, unit, yaw,
 };
 use crate::capacity::PERSIST_FRAMES;
 use crate::input::{Hand, Object, Point, Space};
+
+/// How far from its middle knuckle or finger tips a hand hides things, in metres: the length of a palm.
+const COVERED_M: f32 = 0.12;
 
 /// Frames that are remembered: `persist_frames` before and after the one whose couple is made.
 pub(super) const REMEMBERED: usize = 2 * PERSIST_FRAMES + 1;
@@ -41,8 +44,17 @@ pub(super) enum Source {
     Seen,
     /// It is hidden, and moved with the hand that carries it.
     Carried,
-    /// It was not seen: the last pose is held.
+    /// It is hidden by a hand that is at it, and is taken to lie where it was last seen.
+    Covered,
+    /// It was not seen, for no reason that is known: the last pose is held.
     Held,
+}
+
+impl Source {
+    /// Whether the pose stands for where the hand or object is: it was seen, or there is a reason to assume the pose.
+    pub(super) fn is_known(self) -> bool {
+        matches!(self, Self::Seen | Self::Carried | Self::Covered)
+    }
 }
 
 /// A hand in one frame of the grid.
@@ -92,6 +104,13 @@ impl HandPose {
         Cloud::new(&self.tips)
     }
 
+    /// Whether the hand may hide what is within `radius_m` of this point of the bench.
+    pub(super) fn is_over(&self, point: Point, radius_m: f32) -> bool {
+        let mut parts = self.tips.iter().chain(core::iter::once(&self.middle_knuckle));
+        let is_near = |part: &Point| norm(subtract(*part, point)) < COVERED_M + radius_m;
+        self.source != Source::Never && parts.any(is_near)
+    }
+
     /// The centre of the finger tips, where an object is held.
     fn grip(&self) -> Point {
         add(add(self.tips[0], self.tips[1]), self.tips[2]).map(|sum| sum / 3.0)
@@ -129,12 +148,16 @@ impl ObjectPose {
         Some(Self { source: Source::Seen, unseen: 0, position, orientation })
     }
 
-    /// The pose in the next frame if the object is not seen in it and no hand carries it.
-    pub(super) fn held(self) -> Self {
-        match self.source {
-            Source::Never => self,
-            _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), ..self },
-        }
+    /// The pose in the next frame if the object is not seen in it and no hand carries it. An object is `covered` by a hand only from
+    /// the frame on in which it vanished.
+    pub(super) fn held(self, covered: bool) -> Self {
+        let source = match self.source {
+            Source::Never => return self,
+            Source::Held => Source::Held,
+            Source::Seen | Source::Carried | Source::Covered if covered => Source::Covered,
+            _ => Source::Held,
+        };
+        Self { source, unseen: self.unseen.saturating_add(1), ..self }
     }
 }
 

@@ -3,12 +3,12 @@
 use super::contact::Edge;
 use super::geometry::Cloud;
 use super::interaction::{self, Interaction};
-use super::kinematics::{Kinematics, Quantiser, kinematics};
+use super::kinematics::{Kinematics, MIN_SAMPLES, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
-use super::{Context, Couple, Motion};
+use super::{Context, Couple, Couples, Motion, Sight};
 use crate::capacity::{HANDS, OBJECTS};
 use crate::config::Method;
-use crate::input::{Frame, ObjectShape, Side, Space};
+use crate::input::{Frame, ObjectShape, Point, Side, Space};
 use heapless::Vec;
 
 /// An object as a node of the graph.
@@ -21,6 +21,24 @@ struct Node {
     poses: Recent<ObjectPose>,
     /// How it lies in the hand that holds it; it moves by this while it is hidden.
     grip: Option<Grip>,
+    /// For each hand, whether it has been at the object since that was last seen, and may have taken it.
+    may_be_taken: [bool; HANDS],
+    /// Where it was when a hand was last seen anywhere.
+    attended: Option<Point>,
+}
+
+impl Node {
+    fn new(id: u16, points: Cloud) -> Self {
+        Self {
+            id,
+            points,
+            radius_m: points.radius(),
+            poses: Recent::new(ObjectPose::NEVER),
+            grip: None,
+            may_be_taken: [false; HANDS],
+            attended: None,
+        }
+    }
 }
 
 /// Poses and edges of the newest frames of the grid.
@@ -30,7 +48,17 @@ pub(super) struct Scene {
     quantiser: Quantiser,
     /// A hand or object that has not been seen for more frames than this is out of sight (`blind_ms`).
     blind_frames: u32,
+    /// Motion is measured by positions within this time of the frame, in seconds.
+    window_s: f64,
     times_ns: Recent<u64>,
+    /// Bit k: there was a frame k frames before the newest.
+    captured: u32,
+    /// For each hand, bit k: the frame k frames before the newest shows what it acts on.
+    clear: [u32; HANDS],
+    /// Bit k: something had moved unseen k frames before the newest.
+    moved_unseen: u32,
+    /// For how many frames no hand has been seen.
+    handless_frames: u32,
     hands: [Recent<HandPose>; HANDS],
     /// Sorted by id.
     objects: Vec<Node, OBJECTS>,
@@ -44,22 +72,22 @@ pub(super) struct Scene {
 impl Scene {
     /// An empty scene. The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
     pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
-        let mut objects: Vec<Node, OBJECTS> = shapes
+        let nodes = shapes
             .iter()
-            .filter_map(|shape| {
-                let points = Cloud::new(&shape.interaction_points)?;
-                let poses = Recent::new(ObjectPose::NEVER);
-                Some(Node { id: shape.id, points, radius_m: points.radius(), poses, grip: None })
-            })
-            .take(OBJECTS)
-            .collect();
+            .filter_map(|shape| Some(Node::new(shape.id, Cloud::new(&shape.interaction_points)?)));
+        let mut objects: Vec<Node, OBJECTS> = nodes.take(OBJECTS).collect();
         objects.sort_unstable_by_key(|node| node.id);
         Self {
             method,
             quantiser: Quantiser::new(&method),
             // At most a minute of 240 Hz, see `Method::check`.
             blind_frames: libm::ceil(f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0) as u32,
+            window_s: 1.5 * f64::from(method.persist_frames) / f64::from(method.rate_hz),
             times_ns: Recent::new(0),
+            captured: 0,
+            clear: [0; HANDS],
+            moved_unseen: 0,
+            handless_frames: 0,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
@@ -71,9 +99,10 @@ impl Scene {
     /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
         for node in &mut self.objects {
-            node.poses = Recent::new(ObjectPose::NEVER);
-            node.grip = None;
+            *node = Node::new(node.id, node.points);
         }
+        (self.captured, self.clear, self.moved_unseen) = (0, [0; HANDS], 0);
+        self.handless_frames = 0;
         self.hands = core::array::from_fn(|_| Recent::new(HandPose::NEVER));
         self.touches = [[Edge::default(); OBJECTS]; HANDS];
         self.adjacent = [[Edge::default(); OBJECTS]; OBJECTS];
@@ -93,10 +122,13 @@ impl Scene {
     /// Takes the next frame of the grid, or `None` where it is missing.
     pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) {
         self.times_ns.push(captured_ns);
+        self.captured = self.captured << 1 | u32::from(frame.is_some());
         self.push_hands(frame);
         self.push_objects(frame);
         self.push_edges();
         self.update_grips();
+        self.push_moved_unseen();
+        self.push_clear();
     }
 
     fn push_hands(&mut self, frame: Option<&Frame>) {
@@ -120,10 +152,13 @@ impl Scene {
         for (node, seen) in self.objects.iter_mut().zip(seen) {
             let before = node.poses.ago(0);
             let carrier = node.grip.map(|grip| (grip, self.hands[grip.hand].ago(0)));
+            let covers = |hand: &Recent<HandPose>| {
+                hand.ago(0).source == Source::Seen && hand.ago(0).is_over(before.position, 0.0)
+            };
             let pose = match (seen, carrier) {
                 (Some(pose), _) => pose,
                 (None, Some((grip, hand))) if hand.source == Source::Seen => grip.carried(hand, before),
-                _ => before.held(),
+                _ => before.held(self.hands.iter().any(covers)),
             };
             node.poses.push(pose);
         }
@@ -139,40 +174,37 @@ impl Scene {
                 (pose, node.points.at(pose.position, pose.orientation, planar), node.radius_m)
             })
             .collect();
-        let sighted = |unseen: u32| unseen <= self.blind_frames;
-        // The contacts of a hand that is out of sight end `persist_frames` later, so that its last couples are not sighted.
-        let max_unseen = self.blind_frames.saturating_add(self.method.persist_frames.into());
+        let is_known = |source: Source, unseen: u32| source.is_known() && unseen <= self.blind_frames;
         for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
             let hand = hand.ago(0);
-            let tips = hand.cloud().filter(|_| hand.unseen <= max_unseen);
+            let tips = hand.cloud().filter(|_| hand.source == Source::Seen);
             for ((pose, points, _), edge) in poses.iter().zip(edges) {
                 match tips {
-                    Some(tips) if pose.source != Source::Never => edge.push(
-                        tips.distance(points),
-                        sighted(hand.unseen) && sighted(pose.unseen),
-                        &self.method.hand_contact,
-                    ),
-                    _ => edge.push_apart(),
+                    Some(tips) if is_known(pose.source, pose.unseen) => {
+                        edge.push(tips.distance(points), &self.method.hand_contact);
+                    }
+                    _ => edge.push_unknown(),
                 }
             }
         }
         let contact = &self.method.object_contact;
         for (i, (one, edges)) in poses.iter().zip(&mut self.adjacent).enumerate() {
             for (other, edge) in poses.iter().zip(edges).skip(i + 1) {
+                let [a, b] = [one.0, other.0];
                 let reach = one.2 + other.2 + contact.off_m;
-                let known = one.0.source != Source::Never && other.0.source != Source::Never;
-                if known && squared_distance(one.0, other.0) <= reach * reach {
-                    let sighted = sighted(one.0.unseen) && sighted(other.0.unseen);
-                    edge.push(one.1.distance(&other.1), sighted, contact);
+                if !(is_known(a.source, a.unseen) && is_known(b.source, b.unseen)) {
+                    edge.push_unknown();
+                } else if squared_distance(a.position, b.position) <= reach * reach {
+                    edge.push(one.1.distance(&other.1), contact);
                 } else {
-                    edge.push_apart();
+                    edge.push(f32::INFINITY, contact);
                 }
             }
         }
     }
 
-    /// A hand that has touched an object for `persist_frames` carries it while it is hidden, until it is seen again or the hand
-    /// is out of sight. An object that was hidden before it was grasped is taken to lie where it was last seen.
+    /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand is out of sight. An object
+    /// that was hidden before it was grasped is taken to lie where it was last seen. What a hand merely passes over it does not carry.
     fn update_grips(&mut self) {
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
@@ -185,24 +217,79 @@ impl Scene {
             }
             let holds = |hand: &usize| {
                 self.hands[*hand].ago(0).source == Source::Seen
-                    && self.touches[*hand][index].lasted_for(self.method.persist_frames)
+                    && self.touches[*hand][index].is_near()
+                    && matches!(self.interactions[*hand], Interaction::Acts { j, .. } if j == index)
             };
             node.grip = (0..HANDS).find(holds).map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
         }
     }
 
+    /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand held when it was last seen.
+    fn push_moved_unseen(&mut self) {
+        let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
+        let was_handless = self.handless_frames >= self.method.persist_frames.into();
+        self.handless_frames = if is_hand_seen { 0 } else { self.handless_frames.saturating_add(1) };
+        let off_m = self.method.object_contact.off_m;
+        let mut has_moved = false;
+        for (index, node) in self.objects.iter_mut().enumerate() {
+            let pose = node.poses.ago(0);
+            if pose.source != Source::Seen {
+                continue;
+            }
+            let is_held = self.touches.iter().any(|edges| edges[index].is_near());
+            let lay = *node.attended.get_or_insert(pose.position);
+            let is_elsewhere = squared_distance(lay, pose.position) > off_m * off_m;
+            let has_moved_unseen = was_handless && is_elsewhere && !is_held;
+            has_moved |= has_moved_unseen;
+            if is_hand_seen || has_moved_unseen || is_held {
+                node.attended = Some(pose.position);
+            }
+        }
+        self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
+    }
+
+    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken.
+    fn push_clear(&mut self) {
+        for (index, hand) in self.hands.iter().enumerate() {
+            let hand = hand.ago(0);
+            let mut is_clear = hand.source == Source::Seen;
+            for (object, node) in self.objects.iter_mut().enumerate() {
+                let pose = node.poses.ago(0);
+                let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
+                let taken = &mut node.may_be_taken[index];
+                *taken = is_hidden && (*taken || hand.is_over(pose.position, node.radius_m));
+                is_clear &= !(*taken || is_hidden && self.interactions[index].involves(object));
+            }
+            self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
+        }
+    }
+
     /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
-    pub(super) fn couples(&mut self, age: usize) -> [Couple; HANDS] {
+    pub(super) fn couples(&mut self, age: usize, known_ns: u64) -> Couples {
         let persist = self.method.persist_frames;
         for edge in self.touches.iter_mut().chain(&mut self.adjacent).flatten() {
             edge.believe(age, persist);
         }
-        core::array::from_fn(|hand| {
+        let hands = core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
             let interaction = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
             self.interactions[hand] = interaction;
             self.couple(hand, interaction, age)
-        })
+        });
+        Couples {
+            captured_ns: *self.times_ns.ago(age),
+            known_ns,
+            is_captured: self.captured >> age & 1 == 1,
+            has_moved_unseen: self.moved_unseen >> age & 1 == 1,
+            hands,
+        }
+    }
+
+    /// Whether fewer than half of the frames in which a change would be believed were clear.
+    fn is_doubtful(&self, hand: usize, age: usize) -> bool {
+        let frames = usize::from(self.method.persist_frames).min(age + 1);
+        let clear = (self.clear[hand] & super::contact::window(frames as u8, age + 1 - frames)).count_ones();
+        2 * clear + 1 < frames as u32
     }
 
     /// The edges from a hand to the objects that it touches.
@@ -238,8 +325,8 @@ impl Scene {
             Interaction::Released { j, l } => (false, Some(j), Some(l)),
         };
         let node = |object: usize| &self.objects[object];
-        let hidden = |object: Option<usize>| {
-            object.is_some_and(|object| node(object).poses.ago(age).unseen > self.blind_frames)
+        let sight = |object: Option<usize>| {
+            object.map_or(Sight::Seen, |object| self.sight(node(object).poses.ago(age).unseen))
         };
         let from_hand = j.filter(|_| acts);
         let [h, o_j, o_l] =
@@ -258,23 +345,32 @@ impl Scene {
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 j.zip(l).map_or(f32::INFINITY, |(j, l)| self.points(j, age).distance(&self.points(l, age))),
             ],
-            sighted: !(acts && pose.unseen > self.blind_frames || hidden(j) || hidden(l)),
-            seen: pose.source == Source::Seen,
+            sight: [self.sight(pose.unseen), sight(j), sight(l)],
+            is_clear: self.clear[hand] >> age & 1 == 1,
+            is_doubtful: self.is_doubtful(hand, age),
         }
     }
 
-    /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other.
+    fn sight(&self, unseen: u32) -> Sight {
+        match unseen {
+            0 => Sight::Seen,
+            unseen if unseen <= self.blind_frames => Sight::Assumed,
+            _ => Sight::Unseen,
+        }
+    }
+
+    /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.
     fn motion(
         &self,
         hand: usize,
         acts_on: Option<usize>,
         pair: Option<(usize, usize)>,
         age: usize,
-    ) -> Motion {
+    ) -> Option<Motion> {
         let mut motion = Motion::default();
         let axes = |object: usize| self.objects[object].poses.ago(age).orientation;
         if let Some(j) = acts_on {
-            let [of_hand, of_j] = [self.hand_kinematics(hand, age), self.object_kinematics(j, age)];
+            let [of_hand, of_j] = [self.hand_kinematics(hand, age)?, self.object_kinematics(j, age)?];
             let [elevation, azimuth] = self.quantiser.direction(&of_hand, axes(j));
             motion.0[0] = self.quantiser.sign(&of_hand);
             motion.0[1..4].copy_from_slice(&[
@@ -284,42 +380,43 @@ impl Scene {
             ]);
         }
         if let Some((j, l)) = pair {
-            let [of_j, of_l] = [self.object_kinematics(j, age), self.object_kinematics(l, age)];
+            let [of_j, of_l] = [self.object_kinematics(j, age)?, self.object_kinematics(l, age)?];
             let [elevation, azimuth] = self.quantiser.direction(&of_j, axes(l));
             motion.0[4..7].copy_from_slice(&[elevation, azimuth, self.quantiser.joint_motion(&of_j, &of_l)]);
         }
-        motion
+        Some(motion)
     }
 
-    fn hand_kinematics(&self, hand: usize, age: usize) -> Kinematics {
+    fn hand_kinematics(&self, hand: usize, age: usize) -> Option<Kinematics> {
         self.kinematics(age, |age| {
             let pose = self.hands[hand].ago(age);
             (pose.source == Source::Seen).then_some(pose.middle_knuckle)
         })
     }
 
-    fn object_kinematics(&self, object: usize, age: usize) -> Kinematics {
+    fn object_kinematics(&self, object: usize, age: usize) -> Option<Kinematics> {
         self.kinematics(age, |age| {
             let pose = self.objects[object].poses.ago(age);
-            matches!(pose.source, Source::Seen | Source::Carried).then_some(pose.position)
+            pose.source.is_known().then_some(pose.position)
         })
     }
 
     /// Uses the `persist_frames` before and after a frame, which adds nothing to the delay of the contacts.
-    fn kinematics(&self, age: usize, seen: impl Fn(usize) -> Option<[f32; 3]> + Clone) -> Kinematics {
+    fn kinematics(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Clone) -> Option<Kinematics> {
         let half = usize::from(self.method.persist_frames);
         let now = *self.times_ns.ago(age);
         let ages = age.saturating_sub(half)..=age + half;
-        kinematics(ages.filter_map(|age| {
-            let position = seen(age)?;
+        let sample = |age: usize| -> Option<Sample> {
+            let position = known(age)?;
             let time = *self.times_ns.ago(age);
             let apart = time.abs_diff(now) as f64 * 1e-9;
-            Some((if time < now { -apart } else { apart }, position))
-        }))
+            (apart < self.window_s).then_some((if time < now { -apart } else { apart }, position))
+        };
+        kinematics(ages.filter_map(sample), MIN_SAMPLES.min(2 * half + 1))
     }
 }
 
-fn squared_distance(one: &ObjectPose, other: &ObjectPose) -> f32 {
-    let apart = super::geometry::subtract(one.position, other.position);
+fn squared_distance(one: Point, other: Point) -> f32 {
+    let apart = super::geometry::subtract(one, other);
     super::geometry::dot(apart, apart)
 }

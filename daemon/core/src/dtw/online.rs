@@ -73,6 +73,12 @@ impl<'a> OnlineDtw<'a> {
         Ok(())
     }
 
+    /// Appends any number of frames of which nothing is known: each costs nothing, whatever frames of the reference it is paired with.
+    /// The distance then is the least that any motion in them could have led to.
+    pub fn append_unknown(&mut self) {
+        self.row.advance_free(self.reference.len());
+    }
+
     /// The DTW distance of all appended frames to the reference, equal to [`distance`](super::distance) in every bit; `None`
     /// before the first frame.
     pub fn distance(&self) -> Option<f64> {

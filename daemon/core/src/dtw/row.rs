@@ -30,6 +30,16 @@ impl Row {
         self.blocks[..length.div_ceil(BLOCK)].fill([UNREACHED; BLOCK]);
     }
 
+    /// Computes the next row of a frame that costs nothing anywhere: each cell becomes the minimum of those up to it.
+    pub(super) fn advance_free(&mut self, length: usize) {
+        let mut min = core::mem::replace(&mut self.border, UNREACHED);
+        for index in 0..length {
+            let cell = &mut self.blocks[index / BLOCK][slot(index)];
+            min = min.min(*cell);
+            *cell = min;
+        }
+    }
+
     /// The value of a cell.
     pub(super) fn cell(&self, index: usize) -> i32 {
         self.blocks[index / BLOCK][slot(index)]

@@ -25,6 +25,8 @@ struct OpenIu {
     so_far: Iu,
     reversals: Reversals,
     eru: Option<Eru>,
+    /// Frames since the newest one whose motion was measured.
+    unmeasured: u32,
 }
 
 /// An open activity.
@@ -46,14 +48,16 @@ struct OpenActivity {
 /// - A new activity begins when the hand touches an object other than the first one of the activity, or touches that one again
 ///   after the activity has matched a nominal activity to its last IU.
 ///
+/// Frames whose motion was not measured pass by the filter, and are told where they belong.
+///
 /// The hand is idle while `x_c` is zero, and also in a release state that belongs to no activity.
 #[derive(Clone, Debug)]
 pub struct Segmenter {
     side: Side,
     bins: u8,
     filter: OpeningClosing,
-    /// The times of the frames in the filter.
-    times_ns: Deque<u64, IN_FILTER>,
+    /// The frames in the filter: the time of each, and how many before it were not measured.
+    in_filter: Deque<(u64, u32), IN_FILTER>,
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,
@@ -73,7 +77,7 @@ impl Segmenter {
             side,
             bins: method.bins,
             filter: OpeningClosing::new(method.filter_frames),
-            times_ns: Deque::new(),
+            in_filter: Deque::new(),
             context: Context::IDLE,
             iu: None,
             activity: None,
@@ -97,10 +101,15 @@ impl Segmenter {
         }
         if let Some(iu) = &mut self.iu {
             iu.so_far.frames = iu.so_far.frames.saturating_add(1);
-            iu.so_far.sighted &= couple.sighted;
+            iu.so_far.is_in_sight &= couple.is_in_sight();
+            let Some(motion) = couple.motion else {
+                iu.unmeasured = iu.unmeasured.saturating_add(1);
+                return;
+            };
+            iu.so_far.measured = iu.so_far.measured.saturating_add(1);
             // There is room: the filter releases a frame as soon as it is full.
-            let _ = self.times_ns.push_back(now_ns);
-            if let Some(motion) = self.filter.push(couple.motion) {
+            let _ = self.in_filter.push_back((now_ns, core::mem::take(&mut iu.unmeasured)));
+            if let Some(motion) = self.filter.push(motion) {
                 self.take_filtered(motion, emit);
             }
         }
@@ -153,12 +162,21 @@ impl Segmenter {
 
     fn begin_iu(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
         let (context, began_ns) = (couple.context, couple.captured_ns);
-        let so_far = Iu { context, began_ns, ended_ns: began_ns, frames: 0, reversals: 0, sighted: true };
+        let so_far = Iu {
+            context,
+            began_ns,
+            ended_ns: began_ns,
+            frames: 0,
+            measured: 0,
+            reversals: 0,
+            is_in_sight: true,
+        };
         if let Some(activity) = &mut self.activity {
             // It continues, so whether it matches is open again.
             activity.matched = false;
         }
-        self.iu = Some(OpenIu { so_far, reversals: Reversals::new(context, self.bins), eru: None });
+        let reversals = Reversals::new(context, self.bins);
+        self.iu = Some(OpenIu { so_far, reversals, eru: None, unmeasured: 0 });
         emit(Event::IuBegan { side: self.side, context, began_ns });
     }
 
@@ -170,8 +188,11 @@ impl Segmenter {
             self.filter.clear();
         }
         let side = self.side;
-        if let Some(OpenIu { so_far, eru, .. }) = self.iu.take() {
+        if let Some(OpenIu { so_far, eru, unmeasured, .. }) = self.iu.take() {
             let context = so_far.context;
+            if unmeasured > 0 {
+                emit(Event::IuUnmeasured { side, frames: unmeasured });
+            }
             if let Some(Eru { motion, began_ns }) = eru {
                 emit(Event::Eru { side, context, motion, began_ns, ended_ns });
             }
@@ -184,8 +205,13 @@ impl Segmenter {
 
     /// Takes the next frame that leaves the filter.
     fn take_filtered(&mut self, motion: Motion, emit: &mut impl FnMut(Event)) {
-        let (Some(iu), Some(began_ns)) = (&mut self.iu, self.times_ns.pop_front()) else { return };
+        let (Some(iu), Some((began_ns, unmeasured))) = (&mut self.iu, self.in_filter.pop_front()) else {
+            return;
+        };
         let (side, context) = (self.side, iu.so_far.context);
+        if unmeasured > 0 {
+            emit(Event::IuUnmeasured { side, frames: unmeasured });
+        }
         match iu.eru {
             Some(eru) if eru.motion == motion => {}
             ended => {

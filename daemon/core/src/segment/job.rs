@@ -3,7 +3,7 @@
 use super::{Event, Segmenter};
 use crate::capacity::HANDS;
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couples};
+use crate::couple::{Context, Couple, Couples};
 use crate::input::Side;
 
 /// An open job.
@@ -20,8 +20,10 @@ struct OpenJob {
 
 /// Segments the couples of both hands. Each hand has its own activities; both share the job.
 ///
-/// A job begins with the first touch or on command. It ends on command; when no hand has been seen for `idle_end_ms`, if
-/// anything was touched in it; or, once [`job_matched`](Self::job_matched) was set, with the touch that begins the next job.
+/// A job begins with the first touch or on command. It ends on command; once [`job_matched`](Self::job_matched) was set, with the touch
+/// that begins the next job; and after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have
+/// moved meanwhile. A pause in which every object stays where it is does not end a job: it goes on when the worker is back. Frames
+/// that are missing are no pause.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
     hands: [Segmenter; HANDS],
@@ -29,8 +31,12 @@ pub struct JobSegmenter {
     idle_end_ns: u64,
     /// The time of the newest couples.
     newest_ns: u64,
-    /// When a hand was last seen.
-    seen_ns: u64,
+    /// For how long no hand has been seen in frames that were captured.
+    handless_ns: u64,
+    /// There has been a pause since the last job, and nothing has moved.
+    has_paused: bool,
+    /// Objects have moved unseen since a hand last acted.
+    is_disturbed: bool,
     job: Option<OpenJob>,
 }
 
@@ -46,7 +52,9 @@ impl JobSegmenter {
             period_ns: libm::round(1e9 / f64::from(method.rate_hz)) as u64,
             idle_end_ns: u64::from(method.idle_end_ms) * 1_000_000,
             newest_ns: 0,
-            seen_ns: 0,
+            handless_ns: 0,
+            has_paused: false,
+            is_disturbed: false,
             job: None,
         })
     }
@@ -54,17 +62,18 @@ impl JobSegmenter {
     /// Takes the next couples.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let now_ns = couples.captured_ns;
-        if couples.hands.iter().any(|couple| couple.seen) {
-            self.seen_ns = now_ns;
-        }
-        let touches =
-            self.hands.iter().zip(&couples.hands).any(|(hand, couple)| hand.begins_activity(couple));
-        let idle = now_ns.saturating_sub(self.seen_ns) >= self.idle_end_ns;
-        if self.job.is_some_and(|job| job.matched && touches || job.touched && idle) {
+        self.watch_for_pause(couples);
+        let touches = couples.hands.iter().any(|couple| self.begins_activity(couple));
+        let is_pause = self.handless_ns >= self.idle_end_ns;
+        if self
+            .job
+            .is_some_and(|job| job.matched && (touches || is_pause) || job.touched && is_pause && self.is_disturbed)
+        {
             self.end(now_ns, emit);
         }
         if touches && self.job.is_none() {
-            self.begin(now_ns, emit);
+            let is_start_seen = self.has_paused;
+            self.begin(now_ns, is_start_seen, emit);
         }
         self.newest_ns = now_ns;
         for (hand, couple) in self.hands.iter_mut().zip(&couples.hands) {
@@ -76,13 +85,36 @@ impl JobSegmenter {
                 job.ended_ns = now_ns.saturating_add(self.period_ns);
             }
         }
+        self.is_disturbed &= !touches;
+    }
+
+    fn watch_for_pause(&mut self, couples: &Couples) {
+        let elapsed_ns = couples.captured_ns.saturating_sub(self.newest_ns);
+        if couples.hands.iter().any(Couple::is_hand_seen) {
+            self.handless_ns = 0;
+        } else if couples.is_captured && self.newest_ns > 0 {
+            self.handless_ns = self.handless_ns.saturating_add(elapsed_ns.min(2 * self.period_ns));
+        }
+        self.is_disturbed |= couples.has_moved_unseen;
+        self.has_paused |= self.job.is_none() && self.handless_ns >= self.idle_end_ns;
+        self.has_paused &= !couples.has_moved_unseen;
+    }
+
+    /// Whether an activity would begin with this couple, if it were the next one.
+    pub fn begins_activity(&self, couple: &Couple) -> bool {
+        self.hands[couple.side.index()].begins_activity(couple)
+    }
+
+    /// Whether objects have moved since a hand last began to act, while no hand was seen.
+    pub fn is_disturbed(&self) -> bool {
+        self.is_disturbed
     }
 
     /// Begins a job on command, with the next couples. An open job ends first; objects that the hands touch count as new touches.
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         self.finish(emit);
         self.hands.iter_mut().for_each(Segmenter::forget_touch);
-        self.begin(self.newest_ns.saturating_add(self.period_ns), emit);
+        self.begin(self.newest_ns.saturating_add(self.period_ns), true, emit);
     }
 
     /// Ends the job on command or at the end of a recording, after the newest couples.
@@ -102,9 +134,10 @@ impl JobSegmenter {
         &mut self.hands[side.index()]
     }
 
-    fn begin(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
+    fn begin(&mut self, began_ns: u64, is_start_seen: bool, emit: &mut impl FnMut(Event)) {
         self.job = Some(OpenJob { began_ns, ended_ns: began_ns, touched: false, matched: false });
-        emit(Event::JobBegan { began_ns });
+        self.has_paused = false;
+        emit(Event::JobBegan { began_ns, is_start_seen });
     }
 
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {

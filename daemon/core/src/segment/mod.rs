@@ -22,11 +22,13 @@ pub struct Iu {
     pub ended_ns: u64,
     /// Its length in frames of the grid.
     pub frames: u32,
+    /// In how many of them its motion was measured.
+    pub measured: u32,
     /// How often its motion reversed, that is turned by more than a quarter from its direction; rest is ignored. The count shows
     /// that a repeated motion, such as polishing strokes, was cut short.
     pub reversals: u32,
-    /// False if any of its couples was not sighted.
-    pub sighted: bool,
+    /// Whether all its couples were in sight ([`Couple::is_in_sight`](crate::couple::Couple::is_in_sight)).
+    pub is_in_sight: bool,
 }
 
 /// An event of the segmentation. Times are those of the couples (`captured_ns`). Ends are exclusive: what follows begins there.
@@ -36,6 +38,8 @@ pub enum Event {
     JobBegan {
         /// When, in nanoseconds.
         began_ns: u64,
+        /// Whether nothing of it can have happened before: it began on command, or after a pause in which nothing moved.
+        is_start_seen: bool,
     },
     /// An activity began: the hand touches another object.
     ActivityBegan {
@@ -65,6 +69,13 @@ pub enum Event {
         captured_ns: u64,
         /// How often the motion of the IU has reversed so far.
         reversals: u32,
+    },
+    /// The next frames of the IU have no motion, because it could not be measured.
+    IuUnmeasured {
+        /// Whose hand.
+        side: Side,
+        /// How many frames of the grid.
+        frames: u32,
     },
     /// An ERU ended: `X`, after the filter, was constant in it.
     Eru {

@@ -132,7 +132,7 @@ impl Teacher<'_> {
         let learned = learn(&mut self.warp, &self.tables, &motions, leave_out, *max_slowdown)
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?;
         let context = sequence.contexts[index];
-        let frames: Vec<u32> = motions.iter().map(|motion| motion.len() as u32).collect();
+        let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
         let reversals: Vec<u32> = shown.iter().map(|iu| iu.reversals).collect();
         let taught = TaughtIu {
             context,
