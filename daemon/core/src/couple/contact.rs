@@ -2,8 +2,8 @@
 
 use crate::config::Contact;
 
-/// How many of the `persist_frames` must have been known for a change to be believed: one wrong position is no change, and two may
-/// come from one shaken frame. Half of the default of 5, rounded up.
+/// In how many frames a change must have been known to be believed: one wrong position is no change, and two may come from one shaken
+/// frame. Half of the default of `persist_frames`, rounded up.
 const MIN_KNOWN: u32 = 3;
 
 /// The recent history of one edge of the scene graph.
@@ -24,8 +24,14 @@ pub(super) struct Edge {
 }
 
 impl Edge {
-    /// Takes the newest distance, in metres, of two ends that are known.
-    pub(super) fn push(&mut self, distance: f32, contact: &Contact) {
+    /// Takes the newest distance, in metres, of two ends that are known. Between the two distances an edge is what it was, so it is
+    /// not known there if it was not known before: in fewer than half of the `persist` frames.
+    pub(super) fn push(&mut self, distance: f32, contact: &Contact, persist: u8) {
+        let was_known = 2 * (self.known & window(persist, 0)).count_ones() + 1 >= persist.into();
+        if !was_known && (contact.on_m..=contact.off_m).contains(&distance) {
+            self.push_unknown();
+            return;
+        }
         let near = if self.is_near() { distance <= contact.off_m } else { distance < contact.on_m };
         self.near = self.near << 1 | u32::from(near);
         self.known = self.known << 1 | 1;
@@ -37,6 +43,11 @@ impl Edge {
         self.known <<= 1;
     }
 
+    /// Whether it is known to be near or not in the newest frame.
+    pub(super) fn is_known(self) -> bool {
+        self.known & 1 == 1
+    }
+
     /// Whether it is near in the newest frame, believed or not.
     pub(super) fn is_near(self) -> bool {
         self.near & 1 == 1
@@ -46,15 +57,13 @@ impl Edge {
     /// `persist` frames from there to the newest (at the end of a recording) nothing new is believed.
     pub(super) fn believe(&mut self, age: usize, persist: u8) -> bool {
         if let Some(rest) = (age + 1).checked_sub(usize::from(persist)) {
-            let frames = window(persist, rest);
-            let changed = match self.believed {
-                true => self.near & frames == 0,
-                false => self.near & frames == frames,
-            };
-            let known = (self.known & frames).count_ones();
+            let [near, known] = [self.near >> rest, self.known >> rest];
+            // For how many frames up to the newest in the window it has been what it is there.
+            let lasted = if near & 1 == 1 { near.trailing_ones() } else { near.trailing_zeros() };
+            let is_lasting = lasted >= persist.into() && (near & 1 == 1) != self.believed;
+            let seen = (known & window(lasted as u8, 0)).count_ones();
             // What was last seen before the end of the window may have been over before it.
-            let has_lasted = self.known >> rest & 1 == 1;
-            if changed && has_lasted && known >= MIN_KNOWN.min(persist.into()) {
+            if is_lasting && known & 1 == 1 && seen >= MIN_KNOWN.min(persist.into()) {
                 self.believed = !self.believed;
             }
         }
@@ -69,7 +78,7 @@ impl Edge {
 
 /// `frames` set bits from bit `from` on.
 pub(super) fn window(frames: u8, from: usize) -> u32 {
-    ((1 << frames) - 1) << from
+    (u32::MAX >> (32 - u32::from(frames.clamp(1, 32)))) << from
 }
 
 #[cfg(test)]
@@ -88,7 +97,7 @@ mod tests {
             if distance.is_nan() {
                 edge.push_unknown();
             } else {
-                edge.push(*distance, &CONTACT);
+                edge.push(*distance, &CONTACT, persist);
             }
             if newest >= usize::from(persist) {
                 believed.push(edge.believe(usize::from(persist), persist));
@@ -146,6 +155,13 @@ mod tests {
         assert_eq!(text(&believed(&distances("---xxxxx??????????-----"), 5)), "---xxxxxxxxxxxxxxx-----");
         assert_eq!(text(&believed(&distances("---??????????xxxxx"), 5)), "-------------xxxxx");
         assert_eq!(text(&believed(&distances("---x????????----"), 5)), "----------------");
+        // Behind the gap the contact may have begun or not, until the distance tells.
+        assert_eq!(text(&believed(&distances("-----??????====xxxxx"), 5)), "---------------xxxxx");
+    }
+
+    #[test]
+    fn a_contact_that_is_seldom_seen_is_believed_later() {
+        assert_eq!(text(&believed(&distances("-??-??x??x??x??x??-??-??-??-"), 5)), "--------xxxxxxxxxxxx--------");
     }
 
     #[test]

@@ -36,6 +36,14 @@ pub(super) enum Interaction {
 pub(super) type Edge = (usize, f32);
 
 impl Interaction {
+    /// `o_j`.
+    pub(super) fn held(self) -> Option<usize> {
+        match self {
+            Self::Idle => None,
+            Self::Acts { j, .. } | Self::Released { j, .. } => Some(j),
+        }
+    }
+
     /// Whether the object is `o_j` or `o_l`.
     pub(super) fn involves(self, object: usize) -> bool {
         match self {

@@ -174,6 +174,7 @@ impl Scene {
                 (pose, node.points.at(pose.position, pose.orientation, planar), node.radius_m)
             })
             .collect();
+        let persist = self.method.persist_frames;
         let is_known = |source: Source, unseen: u32| source.is_known() && unseen <= self.blind_frames;
         for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
             let hand = hand.ago(0);
@@ -181,7 +182,7 @@ impl Scene {
             for ((pose, points, _), edge) in poses.iter().zip(edges) {
                 match tips {
                     Some(tips) if is_known(pose.source, pose.unseen) => {
-                        edge.push(tips.distance(points), &self.method.hand_contact);
+                        edge.push(tips.distance(points), &self.method.hand_contact, persist);
                     }
                     _ => edge.push_unknown(),
                 }
@@ -195,9 +196,9 @@ impl Scene {
                 if !(is_known(a.source, a.unseen) && is_known(b.source, b.unseen)) {
                     edge.push_unknown();
                 } else if squared_distance(a.position, b.position) <= reach * reach {
-                    edge.push(one.1.distance(&other.1), contact);
+                    edge.push(one.1.distance(&other.1), contact, persist);
                 } else {
-                    edge.push(f32::INFINITY, contact);
+                    edge.push(f32::INFINITY, contact, persist);
                 }
             }
         }
@@ -248,17 +249,28 @@ impl Scene {
         self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
     }
 
-    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken.
+    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, and whether
+    /// they touch.
     fn push_clear(&mut self) {
         for (index, hand) in self.hands.iter().enumerate() {
             let hand = hand.ago(0);
+            let (interaction, touches) = (self.interactions[index], &self.touches[index]);
             let mut is_clear = hand.source == Source::Seen;
             for (object, node) in self.objects.iter_mut().enumerate() {
                 let pose = node.poses.ago(0);
                 let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
                 let taken = &mut node.may_be_taken[index];
                 *taken = is_hidden && (*taken || hand.is_over(pose.position, node.radius_m));
-                is_clear &= !(*taken || is_hidden && self.interactions[index].involves(object));
+                let is_in_doubt = match pose.source {
+                    Source::Never => false,
+                    Source::Seen => {
+                        let edge = |j: usize| self.adjacent[j.min(object)][j.max(object)];
+                        let held = interaction.held().filter(|j| *j != object);
+                        !touches[object].is_known() || held.is_some_and(|j| !edge(j).is_known())
+                    }
+                    _ => *taken || interaction.involves(object),
+                };
+                is_clear &= !is_in_doubt;
             }
             self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
         }
