@@ -4,21 +4,25 @@ use crate::HANDS;
 use crate::layout::{message, wire};
 use crate::stamp::Stamp;
 
-wire! { "andon.HandCouple", 24;
+wire! { "andon.HandCouple", 28;
     /// The feature couple of one hand.
     struct HandCouple {
         /// `x_c = [ID_h, ID_oj, ID_oj, ID_ol]`.
         x_c: [u16; 4],
         /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l` in metres; infinite without such a contact.
         distances_m: [f32; 2],
-        /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`.
+        /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
-        /// Bits of [`crate::flag`]: `SIGHTED`, `HAND_SEEN`.
+        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`.
         flags: u8,
+        /// The sight of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
+        sight: [u8; 3],
+        /// Zero.
+        reserved: u8,
     }
 }
 
-wire! { "andon.Couples", 112;
+wire! { "andon.Couples", 120;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -27,7 +31,8 @@ wire! { "andon.Couples", 112;
         described_ns: u64,
         /// Source time of the newest frame that they depend on: `persist` frames after `described_ns`.
         known_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `METRIC`, `PACED`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `METRIC`, `PACED`, `CAPTURED`,
+        /// `MOVED_UNSEEN`.
         flags: u32,
         /// Frames that were lost just before the newest one.
         dropped: u32,

@@ -58,10 +58,16 @@ pub mod flag {
     pub const METRIC: u32 = 1 << 1;
     /// The source waits for its readers so that nothing is lost, and so does every role that sends what follows from it.
     pub const PACED: u32 = 1 << 2;
-    /// The hand was seen, or its position is held over a gap that is shorter than `blind_ms`.
-    pub const SIGHTED: u8 = 1;
-    /// The hand itself was seen in this frame. This distinguishes a job that has ended from one that rests.
-    pub const HAND_SEEN: u8 = 1 << 1;
+    /// There was a frame at the instant that the couples describe; otherwise it was lost, or never taken.
+    pub const CAPTURED: u32 = 1 << 3;
+    /// An object lies elsewhere than before, and no hand was seen at it.
+    pub const MOVED_UNSEEN: u32 = 1 << 4;
+    /// The motion was measured.
+    pub const MEASURED: u8 = 1;
+    /// The frame itself shows the context.
+    pub const CLEAR: u8 = 1 << 1;
+    /// So little was seen that the context may be another one.
+    pub const DOUBTFUL: u8 = 1 << 2;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
     /// The object was hidden, and its pose is held by the hand that carries it.

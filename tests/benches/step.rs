@@ -55,7 +55,7 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
     let shapes: Vec<ObjectShape> = (1..=OBJECTS as u16).map(shape).collect();
 
     let mut encoder = Encoder::new(Method::default(), &shapes).unwrap();
-    let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+    let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap().at_start_of_job();
     let (mut verdicts, mut ns) = (0u64, Vec::with_capacity(STEPS));
     for step in 0..STEPS {
         let frame = frame(step);

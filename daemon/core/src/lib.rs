@@ -30,7 +30,7 @@
 //! let method = Method::default();
 //! let tool = ObjectShape { id: 5, interaction_points: [[0.0; 3]].into_iter().collect() };
 //! let mut encoder = Encoder::new(method, &[tool])?;
-//! let mut judge = Judge::new(&job, method)?;
+//! let mut judge = Judge::new(&job, method)?.at_start_of_job();
 //!
 //! // The hand stays on the tool.
 //! let mut verdicts = Vec::new();

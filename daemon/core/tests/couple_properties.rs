@@ -157,8 +157,9 @@ proptest! {
         prop_assert_eq!(couples.len(), frames.len());
         for (index, (couples, frame)) in couples.iter().zip(&frames).enumerate() {
             prop_assert!(couples.captured_ns.abs_diff(frame.captured_ns) < PERIOD_NS / 100);
-            prop_assert_eq!(couples.hands[0].seen, kept.contains(&index));
-            prop_assert!(couples.hands[0].sighted);
+            prop_assert_eq!(couples.hands[0].is_hand_seen(), kept.contains(&index));
+            prop_assert_eq!(couples.is_captured, kept.contains(&index));
+            prop_assert!(couples.hands[0].is_in_sight());
         }
     }
 

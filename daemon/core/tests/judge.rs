@@ -44,7 +44,7 @@ fn forgiving(job: Job<'static>) -> Job<'static> {
 }
 
 fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
-    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
+    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap().at_start_of_job();
     let mut verdicts = Vec::new();
     for couples in couples {
         judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
@@ -177,15 +177,31 @@ fn a_missing_activity_makes_the_job_incomplete_and_is_named() {
 }
 
 #[test]
-fn an_activity_done_twice_is_an_anomaly_at_its_second_touch() {
+fn an_activity_done_twice_is_an_anomaly_at_its_second_touch_if_the_order_matters() {
+    let right = [&polish(6)[..], &polish(6), &measure()].concat();
+    expect(
+        &Job { order_matters: true, ..polish_and_measure() },
+        &right,
+        &[
+            &POLISH_OK[..],
+            &["r1 ActivityAnomaly WrongOrder!", "r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk"],
+            &["r2.0 IuOk", "r2.1 IuOk", "r2.2 IuOk!", "r2 ActivityOk!", "JobAnomaly WrongOrder"],
+        ]
+        .concat(),
+    );
+}
+
+#[test]
+fn in_any_order_an_activity_that_comes_again_belongs_to_the_next_job() {
     let right = [&polish(6)[..], &polish(6), &measure()].concat();
     expect(
         &polish_and_measure(),
         &right,
         &[
             &POLISH_OK[..],
-            &["r1 ActivityAnomaly WrongOrder!", "r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk"],
-            &["r2.0 IuOk", "r2.1 IuOk", "r2.2 IuOk!", "r2 ActivityOk!", "JobAnomaly WrongOrder"],
+            &["JobAnomaly NotCompleted"],
+            &POLISH_OK[..],
+            &["r1.0 IuOk", "r1.1 IuOk", "r1.2 IuOk!", "r1 ActivityOk!", "JobOk"],
         ]
         .concat(),
     );
@@ -303,7 +319,7 @@ fn the_next_touch_after_a_job_begins_another() {
 
 /// The beginnings of jobs and the verdicts on them, in their order.
 fn jobs(job: &Job<'_>, couples: &[Couples]) -> Vec<String> {
-    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
+    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap().at_start_of_job();
     let mut jobs = Vec::new();
     let mut take = |event| match event {
         Event::JobBegan { began_ns } => jobs.push(format!("began in frame {}", began_ns / PERIOD_NS)),
@@ -336,16 +352,83 @@ fn the_beginning_of_the_job_after_one_that_was_not_judged_is_an_event() {
     );
 }
 
+fn away(frames: usize) -> Part {
+    Part { seen: false, ..idle(frames) }
+}
+
 #[test]
-fn without_a_hand_the_job_ends_after_idle_end_ms() {
-    let mut away = idle(200);
-    away.seen = false;
-    let right = [&polish(6)[..], &[away]].concat();
+fn a_pause_without_hands_does_not_end_the_job_while_the_bench_stays_as_it_is() {
+    let right = [&polish(6)[..], &[away(900)], &measure()].concat();
     let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
+    assert_eq!(verdicts.iter().filter(|verdict| verdict.level == Level::Job).count(), 1);
+}
+
+#[test]
+fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearranged() {
+    let right = [&polish(6)[..], &[away(200)]].concat();
+    let mut couples = stream(&right, &[]);
+    couples[250].has_moved_unseen = true;
+    let verdicts = judged(&polish_and_measure(), &couples);
     let job = verdicts.last().unwrap();
-    assert_eq!(short(job), "JobAnomaly NotCompleted");
+    // The brick may have been measured while no hand was seen.
+    assert_eq!(short(job), "NotJudged Blind");
     // 4 s after the last frame with a hand, which is 175.
     assert_eq!(job.ended_ns, (175 + 121) * PERIOD_NS);
+}
+
+#[test]
+fn a_judge_that_was_started_in_the_middle_of_a_job_accuses_nothing_that_came_before() {
+    let job = Job { order_matters: true, ..polish_and_measure() };
+    let right = [polish(6), measure(), polish(6), measure()].concat();
+    let couples = stream(&right, &[]);
+    for start in (0..286).step_by(10) {
+        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+        let mut verdicts = Vec::new();
+        couples[start..]
+            .iter()
+            .for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
+        judge.finish(&mut |event| verdicts.extend(event.verdict()));
+        let verdicts: Vec<String> = verdicts.iter().map(short).collect();
+        assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{start}: {verdicts:?}");
+        assert_eq!(verdicts.last().unwrap(), "JobOk", "{start}: {verdicts:?}");
+    }
+}
+
+#[test]
+fn after_a_fault_the_next_job_is_right() {
+    let faults: [(&str, Vec<Part>); 5] = [
+        ("cut short", [polish(3), measure()].concat()),
+        ("left out", polish(6).to_vec()),
+        ("reversed", [measure(), polish(6)].concat()),
+        ("not completed", [&polish(6)[..], &measure()[..1], &[idle(20)]].concat()),
+        ("wrong object", [&[part([1, 9, 0, 0], 30, Still), idle(20)][..], &measure()].concat()),
+    ];
+    for order_matters in [false, true] {
+        let job = Job { order_matters, ..polish_and_measure() };
+        for (name, fault) in &faults {
+            let right = [polish(6), measure()].concat();
+            let mut couples = stream(&[&right[..], fault, &right, &right].concat(), &[]);
+            let fault_frames: usize = right.iter().chain(fault).map(|part| part.frames).sum();
+            // The parts of the next piece are put in place.
+            couples[fault_frames - 1].has_moved_unseen = true;
+            let verdicts = judged(&job, &couples);
+            let fault_ends = fault_frames as u64 * PERIOD_NS;
+            let later = verdicts.iter().filter(|verdict| verdict.began_ns >= fault_ends);
+            let accused: Vec<String> =
+                later.filter(|verdict| verdict.outcome == Outcome::Anomaly).map(short).collect();
+            assert!(accused.is_empty(), "{name}, {order_matters}: {accused:?}");
+            let jobs: Vec<Outcome> = verdicts
+                .iter()
+                .filter(|verdict| verdict.level == Level::Job)
+                .map(|job| job.outcome)
+                .collect();
+            assert_eq!(jobs[0], Outcome::Ok, "{name}, {order_matters}");
+            assert_eq!(jobs[jobs.len() - 2..], [Outcome::Ok; 2], "{name}, {order_matters}: {jobs:?}");
+            let is_fault = *name != "reversed" || order_matters;
+            assert_eq!(jobs.contains(&Outcome::Anomaly), is_fault, "{name}, {order_matters}: {jobs:?}");
+        }
+    }
 }
 
 #[test]

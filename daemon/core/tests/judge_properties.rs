@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couples, Motion};
+use andon_core::couple::{Context, Couples, Motion, Sight};
 use andon_core::input::Side;
 use andon_core::job::{Job, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
@@ -96,7 +96,7 @@ fn work() -> impl Strategy<Value = Vec<Part>> {
 }
 
 fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
-    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
+    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap().at_start_of_job();
     let mut verdicts = Vec::new();
     couples.iter().for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
     judge.finish(&mut |event| verdicts.extend(event.verdict()));
@@ -239,14 +239,15 @@ proptest! {
         let mut couples = stream(&work, &[]);
         for from in blind {
             for couples in couples.iter_mut().skip(from).take(frames) {
-                couples.hands[0].sighted = false;
+                couples.hands[0].sight[0] = Sight::Unseen;
+                (couples.hands[0].is_clear, couples.hands[0].is_doubtful) = (false, true);
             }
         }
         let verdicts = judged(&job(), &couples);
         // A release state is decided in its first frame; what is out of sight later does not count.
         let unseen = |verdict: &Verdict| {
             let its = couples.iter().filter(|couples| (verdict.began_ns..verdict.ended_ns).contains(&couples.captured_ns));
-            its.map(|couples| couples.hands[0]).any(|couple| !couple.sighted && couple.context.is_touch())
+            its.map(|couples| couples.hands[0]).any(|couple| !couple.is_in_sight() && couple.context.is_touch())
         };
         for verdict in &verdicts {
             match verdict.outcome {
@@ -264,7 +265,7 @@ proptest! {
         let whole = judged(&job, &couples);
         let (before, after) = couples.split_at(at.min(couples.len()));
         let mut verdicts = Vec::new();
-        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap().at_start_of_job();
         before.iter().for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
         let mut copy = judge.clone();
         judge.finish(&mut |_| {});

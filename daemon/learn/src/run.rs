@@ -123,12 +123,12 @@ impl Run {
         })
     }
 
-    /// The verdicts that the live judge gives on this run.
+    /// The verdicts that the live judge gives on this run, which is a whole job.
     ///
     /// # Errors
     /// If the method or the job cannot be used.
     pub fn judge(&self, job: &Job<'_>, method: &Method) -> Result<Vec<Verdict>, anomaly::Unusable> {
-        let mut judge = Judge::<Vec<_>>::with_memory(job, *method)?;
+        let mut judge = Judge::<Vec<_>>::with_memory(job, *method)?.at_start_of_job();
         let mut verdicts = Vec::new();
         for couples in &self.couples {
             judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
@@ -169,7 +169,8 @@ impl Collector {
                         began_ns: iu.began_ns,
                         ended_ns: iu.ended_ns,
                         frames: iu.frames,
-                        is_well_seen: iu.is_in_sight && MIN_MEASURED * f64::from(iu.frames) <= f64::from(iu.measured),
+                        is_well_seen: iu.is_in_sight
+                            && MIN_MEASURED * f64::from(iu.frames) <= f64::from(iu.measured),
                     });
                 }
             }

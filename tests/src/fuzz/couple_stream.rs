@@ -5,7 +5,7 @@ use super::ledger::Ledger;
 use andon_core::anomaly::Judge;
 use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Encoder, Motion};
+use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
 use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
@@ -136,7 +136,10 @@ impl Line<'_> {
                 self.command();
             }
             let contexts = Side::ALL.map(|_| Context(CONTEXTS[usize::from(input.below(8))]));
-            let (sighted, seen) = (input.below(8) != 0, input.below(8) != 0);
+            let sight = [(); 3]
+                .map(|()| [Sight::Seen, Sight::Assumed, Sight::Unseen][usize::from(input.below(24) / 11)]);
+            let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
+            let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
                 255 => 2100,
@@ -146,15 +149,22 @@ impl Line<'_> {
                 captured_ns += 1 + u64::from(input.byte()) * 1_000_000;
                 let hand = |side: Side| Couple {
                     context: contexts[side.index()],
-                    sighted,
-                    seen,
+                    sight,
+                    is_clear,
+                    is_doubtful,
                     ..Couple::idle(side, captured_ns)
                 };
                 let mut hands = Side::ALL.map(hand);
                 for hand in &mut hands {
-                    hand.motion = motion(input);
+                    hand.motion = (input.below(8) != 0).then(|| motion(input));
                 }
-                self.step(&Couples { captured_ns, known_ns: captured_ns, hands });
+                self.step(&Couples {
+                    captured_ns,
+                    known_ns: captured_ns,
+                    is_captured,
+                    has_moved_unseen,
+                    hands,
+                });
             }
         }
     }

@@ -12,7 +12,7 @@ struct Stretch {
     context: Context,
     began_ns: u64,
     newest_ns: u64,
-    /// The time of the first frame that was not sighted.
+    /// The time of the first frame that was out of sight.
     blind_ns: Option<u64>,
 }
 
@@ -87,7 +87,7 @@ impl Ledger {
 fn observe_hand(couple: &Couple, stretches: &mut Vec<Stretch>) {
     let now_ns = couple.captured_ns;
     let same = stretches.last_mut().filter(|stretch| stretch.context == couple.context);
-    let blind_ns = (!couple.sighted).then_some(now_ns);
+    let blind_ns = (!couple.is_in_sight()).then_some(now_ns);
     match same {
         Some(stretch) => {
             assert!(stretch.newest_ns < now_ns, "couples come in the order of their times");

@@ -78,6 +78,9 @@ pub struct EventLine {
     pub began_s: f64,
     /// When it ended, in seconds.
     pub ended_s: f64,
+    /// For an IU, the share of its frames whose motion was measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<f64>,
 }
 
 impl EventLine {
@@ -89,6 +92,7 @@ impl EventLine {
             context: Some(context),
             began_s: seconds(began_ns),
             ended_s: seconds(ended_ns),
+            measured: None,
         }
     }
 
@@ -100,6 +104,7 @@ impl EventLine {
             context: None,
             began_s: seconds(began_ns),
             ended_s: seconds(ended_ns),
+            measured: None,
         }
     }
 }

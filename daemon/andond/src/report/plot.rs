@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use andon_core::couple::Couple;
+use andon_core::couple::{Couple, Sight};
 
 use super::words::Names;
 
@@ -101,7 +101,8 @@ fn draw_timeline(
     draw_context(out, timeline, names, axis, y);
     y += LANE + GAP;
     for (feature, (title, min, max)) in FEATURES.iter().enumerate() {
-        let values = || timeline.couples.iter().map(|couple| f64::from(couple.motion.0[feature]));
+        let motions = || timeline.couples.iter().filter_map(|couple| couple.motion);
+        let values = || motions().map(|motion| f64::from(motion.0[feature]));
         // Plane mode has no elevation, and an empty lane shows nothing.
         if title.starts_with('θ') && values().all(|value| value == 0.0) {
             continue;
@@ -134,14 +135,19 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
     let mut contexts: Vec<_> = timeline.couples.iter().map(|couple| couple.context).collect();
     contexts.sort_unstable();
     contexts.dedup();
-    for run in timeline.couples.chunk_by(|a, b| a.context == b.context && a.sighted == b.sighted) {
+    let look = |couple: &Couple| (couple.context, couple.least_sight());
+    for run in timeline.couples.chunk_by(|a, b| look(a) == look(b)) {
         let (first, last) = (&run[0], &run[run.len() - 1]);
         let x = axis.x(first.captured_ns);
         let width = axis.x(last.captured_ns) - x;
         let level = contexts.binary_search(&first.context).unwrap_or(0) as f64;
         let step = LANE / contexts.len().max(1) as f64;
-        let label = format!("{:?} {}", first.context.0, names.context(first.context));
-        let colour = if first.sighted { "#333333" } else { "#cc3311" };
+        let (colour, sight) = match first.least_sight() {
+            Sight::Seen => ("#333333", "seen"),
+            Sight::Assumed => ("#e69f00", "assumed"),
+            Sight::Unseen => ("#cc3311", "unseen"),
+        };
+        let label = format!("{:?} {}, {sight}", first.context.0, names.context(first.context));
         rectangle(out, x, y + LANE - (level + 1.0) * step, width.max(1.0), step, colour, &label);
     }
 }
@@ -162,13 +168,17 @@ fn draw_steps(
         WIDTH - LEFT - RIGHT
     );
     let mut path = String::new();
+    // There is a gap in the line where nothing was measured.
+    let mut is_drawn = false;
     for couple in &timeline.couples {
-        let share = (f64::from(couple.motion.0[feature]) - range.0) / (range.1 - range.0).max(1.0);
+        let was_drawn = std::mem::replace(&mut is_drawn, couple.motion.is_some());
+        let Some(motion) = couple.motion else { continue };
+        let share = (f64::from(motion.0[feature]) - range.0) / (range.1 - range.0).max(1.0);
         let (x, level) = (axis.x(couple.captured_ns), y + LANE - 2.0 - (LANE - 4.0) * share.clamp(0.0, 1.0));
-        let _ = if path.is_empty() {
-            write!(path, "M{x:.1} {level:.1}")
-        } else {
+        let _ = if was_drawn {
             write!(path, "H{x:.1}V{level:.1}")
+        } else {
+            write!(path, "M{x:.1} {level:.1}")
         };
     }
     let _ = writeln!(out, "<path d=\"{path}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1.2\"/>");

@@ -123,8 +123,10 @@ impl Visibility {
             if frame.hands.iter().any(|hand| hand.side == *side) {
                 seen.note(now_ns);
             }
-            for couple in
-                couples.iter().map(|couples| &couples.hands[side.index()]).filter(|couple| couple.seen)
+            for couple in couples
+                .iter()
+                .map(|couples| &couples.hands[side.index()])
+                .filter(|couple| couple.is_hand_seen())
             {
                 *held = Some(couple.context).filter(|context| context.is_touch()).map(|context| context.0[1]);
             }

@@ -73,7 +73,10 @@ fn line(event: Event) -> Option<EventLine> {
         Event::Eru { side, context, began_ns, ended_ns, .. } => {
             EventLine::new("eru", side, context.0, began_ns, ended_ns)
         }
-        Event::IuEnded { side, iu } => EventLine::new("iu", side, iu.context.0, iu.began_ns, iu.ended_ns),
+        Event::IuEnded { side, iu } => EventLine {
+            measured: Some(f64::from(iu.measured) / f64::from(iu.frames.max(1))),
+            ..EventLine::new("iu", side, iu.context.0, iu.began_ns, iu.ended_ns)
+        },
         Event::ActivityEnded { side, context, began_ns, ended_ns } => {
             EventLine::new("activity", side, context.0, began_ns, ended_ns)
         }
@@ -81,7 +84,8 @@ fn line(event: Event) -> Option<EventLine> {
         Event::JobBegan { .. }
         | Event::ActivityBegan { .. }
         | Event::IuBegan { .. }
-        | Event::IuFrame { .. } => {
+        | Event::IuFrame { .. }
+        | Event::IuUnmeasured { .. } => {
             return None;
         }
     })
@@ -110,9 +114,13 @@ fn print_text(lines: &[EventLine], names: &Names) -> std::io::Result<()> {
             .map(|context| names.context(andon_core::couple::Context(context)))
             .unwrap_or_default();
         let hand = line.hand.unwrap_or("");
+        let measured = match line.measured {
+            Some(share) if share < 1.0 => format!(" (motion measured in {:.0} % of it)", 100.0 * share),
+            _ => String::new(),
+        };
         writeln!(
             out,
-            "{:8.2} .. {:8.2} s  {hand:5}  {indent}{} {what}",
+            "{:8.2} .. {:8.2} s  {hand:5}  {indent}{} {what}{measured}",
             line.began_s, line.ended_s, line.level
         )?;
     }

@@ -1,20 +1,25 @@
 //! Feature couples: the method to shared memory and back.
 
-use andon_core::couple::{Context, Couple, Couples, Motion};
+use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::Side;
 use shm_schemas::{Couples as Message, HandCouple, flag};
 
-/// Writes the couples into the loaned message.
+/// Writes the couples into the loaned message. Its other flags stay as they are.
 pub fn write(couples: &Couples, message: &mut Message) {
     message.described_ns = couples.captured_ns;
     message.known_ns = couples.known_ns;
+    message.flags |=
+        bit(couples.is_captured, flag::CAPTURED) | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN);
     for (couple, place) in couples.hands.iter().zip(message.hands.iter_mut()) {
         *place = HandCouple {
             x_c: couple.context.0,
             distances_m: couple.distances,
-            x_m: couple.motion.0,
-            flags: (if couple.sighted { flag::SIGHTED } else { 0 })
-                | (if couple.seen { flag::HAND_SEEN } else { 0 }),
+            x_m: couple.motion.unwrap_or_default().0,
+            flags: bit(couple.motion.is_some(), flag::MEASURED)
+                | bit(couple.is_clear, flag::CLEAR)
+                | bit(couple.is_doubtful, flag::DOUBTFUL),
+            sight: couple.sight.map(|sight| sight as u8),
+            reserved: 0,
         };
     }
 }
@@ -24,16 +29,33 @@ pub fn read(message: &Message) -> Couples {
     let hand = |side: Side, place: &HandCouple| Couple {
         side,
         captured_ns: message.described_ns,
-        motion: Motion(place.x_m),
+        motion: (place.flags & flag::MEASURED != 0).then_some(Motion(place.x_m)),
         context: Context(place.x_c),
         distances: place.distances_m,
-        sighted: place.flags & flag::SIGHTED != 0,
-        seen: place.flags & flag::HAND_SEEN != 0,
+        sight: place.sight.map(sight),
+        is_clear: place.flags & flag::CLEAR != 0,
+        is_doubtful: place.flags & flag::DOUBTFUL != 0,
     };
     Couples {
         captured_ns: message.described_ns,
         known_ns: message.known_ns,
+        is_captured: message.flags & flag::CAPTURED != 0,
+        has_moved_unseen: message.flags & flag::MOVED_UNSEEN != 0,
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
+    }
+}
+
+/// The bit, if it is to be set.
+fn bit<T: Default>(is_set: bool, bit: T) -> T {
+    if is_set { bit } else { T::default() }
+}
+
+/// Numbers that do not exist are taken for the least sight.
+fn sight(number: u8) -> Sight {
+    match number {
+        0 => Sight::Seen,
+        1 => Sight::Assumed,
+        _ => Sight::Unseen,
     }
 }
 
@@ -44,14 +66,18 @@ mod tests {
     #[test]
     fn couples_come_out_of_shared_memory_as_they_went_in() {
         let couple = Couple {
-            motion: Motion([1, 2, -3, 4, 5, 6, 7]),
+            motion: Some(Motion([1, 2, -3, 4, 5, 6, 7])),
             context: Context([1, 5, 5, 6]),
             distances: [0.01, 0.02],
-            sighted: false,
-            seen: true,
+            sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
+            is_clear: true,
+            is_doubtful: false,
             ..Couple::idle(Side::Right, 9)
         };
-        let couples = Couples { captured_ns: 9, known_ns: 11, hands: [couple, Couple::idle(Side::Left, 9)] };
+        let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };
+        let hands = [couple, left];
+        let couples =
+            Couples { captured_ns: 9, known_ns: 11, is_captured: true, has_moved_unseen: true, hands };
         let mut message = Message::default();
         write(&couples, &mut message);
         assert_eq!(read(&message), couples);

@@ -108,7 +108,7 @@ impl OpenActivity {
         let is_twice = |nominal: usize| {
             job.activities[nominal].ius.iter().filter(|iu| iu.context == context).count() > 1
         };
-        !self.is_astray && !(self.is_doubtful && self.candidates().iter().any(is_twice))
+        !(self.is_astray || self.is_doubtful && self.candidates().iter().any(is_twice))
     }
 
     /// The newest IU agrees with these candidates.

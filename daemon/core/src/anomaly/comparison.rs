@@ -164,7 +164,8 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// Takes any number of frames of which nothing is known.
     pub(super) fn append_unknown(&mut self) {
         let open = self.comparisons.iter().zip(self.distances.as_mut());
-        open.filter(|(comparison, _)| !comparison.is_lost).for_each(|(_, distance)| distance.append_unknown());
+        open.filter(|(comparison, _)| !comparison.is_lost)
+            .for_each(|(_, distance)| distance.append_unknown());
     }
 
     /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
@@ -219,6 +220,7 @@ fn result(
     };
     let reason = reason_if([extent.frames; 2], extent.reversals);
     // What is right only if something happened unseen is neither right nor wrong.
-    let is_doubtful = reason != reason_if(extent.possible_frames(), extent.max_reversals()) || extent.explains(reason);
+    let is_doubtful =
+        reason != reason_if(extent.possible_frames(), extent.max_reversals()) || extent.explains(reason);
     ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, is_doubtful }
 }

@@ -186,6 +186,15 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         })
     }
 
+    /// The first couples are those of the beginning of a job, such as in a recording of a whole one. Otherwise the judge may have been
+    /// started in the middle of a job, and accuses nothing that would have another explanation then.
+    #[must_use]
+    pub fn at_start_of_job(mut self) -> Self {
+        self.bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
+        self.bench.progress.expect_start();
+        self
+    }
+
     /// Takes the next couples.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;
@@ -218,7 +227,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
-        bench.hands.iter_mut().for_each(|hand| hand.watch.may_be_rest = false);
+        bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
     }
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.
@@ -237,7 +246,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
             segment::Event::JobBegan { began_ns, is_start_seen } => {
                 progress.begin(began_ns, is_start_seen);
                 if is_start_seen {
-                    hands.iter_mut().for_each(|hand| hand.watch.may_be_rest = false);
+                    hands.iter_mut().for_each(|hand| hand.watch.begin());
                 }
                 emit(Event::JobBegan { began_ns });
             }

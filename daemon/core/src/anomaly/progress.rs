@@ -32,8 +32,8 @@ pub(super) struct Progress<'a> {
     underway: [ActivitySet; HANDS],
     /// Whether nothing of the job can have happened before what was seen of it.
     is_start_seen: bool,
-    /// The last job was right, so the next one begins behind it.
-    was_right: bool,
+    /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
+    is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
     hidden_frames: u32,
     /// An activity was not seen well enough to say which one it is.
@@ -60,7 +60,7 @@ impl<'a> Progress<'a> {
             waiting: [ActivitySet::EMPTY; HANDS],
             underway: [ActivitySet::EMPTY; HANDS],
             is_start_seen: false,
-            was_right: false,
+            is_start_expected: false,
             hidden_frames: 0,
             is_doubtful: false,
             fault: None,
@@ -74,11 +74,16 @@ impl<'a> Progress<'a> {
             began_ns,
             now_ns: self.now_ns,
             known_ns: self.known_ns,
-            is_start_seen: is_start_seen || self.was_right,
+            is_start_seen: is_start_seen || self.is_start_expected,
             hidden_frames: self.hidden_frames,
             is_open: true,
             ..Self::new(self.job)
         };
+    }
+
+    /// The next touch is the first one of a job.
+    pub(super) fn expect_start(&mut self) {
+        self.is_start_expected = true;
     }
 
     /// A hand has been hidden for this long.
@@ -113,7 +118,8 @@ impl<'a> Progress<'a> {
 
     /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
     /// left begins like it. Where the order matters, only the first activity begins a job, and only if others came after it or if the
-    /// bench was rearranged; else it is done twice. A job whose start was not seen ends wherever the first activity begins.
+    /// bench was rearranged; else it is done twice. A job whose start was not seen ends wherever the first activity begins. A job with a
+    /// fault also ends where the bench is rearranged: there is no other sign of its end if something was done instead of an activity.
     pub(super) fn begins_next_job(&self, side: Side, context: Context, is_disturbed: bool) -> bool {
         let number_is_in = |number: u16, set: ActivitySet| {
             let same = |index: usize| self.number(index) == Some(number);
@@ -123,6 +129,9 @@ impl<'a> Progress<'a> {
         let is_left = |number: u16| !number_is_in(number, self.tried());
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
+        }
+        if is_disturbed && self.fault.is_some() {
+            return true;
         }
         if !self.job.order_matters {
             return self.opens(context, |number| number_is_in(number, came)) && !self.opens(context, is_left);
@@ -138,7 +147,9 @@ impl<'a> Progress<'a> {
     fn is_unfinished_by_others(&self, side: Side) -> bool {
         let is_unfinished = |hand: usize| {
             let underway = self.underway[hand];
-            !underway.is_empty() && self.waiting[hand].is_empty() && underway.without(self.tried()) == underway
+            !underway.is_empty()
+                && self.waiting[hand].is_empty()
+                && underway.without(self.tried()) == underway
         };
         (0..HANDS).any(|hand| hand != side.index() && is_unfinished(hand))
     }
@@ -261,7 +272,7 @@ impl<'a> Progress<'a> {
             (None, None, Some(_)) if self.may_be_unseen(missing) => (Outcome::NotJudged, Reason::Blind, None),
             (None, None, Some(lowest)) => (Outcome::Anomaly, Reason::NotCompleted, self.number(lowest)),
         };
-        self.was_right = outcome == Outcome::Ok;
+        self.is_start_expected = outcome == Outcome::Ok;
         self.hidden_frames = 0;
         emit(Verdict {
             level: Level::Job,

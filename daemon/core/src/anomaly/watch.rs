@@ -31,6 +31,16 @@ impl Watch {
         }
     }
 
+    /// What follows is the beginning of a job, so nothing that was not seen before matters.
+    pub(super) fn begin(&mut self) {
+        *self = Self {
+            since_doubt: u32::MAX,
+            may_be_rest: false,
+            persist_frames: self.persist_frames,
+            ..Self::new(0)
+        };
+    }
+
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
         if couple.is_clear {

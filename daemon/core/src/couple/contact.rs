@@ -161,7 +161,10 @@ mod tests {
 
     #[test]
     fn a_contact_that_is_seldom_seen_is_believed_later() {
-        assert_eq!(text(&believed(&distances("-??-??x??x??x??x??-??-??-??-"), 5)), "--------xxxxxxxxxxxx--------");
+        assert_eq!(
+            text(&believed(&distances("-??-??x??x??x??x??-??-??-??-"), 5)),
+            "--------xxxxxxxxxxxx--------"
+        );
     }
 
     #[test]

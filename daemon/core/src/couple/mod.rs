@@ -97,10 +97,15 @@ impl Couple {
         self.sight[0] == Sight::Seen
     }
 
-    /// Whether nothing that the context rests on has been out of sight for longer than `blind_ms`. A hand that touches nothing may be.
-    pub fn is_in_sight(&self) -> bool {
+    /// The least sight of what the context rests on; a hand that touches nothing may be anywhere.
+    pub fn least_sight(&self) -> Sight {
         let relevant = if self.context.is_touch() { &self.sight[..] } else { &self.sight[1..] };
-        !relevant.contains(&Sight::Unseen)
+        relevant.iter().copied().max().unwrap_or_default()
+    }
+
+    /// Whether nothing that the context rests on has been out of sight for longer than `blind_ms`.
+    pub fn is_in_sight(&self) -> bool {
+        self.least_sight() != Sight::Unseen
     }
 }
 

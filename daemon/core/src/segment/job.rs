@@ -65,10 +65,9 @@ impl JobSegmenter {
         self.watch_for_pause(couples);
         let touches = couples.hands.iter().any(|couple| self.begins_activity(couple));
         let is_pause = self.handless_ns >= self.idle_end_ns;
-        if self
-            .job
-            .is_some_and(|job| job.matched && (touches || is_pause) || job.touched && is_pause && self.is_disturbed)
-        {
+        if self.job.is_some_and(|job| {
+            job.matched && (touches || is_pause) || job.touched && is_pause && self.is_disturbed
+        }) {
             self.end(now_ns, emit);
         }
         if touches && self.job.is_none() {

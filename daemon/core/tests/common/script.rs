@@ -1,7 +1,7 @@
 //! Couples of a scripted worker, part by part, and jobs taught from them.
 
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Motion};
+use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::Side;
 use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
 use andon_core::segment::{Event, Segmenter};
@@ -27,7 +27,9 @@ pub(crate) struct Part {
     pub(crate) context: [u16; 4],
     pub(crate) frames: usize,
     pub(crate) motions: Motions,
+    /// Whether the object that the hand acts on is in sight.
     pub(crate) sighted: bool,
+    /// Whether the hand is seen.
     pub(crate) seen: bool,
 }
 
@@ -55,16 +57,21 @@ impl Part {
     }
 }
 
+fn sight(is_seen: bool) -> Sight {
+    if is_seen { Sight::Seen } else { Sight::Unseen }
+}
+
 fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
     let frames = parts.iter().flat_map(|part| (0..part.frames).map(move |frame| (part, frame)));
     frames
         .enumerate()
         .map(|(index, (part, frame))| Couple {
-            motion: part.motion(frame),
+            motion: Some(part.motion(frame)),
             context: Context(part.context),
             distances: [0.01, 0.01],
-            sighted: part.sighted,
-            seen: part.seen,
+            sight: [sight(part.seen), sight(part.sighted), Sight::Seen],
+            is_clear: part.seen && part.sighted,
+            is_doubtful: !(part.seen && part.sighted),
             ..Couple::idle(side, index as u64 * PERIOD_NS)
         })
         .collect()
@@ -80,7 +87,13 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 couples.get(index).copied().unwrap_or(Couple::idle(side, captured_ns))
             };
             let hands = [hand(&right, Side::Right), hand(&left, Side::Left)];
-            Couples { captured_ns, known_ns: captured_ns + 5 * PERIOD_NS, hands }
+            Couples {
+                captured_ns,
+                known_ns: captured_ns + 5 * PERIOD_NS,
+                is_captured: true,
+                has_moved_unseen: false,
+                hands,
+            }
         })
         .collect()
 }
