@@ -147,10 +147,20 @@ impl Visibility {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use andon_core::couple::Couple;
+    use andon_core::couple::{Couple, Sight};
     use andon_core::input::{Hand, Object};
 
     const S: u64 = 1_000_000_000;
+
+    fn both(at_ns: u64, left: Couple) -> Couples {
+        Couples {
+            captured_ns: at_ns,
+            known_ns: at_ns,
+            is_captured: true,
+            has_moved_unseen: false,
+            hands: [Couple::idle(Side::Right, at_ns), left],
+        }
+    }
 
     fn visibility() -> Visibility {
         let object = crate::config::Object { id: 5, name: "cup".into(), ..crate::config::Object::default() };
@@ -177,7 +187,7 @@ mod tests {
     /// The left hand touches the cup.
     fn touch(at_ns: u64) -> [Couples; 1] {
         let left = Couple { context: Context([2, 5, 0, 0]), ..Couple::idle(Side::Left, at_ns) };
-        [Couples { captured_ns: at_ns, known_ns: at_ns, hands: [Couple::idle(Side::Right, at_ns), left] }]
+        [both(at_ns, left)]
     }
 
     #[test]
@@ -212,8 +222,10 @@ mod tests {
     /// The left hand, seen, touches this object, or nothing where it is 0.
     fn left(at_ns: u64, seen: bool, object: u16) -> [Couples; 1] {
         let context = if object == 0 { Context::IDLE } else { Context([2, object, 0, 0]) };
-        let left = Couple { context, seen, ..Couple::idle(Side::Left, at_ns) };
-        [Couples { captured_ns: at_ns, known_ns: at_ns, hands: [Couple::idle(Side::Right, at_ns), left] }]
+        let hand = if seen { Sight::Seen } else { Sight::Unseen };
+        let sight = [hand, Sight::Seen, Sight::Seen];
+        let left = Couple { context, sight, ..Couple::idle(Side::Left, at_ns) };
+        [both(at_ns, left)]
     }
 
     #[test]
