@@ -21,6 +21,7 @@
 //! panic is longer than any machine needs.
 #![forbid(unsafe_code)]
 
+pub mod deletion;
 pub mod fuzz;
 pub mod line;
 pub mod measure;

@@ -366,15 +366,15 @@ fn a_pause_without_hands_does_not_end_the_job_while_the_bench_stays_as_it_is() {
 
 #[test]
 fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearranged() {
-    let right = [&polish(6)[..], &[away(200)]].concat();
+    let right = [&polish(6)[..], &[away(300)]].concat();
     let mut couples = stream(&right, &[]);
     couples[250].has_moved_unseen = true;
     let verdicts = judged(&polish_and_measure(), &couples);
     let job = verdicts.last().unwrap();
     // The brick may have been measured while no hand was seen.
     assert_eq!(short(job), "NotJudged Blind");
-    // 4 s after the last frame with a hand, which is 175.
-    assert_eq!(job.ended_ns, (175 + 121) * PERIOD_NS);
+    // 4 s after the bench was rearranged.
+    assert_eq!(job.ended_ns, (250 + 121) * PERIOD_NS);
 }
 
 #[test]

@@ -175,11 +175,8 @@ fn draw_steps(
         let Some(motion) = couple.motion else { continue };
         let share = (f64::from(motion.0[feature]) - range.0) / (range.1 - range.0).max(1.0);
         let (x, level) = (axis.x(couple.captured_ns), y + LANE - 2.0 - (LANE - 4.0) * share.clamp(0.0, 1.0));
-        let _ = if was_drawn {
-            write!(path, "H{x:.1}V{level:.1}")
-        } else {
-            write!(path, "M{x:.1} {level:.1}")
-        };
+        let _ =
+            if was_drawn { write!(path, "H{x:.1}V{level:.1}") } else { write!(path, "M{x:.1} {level:.1}") };
     }
     let _ = writeln!(out, "<path d=\"{path}\" fill=\"none\" stroke=\"#0072b2\" stroke-width=\"1.2\"/>");
 }

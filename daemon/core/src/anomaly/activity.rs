@@ -1,6 +1,7 @@
 //! The open activity of a hand, and what its IUs are judged against.
 
 use super::alignment::Alignment;
+use super::places::{Junction, Places};
 use super::progress::Progress;
 use super::set::ActivitySet;
 use crate::capacity::ACTIVITIES;
@@ -46,10 +47,10 @@ pub(super) struct OpenActivity {
     pub(super) aligned: [Option<usize>; ACTIVITIES],
     /// Why one of its IUs was not judged.
     pub(super) unjudged_reason: Option<Reason>,
-    /// It may be the rest of an activity, or something in it was not seen: what does not fit may have another reason than a fault.
-    pub(super) is_doubtful: bool,
-    /// Something did not fit, and was not judged because it was doubtful. Nothing that follows in the activity has a certain place.
-    pub(super) is_astray: bool,
+    /// For each nominal activity, where in it the activity may be.
+    places: [Places; ACTIVITIES],
+    /// What was not seen since the newest IU began.
+    junction: Junction,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }
@@ -60,7 +61,7 @@ impl OpenActivity {
         number: u16,
         context: Context,
         began_ns: u64,
-        is_doubtful: bool,
+        is_beginning_seen: bool,
         job: &Job<'_>,
     ) -> Self {
         Self {
@@ -76,14 +77,23 @@ impl OpenActivity {
             alignments: [Alignment::new(); ACTIVITIES],
             aligned: [None; ACTIVITIES],
             unjudged_reason: None,
-            is_doubtful,
-            is_astray: false,
+            places: core::array::from_fn(|nominal| {
+                let nominal = job.activities.get(nominal);
+                nominal.map_or(Places::NONE, |nominal| Places::new(is_beginning_seen, nominal.ius))
+            }),
+            junction: Junction::default(),
             is_concluded: false,
         }
     }
 
-    /// Takes the context of the next IU and returns the number of that IU.
-    pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context) -> u16 {
+    /// Takes the context of the next IU, and whether its beginning is doubtful, and returns the number of that IU.
+    pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context, is_doubtful: bool) -> u16 {
+        let junction =
+            Junction { is_doubtful, is_hidden: self.junction.is_hidden || is_doubtful, ..self.junction };
+        for (places, nominal) in self.places.iter_mut().zip(job.activities) {
+            *places = places.step(nominal.ius, context, junction);
+        }
+        self.junction = Junction { was_doubtful: is_doubtful, ..Junction::default() };
         for ((aligned, alignment), nominal) in
             self.aligned.iter_mut().zip(&mut self.alignments).zip(job.activities)
         {
@@ -102,18 +112,38 @@ impl OpenActivity {
         }
     }
 
-    /// Whether the place of an IU of this context is certain: the activity was seen from its beginning, or no candidate has the context
-    /// twice.
-    pub(super) fn is_place_certain(&self, job: &Job<'_>, context: Context) -> bool {
-        let is_twice = |nominal: usize| {
-            job.activities[nominal].ius.iter().filter(|iu| iu.context == context).count() > 1
-        };
-        !(self.is_astray || self.is_doubtful && self.candidates().iter().any(is_twice))
+    /// Something may have happened unseen since the newest IU began.
+    pub(super) fn set_hidden(&mut self) {
+        self.junction.is_hidden = true;
+    }
+
+    /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.
+    pub(super) fn may_be_right(&self) -> bool {
+        self.places.iter().any(|places| !places.is_empty())
+    }
+
+    /// Whether what is missing may have happened unseen.
+    pub(super) fn may_be_complete(&self, job: &Job<'_>) -> bool {
+        let is_hidden = self.junction.is_hidden;
+        let mut all = self.places.iter().zip(job.activities);
+        all.any(|(places, nominal)| places.may_be_complete(nominal.ius, is_hidden))
+    }
+
+    /// Whether it is certain which IUs of its candidates have come.
+    pub(super) fn is_place_certain(&self) -> bool {
+        let ius = usize::from(self.ius);
+        self.candidates().iter().all(|nominal| self.places[nominal].is_certainly(ius))
+    }
+
+    /// Something did not fit, and was not judged because something else may have happened unseen.
+    pub(super) fn is_astray(&self) -> bool {
+        matches!(self.against, Against::Following(_)) && !self.is_concluded
     }
 
     /// The newest IU agrees with these candidates.
     pub(super) fn agree(&mut self, candidates: ActivitySet) {
-        if let Against::Candidates(_) = self.against {
+        if let Against::Candidates(before) = self.against {
+            before.without(candidates).iter().for_each(|nominal| self.places[nominal] = Places::NONE);
             self.against = Against::Candidates(candidates);
             self.index += 1;
         }
@@ -155,21 +185,17 @@ impl OpenActivity {
     }
 
     /// If no candidate has `context` at the current index: the candidate that has it soonest after that index, or else any before it,
-    /// or else the nearest so far. Also whether it comes after, so that IUs may have been skipped.
-    pub(super) fn nearest_elsewhere(&self, job: &Job<'_>, context: Context) -> (Option<usize>, bool) {
+    /// or else the nearest so far.
+    pub(super) fn nearest_elsewhere(&self, job: &Job<'_>, context: Context) -> Option<usize> {
         let indices = |nominal: usize| {
             let ius = job.activities[nominal].ius.iter().enumerate();
             ius.filter(|(_, iu)| iu.context == context).map(|(index, _)| index)
         };
         let candidates = self.candidates();
         let after = |nominal| Some((indices(nominal).find(|index| *index > self.index)?, nominal));
-        match candidates.iter().filter_map(after).min() {
-            Some((_, nominal)) => (Some(nominal), true),
-            None => {
-                let before = candidates.iter().find(|nominal| indices(*nominal).next().is_some());
-                (before.or(self.nearest), false)
-            }
-        }
+        let before = || candidates.iter().find(|nominal| indices(*nominal).next().is_some());
+        let soonest = candidates.iter().filter_map(after).min().map(|(_, nominal)| nominal);
+        soonest.or_else(before).or(self.nearest)
     }
 
     /// The nominal activity whose alignment needs the fewest edits, of those with which the newest IU is aligned; `before`, unless

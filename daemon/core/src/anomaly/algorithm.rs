@@ -7,27 +7,27 @@ use super::progress::Progress;
 use super::set::ActivitySet;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion};
-use crate::job::Job;
 use crate::segment::{Iu, Segmenter};
 use crate::verdict::{Outcome, Reason, Verdict};
 use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
-        let is_doubtful = self.watch.may_be_rest || self.watch.is_doubtful();
+        let is_beginning_seen = !(self.watch.may_be_rest || self.watch.is_doubtful());
         let number = progress.next_activity();
-        if !is_doubtful {
+        if is_beginning_seen {
             progress.set_start_seen(context);
         }
-        self.activity = Some(OpenActivity::new(number, context, began_ns, is_doubtful, progress.job));
+        let activity = OpenActivity::new(number, context, began_ns, is_beginning_seen, progress.job);
+        self.activity = Some(activity);
     }
 
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
         progress.set_hidden(self.watch.hidden_frames());
-        if let Some(activity) = &mut self.activity {
-            activity.is_doubtful |= couple.is_doubtful;
+        if let Some(activity) = self.activity.as_mut().filter(|_| couple.is_doubtful) {
+            activity.set_hidden();
         }
     }
 
@@ -41,7 +41,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
-        let number = activity.next_iu(job, context);
+        let number = activity.next_iu(job, context, self.watch.is_doubtful());
         self.iu = Some(OpenIu {
             number,
             context,
@@ -75,13 +75,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         let agreeing = activity.agreeing(job, context);
         if agreeing.is_empty() {
-            let (nominal, comes_later) = activity.nearest_elsewhere(job, context);
+            let nominal = activity.nearest_elsewhere(job, context);
             let reason = context_reason(job, activity.candidates(), context);
             activity.follow(nominal);
-            // The IUs in between may have happened while the hand or an object was out of sight.
-            let may_have_been_unseen = activity.unjudged_reason.is_some() && comes_later;
-            let is_certain = couple.is_in_sight() && !may_have_been_unseen && !activity.is_doubtful;
-            activity.is_astray = !is_certain;
+            let is_certain = couple.is_in_sight() && !activity.may_be_right();
             self.conclude_context(is_certain, reason, nominal, progress, emit);
             return;
         }
@@ -107,7 +104,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         let nominal = activity.nearest_by_context(job, nominal);
         activity.follow(nominal);
-        if activity.is_astray {
+        if activity.is_astray() && activity.may_be_right() {
             self.conclude_unjudged(Reason::Blind, progress, emit);
             return;
         }
@@ -120,7 +117,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => {
                 let among = nominal.map_or(ActivitySet::first(ACTIVITIES), ActivitySet::of);
                 let reason = context_reason(job, among, context);
-                let is_certain = couple.is_in_sight() && !activity.is_doubtful;
+                let is_certain = couple.is_in_sight() && !activity.may_be_right();
                 self.conclude_context(is_certain, reason, nominal, progress, emit);
             }
         }
@@ -230,7 +227,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         };
         let early = !extent.ended;
-        let is_place_certain = self.is_place_certain(progress.job);
+        let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
         let is_right = nearest.reason == Reason::None;
         if is_right && !extent.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
             self.conclude_unjudged(self.unseen_reason(), progress, emit);
@@ -260,11 +257,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    fn is_place_certain(&self, job: &Job<'_>) -> bool {
-        let open = self.activity.as_ref().zip(self.iu);
-        open.is_some_and(|(activity, iu)| activity.is_place_certain(job, iu.context))
-    }
-
     /// Why too little of the open IU is known: most of its frames never came, or they did not show it.
     fn unseen_reason(&self) -> Reason {
         let is_overloaded = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
@@ -273,15 +265,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Concludes that the activity is out of order, as soon as every candidate is.
     fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        let Some(OpenActivity {
-            against: Against::Candidates(candidates),
-            is_concluded: false,
-            is_doubtful: false,
-            ..
-        }) = self.activity
-        else {
+        let Some(activity) = &self.activity else { return };
+        let Against::Candidates(candidates) = activity.against else { return };
+        if activity.is_concluded || !activity.is_place_certain() {
             return;
-        };
+        }
         if candidates.iter().all(|nominal| progress.is_out_of_order(self.side, nominal)) {
             let nominal = candidates.lowest();
             self.conclude_activity(Outcome::Anomaly, Reason::WrongOrder, nominal, true, progress, emit);
@@ -306,7 +294,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_followed_to_its_end(job) {
             // It has its verdict. If it is done again at once, that is another activity.
             segmenter.activity_matched(&[]);
-            if activity.is_astray {
+            if activity.is_astray() {
                 let (nearest, reason) = (activity.nearest, activity.unjudged_reason.unwrap_or(Reason::Blind));
                 self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
                 return;
@@ -330,20 +318,19 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The activity has ended.
     pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         let Some(activity) = &self.activity else { return };
-        let (nearest, is_doubtful) = (activity.nearest, activity.is_doubtful);
-        // The missing IUs may have happened while the hand or an object was out of sight.
-        let unjudged_reason = activity.unjudged_reason.or(is_doubtful.then_some(Reason::Blind));
+        let nearest = activity.nearest;
+        let may_be_complete = !activity.is_concluded && activity.may_be_complete(progress.job);
+        let reason = activity.unjudged_reason.unwrap_or(Reason::Blind);
         match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
+            // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
+            None if may_be_complete => {
+                self.watch.may_be_rest = true;
+                progress.set_doubtful();
+                self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
+            }
             None => {
-                if is_doubtful && !activity.is_concluded {
-                    self.watch.may_be_rest = true;
-                    progress.set_doubtful();
-                }
-                let (outcome, reason) = match unjudged_reason {
-                    Some(reason) => (Outcome::NotJudged, reason),
-                    None => (Outcome::Anomaly, Reason::NotCompleted),
-                };
+                let (outcome, reason) = (Outcome::Anomaly, Reason::NotCompleted);
                 self.conclude_activity(outcome, reason, nearest, false, progress, emit);
             }
         }

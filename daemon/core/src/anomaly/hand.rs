@@ -5,6 +5,7 @@ use super::comparison::{ComparisonResult, Comparisons, Extent, Memory};
 use super::progress::Progress;
 use super::set::ActivitySet;
 use super::watch::Watch;
+use crate::config::Method;
 use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
@@ -44,10 +45,10 @@ pub(super) struct Finding {
 }
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    pub(super) fn new(side: Side, job: &'a Job<'a>, persist_frames: u8) -> Self {
+    pub(super) fn new(side: Side, job: &'a Job<'a>, method: &Method) -> Self {
         Self {
             side,
-            watch: Watch::new(persist_frames),
+            watch: Watch::new(method),
             comparisons: Comparisons::new(job, side),
             activity: None,
             iu: None,
@@ -114,18 +115,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &self.activity else { return };
         let unjudged_reason = activity.unjudged_reason;
+        let is_place_certain = activity.is_place_certain();
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if progress.is_out_of_order(self.side, nominal) => {
-                (Outcome::Anomaly, Reason::WrongOrder, false)
-            }
-            None => (Outcome::Ok, Reason::None, early),
+            None if !progress.is_out_of_order(self.side, nominal) => (Outcome::Ok, Reason::None, early),
+            None if is_place_certain => (Outcome::Anomaly, Reason::WrongOrder, false),
+            None => (Outcome::NotJudged, Reason::Blind, early),
         };
         self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);
-        match unjudged_reason {
-            Some(reason) => progress.set_unjudged(Some(nominal), reason),
-            None => progress.set_done(nominal),
+        if outcome != Outcome::NotJudged {
+            progress.set_done(nominal);
         }
     }
 

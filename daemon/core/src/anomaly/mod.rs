@@ -30,6 +30,7 @@ mod algorithm;
 mod alignment;
 mod comparison;
 mod hand;
+mod places;
 mod progress;
 mod set;
 mod watch;
@@ -180,7 +181,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         Ok(Self {
             segmenter,
             bench: Bench {
-                hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, method.persist_frames)),
+                hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, &method)),
                 progress: Progress::new(job),
             },
         })

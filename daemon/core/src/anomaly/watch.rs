@@ -1,17 +1,25 @@
 //! How well a hand and what it acts on have been seen lately.
 
-use crate::couple::Couple;
+use crate::config::Method;
+use crate::couple::{Context, Couple};
 
 /// What was not seen of one hand, as far as a verdict may rest on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
     persist_frames: u32,
+    period_ns: u64,
+    /// The time of the newest couple.
+    newest_ns: u64,
     /// How many frames up to the newest one were not clear.
     hidden_frames: u32,
     /// How many frames up to the newest one were not clear, or up to the one before if the newest is clear.
     gap: u32,
     /// Frames since the newest doubtful couple.
     since_doubt: u32,
+    /// `o_j`, or 0.
+    held: u16,
+    /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
+    is_held_doubtful: bool,
     /// The hand has been seen.
     has_been_clear: bool,
     /// The next activity may be the rest of one that was not seen to begin.
@@ -20,12 +28,17 @@ pub(super) struct Watch {
 
 impl Watch {
     /// Before the first couple: anything may have happened.
-    pub(super) fn new(persist_frames: u8) -> Self {
+    pub(super) fn new(method: &Method) -> Self {
         Self {
-            persist_frames: persist_frames.into(),
+            persist_frames: method.persist_frames.into(),
+            // The rate is at least 1 Hz.
+            period_ns: libm::round(1e9 / f64::from(method.rate_hz)) as u64,
+            newest_ns: u64::MAX,
             hidden_frames: 0,
             gap: 0,
             since_doubt: 0,
+            held: 0,
+            is_held_doubtful: false,
             has_been_clear: false,
             may_be_rest: true,
         }
@@ -33,16 +46,18 @@ impl Watch {
 
     /// What follows is the beginning of a job, so nothing that was not seen before matters.
     pub(super) fn begin(&mut self) {
-        *self = Self {
-            since_doubt: u32::MAX,
-            may_be_rest: false,
-            persist_frames: self.persist_frames,
-            ..Self::new(0)
-        };
+        (self.hidden_frames, self.gap, self.since_doubt) = (0, 0, u32::MAX);
+        (self.has_been_clear, self.may_be_rest) = (false, false);
+        self.is_held_doubtful = false;
     }
 
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
+        // Of a long gap, not all frames of the grid have a couple.
+        let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
+        let missing = (frames / self.period_ns).saturating_sub(1);
+        self.newest_ns = couple.captured_ns;
+        self.hidden_frames = self.hidden_frames.saturating_add(u32::try_from(missing).unwrap_or(u32::MAX));
         if couple.is_clear {
             self.gap = core::mem::take(&mut self.hidden_frames);
             self.has_been_clear = true;
@@ -50,7 +65,18 @@ impl Watch {
             self.hidden_frames = self.hidden_frames.saturating_add(1);
             self.gap = self.hidden_frames;
         }
-        self.since_doubt = if couple.is_doubtful { 0 } else { self.since_doubt.saturating_add(1) };
+        let is_doubtful = couple.is_doubtful || missing >= u64::from(self.persist_frames);
+        self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(1) };
+        self.observe_held(couple.context);
+    }
+
+    fn observe_held(&mut self, context: Context) {
+        // A hand that has let go may still be told of the same object.
+        let held = if context.is_release() { context.0[2] } else { context.0[1] };
+        let before = core::mem::replace(&mut self.held, held);
+        if held != before && held != 0 {
+            self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
+        }
     }
 
     /// Where the context changed with the newest couple, it may have changed as many frames before.
@@ -65,6 +91,11 @@ impl Watch {
 
     /// Whether a change of context with the newest couple rests on too little.
     pub(super) fn is_doubtful(&self) -> bool {
+        self.is_recent() || self.held != 0 && self.is_held_doubtful
+    }
+
+    /// Whether there was a doubtful couple not longer ago than a change takes to be believed.
+    fn is_recent(&self) -> bool {
         self.since_doubt <= self.persist_frames
     }
 }

@@ -21,7 +21,7 @@ struct Node {
     poses: Recent<ObjectPose>,
     /// How it lies in the hand that holds it; it moves by this while it is hidden.
     grip: Option<Grip>,
-    /// For each hand, whether it has been at the object since that was last seen, and may have taken it.
+    /// For each hand, whether it has been at the object or out of the picture since the object was last seen, and may have taken it.
     may_be_taken: [bool; HANDS],
     /// Where it was when a hand was last seen anywhere.
     attended: Option<Point>,
@@ -230,7 +230,8 @@ impl Scene {
         let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
         let was_handless = self.handless_frames >= self.method.persist_frames.into();
         self.handless_frames = if is_hand_seen { 0 } else { self.handless_frames.saturating_add(1) };
-        let off_m = self.method.object_contact.off_m;
+        // Far above the noise of a marker that lies still, and below the strokes of a tool.
+        let moved_m = self.method.object_contact.on_m / 2.0;
         let mut has_moved = false;
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
@@ -239,7 +240,7 @@ impl Scene {
             }
             let is_held = self.touches.iter().any(|edges| edges[index].is_near());
             let lay = *node.attended.get_or_insert(pose.position);
-            let is_elsewhere = squared_distance(lay, pose.position) > off_m * off_m;
+            let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
             let has_moved_unseen = was_handless && is_elsewhere && !is_held;
             has_moved |= has_moved_unseen;
             if is_hand_seen || has_moved_unseen || is_held {
@@ -260,7 +261,8 @@ impl Scene {
                 let pose = node.poses.ago(0);
                 let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
                 let taken = &mut node.may_be_taken[index];
-                *taken = is_hidden && (*taken || hand.is_over(pose.position, node.radius_m));
+                let may_have_come = hand.source != Source::Seen || hand.is_over(pose.position, node.radius_m);
+                *taken = is_hidden && (*taken || may_have_come);
                 let is_in_doubt = match pose.source {
                     Source::Never => false,
                     Source::Seen => {
@@ -343,7 +345,7 @@ impl Scene {
         let from_hand = j.filter(|_| acts);
         let [h, o_j, o_l] =
             [from_hand.map(|_| Side::ALL[hand] as u16), j.map(|j| node(j).id), l.map(|l| node(l).id)];
-        Couple {
+        let mut couple = Couple {
             side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
             motion: self.motion(hand, from_hand, j.zip(l), age),
@@ -360,7 +362,11 @@ impl Scene {
             sight: [self.sight(pose.unseen), sight(j), sight(l)],
             is_clear: self.clear[hand] >> age & 1 == 1,
             is_doubtful: self.is_doubtful(hand, age),
-        }
+        };
+        // Only now it is known which objects the context rests on.
+        couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
+        couple.is_doubtful |= !couple.is_in_sight();
+        couple
     }
 
     fn sight(&self, unseen: u32) -> Sight {

@@ -31,7 +31,7 @@ pub struct JobSegmenter {
     idle_end_ns: u64,
     /// The time of the newest couples.
     newest_ns: u64,
-    /// For how long no hand has been seen in frames that were captured.
+    /// For how long no hand has been seen and nothing has moved, in frames that were captured.
     handless_ns: u64,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
@@ -89,7 +89,7 @@ impl JobSegmenter {
 
     fn watch_for_pause(&mut self, couples: &Couples) {
         let elapsed_ns = couples.captured_ns.saturating_sub(self.newest_ns);
-        if couples.hands.iter().any(Couple::is_hand_seen) {
+        if couples.has_moved_unseen || couples.hands.iter().any(Couple::is_hand_seen) {
             self.handless_ns = 0;
         } else if couples.is_captured && self.newest_ns > 0 {
             self.handless_ns = self.handless_ns.saturating_add(elapsed_ns.min(2 * self.period_ns));

@@ -1,0 +1,139 @@
+//! Where an activity may be in a nominal one, when not all of it was seen.
+
+use crate::capacity::ACTIVITY_IUS;
+use crate::couple::Context;
+use crate::job::NominalIu;
+
+// One bit for each number of IUs that may have come, from none to all.
+const _: () = assert!(ACTIVITY_IUS < u64::BITS as usize);
+
+/// The set of the numbers of IUs of a nominal activity that may have come. Empty: what was seen is no part of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Places(u64);
+
+/// How the IUs before a change of context are known.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Junction {
+    /// IUs may have come and gone unseen since the newest IU began.
+    pub(super) is_hidden: bool,
+    /// The newest IU itself may not have happened.
+    pub(super) was_doubtful: bool,
+    /// The IU that begins may not happen.
+    pub(super) is_doubtful: bool,
+}
+
+impl Places {
+    pub(super) const NONE: Self = Self(0);
+
+    /// Before the first IU: at the beginning, or anywhere if the beginning was not seen.
+    pub(super) fn new(is_beginning_seen: bool, nominal: &[NominalIu<'_>]) -> Self {
+        let begin = Self(1);
+        if is_beginning_seen { begin } else { begin.or_later(nominal) }
+    }
+
+    /// The places after an IU with this context has begun.
+    pub(super) fn step(self, nominal: &[NominalIu<'_>], context: Context, junction: Junction) -> Self {
+        let before = if junction.is_hidden { self.or_later(nominal) } else { self };
+        if junction.is_doubtful {
+            return before;
+        }
+        let has_context = |index: usize| nominal[index].context == context;
+        let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
+        // After an IU that may not have happened, the one before it may go on.
+        let same = (0..nominal.len())
+            .filter(|index| junction.was_doubtful && before.contains(index + 1) && has_context(*index));
+        Self(next.chain(same).fold(0, |places, index| places | 1 << (index + 1)))
+    }
+
+    /// These places, and any after them.
+    fn or_later(self, nominal: &[NominalIu<'_>]) -> Self {
+        let all = (2 << nominal.len()) - 1;
+        if self.0 == 0 { self } else { Self(all & !((1 << self.0.trailing_zeros()) - 1)) }
+    }
+
+    pub(super) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Whether so many IUs may have come.
+    fn contains(self, ius: usize) -> bool {
+        self.0 >> ius & 1 == 1
+    }
+
+    /// Whether so many IUs have come, and not any other number.
+    pub(super) fn is_certainly(self, ius: usize) -> bool {
+        self.0 == 1 << ius
+    }
+
+    /// Whether all IUs may have come, if some may have been hidden since the newest began.
+    pub(super) fn may_be_complete(self, nominal: &[NominalIu<'_>], is_hidden: bool) -> bool {
+        let places = if is_hidden { self.or_later(nominal) } else { self };
+        places.contains(nominal.len())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::job::Bounds;
+    use std::vec::Vec;
+
+    const SEEN: Junction = Junction { is_hidden: false, was_doubtful: false, is_doubtful: false };
+    const HIDDEN: Junction = Junction { is_hidden: true, ..SEEN };
+
+    fn context(letter: char) -> Context {
+        Context([1, letter as u16, 0, 0])
+    }
+
+    fn nominal(letters: &str) -> Vec<NominalIu<'static>> {
+        let any = Bounds { min: 0, max: u32::MAX };
+        let iu = |letter| NominalIu {
+            context: context(letter),
+            reference: &[],
+            threshold: 0.0,
+            frames: any,
+            reversals: any,
+        };
+        letters.chars().map(iu).collect()
+    }
+
+    /// The places after these IUs of `gpgr`.
+    fn after(is_beginning_seen: bool, ius: &[(char, Junction)]) -> u64 {
+        let nominal = nominal("gpgr");
+        let begin = Places::new(is_beginning_seen, &nominal);
+        ius.iter()
+            .fold(begin, |places, (letter, junction)| places.step(&nominal, context(*letter), *junction))
+            .0
+    }
+
+    #[test]
+    fn what_is_seen_has_one_place_and_what_does_not_fit_has_none() {
+        assert_eq!(after(true, &[('g', SEEN), ('p', SEEN), ('g', SEEN)]), 1 << 3);
+        assert_eq!(after(true, &[('g', SEEN), ('r', SEEN)]), 0);
+        assert_eq!(after(true, &[('g', SEEN), ('p', SEEN), ('g', SEEN), ('p', HIDDEN)]), 0);
+    }
+
+    #[test]
+    fn hidden_ius_leave_a_place_only_to_what_may_come_after_them() {
+        assert_eq!(after(true, &[('g', SEEN), ('r', HIDDEN)]), 1 << 4);
+        assert_eq!(after(true, &[('g', HIDDEN)]), 1 << 1 | 1 << 3);
+        assert_eq!(after(false, &[('g', SEEN)]), 1 << 1 | 1 << 3);
+        assert_eq!(after(false, &[('g', SEEN), ('p', SEEN)]), 1 << 2);
+    }
+
+    #[test]
+    fn an_iu_that_may_not_have_happened_changes_nothing_for_certain() {
+        let doubtful = Junction { is_doubtful: true, ..HIDDEN };
+        let behind = Junction { was_doubtful: true, ..SEEN };
+        assert_eq!(after(true, &[('g', SEEN), ('p', SEEN), ('x', doubtful), ('p', behind)]), 1 << 2);
+        assert_eq!(after(true, &[('g', SEEN), ('x', doubtful), ('y', behind)]), 0);
+    }
+
+    #[test]
+    fn an_activity_may_be_complete_if_what_is_missing_may_have_been_hidden() {
+        let nominal = nominal("gpgr");
+        assert!(!Places(1 << 2).may_be_complete(&nominal, false));
+        assert!(Places(1 << 2).may_be_complete(&nominal, true));
+        assert!(!Places(0).may_be_complete(&nominal, true));
+    }
+}
