@@ -85,7 +85,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.against = Against::Candidates(agreeing);
         if context.is_touch() {
             for nominal in agreeing.iter() {
-                self.comparisons.add(nominal, &job.activities[nominal].ius[activity.index]);
+                self.comparisons.add(job, nominal, activity.index);
             }
             if self.watch.gap() > 0 {
                 self.comparisons.append_unknown();
@@ -110,7 +110,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         match nominal.and_then(|nominal| Some((nominal, activity.aligned[nominal]?))) {
             Some((nominal, index)) if context.is_touch() => {
-                self.comparisons.add(nominal, &job.activities[nominal].ius[index]);
+                self.comparisons.add(job, nominal, index);
             }
             // A release state is judged by its context alone, which is right.
             Some(_) => {}
@@ -178,6 +178,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
         iu.captured = iu.captured.saturating_add(is_captured.into());
         iu.extent.is_doubtful |= couple.is_doubtful;
+        // While the hand is hidden, the IU may have ended already.
+        iu.extent.gap_after = if couple.is_clear { 0 } else { self.watch.gap() };
         let extent = iu.extent;
         if !couple.is_in_sight() {
             self.conclude_unjudged(Reason::Blind, progress, emit);

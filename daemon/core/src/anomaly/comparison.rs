@@ -14,6 +14,8 @@ struct Comparison<'a> {
     /// Index of the nominal activity in the job.
     nominal: usize,
     iu: &'a NominalIu<'a>,
+    /// No other IU of the nominal activity has the same context.
+    is_unique: bool,
     /// The IU cannot be this one any more, so its distance is not computed further.
     is_lost: bool,
 }
@@ -83,13 +85,13 @@ impl Extent {
         2 * self.measured >= self.frames
     }
 
-    /// Whether what was not seen may explain this reason. A stretch that is cut may be too short, and one that hides another stretch too
-    /// long or another motion; that a stretch with both ends is too short is not explained by a gap in it that was counted in full.
-    fn explains(&self, reason: Reason) -> bool {
+    /// Whether what was not seen may explain this reason. A part of an IU may be too short, or another motion. What was hidden in the
+    /// middle was counted as if it were right; but two IUs in the same context may seem to be one if the one between them was hidden.
+    fn explains(&self, reason: Reason, is_unique: bool) -> bool {
         match reason {
             Reason::None => false,
             Reason::TooShort => self.may_be_part,
-            _ => self.may_be_part || self.is_doubtful,
+            _ => self.may_be_part || self.is_doubtful && !is_unique,
         }
     }
 }
@@ -139,11 +141,14 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     }
 
     /// Adds a nominal IU that has the context of the open one. There is room for one of each nominal activity.
-    pub(super) fn add(&mut self, nominal: usize, iu: &'a NominalIu<'a>) {
+    pub(super) fn add(&mut self, job: &'a Job<'a>, nominal: usize, index: usize) {
+        let ius = job.activities[nominal].ius;
+        let iu = &ius[index];
+        let is_unique = ius.iter().filter(|other| other.context == iu.context).count() == 1;
         if let Some(distance) = self.distances.as_mut().get_mut(self.comparisons.len()) {
             // The lengths were checked when the judge was made, so this does not fail.
             if distance.begin(iu.reference).is_ok() {
-                let _ = self.comparisons.push(Comparison { nominal, iu, is_lost: false });
+                let _ = self.comparisons.push(Comparison { nominal, iu, is_unique, is_lost: false });
             }
         }
     }
@@ -220,7 +225,7 @@ fn result(
     };
     let reason = reason_if([extent.frames; 2], extent.reversals);
     // What is right only if something happened unseen is neither right nor wrong.
-    let is_doubtful =
-        reason != reason_if(extent.possible_frames(), extent.max_reversals()) || extent.explains(reason);
+    let is_doubtful = reason != reason_if(extent.possible_frames(), extent.max_reversals())
+        || extent.explains(reason, comparison.is_unique);
     ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, is_doubtful }
 }

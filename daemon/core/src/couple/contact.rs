@@ -70,6 +70,13 @@ impl Edge {
         self.believed
     }
 
+    /// Whether it is near from the frame `age` frames before the newest on, for `persist` frames or as long as is known.
+    pub(super) fn is_lasting(self, age: usize, persist: u8) -> bool {
+        let frames = (age + 1).min(persist.into());
+        let frames = window(frames as u8, age + 1 - frames);
+        self.near & frames == frames
+    }
+
     /// Whether there is a contact in the frame that [`believe`](Self::believe) last asked for.
     pub(super) fn is_believed(self) -> bool {
         self.believed

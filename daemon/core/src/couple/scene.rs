@@ -306,10 +306,15 @@ impl Scene {
         2 * clear + 1 < frames as u32
     }
 
-    /// The edges from a hand to the objects that it touches.
+    /// The edges from a hand to the objects that it touches: the one that it acts on, and others that it will touch long enough to act
+    /// on them. A hand that lets go of one object leaves those beside it at nearly the same time.
     fn touched(&self, hand: usize, age: usize) -> impl Iterator<Item = interaction::Edge> + Clone {
-        let believed = (0..self.objects.len()).filter(move |j| self.touches[hand][*j].is_believed());
-        believed.map(move |j| (j, self.distance_from_hand(hand, j, age)))
+        let (former, persist) = (self.interactions[hand].held(), self.method.persist_frames);
+        let is_touched = move |j: &usize| {
+            let edge = self.touches[hand][*j];
+            edge.is_believed() && (former == Some(*j) || edge.is_lasting(age, persist))
+        };
+        (0..self.objects.len()).filter(is_touched).map(move |j| (j, self.distance_from_hand(hand, j, age)))
     }
 
     /// The edges from an object to the objects that it touches.
