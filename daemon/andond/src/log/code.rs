@@ -69,7 +69,7 @@ table! {
         "Clear the bench and let the camera look down on it, or calibrate with `andond calibrate`";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
-    ERROR 302 JOB_REFUSED: "the job file is damaged, has another version or does not fit this station",
+    ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",
         "Select a job that fits, or make one with `andond teach`";
     INFO 303 JOB_STARTED: "a job has begun", "";
     INFO 304 JOB_OK: "the job was done right", "";
@@ -80,7 +80,7 @@ table! {
     WARN 307 NOT_JUDGED: "a step could not be judged",
         "Look at the product; the reason names what was missing";
     WARN 308 OVERLOAD: "more happened than the judge has memory for, and a step could not be judged",
-        "Use fewer objects on the bench, or shorter steps in the job";
+        "Teach the job in shorter activities: a step of more than 2048 frames, about a minute at 30 Hz, is not compared";
     INFO 309 COMMAND: "the PLC or a person gave a command", "";
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",
         "Check the order of the commands against the register map";
@@ -126,14 +126,14 @@ table! {
     ERROR 604 STEWARD_TWICE: "another steward runs for this station",
         "Stop it: `systemctl status andon-steward@NAME` shows it, unless a demo still runs";
     ERROR 605 STEWARD_MISSING: "no steward runs for this station",
-        "Start it with `systemctl start andon-steward@NAME`; this role continues when the steward is there";
+        "Start it with `systemctl start andon-steward@NAME` and look at its log; systemd starts this role again until it is there";
     ERROR 606 ROOT_DELETED: "the station's directory was removed while it was in use",
-        "Keep cleaners away from station.root, and restart the target: `systemctl restart andon@NAME.target`";
+        "Keep cleaners of temporary files away from station.root, and restart the target: `systemctl restart andon@NAME.target`";
     ERROR 607 OTHER_VERSION: "a process of another version of Andon is on the same station",
         "Stop everything of the station and start it again from one version";
     WARN 608 ROLE_DIED: "a process has died and was cleaned up",
         "systemd starts it again; look at that role's own messages for the reason";
-    WARN 609 LOSSES: "messages were lost between two roles",
+    WARN 609 LOSSES: "messages or frames were lost between two roles, or between the camera and Andon",
         "The machine is too slow or too busy for this rate: look at `andond status`";
     ERROR 610 DEADLINE_MISSED: "no message came within the deadline",
         "Look at `andond status` for the first role that is not healthy";

@@ -1,11 +1,15 @@
-//! Why a role cannot go on: the exit code and the code in the log.
+//! Why a role cannot go on, with its code in the log and its exit code.
+
+use std::io;
+use std::path::PathBuf;
 
 use andon_ipc::Error as Ipc;
 use andon_journal::JournalError;
-use andon_learn::job_file::JobFileError;
+use andon_learn::job_file::{JobFault, JobFileError};
 use andon_learn::recording::TrackError;
 use andon_perception::{PerceptionError, RuntimeFile};
 
+use crate::compatibility::Misfit;
 use crate::exit::Code;
 use crate::log::{code, log};
 use crate::perception::SetupError;
@@ -17,59 +21,67 @@ pub enum RoleError {
     /// It was asked to stop in the middle of a step.
     #[error("asked to stop")]
     Stopped,
-    /// The station's shared memory.
+    /// The station's shared memory cannot be used.
     #[error(transparent)]
     Ipc(#[from] Ipc),
-    /// A frame that cannot be looked at.
+    /// A frame cannot be processed.
     #[error(transparent)]
     Perception(#[from] PerceptionError),
-    /// A model, a library or a calibration.
+    /// A model, a library or a calibration is missing or unusable.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The camera or the recording, in the middle of it.
+    /// The camera or the recording has failed after it was opened.
     #[error("{0}")]
     Source(String),
     /// The camera or the recording cannot be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The track file that is played.
+    /// The track file cannot be played.
     #[error(transparent)]
     Tracks(#[from] TrackError),
-    /// The job file.
+    /// A job file is not one, or is damaged.
     #[error(transparent)]
     JobFile(#[from] JobFileError),
     /// A job file that cannot be read.
-    #[error("job {path}: {reason}")]
-    Job {
+    #[error("job {}: {source}", path.display())]
+    UnreadJob {
         /// The file.
-        path: String,
-        /// Why.
-        reason: String,
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
     },
-    /// The database.
+    /// A job that does not fit the station.
+    #[error("job {}: {misfit}", path.display())]
+    UnfitJob {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        misfit: Misfit,
+    },
+    /// The database cannot be opened or written.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The Modbus server.
+    /// The Modbus server cannot start.
     #[error(transparent)]
     Plc(#[from] andon_plc::modbus::ServeError),
-    /// The constants of the method or the objects.
+    /// The method refuses its constants or the objects.
     #[error("the method cannot work with this configuration: {0}")]
     Method(String),
-    /// A reader that a paced writer waits for does not go on.
+    /// A reader that a paced writer waits for makes no progress.
     #[error("no reader has taken anything for {0:?}")]
     NoProgress(std::time::Duration),
-    /// A program that the role consists of.
+    /// The program that the role consists of cannot be started.
     #[error("cannot start {path}: {source}")]
     Start {
         /// The program.
         path: String,
         /// What the system said.
-        source: std::io::Error,
+        source: io::Error,
     },
 }
 
 impl RoleError {
-    /// Logs it, once, and gives the exit code.
+    /// Logs the error and returns the exit code. To be called once.
     pub fn report(&self) -> Code {
         match self {
             Self::Stopped => Code::Stopped,
@@ -105,8 +117,16 @@ impl RoleError {
                 log!(code::RECORDING_DAMAGED, "{error}");
                 Code::Configuration
             }
-            Self::JobFile(_) | Self::Job { .. } => {
+            Self::JobFile(JobFileError {
+                fault: JobFault::Toml(_) | JobFault::Format(_) | JobFault::Invalid { .. },
+                ..
+            })
+            | Self::UnreadJob { .. } => {
                 log!(code::JOB_REFUSED, "{self}");
+                Code::Configuration
+            }
+            Self::JobFile(_) | Self::UnfitJob { .. } => {
+                log!(code::JOB_REFUSED, remedied: "{self}");
                 Code::Configuration
             }
             Self::Journal(error) => report_journal(error),
@@ -130,7 +150,7 @@ impl RoleError {
     }
 }
 
-/// Logs what is wrong with the camera.
+/// Logs an error of the camera.
 pub fn report_camera(error: &OpenError) {
     match error {
         OpenError::Gone(_) => log!(code::CAMERA_GONE, "{error}"),
@@ -140,7 +160,7 @@ pub fn report_camera(error: &OpenError) {
     }
 }
 
-/// Logs what is wrong with the journal. What needs a person's hand at the file is not tried again.
+/// Logs an error of the journal. Where a person must look at the file, the exit code tells systemd not to try again.
 pub(super) fn report_journal(error: &JournalError) -> Code {
     match error {
         JournalError::Locked { .. } => log!(code::JOURNAL_LOCKED, remedied: "{error}"),
@@ -162,10 +182,10 @@ fn report_ipc(error: &Ipc) -> Code {
             log!(code::CONFIGURATION_REFUSED, "{error}");
             return Code::Configuration;
         }
-        Ipc::RootVanished { .. } => log!(code::ROOT_DELETED, "{error}"),
+        Ipc::RootVanished { .. } => log!(code::ROOT_DELETED, remedied: "{error}"),
         Ipc::NoRoom { .. } | Ipc::SharedMemory(_) => log!(code::SHM_FULL, remedied: "{error}"),
         Ipc::StewardRunning { .. } => log!(code::STEWARD_TWICE, "{error}"),
-        Ipc::NoSteward { .. } => log!(code::STEWARD_MISSING, "{error}"),
+        Ipc::NoSteward { .. } => log!(code::STEWARD_MISSING, remedied: "{error}"),
         Ipc::LayoutMismatch { .. } => log!(code::OTHER_VERSION, remedied: "{error}"),
         Ipc::ServiceUnreadable { .. } => log!(code::SERVICE_UNUSABLE, remedied: "{error}"),
         _ => log!(code::SERVICE_UNUSABLE, "{error}"),
