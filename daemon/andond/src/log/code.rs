@@ -64,8 +64,8 @@ table! {
     ERROR 208 CALIBRATION_REFUSED: "the calibration cannot be used",
         "Make a new one with `andond calibrate`";
     WARN 210 TRACK_CUT_SHORT: "the track file ends in the middle of a line",
-        "The tracker was stopped while it wrote; everything up to there has been used";
-    WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench yet; nothing is placed until it does",
+        "The tracker was stopped while it wrote; everything up to that line is used";
+    WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench; until it does, nothing has a position",
         "Clear the bench and let the camera look down on it, or calibrate with `andond calibrate`";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
@@ -93,9 +93,9 @@ table! {
     ERROR 402 DISK_FULL: "the journal cannot be written",
         "Make room on the disk or lower journal.keep_mb, and see that the folder of journal.path exists and that the role's user may write there; until then the PLC reads `error`";
     ERROR 403 JOURNAL_LOCKED: "another program holds the journal's lock",
-        "Close the program, which `fuser -v` on the file names; `andond history` reads the journal without a lock";
+        "Close that program: `fuser -v` names it when given the file; `andond history` needs no lock and may run";
     ERROR 404 JOURNAL_DAMAGED: "the journal's database is damaged or of a newer version",
-        "Move the file away: `sqlite3 .recover` may repair it, and the next start makes a new one; a newer version of Andon opens a newer one";
+        "Move the file away, and the next start makes a new one; `sqlite3 .recover` may repair the old one, and a newer one opens in the version of Andon that wrote it";
     WARN 405 JOURNAL_GAP: "verdicts were lost before they could be written; the gap is recorded",
         "Look at the messages before this one for the reason";
     INFO 406 JOURNAL_TRIMMED: "old verdicts were removed by age or size", "";
@@ -158,9 +158,9 @@ table! {
 #[must_use]
 pub fn index() -> String {
     let mut page = String::from(
-        "# Codes\n\nEvery message that a technician may see has one of these codes and ends with what to do: with the remedy of\n\
-         this page, or with a narrower one where the cause is known. A code never changes its meaning. This page is generated\n\
-         from `src/log/code.rs`.\n",
+        "# Codes\n\nEvery message for a technician has one of these codes. If there is something to do, the message ends with it: with the\n\
+         remedy of this page, or with a narrower one where the cause is known. A code never changes its meaning. This page is\n\
+         generated from `src/log/code.rs`.\n",
     );
     for (first, title) in GROUPS {
         // Writing to a `String` cannot fail.
