@@ -79,7 +79,7 @@ table! {
         "Stop and look at the step that the message names";
     WARN 307 NOT_JUDGED: "a step could not be judged",
         "Look at the product; the reason names what was missing";
-    WARN 308 OVERLOAD: "more happened than the judge has memory for, and a step could not be judged",
+    WARN 308 OVERLOAD: "a step lasted longer than can be compared, and could not be judged",
         "Teach the job in shorter activities: a step of more than 2048 frames, about a minute at 30 Hz, is not compared";
     INFO 309 COMMAND: "the PLC or a person gave a command", "";
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",
