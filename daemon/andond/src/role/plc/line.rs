@@ -120,14 +120,7 @@ mod tests {
     /// Every role is healthy at 10 s.
     fn healthy() -> LineHealth {
         let mut line = LineHealth::new(&Config::default());
-        for role in [
-            RoleId::Capture,
-            RoleId::Perceive,
-            RoleId::Encode,
-            RoleId::Judge,
-            RoleId::Journal,
-            RoleId::Steward,
-        ] {
+        for &role in RoleId::ALL {
             line.received(&health(role, RoleState::Running, 10 * S));
         }
         line
