@@ -95,6 +95,9 @@ pub enum Format {
     Table,
 }
 
+/// Writes the line of an entry.
+type WriteEntry = fn(&Entry, &mut dyn Write) -> io::Result<()>;
+
 /// A reader of the journal.
 #[derive(Debug)]
 pub struct History {
@@ -134,7 +137,7 @@ impl History {
     /// # Errors
     /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
     pub fn write(&self, query: &Query, format: Format, out: &mut impl Write) -> Result<(), JournalError> {
-        let (header, write_entry): (_, fn(&Entry, &mut dyn Write) -> io::Result<()>) = match format {
+        let (header, write_entry): (_, WriteEntry) = match format {
             Format::Csv => (csv::HEADER, csv::write),
             Format::Table => (table::HEADER, table::write),
         };
