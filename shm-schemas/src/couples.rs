@@ -27,10 +27,10 @@ wire! { "andon.Couples", 112;
         described_ns: u64,
         /// Source time of the newest frame that they depend on: `persist` frames after `described_ns`.
         known_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `METRIC`, `PACED`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`.
         flags: u32,
-        /// Frames that were lost just before the newest one.
-        dropped: u32,
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

@@ -51,7 +51,7 @@ wire! { "andon.Health", 112;
         sent: u64,
         /// Messages received on the role's data channel.
         received: u64,
-        /// Messages that it did not receive or skipped, by the gaps in `seq`.
+        /// Messages that it did not get or skipped, by the gaps in `seq`, and frames that their source itself lost.
         losses: u64,
         /// Messages that it received and could not use.
         refused: u64,

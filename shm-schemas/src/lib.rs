@@ -54,10 +54,8 @@ pub const OBJECTS: usize = 32;
 pub mod flag {
     /// The recording has ended and nothing follows from this source. The message may carry no data.
     pub const END_OF_STREAM: u32 = 1;
-    /// Coordinates are metric (depth was used); otherwise they lie in the plane of the bench.
-    pub const METRIC: u32 = 1 << 1;
     /// The source waits for its readers so that nothing is lost, and so does every role that sends what follows from it.
-    pub const PACED: u32 = 1 << 2;
+    pub const PACED: u32 = 1 << 1;
     /// The hand was seen, or its position is held over a gap that is shorter than `blind_ms`.
     pub const SIGHTED: u8 = 1;
     /// The hand itself was seen in this frame. This distinguishes a job that has ended from one that rests.

@@ -39,7 +39,7 @@ fn a_root_that_is_deleted_ends_the_steward_and_the_log_has_the_remedy() {
     let (mut line, _watcher) = up(Settings::live());
     std::fs::remove_dir_all(line.station.root()).unwrap();
     assert_eq!(line.role("steward").wait().code(), Some(70));
-    line.wait_for_log("steward", "AND-606", "Keep cleaners away");
+    line.wait_for_log("steward", "AND-606", "keep cleaners of temporary files away");
 }
 
 #[test]

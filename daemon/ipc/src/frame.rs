@@ -136,6 +136,7 @@ pub struct FrameReader {
     subscriber: Subscriber<Transport, [u8], FrameHeader>,
     inbound: Inbound,
     skipped: u64,
+    lost_by_source: u64,
 }
 
 /// A frame, read where its writer filled it. Dropping it gives the place back to the writer.
@@ -186,7 +187,7 @@ impl FrameReader {
         let subscriber =
             services.messages.subscriber_builder().create().map_err(|e| subscriber_refused(CHANNEL, e))?;
         let inbound = Inbound::announce(services, CHANNEL, role, listener)?;
-        Ok(Self { subscriber, inbound, skipped: 0 })
+        Ok(Self { subscriber, inbound, skipped: 0, lost_by_source: 0 })
     }
 
     /// The oldest frame that waits. For paced sources, where every frame counts.
@@ -202,6 +203,7 @@ impl FrameReader {
                 return Ok(None);
             };
             if self.inbound.took(&sample.user_header().stamp)? {
+                self.lost_by_source += u64::from(sample.user_header().dropped);
                 return Ok(Some(FrameSample(sample)));
             }
         }
@@ -234,6 +236,11 @@ impl FrameReader {
     /// Frames that [`FrameReader::take_newest`] skipped for a newer one.
     pub fn skipped(&self) -> u64 {
         self.skipped
+    }
+
+    /// Frames that the source lost before the writer had them: [`FrameHeader::dropped`] of all frames received.
+    pub fn lost_by_source(&self) -> u64 {
+        self.lost_by_source
     }
 
     /// How often the writer has started again since the first frame.

@@ -66,7 +66,7 @@ mod wait;
 mod writer;
 
 pub use channel::{Channel, ChannelMessage, Qos};
-pub use clock::{MonotonicTime, UtcTime};
+pub use clock::{MonotonicTime, SourceTime, UtcTime};
 pub use error::Error;
 pub use frame::{FrameLoan, FrameReader, FrameSample, FrameWriter};
 pub use health::Heartbeat;

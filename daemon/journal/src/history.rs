@@ -1,5 +1,6 @@
 //! Reads the journal, also while it is being written.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
@@ -7,6 +8,7 @@ use shm_schemas::{VerdictLevel, VerdictOutcome, verdict_kind};
 
 use super::error::JournalError;
 use super::row::{signed, unsigned};
+use super::{csv, table};
 
 /// Which verdicts to read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,6 +86,18 @@ pub struct Gap {
     pub last_seq: Option<u64>,
 }
 
+/// How the journal is written as text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// CSV (RFC 4180), for spreadsheets. A value that has no meaning is left empty. A gap has a line of its own, from `seq` to `last_seq`.
+    Csv,
+    /// A table for a terminal. Activities and IUs count from 1.
+    Table,
+}
+
+/// Writes the line of an entry.
+type WriteEntry = fn(&Entry, &mut dyn Write) -> io::Result<()>;
+
 /// A reader of the journal.
 #[derive(Debug)]
 pub struct History {
@@ -116,6 +130,20 @@ impl History {
         let connection =
             Connection::open_with_flags(path, flags).map_err(|source| JournalError::of(path, 0, source))?;
         Ok(Self { connection, path: path.into() })
+    }
+
+    /// Writes a header and one line per entry that matches the query.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
+    pub fn write(&self, query: &Query, format: Format, out: &mut impl Write) -> Result<(), JournalError> {
+        let (header, write_entry): (_, WriteEntry) = match format {
+            Format::Csv => (csv::HEADER, csv::write),
+            Format::Table => (table::HEADER, table::write),
+        };
+        out.write_all(header.as_bytes())?;
+        self.visit(query, |entry| Ok(write_entry(&entry, out)?))?;
+        Ok(out.flush()?)
     }
 
     /// Calls `visit` with every entry, oldest first. Only one is held in memory, since there may be millions.

@@ -197,7 +197,7 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     let mut bench = Bench::new();
     bench.send(1, [1, 3]);
     let mut csv = Vec::new();
-    History::open(&bench.path()).unwrap().export_csv(&Query::default(), &mut csv).unwrap();
+    History::open(&bench.path()).unwrap().write(&Query::default(), Format::Csv, &mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     let lines: Vec<&str> = csv.split("\r\n").collect();
     assert_eq!(

@@ -248,7 +248,7 @@ pub trait Input {
     /// What a message rests on, and its flags.
     fn head(sample: &Self::Sample) -> (&Stamp, u32);
 
-    /// Messages lost or given up, and restarts of the writer.
+    /// Messages that were lost, here or at the source, or given up; and restarts of the writer.
     fn losses(&self) -> (u64, u32);
 }
 
@@ -281,7 +281,7 @@ impl Input for FrameReader {
     }
 
     fn losses(&self) -> (u64, u32) {
-        (self.lost() + self.skipped(), self.restarts())
+        (self.lost() + self.skipped() + self.lost_by_source(), self.restarts())
     }
 }
 

@@ -21,15 +21,13 @@ pub(super) struct Wanted {
 pub(super) fn load(path: &Path, config: &Config) -> Result<JobFile, RoleError> {
     let file = read(path)?;
     compatibility::station(&file, config)
-        .map_err(|misfit| RoleError::Job { path: path.display().to_string(), reason: misfit.to_string() })?;
+        .map_err(|misfit| RoleError::UnfitJob { path: path.into(), misfit })?;
     Ok(file)
 }
 
 fn read(path: &Path) -> Result<JobFile, RoleError> {
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| RoleError::Job { path: name.clone(), reason: error.to_string() })?;
-    Ok(JobFile::parse(&name, &bytes)?)
+    let bytes = std::fs::read(path).map_err(|source| RoleError::UnreadJob { path: path.into(), source })?;
+    Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
 }
 
 /// The file of the job that a command names; `running` where there is none that can be used.
@@ -38,7 +36,7 @@ pub(super) fn select(config: &Config, wanted: Wanted, running: Option<PathBuf>) 
     let Wanted { job_id, .. } = wanted;
     let search = Search::new(config, wanted);
     for reason in &search.skipped {
-        log!(code::JOB_REFUSED, "skipped {reason}");
+        log!(code::JOB_REFUSED, remedied: "skipped {reason}");
     }
     match search.found.as_slice() {
         [path] => return Some(path.clone()),
@@ -49,7 +47,7 @@ pub(super) fn select(config: &Config, wanted: Wanted, running: Option<PathBuf>) 
         ),
         [first, second, ..] => log!(
             code::JOB_REFUSED,
-            "the job {job_id} is in {} and in {}: remove one of them, or name the version",
+            remedied: "the job {job_id} is in {} and in {}: remove one of them, or name the version",
             first.display(),
             second.display()
         ),

@@ -83,7 +83,7 @@ impl Keeper {
             clock: ClockWatch::new(),
         };
         log!(code::JOURNAL_OPENED, { path = %path.display() }, "writing to {}", path.display());
-        keeper.log_removed();
+        keeper.log_missing();
         keeper.confirm(cycle)?;
         cycle.stepped(began);
         Ok(keeper)
@@ -111,8 +111,7 @@ impl Keeper {
                         "the journal can be written again; nothing that waited is lost"
                     );
                 }
-                self.log_gaps();
-                self.log_removed();
+                self.log_missing();
                 Ok(Turn::Stepped)
             }
             Err(error @ (JournalError::Full { .. } | JournalError::Locked { .. })) => {
@@ -140,19 +139,15 @@ impl Keeper {
         Ok(())
     }
 
-    fn log_gaps(&mut self) {
-        let lost = self.journal.lost();
+    /// Logs what the journal has lost and removed since the last time.
+    fn log_missing(&mut self) {
+        let (lost, removed) = (self.journal.lost(), self.journal.removed());
         if lost > self.lost {
             log!(code::JOURNAL_GAP, "{} verdicts were lost", lost - self.lost);
-            self.lost = lost;
         }
-    }
-
-    fn log_removed(&mut self) {
-        let removed = self.journal.removed();
         if removed > self.removed {
             log!(code::JOURNAL_TRIMMED, "{} verdicts were removed by age or size", removed - self.removed);
-            self.removed = removed;
         }
+        (self.lost, self.removed) = (lost, removed);
     }
 }

@@ -81,7 +81,6 @@ fn finish(outcome: Result<(), RoleError>) -> Code {
             log!(code::ROLE_STOPPING, "stopped");
             Code::Stopped
         }
-        Err(RoleError::Stopped | RoleError::Ipc(andon_ipc::Error::Stopped(_))) => Code::Stopped,
         Err(error) => error.report(),
     }
 }

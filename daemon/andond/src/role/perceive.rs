@@ -30,7 +30,6 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         placer,
         is_without_bench: false,
         source_epoch: 0,
-        dropped: 0,
     };
     Cycle::new(node)?.run(&mut role)?;
     Ok(())
@@ -47,8 +46,6 @@ struct Perceive<'a> {
     is_without_bench: bool,
     /// Of the source that the perceiver has seen; 0 before the first.
     source_epoch: u64,
-    /// Frames lost and skipped up to the newest one.
-    dropped: u64,
 }
 
 impl Role for Perceive<'_> {
@@ -62,15 +59,10 @@ impl Role for Perceive<'_> {
         let Some(frame) = cycle.take(&mut self.frames)? else { return Ok(Turn::Idle) };
         let header = frame.header();
         self.follow_source(header.stamp.epoch)?;
-        let dropped = self.frames.lost() + self.frames.skipped();
-        let newly_dropped = dropped - std::mem::replace(&mut self.dropped, dropped);
         let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
         self.detections.send(cycle, |message| {
             message.source_ns = header.source_ns;
             message.flags = header.flags;
-            message.dropped = header.dropped.saturating_add(newly_dropped as u32);
-            message.width = header.width;
-            message.height = header.height;
             match seen {
                 Some((seen, Some(scene))) => wire::detections::write_metric(&seen, &scene, message),
                 Some((seen, None)) => wire::detections::write(&seen, message),

@@ -1,4 +1,4 @@
-//! Feature couples: the method to shared memory and back.
+//! Feature couples, from the method to shared memory and back.
 
 use andon_core::couple::{Context, Couple, Couples, Motion};
 use andon_core::input::Side;
@@ -8,8 +8,8 @@ use shm_schemas::{Couples as Message, HandCouple, flag};
 pub fn write(couples: &Couples, message: &mut Message) {
     message.described_ns = couples.captured_ns;
     message.known_ns = couples.known_ns;
-    for (couple, place) in couples.hands.iter().zip(message.hands.iter_mut()) {
-        *place = HandCouple {
+    for (couple, slot) in couples.hands.iter().zip(message.hands.iter_mut()) {
+        *slot = HandCouple {
             x_c: couple.context.0,
             distances_m: couple.distances,
             x_m: couple.motion.0,
@@ -19,16 +19,16 @@ pub fn write(couples: &Couples, message: &mut Message) {
     }
 }
 
-/// What the judge takes of a message.
+/// Reads the couples from a message.
 pub fn read(message: &Message) -> Couples {
-    let hand = |side: Side, place: &HandCouple| Couple {
+    let hand = |side: Side, couple: &HandCouple| Couple {
         side,
         captured_ns: message.described_ns,
-        motion: Motion(place.x_m),
-        context: Context(place.x_c),
-        distances: place.distances_m,
-        sighted: place.flags & flag::SIGHTED != 0,
-        seen: place.flags & flag::HAND_SEEN != 0,
+        motion: Motion(couple.x_m),
+        context: Context(couple.x_c),
+        distances: couple.distances_m,
+        sighted: couple.flags & flag::SIGHTED != 0,
+        seen: couple.flags & flag::HAND_SEEN != 0,
     };
     Couples {
         captured_ns: message.described_ns,

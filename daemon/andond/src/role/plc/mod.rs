@@ -21,7 +21,7 @@ use super::output::Output;
 use crate::config::Config;
 use crate::log::{code, log};
 use clients::Clients;
-use line::Watch;
+use line::LineHealth;
 
 /// The longest wait: a command of a client waits no longer than this to be passed on.
 const TURN: Duration = Duration::from_millis(20);
@@ -67,7 +67,7 @@ struct Plc {
     verdicts: Reader<Verdict>,
     confirmed: Reader<Confirmed>,
     health: Reader<Health>,
-    watch: Watch,
+    line_health: LineHealth,
     line: Line,
     /// When the line was last ready or `health` was opened.
     health_since: Instant,
@@ -88,9 +88,9 @@ impl Role for Plc {
     }
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        // Its own predecessor may be the one that has gone: that is for `watch` to tell.
+        // It may be its own predecessor that has departed: the health of the roles shows that.
         if let Wake::WriterGone { .. } = cycle.wake() {
-            self.watch.gone(MonotonicTime::now());
+            self.line_health.departed(MonotonicTime::now());
         }
         self.clients.log(cycle.liveness());
         self.watch_line(cycle)?;
@@ -116,7 +116,7 @@ impl Plc {
             verdicts: node.reader()?,
             confirmed: node.reader()?,
             health: node.reader()?,
-            watch: Watch::new(config),
+            line_health: LineHealth::new(config),
             line: Line::Starting,
             health_since: Instant::now(),
             began: MonotonicTime::now(),
@@ -132,9 +132,9 @@ impl Plc {
     /// Finds the state of the line by the health of its roles.
     fn watch_line(&mut self, cycle: &Cycle<'_>) -> Result<(), RoleError> {
         while let Some(health) = self.health.take()? {
-            self.watch.heard(&health);
+            self.line_health.received(&health);
         }
-        self.line = self.watch.line(MonotonicTime::now());
+        self.line = self.line_health.line(MonotonicTime::now());
         if self.line == Line::Ready {
             self.health_since = Instant::now();
         } else if self.health_since.elapsed() > REOPEN_HEALTH_AFTER {
