@@ -11,7 +11,7 @@ use crate::pixel_format::PixelFormat;
 use crate::points::PixelPoint;
 use aruco::Aruco;
 use heapless::Vec;
-use opencv::core::{Mat, Point2f, Rect, Size, Vector};
+use opencv::core::{Mat, Point2f, Size, Vector};
 use opencv::{imgproc, prelude::*};
 
 /// A marker in the picture.
@@ -95,12 +95,6 @@ impl Markers {
     }
 
     fn detect(&mut self, image: &ImageView<'_>, halve: bool) -> opencv::Result<()> {
-        // Views of the caller's bytes: first rows with their padding, then without it, then pixels.
-        let rows = Mat::new_rows_cols_with_data(image.height() as i32, image.stride() as i32, image.data())?;
-        let row_bytes = (image.width() * image.format().bytes()) as i32;
-        let rows = Mat::roi(&rows, Rect::new(0, 0, row_bytes, image.height() as i32))?;
-        let pixels = rows.reshape(image.format().bytes() as i32, 0)?;
-
         let code = match image.format() {
             PixelFormat::Gray8 => None,
             PixelFormat::Bgr8 => Some(imgproc::COLOR_BGR2GRAY),
@@ -108,22 +102,24 @@ impl Markers {
             PixelFormat::Bgra8 => Some(imgproc::COLOR_BGRA2GRAY),
             PixelFormat::Rgba8 => Some(imgproc::COLOR_RGBA2GRAY),
         };
-        if let Some(code) = code {
-            imgproc::cvt_color_def(&pixels, &mut self.gray, code)?;
-        }
-        if halve {
-            let size = Size::new((image.width() / 2) as i32, (image.height() / 2) as i32);
-            if code.is_some() {
-                imgproc::resize(&self.gray, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
-            } else {
-                imgproc::resize(&pixels, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+        image.with_pixels(|pixels| {
+            if let Some(code) = code {
+                imgproc::cvt_color_def(pixels, &mut self.gray, code)?;
             }
-            self.aruco.detect(&self.half, &mut self.corners, &mut self.ids)
-        } else if code.is_some() {
-            self.aruco.detect(&self.gray, &mut self.corners, &mut self.ids)
-        } else {
-            self.aruco.detect(&pixels, &mut self.corners, &mut self.ids)
-        }
+            if halve {
+                let size = Size::new((image.width() / 2) as i32, (image.height() / 2) as i32);
+                if code.is_some() {
+                    imgproc::resize(&self.gray, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+                } else {
+                    imgproc::resize(pixels, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+                }
+                self.aruco.detect(&self.half, &mut self.corners, &mut self.ids)
+            } else if code.is_some() {
+                self.aruco.detect(&self.gray, &mut self.corners, &mut self.ids)
+            } else {
+                self.aruco.detect(pixels, &mut self.corners, &mut self.ids)
+            }
+        })
     }
 }
 
