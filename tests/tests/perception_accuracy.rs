@@ -5,9 +5,14 @@ use std::process::Command;
 
 /// The table that `perception_accuracy detected` prints, line by line.
 fn table(arguments: &[&str]) -> Vec<String> {
+    rows("detected", arguments)
+}
+
+/// What a subcommand of `perception_accuracy` prints, line by line.
+fn rows(subcommand: &str, arguments: &[&str]) -> Vec<String> {
     let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
     let output = Command::new(env!("CARGO_BIN_EXE_perception_accuracy"))
-        .arg("detected")
+        .arg(subcommand)
         .args(arguments)
         .current_dir(root)
         .output()
@@ -34,6 +39,17 @@ fn a_clip_is_measured_and_its_hand_and_markers_are_found() {
     assert!(hand > 80.0, "hand: {table:?}");
     assert!(markers > 95.0, "markers: {table:?}");
     assert_eq!(&clip.replacen("p1_J1_r1", "     all", 1), all, "{table:?}");
+}
+
+/// What was done to the picture of each person, what should be said of it within two seconds, and what was said.
+#[test]
+fn the_line_says_what_it_cannot_see_and_cries_no_wolf() {
+    let clips = ["tests/footage/p1_none_r1.mp4", "tests/footage/p2_none_r1.mp4"];
+    let table = rows("sight", &clips);
+    let (summary, rows) = table.split_last().unwrap();
+    let troubles = |row: &&String| !row.contains("| nothing | nothing |");
+    assert!(rows.iter().filter(troubles).count() >= 20, "{table:#?}");
+    assert_eq!(summary, "0 wrong", "{table:#?}");
 }
 
 /// Every second frame of a clip of each person. A hand counts as found where its palm lies on the true one, in the frames that

@@ -6,14 +6,14 @@ use std::io::Write;
 use jiff::Timestamp;
 
 use super::error::JournalError;
-use super::history::{Entry, Gap, History, Query, Record};
+use super::history::{Entry, Gap, History, NotWatching, Query, Record};
 
 const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
-                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq\r\n";
+                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc\r\n";
 
 impl History {
     /// Writes one line per entry that matches the query. A value that has no meaning is left empty. A gap has a line of its own,
-    /// from `seq` to `last_seq`.
+    /// from `seq` to `last_seq`, and so has a time without sight, to `ended_utc`.
     ///
     /// # Errors
     /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
@@ -23,6 +23,7 @@ impl History {
             match entry {
                 Entry::Verdict(record) => write_record(out, &record)?,
                 Entry::Gap(gap) => write_gap(out, &gap)?,
+                Entry::NotWatching(blind) => write_not_watching(out, &blind)?,
             }
             Ok(())
         })?;
@@ -50,19 +51,24 @@ fn write_record(out: &mut impl Write, r: &Record) -> std::io::Result<()> {
     write!(out, ",{},{},{},{}", r.x_c[0], r.x_c[1], r.x_c[2], r.x_c[3])?;
     write!(out, ",{},{},{}", or_empty(r.distance), or_empty(r.threshold), u8::from(r.early))?;
     write!(out, ",{},{},{}", seconds(r.began_ns), seconds(r.ended_ns), seconds(r.decided_ns))?;
-    write!(out, ",{},{},\r\n", r.epoch, r.seq)
+    write!(out, ",{},{},,\r\n", r.epoch, r.seq)
 }
 
 fn write_gap(out: &mut impl Write, gap: &Gap) -> std::io::Result<()> {
     let last_seq = or_empty(gap.last_seq);
     write!(
         out,
-        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq}\r\n",
+        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq},\r\n",
         utc(gap.utc_ns),
         gap.why,
         gap.epoch,
         gap.first_seq
     )
+}
+
+fn write_not_watching(out: &mut impl Write, blind: &NotWatching) -> std::io::Result<()> {
+    let end = or_empty(blind.ended_utc_ns.map(utc));
+    write!(out, "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,{end}\r\n", utc(blind.began_utc_ns), blind.why)
 }
 
 fn or_empty(value: Option<impl Display>) -> String {

@@ -5,7 +5,7 @@ use std::io::Write;
 use jiff::Timestamp;
 
 use super::error::JournalError;
-use super::history::{Entry, Gap, History, Query, Record};
+use super::history::{Entry, Gap, History, NotWatching, Query, Record};
 
 impl History {
     /// Writes one line per entry that matches the query.
@@ -21,6 +21,7 @@ impl History {
             match entry {
                 Entry::Verdict(record) => write_record(out, &record)?,
                 Entry::Gap(gap) => write_gap(out, &gap)?,
+                Entry::NotWatching(blind) => write_not_watching(out, &blind)?,
             }
             Ok(())
         })?;
@@ -58,6 +59,11 @@ fn write_gap(out: &mut impl Write, gap: &Gap) -> std::io::Result<()> {
         gap.first_seq,
         gap.epoch
     )
+}
+
+fn write_not_watching(out: &mut impl Write, blind: &NotWatching) -> std::io::Result<()> {
+    let end = blind.ended_utc_ns.map_or("?".into(), utc);
+    writeln!(out, "{:20} -- not watching until {end}: {}", utc(blind.began_utc_ns), blind.meaning())
 }
 
 /// The time to the second, which is enough for a reader, or as a number where it is beyond the calendar.

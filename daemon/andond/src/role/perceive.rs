@@ -7,6 +7,7 @@ use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId};
 
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
+use super::sight::SightWatch;
 use super::{RoleError, tracks};
 use crate::config::{Config, Source};
 use crate::log::{code, log};
@@ -29,6 +30,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         perceiver,
         placer,
         is_without_bench: false,
+        sight: SightWatch::new(config),
         source_epoch: 0,
         dropped: 0,
     };
@@ -45,6 +47,7 @@ struct Perceive<'a> {
     placer: Option<Placer>,
     /// Whether it was logged that the bench is not found.
     is_without_bench: bool,
+    sight: SightWatch,
     /// Of the source that the perceiver has seen; 0 before the first.
     source_epoch: u64,
     /// Frames lost and skipped up to the newest one.
@@ -65,10 +68,14 @@ impl Role for Perceive<'_> {
         let dropped = self.frames.lost() + self.frames.skipped();
         let newly_dropped = dropped - std::mem::replace(&mut self.dropped, dropped);
         let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
+        let dropped = header.dropped.saturating_add(newly_dropped as u32);
+        if let Some((seen, _)) = &seen {
+            self.sight.look(header, seen, dropped, cycle.liveness());
+        }
         self.detections.send(cycle, |message| {
             message.source_ns = header.source_ns;
             message.flags = header.flags;
-            message.dropped = header.dropped.saturating_add(newly_dropped as u32);
+            message.dropped = dropped;
             message.width = header.width;
             message.height = header.height;
             match seen {
@@ -87,6 +94,7 @@ impl Perceive<'_> {
         let known = std::mem::replace(&mut self.source_epoch, epoch);
         if known != 0 && known != epoch {
             self.perceiver = perception::perceiver(self.config)?;
+            self.sight = SightWatch::new(self.config);
             self.placer = Placer::new(self.config).map_err(SetupError::from)?;
         }
         Ok(())

@@ -2,6 +2,7 @@
 
 mod aruco;
 mod edges;
+mod foreign;
 
 use crate::config::MarkersConfig;
 use crate::detections::OBJECTS;
@@ -10,6 +11,7 @@ use crate::image::ImageView;
 use crate::pixel_format::PixelFormat;
 use crate::points::PixelPoint;
 use aruco::Aruco;
+use foreign::Foreign;
 use heapless::Vec;
 use opencv::core::{Mat, Point2f, Size, Vector};
 use opencv::{imgproc, prelude::*};
@@ -39,6 +41,7 @@ pub(crate) struct Markers {
     half: Mat,
     corners: Vector<Vector<Point2f>>,
     ids: Vector<i32>,
+    foreign: Foreign,
 }
 
 impl Markers {
@@ -53,6 +56,7 @@ impl Markers {
             half: Mat::default(),
             corners: Vector::new(),
             ids: Vector::new(),
+            foreign: Foreign::new(config.dictionary),
         })
     }
 
@@ -76,9 +80,11 @@ impl Markers {
         };
 
         let mut found = Found::default();
+        let mut unwanted = 0;
         for (id, corners) in self.ids.iter().zip(self.corners.iter()) {
             let Ok(id) = u16::try_from(id) else { continue };
             if !wanted(id) {
+                unwanted += 1;
                 continue;
             }
             let mut refined = [PixelPoint::default(); 4];
@@ -91,7 +97,23 @@ impl Markers {
             keep(&mut found, Marker { id, corners: refined, quality });
         }
         found.sort_unstable_by_key(|marker| marker.id);
+        self.foreign
+            .look(&gray, unwanted, !found.is_empty())
+            .map_err(while_doing("looking for foreign markers"))?;
         Ok(found)
+    }
+
+    /// Markers of the newest frame that nobody wants.
+    pub(crate) fn foreign(&self) -> usize {
+        self.foreign.markers()
+    }
+
+    /// The brightness of the newest frame, which is `image`.
+    ///
+    /// # Errors
+    /// [`PerceptionError::OpenCv`].
+    pub(crate) fn gray<'a>(&'a self, image: &ImageView<'a>) -> Result<ImageView<'a>, PerceptionError> {
+        gray_view(image, &self.gray)
     }
 
     fn detect(&mut self, image: &ImageView<'_>, halve: bool) -> opencv::Result<()> {

@@ -84,7 +84,7 @@ fn measure(
     let mut clip = Clip::open(path, &arguments.change())?;
     let mut perceiver = perceiver(runtime, &clip.truth, arguments.hands())?;
     scores.iter_mut().for_each(|score| score.previous.clear());
-    while let Some(Shown { index, captured_ns, image, truth }) = clip.next()? {
+    while let Some(Shown { index, captured_ns, image, truth, .. }) = clip.next()? {
         if index % arguments.every == 0 {
             let began = Instant::now();
             let detections = perceiver.perceive(image, captured_ns)?;

@@ -8,6 +8,7 @@ use shm_schemas::{Health, RoleId, RoleState};
 
 use crate::config::Config;
 use crate::log::code;
+use crate::sight;
 
 /// The newest health of each role that the line needs, in the order of the data path: the first that is not well is
 /// the cause.
@@ -79,7 +80,10 @@ impl Seen {
         }
         let detail = health.last_error;
         match RoleState::try_from(health.state) {
-            Ok(RoleState::Running) => Line::Ready,
+            Ok(RoleState::Running) => match sight::trouble_of(health).and_then(sight::code) {
+                Some(code) => Line::Fault { fault: Fault::Sight, detail: code.number },
+                None => Line::Ready,
+            },
             Ok(RoleState::Starting | RoleState::Finished) => Line::Starting,
             Ok(RoleState::Waiting) if self.role == RoleId::Perceive => {
                 Line::Fault { fault: Fault::Camera, detail: code::CAMERA_GONE.number }
@@ -102,6 +106,7 @@ fn sent(health: &Health) -> MonotonicTime {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shm_schemas::Sight;
 
     const S: u64 = 1_000_000_000;
 
@@ -195,6 +200,26 @@ mod tests {
         let mut watch = well();
         watch.heard(&health(RoleId::Capture, RoleState::Fault, 10 * S));
         assert_eq!(fault_of(watch.line(at(10 * S))), Some(Fault::Camera));
+    }
+
+    #[test]
+    fn a_line_that_does_not_see_its_bench_is_not_ready_and_says_why_until_it_sees_again() {
+        let mut watch = well();
+        assert_eq!(watch.line(at(10 * S)), Line::Ready);
+        for (sight, detail) in [
+            (Sight::Black, code::PICTURE_BLACK.number),
+            (Sight::TooFewFrames, code::TOO_FEW_FRAMES.number),
+            (Sight::NoMarkers, code::MARKERS_FOREIGN.number),
+        ] {
+            let mut health = health(RoleId::Perceive, RoleState::Running, 10 * S);
+            health.sight = sight.code();
+            watch.heard(&health);
+            assert_eq!(watch.line(at(10 * S)), Line::Fault { fault: Fault::Sight, detail });
+        }
+        let mut health = health(RoleId::Perceive, RoleState::Running, 10 * S);
+        health.sight = Sight::Clear.code();
+        watch.heard(&health);
+        assert_eq!(watch.line(at(10 * S)), Line::Ready);
     }
 
     #[test]
