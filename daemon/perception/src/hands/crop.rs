@@ -1,6 +1,6 @@
 //! Samples a region of the picture into the input of a model.
 //!
-//! Where the region is larger than the input, it is first shrunk by averaging: each pixel of the input is then the mean of
+//! Where the region is much larger than the input, it is first shrunk by averaging: each pixel of the input is then the mean of
 //! all that it stands for. Picked out one by one, pixels would bring their noise with them, and the models find no hand in it.
 
 use super::region::Region;
@@ -8,6 +8,10 @@ use crate::error::{PerceptionError, while_doing};
 use crate::image::ImageView;
 use opencv::core::{Mat, Rect, Size};
 use opencv::{imgproc, prelude::*};
+
+/// Up to this step, in pixels of the picture, sampling between four pixels averages as much noise away as the mean over a step would,
+/// and at half the cost; beyond it, pixels are skipped.
+const SKIPS: f32 = 1.5;
 
 /// The pixels outside the picture.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -40,7 +44,7 @@ impl Cropper {
     ) -> Result<(), PerceptionError> {
         let step = region.side / size as f32;
         // Also false for NaN.
-        if step > 1.0 {
+        if step > SKIPS {
             let window = Window::around(region, image);
             self.shrink(image, &window, step).map_err(while_doing("shrinking a picture"))?;
             let data = self.shrunk.data_bytes().map_err(while_doing("reading a shrunk picture"))?;
