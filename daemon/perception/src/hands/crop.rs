@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn noise_of_single_pixels_is_averaged_away_where_the_picture_is_shrunk() {
         let noisy: Vec<u8> = (0..WIDTH * HEIGHT)
-            .map(|index| if (index + index / WIDTH) % 2 == 0 { 80 } else { 160 })
+            .map(|index| if (index + index / WIDTH).is_multiple_of(2) { 80 } else { 160 })
             .collect();
         for (side, size, rotation) in [(640.0, 192, 0.0), (470.0, 224, 0.5)] {
             let region = Region { centre: [320.0, 240.0], side, rotation };

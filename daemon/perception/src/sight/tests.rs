@@ -133,7 +133,7 @@ fn too_few_frames_are_said_and_a_frame_that_is_late_now_and_then_is_not() {
     let few = |_| Look { dropped: 3, ..good() };
     Bench::known().says(Trouble::TooFewFrames, few);
     let mut bench = Bench::known();
-    let now_and_then = |number: u64| Look { dropped: u32::from(number % 2 == 0), ..good() };
+    let now_and_then = |number: u64| Look { dropped: u32::from(number.is_multiple_of(2)), ..good() };
     assert_eq!(bench.show(20.0, now_and_then), []);
 }
 

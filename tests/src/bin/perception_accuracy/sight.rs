@@ -174,7 +174,7 @@ fn play(path: &Path, deed: Deed, runtime: &Path) -> Result<Said, Error> {
         };
         if let Deed::Skip(of) = deed
             && is_changed
-            && index % of != 0
+            && !index.is_multiple_of(of)
         {
             dropped += 1;
             continue;
