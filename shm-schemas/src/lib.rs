@@ -37,7 +37,7 @@ pub use confirmed::Confirmed;
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
-pub use health::{Health, RoleId, RoleState};
+pub use health::{Health, RoleId, RoleState, Sight};
 pub use layout::{Layout, Message};
 pub use stamp::Stamp;
 pub use verdict::{

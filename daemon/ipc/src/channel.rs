@@ -72,9 +72,10 @@ impl Channel {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 1 }
             }
             // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
+            // 8 readers: plc, which opens a second one before it drops the first, journal, and tools.
             // 16 writers: 7 roles, and those that are dead and not yet removed.
             Self::Health => {
-                Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 16, loans: 2, burst: 1 }
+                Qos { buffer: 4, history: 1, borrowed: 2, readers: 8, writers: 16, loans: 2, burst: 1 }
             }
             // No history: a judge that starts must not obey a command from before its start.
             Self::Command => {

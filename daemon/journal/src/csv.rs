@@ -5,16 +5,17 @@ use std::io::{self, Write};
 
 use jiff::Timestamp;
 
-use super::history::{Entry, Gap, Record};
+use super::history::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
-                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq\r\n";
+                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc\r\n";
 
 /// Writes the line of an entry.
 pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     match entry {
         Entry::Verdict(record) => write_record(record, out),
         Entry::Gap(gap) => write_gap(gap, out),
+        Entry::NotWatching(blind) => write_not_watching(blind, out),
     }
 }
 
@@ -37,19 +38,24 @@ fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     write!(out, ",{},{},{},{}", r.x_c[0], r.x_c[1], r.x_c[2], r.x_c[3])?;
     write!(out, ",{},{},{}", or_empty(r.distance), or_empty(r.threshold), u8::from(r.early))?;
     write!(out, ",{},{},{}", seconds(r.began_ns), seconds(r.ended_ns), seconds(r.decided_ns))?;
-    write!(out, ",{},{},\r\n", r.epoch, r.seq)
+    write!(out, ",{},{},,\r\n", r.epoch, r.seq)
 }
 
 fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
     let last_seq = or_empty(gap.last_seq);
     write!(
         out,
-        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq}\r\n",
+        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq},\r\n",
         utc(gap.utc_ns),
         gap.why,
         gap.epoch,
         gap.first_seq
     )
+}
+
+fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()> {
+    let end = or_empty(blind.ended_utc_ns.map(utc));
+    write!(out, "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,{end}\r\n", utc(blind.began_utc_ns), blind.why)
 }
 
 fn or_empty(value: Option<impl Display>) -> String {

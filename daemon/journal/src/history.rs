@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
-use shm_schemas::{VerdictLevel, VerdictOutcome, verdict_kind};
+use shm_schemas::{Sight, VerdictLevel, VerdictOutcome, verdict_kind};
 
 use super::error::JournalError;
 use super::row::{signed, unsigned};
@@ -28,6 +28,8 @@ pub enum Entry {
     Verdict(Box<Record>),
     /// Missing verdicts. Every query returns them, since any verdict may have been among them.
     Gap(Gap),
+    /// A time in which the line did not see its bench. Every query returns them, since anything may have happened in it.
+    NotWatching(NotWatching),
 }
 
 /// A verdict as it was written. Times are source times in nanoseconds, except `decided_utc_ns`.
@@ -86,10 +88,30 @@ pub struct Gap {
     pub last_seq: Option<u64>,
 }
 
+/// A time in which the line did not see its bench, in nanoseconds since 1970 UTC.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotWatching {
+    /// Its begin.
+    pub began_utc_ns: u64,
+    /// Its end; `None` while it lasts, and where nobody saw its end.
+    pub ended_utc_ns: Option<u64>,
+    /// A word of [`Sight`].
+    pub why: String,
+}
+
+impl NotWatching {
+    /// What was wrong, in a sentence; the word itself where this build does not know it.
+    pub(super) fn meaning(&self) -> &str {
+        let sight = Sight::ALL.iter().find(|sight| sight.name() == self.why);
+        sight.map_or(&self.why, |sight| sight.meaning())
+    }
+}
+
 /// How the journal is written as text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// CSV (RFC 4180), for spreadsheets. A value that has no meaning is left empty. A gap has a line of its own, from `seq` to `last_seq`.
+    /// CSV (RFC 4180), for spreadsheets. A value that has no meaning is left empty. A gap has a line of its own, from `seq` to `last_seq`,
+    /// and so has a time without sight, to `ended_utc`.
     Csv,
     /// A table for a terminal. Activities and IUs count from 1.
     Table,
@@ -105,18 +127,24 @@ pub struct History {
     path: PathBuf,
 }
 
-/// Verdicts and gaps in one order: a gap stands before the verdict that revealed it.
+/// Verdicts and the rest in one order: a gap stands before the verdict that revealed it, and a time without sight before the first
+/// verdict after its begin.
 const QUERY: &str = "
-    SELECT id AS position, 1 AS part, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
+    SELECT id AS position, 2 AS part, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
         nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns, decided_utc_ns,
         NULL AS last_seq
     FROM verdict
     WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
     UNION ALL
-    SELECT before_verdict, 0, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
+    SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
         NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq
     FROM gap
     WHERE utc_ns >= ?1
+    UNION ALL
+    SELECT before_verdict, 0, 0, 0, why, '', '', '', '', 0, '', NULL, NULL,
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns
+    FROM not_watching
+    WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
     ORDER BY position, part";
 
 impl History {
@@ -169,7 +197,15 @@ impl History {
 
 fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
     let number = |column: &str| row.get(column).map(unsigned);
-    if row.get::<_, u8>("part")? == 0 {
+    let part: u8 = row.get("part")?;
+    if part == 0 {
+        return Ok(Entry::NotWatching(NotWatching {
+            began_utc_ns: number("decided_utc_ns")?,
+            ended_utc_ns: row.get::<_, Option<i64>>("last_seq")?.map(unsigned),
+            why: row.get("level")?,
+        }));
+    }
+    if part == 1 {
         return Ok(Entry::Gap(Gap {
             utc_ns: number("decided_utc_ns")?,
             why: row.get("level")?,

@@ -18,6 +18,7 @@ mod retention;
 mod row;
 mod schema;
 mod table;
+mod watching;
 
 #[cfg(test)]
 mod tests;
@@ -30,7 +31,7 @@ use rusqlite::{Connection, TransactionBehavior};
 use shm_schemas::Verdict;
 
 pub use error::JournalError;
-pub use history::{Entry, Format, Gap, History, Query, Record};
+pub use history::{Entry, Format, Gap, History, NotWatching, Query, Record};
 pub use retention::Retention;
 
 /// Length of the queue that fills while the disk is full or the database is locked. It is as long as the channel `verdict`, which holds

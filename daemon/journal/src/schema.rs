@@ -60,6 +60,15 @@ pub(super) const MIGRATIONS: &[&str] = &[
     ALTER TABLE verdict DROP COLUMN kind;
     ALTER TABLE verdict DROP COLUMN ok;
 ",
+    "
+    CREATE TABLE not_watching (
+        id             INTEGER PRIMARY KEY,
+        before_verdict INTEGER NOT NULL,     -- id of the first verdict after its begin
+        began_utc_ns   INTEGER NOT NULL,
+        ended_utc_ns   INTEGER,              -- NULL: it lasts, or nobody saw its end
+        why            TEXT    NOT NULL      -- a word of the channel `health`
+    ) STRICT;
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

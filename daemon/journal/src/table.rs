@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use jiff::Timestamp;
 
-use super::history::{Entry, Gap, Record};
+use super::history::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided (UTC)        what             why           hand   act  iu  context            distance  threshold\n";
 
@@ -13,6 +13,7 @@ pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     match entry {
         Entry::Verdict(record) => write_record(record, out),
         Entry::Gap(gap) => write_gap(gap, out),
+        Entry::NotWatching(blind) => write_not_watching(blind, out),
     }
 }
 
@@ -45,6 +46,11 @@ fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
         gap.first_seq,
         gap.epoch
     )
+}
+
+fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()> {
+    let end = blind.ended_utc_ns.map_or("?".into(), utc);
+    writeln!(out, "{:20} -- not watching until {end}: {}", utc(blind.began_utc_ns), blind.meaning())
 }
 
 /// The time to the second, which is enough for a reader, or as a number where it is beyond the calendar.

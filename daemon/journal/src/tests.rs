@@ -70,6 +70,9 @@ impl Bench {
             .iter()
             .map(|entry| match entry {
                 Entry::Verdict(record) => format!("v {} {}", record.epoch, record.seq),
+                Entry::NotWatching(blind) => {
+                    format!("blind {} {:?} {}", blind.began_utc_ns, blind.ended_utc_ns, blind.why)
+                }
                 Entry::Gap(gap) => {
                     let last = gap.last_seq.map_or("?".into(), |last| last.to_string());
                     format!("{} {} {}-{last}", gap.why, gap.epoch, gap.first_seq)
@@ -129,7 +132,7 @@ fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome()
         .iter()
         .map(|entry| match entry {
             Entry::Verdict(record) => format!("{} {} {}", record.kind(), record.level, record.outcome),
-            Entry::Gap(gap) => format!("{gap:?}"),
+            other => format!("{other:?}"),
         })
         .collect();
     assert_eq!(
@@ -203,13 +206,13 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     assert_eq!(
         lines[1],
         "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,0.000000000,\
-         0.000000000,0.000000000,1,1,"
+         0.000000000,0.000000000,1,1,,"
     );
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
-    assert!(lines[2].ends_with(",1,2,2"));
+    assert!(lines[2].ends_with(",1,2,2,"));
     assert_eq!(lines.len(), 5);
     for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 26, "{line}");
+        assert_eq!(line.split(',').count(), 27, "{line}");
     }
 }
 
@@ -313,4 +316,28 @@ fn a_journal_of_a_newer_andon_and_a_file_that_is_no_journal_are_refused_with_a_r
     assert!(error.contains("does its directory exist"), "{error}");
     let error = History::open(&bench.dir.path().join("none")).unwrap_err();
     assert!(matches!(error, JournalError::Open { .. }), "a reader makes no journal: {error}");
+}
+
+#[test]
+fn a_time_without_sight_is_a_row_with_begin_and_end_before_the_verdict_that_follows_it() {
+    let mut bench = Bench::new();
+    bench.send(1, [1]);
+    bench.journal.stops_watching(1_500_000_000, shm_schemas::Sight::Black).unwrap();
+    bench.journal.watches_again(1_900_000_000).unwrap();
+    bench.send(1, [2]);
+    bench.journal.stops_watching(2_500_000_000, shm_schemas::Sight::TooFewFrames).unwrap();
+    assert_eq!(
+        bench.lines(&Query::default()),
+        ["v 1 1", "blind 1500000000 Some(1900000000) Black", "v 1 2", "blind 2500000000 None TooFewFrames"]
+    );
+    let mut table = Vec::new();
+    History::open(&bench.path()).unwrap().write(&Query::default(), Format::Table, &mut table).unwrap();
+    let table = String::from_utf8(table).unwrap();
+    assert!(table.contains("-- not watching until 1970-01-01T00:00:01Z: The picture is black."), "{table}");
+    let mut csv = Vec::new();
+    History::open(&bench.path()).unwrap().write(&Query::default(), Format::Csv, &mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert!(columns.iter().all(|count| *count == columns[0]), "{csv}");
+    assert!(csv.contains(",1970-01-01T00:00:01.9Z\r\n"), "{csv}");
 }

@@ -67,6 +67,25 @@ table! {
         "The tracker was stopped while it wrote; everything up to that line is used";
     WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench; until it does, nothing has a position",
         "Clear the bench and let the camera look down on it, or calibrate with `andond calibrate`";
+    ERROR 212 PICTURE_FROZEN: "the picture has stopped: the camera sends the same one again and again",
+        "Unplug the camera and plug it in again; if that helps only for a while, give it a USB port and a cable of its own";
+    ERROR 213 PICTURE_BLACK: "the picture is black",
+        "Switch on the light, take the cap off the lens, and look at camera.exposure_us";
+    ERROR 214 PICTURE_WHITE: "the picture is white",
+        "Turn away what shines into the lens, or lower camera.exposure_us";
+    ERROR 215 LENS_COVERED: "something lies over the lens: the picture shows nothing of the bench",
+        "Clear the camera's view";
+    ERROR 216 PICTURE_BLURRED: "the picture is blurred, and markers are lost by it",
+        "Clean the lens, let it dry, and focus it on the bench";
+    ERROR 217 PICTURE_NOISY: "there is so much noise in the picture that nothing is found",
+        "Light the bench better, or give the camera a longer camera.exposure_us";
+    WARN 218 TOO_FEW_FRAMES: "too few of the camera's pictures are looked at",
+        "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz";
+    ERROR 219 MARKERS_FOREIGN: "none of the station's markers has been seen, although there are others or hands at work",
+        "Compare the printed markers with perception.dictionary and with the ids under [[objects]]; they must lie flat, whole and in the light";
+    ERROR 220 HANDS_NOT_FOUND: "parts move, and no hand is found",
+        "Light the hands, take off gloves in the colour of the bench, and let the camera see the whole hand";
+    INFO 221 SIGHT_BACK: "the line sees its bench again", "";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
     ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",

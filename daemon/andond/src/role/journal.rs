@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use andon_ipc::{Node, Port, Reader, Writer};
+use andon_ipc::{MonotonicTime, Node, Port, Reader, UtcTime, Writer};
 use andon_journal::{Confirmed, Journal, JournalError, Retention};
-use shm_schemas::{Confirmed as Message, Verdict};
+use shm_schemas::{Confirmed as Message, Health, RoleId, Sight, Verdict};
 
 use super::clock::ClockWatch;
 use super::cycle::{Cycle, Role, Turn};
@@ -12,6 +12,7 @@ use super::output::Output;
 use super::{RoleError, WAIT};
 use crate::config::Config;
 use crate::log::{code, log};
+use crate::sight;
 
 /// Between two tries to write while the disk is full or the database locked. Each may itself wait as long for the lock.
 const TRY_AGAIN: Duration = Duration::from_millis(250);
@@ -27,6 +28,11 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
 struct Keeper {
     journal: Journal,
     verdicts: Reader<Verdict>,
+    health: Reader<Health>,
+    /// What the line cannot see by the newest health, and since when on the monotonic clock.
+    sight: (Option<Sight>, u64),
+    /// The same as the journal has it.
+    written_sight: (Option<Sight>, u64),
     confirmed: Output<Writer<Message>>,
     /// The newest verdict that the channel `confirmed` has named.
     newest_sent: Option<Confirmed>,
@@ -46,7 +52,7 @@ impl Role for Keeper {
         if self.is_failing {
             vec![self.confirmed.port()]
         } else {
-            vec![self.confirmed.port(), &mut self.verdicts]
+            vec![self.confirmed.port(), &mut self.verdicts, &mut self.health]
         }
     }
 
@@ -57,6 +63,7 @@ impl Role for Keeper {
     /// Writes all that has come in one transaction: a disk that syncs takes as long for one row as for a hundred.
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         self.clock.look();
+        self.watch_sight()?;
         self.take(cycle)?;
         self.write(cycle)
     }
@@ -76,6 +83,9 @@ impl Keeper {
             journal: Journal::open(&path, retention)?,
             confirmed: Output::new(cycle.node().writer()?, &[]),
             verdicts: cycle.node().reader()?,
+            health: cycle.node().reader()?,
+            sight: (None, 0),
+            written_sight: (None, 0),
             newest_sent: None,
             lost: 0,
             removed: 0,
@@ -87,6 +97,32 @@ impl Keeper {
         keeper.confirm(cycle)?;
         cycle.stepped(began);
         Ok(keeper)
+    }
+
+    /// Writes when the line stopped seeing its bench and when it saw it again. What cannot be written now is tried in the next turn.
+    fn watch_sight(&mut self) -> Result<(), RoleError> {
+        while let Some(health) = self.health.take()? {
+            if health.role == RoleId::Perceive.code() && health.sight != 0 {
+                self.sight = (sight::trouble_of(&health), health.sight_since_ns);
+            }
+        }
+        let (trouble, since_ns) = self.sight;
+        if self.written_sight.0 == trouble {
+            return Ok(());
+        }
+        let at_utc_ns = utc_ns(since_ns);
+        let mut write = || {
+            if self.written_sight.0.is_some() {
+                self.journal.watches_again(at_utc_ns)?;
+            }
+            trouble.map_or(Ok(()), |trouble| self.journal.stops_watching(at_utc_ns, trouble))
+        };
+        match write() {
+            Ok(()) => self.written_sight = self.sight,
+            Err(JournalError::Full { .. } | JournalError::Locked { .. }) => {}
+            Err(error) => return Err(error.into()),
+        }
+        Ok(())
     }
 
     /// Takes what has come and fits. The rest stays on the channel, which holds as many again.
@@ -150,4 +186,11 @@ impl Keeper {
         }
         (self.lost, self.removed) = (lost, removed);
     }
+}
+
+/// The UTC time at which the monotonic clock showed this.
+fn utc_ns(monotonic_ns: u64) -> u64 {
+    let ago = MonotonicTime::now().since(MonotonicTime::from_nanoseconds(monotonic_ns));
+    // 2^64 ns are 584 years.
+    UtcTime::now().nanoseconds().saturating_sub(ago.as_nanos() as u64)
 }

@@ -13,6 +13,7 @@ mod output;
 mod perceive;
 mod player;
 mod plc;
+mod sight;
 mod steward;
 mod tracks;
 mod visibility;

@@ -4,12 +4,13 @@ use std::time::{Duration, Instant};
 
 use andon_ipc::{Heartbeat, MonotonicTime, Node, Reader, Wake};
 use serde::Serialize;
-use shm_schemas::{Health, RoleId, RoleState};
+use shm_schemas::{Health, RoleId, RoleState, Sight};
 
 use super::join::join;
 use super::{ToolError, load_config};
 use crate::cli::Status;
 use crate::log::code;
+use crate::sight;
 
 /// A role that runs is heard within this time: three beats.
 const LISTEN: Duration = Duration::from_millis(3 * Heartbeat::PERIOD.as_millis() as u64);
@@ -88,18 +89,23 @@ struct RoleLine {
     losses: Option<u64>,
     refused: Option<u64>,
     restarts_seen: Option<u32>,
+    /// What the line can see of its bench, a word of [`Sight`]; of the role perceive only.
+    sight: Option<&'static str>,
     /// The last code of level WARN or ERROR, as `AND-104`.
     last_code: Option<&'static str>,
+    #[serde(skip)]
+    trouble: Option<Sight>,
 }
 
 impl RoleLine {
     fn new(role: RoleId, health: Option<&Health>) -> Self {
         let state = health.and_then(|health| RoleState::try_from(health.state).ok());
+        let trouble = health.and_then(sight::trouble_of);
         let number = |of: fn(&Health) -> u64| health.map(of);
         let short = |of: fn(&Health) -> u32| health.map(of);
         Self {
             role: role.name(),
-            healthy: matches!(state, Some(RoleState::Running | RoleState::Finished)),
+            healthy: matches!(state, Some(RoleState::Running | RoleState::Finished)) && trouble.is_none(),
             state: state.map_or("Silent", RoleState::name),
             pid: short(|health| health.pid),
             rate_hz: health.map(|health| health.rate_hz),
@@ -111,6 +117,8 @@ impl RoleLine {
             losses: number(|health| health.losses),
             refused: number(|health| health.refused),
             restarts_seen: short(|health| health.restarts_seen),
+            sight: health.and_then(|health| Sight::try_from(health.sight).ok()).map(Sight::name),
+            trouble,
             last_code: health.and_then(|health| code_name(health.last_error)),
         }
     }
@@ -124,10 +132,11 @@ fn print(lines: &[RoleLine]) {
     println!("role      state         rate      p50        p99   received       sent  losses  last code");
     for line in lines {
         let mark = if line.healthy { "" } else { "  <- look here" };
+        let state = line.trouble.map_or(line.state, sight::word);
         println!(
             "{:9} {:8} {:7.1} Hz {:5.1} ms {:7.1} ms {:10} {:10} {:7}  {}{mark}",
             line.role,
-            line.state,
+            state,
             line.rate_hz.unwrap_or_default(),
             f64::from(line.p50_us.unwrap_or_default()) / 1e3,
             f64::from(line.p99_us.unwrap_or_default()) / 1e3,
@@ -136,5 +145,8 @@ fn print(lines: &[RoleLine]) {
             line.losses.unwrap_or_default(),
             line.last_code.unwrap_or("-"),
         );
+    }
+    for code in lines.iter().filter_map(|line| line.trouble.and_then(sight::code)) {
+        println!("{}: {}. {}", code.name, code.meaning, code.remedy);
     }
 }

@@ -8,6 +8,8 @@ pub enum Fault {
     Camera = 2,
     /// A process of the line is gone.
     Role = 3,
+    /// The line does not see its bench.
+    Sight = 4,
     /// The journal has not confirmed a verdict in time.
     Journal = 5,
     /// A command could not be sent to the line.
@@ -18,7 +20,8 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault, in the order of its number.
-    pub const ALL: [Self; 5] = [Self::Camera, Self::Role, Self::Journal, Self::Command, Self::ForeignVerdict];
+    pub const ALL: [Self; 6] =
+        [Self::Camera, Self::Role, Self::Sight, Self::Journal, Self::Command, Self::ForeignVerdict];
 
     /// What it means, and the remedy.
     pub const fn meaning(self) -> &'static str {
@@ -27,6 +30,7 @@ impl Fault {
             Self::Role => {
                 "a process of the line is gone or hangs: `andond status` names it, systemd starts it again"
             }
+            Self::Sight => "the line does not see its bench: the code in the detail says why and what to do",
             Self::Journal => {
                 "the journal has not confirmed a verdict in time: check the disk, and `andond status` for the role journal"
             }

@@ -8,6 +8,7 @@ use shm_schemas::{Health, RoleId, RoleState};
 
 use crate::config::Config;
 use crate::log::code;
+use crate::sight;
 
 /// The newest health of each role that the line needs, in the order of the data path: the first unhealthy role is the cause.
 pub(super) struct LineHealth {
@@ -81,7 +82,10 @@ impl RoleHealth {
         }
         let detail = health.last_error;
         match RoleState::try_from(health.state) {
-            Ok(RoleState::Running) => Line::Ready,
+            Ok(RoleState::Running) => match sight::trouble_of(health).and_then(sight::code) {
+                Some(code) => Line::Fault { fault: Fault::Sight, detail: code.number },
+                None => Line::Ready,
+            },
             Ok(RoleState::Starting | RoleState::Finished) => Line::Starting,
             Ok(RoleState::Waiting) if self.role == RoleId::Perceive => {
                 Line::Fault { fault: Fault::Camera, detail: code::CAMERA_GONE.number }
@@ -104,6 +108,7 @@ fn sent(health: &Health) -> MonotonicTime {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shm_schemas::Sight;
 
     const S: u64 = 1_000_000_000;
 
@@ -190,6 +195,26 @@ mod tests {
         let mut line = healthy();
         line.received(&health(RoleId::Capture, RoleState::Fault, 10 * S));
         assert_eq!(fault_of(line.line(at(10 * S))), Some(Fault::Camera));
+    }
+
+    #[test]
+    fn a_line_that_does_not_see_its_bench_is_not_ready_and_says_why_until_it_sees_again() {
+        let mut line = healthy();
+        assert_eq!(line.line(at(10 * S)), Line::Ready);
+        for (sight, detail) in [
+            (Sight::Black, code::PICTURE_BLACK.number),
+            (Sight::TooFewFrames, code::TOO_FEW_FRAMES.number),
+            (Sight::NoMarkers, code::MARKERS_FOREIGN.number),
+        ] {
+            let mut health = health(RoleId::Perceive, RoleState::Running, 10 * S);
+            health.sight = sight.code();
+            line.received(&health);
+            assert_eq!(line.line(at(10 * S)), Line::Fault { fault: Fault::Sight, detail });
+        }
+        let mut health = health(RoleId::Perceive, RoleState::Running, 10 * S);
+        health.sight = Sight::Clear.code();
+        line.received(&health);
+        assert_eq!(line.line(at(10 * S)), Line::Ready);
     }
 
     #[test]
