@@ -6,7 +6,9 @@
 //! | `detections` | [`Detections`] |
 //! | `couple` | [`Couples`] |
 //! | `verdict` | [`Verdict`] |
-//! | `confirmed` | [`Confirmed`] |
+//! | `account` | [`AccountUpdate`] |
+//! | `kept` | [`AccountKept`] |
+//! | `journalled` | [`Journalled`] |
 //! | `health` | [`Health`] |
 //! | `command` | [`Command`] |
 //!
@@ -20,9 +22,9 @@
 //! recording the time since its first frame, so that a replay at any speed gives the same verdicts.
 #![no_std]
 
+mod account;
 mod code;
 mod command;
-mod confirmed;
 mod couples;
 mod detections;
 mod frame;
@@ -31,9 +33,9 @@ mod layout;
 mod stamp;
 mod verdict;
 
+pub use account::{Account, AccountKept, AccountUpdate, Journalled, WAITING_RESULTS};
 pub use code::UnknownCode;
 pub use command::{Command, CommandKind};
-pub use confirmed::Confirmed;
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};

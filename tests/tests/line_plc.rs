@@ -58,6 +58,36 @@ fn each_acknowledged_result_is_the_next_verdict_of_the_journal() {
     assert_eq!(&rows[from..from + taken.len()], taken);
 }
 
+#[test]
+fn a_restart_of_plc_offers_again_what_was_not_acknowledged_and_loses_and_doubles_nothing() {
+    let (mut line, _watcher, mut plc) = ready(true);
+    let mut taken: Vec<(u32, (u64, u64))> = Vec::new();
+    for round in 0..4 {
+        plc.wait_for(status::DONE);
+        let offered = (plc.sequence(), plc.result());
+        line.role("plc").kill();
+        // Whatever is sent meanwhile is still the PLC's.
+        std::thread::sleep(Duration::from_millis(500));
+        line.start("plc");
+        plc = Modbus::connect_when_up(line.port);
+        plc.enable();
+        plc.wait_for(status::DONE);
+        assert_eq!((plc.sequence(), plc.result()), offered, "round {round}");
+        assert_eq!(plc.boot(), round + 2);
+        for _ in 0..2 {
+            plc.wait_for(status::DONE);
+            taken.push((plc.sequence(), plc.result()));
+            plc.acknowledge();
+        }
+    }
+    assert!(taken.windows(2).all(|two| two[1].0 > two[0].0), "{taken:?}");
+    assert_eq!(plc.lost(), 0, "the PLC was fast enough");
+    let rows = line.journal().verdicts();
+    let from = rows.iter().position(|row| *row == taken[0].1).unwrap();
+    let keys: Vec<_> = taken.iter().map(|(_, key)| *key).collect();
+    assert_eq!(&rows[from..from + keys.len()], keys);
+}
+
 /// Kills a role, waits until the PLC sees it, starts the role, and waits until the PLC sees the line ready.
 fn kill_and_start(line: &mut Line, plc: &mut Modbus, role: &'static str) {
     line.role(role).kill();
@@ -182,6 +212,8 @@ while len(numbers) < 3:
     assert first == again, "torn"
     numbers.append(first[0] << 16 | first[1])
     client.write_register(100, 1 | 16)
+    while client.read_holding_registers(0, count=1).registers[0] & 8:
+        assert time.monotonic() < until, "not acknowledged"
     client.write_register(100, 1)
 assert numbers == list(range(numbers[0], numbers[0] + 3)), numbers
 print("taken", numbers)

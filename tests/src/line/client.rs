@@ -8,7 +8,10 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Addresses of registers, as `REGISTERS.md` lists them.
 const STATUS: u16 = 0;
+const LOST: u16 = 9;
+const SEQUENCE: u16 = 11;
 const EPOCH: u16 = 38;
+const BOOT: u16 = 48;
 const CONTROL: u16 = 100;
 
 /// Bits of the status word, as `REGISTERS.md` numbers them.
@@ -86,9 +89,10 @@ impl Modbus {
         self.control(control::ENABLE).unwrap();
     }
 
-    /// Takes over the offered result: sets `acknowledge` and clears it. Panics where that is refused.
+    /// Takes over the offered result: sets `acknowledge`, waits until that counts, and clears it. Panics where it is refused.
     pub fn acknowledge(&mut self) {
         self.control(control::ENABLE | control::ACKNOWLEDGE).unwrap();
+        self.wait_until(|word| word & status::DONE == 0, "an acknowledgement");
         self.enable();
     }
 
@@ -100,6 +104,26 @@ impl Modbus {
         Ok(self.read(STATUS, 1)?[0])
     }
 
+    /// Number of the result on the registers, for the word order "big".
+    pub fn sequence(&mut self) -> u32 {
+        self.long(SEQUENCE)
+    }
+
+    /// Number of results that were lost to the PLC.
+    pub fn lost(&mut self) -> u32 {
+        self.long(LOST)
+    }
+
+    /// Number of this start of the role `plc`.
+    pub fn boot(&mut self) -> u32 {
+        self.long(BOOT)
+    }
+
+    fn long(&mut self, address: u16) -> u32 {
+        let words = self.read(address, 2).unwrap();
+        u32::from(words[0]) << 16 | u32::from(words[1])
+    }
+
     /// Epoch and `seq` of the verdict on the registers, for the word order "big".
     pub fn result(&mut self) -> (u64, u64) {
         let words = self.read(EPOCH, 8).unwrap();
@@ -109,13 +133,17 @@ impl Modbus {
 
     /// Reads until the status word has all these bits; panics after a minute.
     pub fn wait_for(&mut self, bits: u16) {
+        self.wait_until(|word| word & bits == bits, &format!("{bits:#b}"));
+    }
+
+    fn wait_until(&mut self, holds: impl Fn(u16) -> bool, what: &str) {
         let until = Instant::now() + PATIENCE;
         loop {
             let word = self.status().unwrap();
-            if word & bits == bits {
+            if holds(word) {
                 return;
             }
-            assert!(Instant::now() < until, "status {word:#b}, expected {bits:#b}");
+            assert!(Instant::now() < until, "status {word:#b}, expected {what}");
             std::thread::sleep(Duration::from_millis(5));
         }
     }

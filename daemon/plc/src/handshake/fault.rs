@@ -20,6 +20,11 @@ impl Fault {
     /// Every fault, in the order of its number.
     pub const ALL: [Self; 5] = [Self::Camera, Self::Role, Self::Journal, Self::Command, Self::ForeignVerdict];
 
+    /// The fault of this number.
+    pub fn of_number(number: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| *fault as u16 == number)
+    }
+
     /// What it means, and the remedy.
     pub const fn meaning(self) -> &'static str {
         match self {

@@ -1,25 +1,29 @@
 //! The handshake with the PLC: a pure state machine without IO and without a clock.
 //!
-//! Verdicts, confirmations of the journal, the state of the line and what clients write go in, each with its time in
-//! nanoseconds since any moment. What the registers show and the commands for the line come out.
+//! Rows of the journal, what it keeps, verdicts, the state of the line and what clients write go in, each with its time in
+//! nanoseconds since any moment. What the registers show, the account to be kept and the commands for the line come out.
 //!
 //! - `results`: how a result gets to the PLC, and when it gives way to the next one;
+//! - `ledger`: the account with the journal, which outlives this process;
 //! - `commands`: the control block, and the answers to its commands;
 //! - this file: `ready`, `busy`, the latched fault and the heartbeat, which depend on both.
 
 mod commands;
 mod fault;
+mod ledger;
 mod queue;
 mod results;
 
-use shm_schemas::{CommandKind, Verdict, VerdictLevel};
+use shm_schemas::{Account, AccountKept, CommandKind, Journalled, Verdict, VerdictLevel};
 
 pub use commands::LineCommand;
 pub use fault::{Fault, Line};
-pub use queue::QUEUE;
+pub use ledger::Update;
+pub use queue::{QUEUE, Taken};
 
 use crate::registers::{Control, Image, control, status};
 use commands::Commands;
+use ledger::{Ledger, News};
 use results::{Release, Results};
 
 const MS: u64 = 1_000_000;
@@ -28,7 +32,7 @@ const BEAT_NS: u64 = 250 * MS;
 /// A loop that has not turned for this long is dead: it turns every 20 ms.
 const LOOP_DEADLINE_NS: u64 = 500 * MS;
 /// A journal that needs longer than this for one row is broken: a slow disk syncs in 50 ms.
-const CONFIRM_DEADLINE_NS: u64 = 2_000 * MS;
+const JOURNAL_DEADLINE_NS: u64 = 2_000 * MS;
 
 /// What does not change while the role runs.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +48,10 @@ pub struct Settings {
 pub struct Handshake {
     settings: Settings,
     results: Results,
+    ledger: Ledger,
+    /// The newest verdict that the judge has sent, and since when the journal has not sent a row though it is behind.
+    judged: Option<(u64, u64)>,
+    behind_since: Option<u64>,
     commands: Commands,
     line: Line,
     /// The latched fault, and the number of the log's code that belongs to it.
@@ -60,6 +68,9 @@ impl Handshake {
         Self {
             settings,
             results: Results::default(),
+            ledger: Ledger::default(),
+            judged: None,
+            behind_since: None,
             commands: Commands::default(),
             line: Line::Starting,
             error: None,
@@ -70,22 +81,57 @@ impl Handshake {
         }
     }
 
-    /// A verdict came from the channel. One that had come before changes nothing.
-    pub fn verdict(&mut self, verdict: &Verdict, now_ns: u64) {
-        if !self.results.push(verdict, now_ns) {
-            return;
-        }
+    /// The judge has sent a verdict. It is no result before the journal has it.
+    pub fn judged(&mut self, verdict: &Verdict, now_ns: u64) {
+        self.judged = Some((verdict.stamp.epoch, verdict.stamp.seq));
         self.busy = verdict.level() != Ok(VerdictLevel::Job);
-        if verdict.level().is_err() || verdict.outcome().is_err() {
-            self.latch(Fault::ForeignVerdict, 0);
+        self.compare(false, now_ns);
+    }
+
+    /// The journal has said which account it keeps. The first one is where this start goes on.
+    pub fn kept(&mut self, kept: &AccountKept, now_ns: u64) {
+        match self.ledger.hear(kept.journal, &kept.account) {
+            News::Resume => self.resume(&kept.account, now_ns),
+            News::OtherJournal => self.results.forget_rows(),
+            News::Acknowledged => {
+                self.results.kept();
+                self.commands.answer(control::ACKNOWLEDGE, true);
+            }
+            News::Nothing => {}
         }
         self.advance(now_ns);
     }
 
-    /// The journal has every verdict of this epoch up to `seq` on disk.
-    pub fn confirmed(&mut self, epoch: u64, seq: u64, now_ns: u64) {
-        self.results.confirm(epoch, seq);
+    /// The journal has started again.
+    pub fn journal_restarted(&mut self) {
+        self.ledger.journal_restarted();
+    }
+
+    /// The journal has sent a row.
+    pub fn journalled(&mut self, row: &Journalled, now_ns: u64) -> Taken {
+        if !self.ledger.is_answer(row) {
+            return Taken::Repeated;
+        }
+        let taken = self.account_for(|machine| machine.results.take(row));
+        match taken {
+            Taken::Early => self.ledger.ask_again(now_ns),
+            Taken::New if row.verdict.level().is_err() || row.verdict.outcome().is_err() => {
+                self.latch(Fault::ForeignVerdict, 0);
+            }
+            Taken::New | Taken::Repeated => {}
+        }
+        self.compare(true, now_ns);
         self.advance(now_ns);
+        taken
+    }
+
+    /// What the journal must be sent now, if anything.
+    pub fn update(&mut self, now_ns: u64) -> Option<Update> {
+        if !self.ledger.is_due(now_ns) {
+            return None;
+        }
+        let asked = self.ledger.sent(now_ns);
+        Some(Update { after_row: self.results.needs_after(), asked, account: self.account() })
     }
 
     /// The loop of the role has turned once and found the line in this state.
@@ -100,13 +146,12 @@ impl Handshake {
         match line {
             Line::Fault { fault, detail } => self.latch(fault, detail),
             // Without writes nobody could reset it. It stays for a beat, so that a client can see it.
-            Line::Ready if !self.settings.writes && (has_changed || is_beat) => self.error = None,
+            Line::Ready if !self.settings.writes && (has_changed || is_beat) => {
+                self.account_for(|machine| machine.error = None);
+            }
             Line::Ready | Line::Starting => {}
         }
-        let unconfirmed_ns = self.results.unconfirmed_since().map(|since_ns| now_ns.saturating_sub(since_ns));
-        if unconfirmed_ns.is_some_and(|waited_ns| waited_ns > CONFIRM_DEADLINE_NS) {
-            self.latch(Fault::Journal, 0);
-        }
+        self.expect_rows(now_ns);
         self.advance(now_ns);
     }
 
@@ -132,8 +177,10 @@ impl Handshake {
             self.command_if(self.is_ready(now_ns) && !self.busy, CommandKind::Start);
         }
         if risen & control::ACKNOWLEDGE != 0 {
-            let was_offered = self.results.acknowledge();
-            self.commands.answer(control::ACKNOWLEDGE, was_offered);
+            // It is answered once the journal keeps it.
+            if !self.account_for(|machine| machine.results.acknowledge()) {
+                self.commands.answer(control::ACKNOWLEDGE, false);
+            }
         }
         self.advance(now_ns);
     }
@@ -168,6 +215,7 @@ impl Handshake {
             | bit(self.results.has_overrun(), status::OVERRUN);
         let (carried_out, refused) = self.commands.answers();
         Image {
+            boot: self.ledger.boot(),
             status,
             carried_out,
             refused,
@@ -189,22 +237,81 @@ impl Handshake {
             }
             Settings { writes: false, hold_ns } => Release::After { hold_ns },
         };
-        self.results.advance(release, now_ns);
+        self.account_for(|machine| machine.results.advance(release, now_ns));
+    }
+
+    fn resume(&mut self, account: &Account, now_ns: u64) {
+        self.results = Results::resume(account, now_ns);
+        let restored = Fault::of_number(account.error).map(|fault| (fault, account.error_detail));
+        self.error = restored.or(self.error);
+    }
+
+    /// The whole account as it is now.
+    fn account(&self) -> Account {
+        let mut account = Account::default();
+        self.ledger.save(&mut account);
+        self.results.save(&mut account);
+        (account.error, account.error_detail) = self.error.map_or((0, 0), |(fault, n)| (fault as u16, n));
+        account
+    }
+
+    /// What must be kept as soon as it changes. The rest follows again from the journal's rows.
+    fn vital(&self) -> (u32, u32, bool, Option<(Fault, u32)>) {
+        (self.results.released(), self.results.lost(), self.results.has_overrun(), self.error)
+    }
+
+    /// Does something, and notes what it changes in the account.
+    fn account_for<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
+        let before = self.vital();
+        let done = act(self);
+        let now = self.vital();
+        if now != before {
+            let is_release = now.0 != before.0 && now.0 != 0;
+            self.ledger.change(is_release);
+        }
+        done
+    }
+
+    /// Compares what the judge has sent with what the journal has: `has_progress` when a row has come.
+    fn compare(&mut self, has_progress: bool, now_ns: u64) {
+        let is_behind = match (self.judged, self.results.newest_key()) {
+            (Some((judged, seq)), Some((epoch, newest))) => judged != epoch || newest < seq,
+            (Some(_), None) => true,
+            (None, _) => false,
+        };
+        self.behind_since = match self.behind_since {
+            _ if !is_behind => None,
+            Some(since_ns) if !has_progress => Some(since_ns),
+            _ => Some(now_ns),
+        };
+    }
+
+    /// Asks again for what does not come, and says so when it takes too long.
+    fn expect_rows(&mut self, now_ns: u64) {
+        let waited_ns = self.behind_since.map_or(0, |since_ns| now_ns.saturating_sub(since_ns));
+        if waited_ns > 0 || self.results.is_missing_rows() {
+            self.ledger.ask_again(now_ns);
+        }
+        if waited_ns > JOURNAL_DEADLINE_NS {
+            self.latch(Fault::Journal, 0);
+        }
     }
 
     fn reset_error(&mut self) {
-        self.results.reset_overrun();
-        // A fault that is still there stays.
-        self.error = match self.line {
-            Line::Fault { fault, detail } => Some((fault, detail)),
-            Line::Ready | Line::Starting => None,
-        };
+        self.account_for(|machine| {
+            machine.results.reset_overrun();
+            // A fault that is still there stays.
+            machine.error = match machine.line {
+                Line::Fault { fault, detail } => Some((fault, detail)),
+                Line::Ready | Line::Starting => None,
+            };
+        });
         self.commands.answer(control::RESET_ERROR, true);
     }
 
     /// The first fault stays: it is the cause, the others follow from it.
     fn latch(&mut self, fault: Fault, detail: u32) {
-        self.error.get_or_insert((fault, detail));
+        self.account_for(|machine| machine.error.get_or_insert((fault, detail)).0);
         self.busy = false;
     }
 
@@ -231,7 +338,11 @@ impl Handshake {
     }
 
     fn is_ready(&self, now_ns: u64) -> bool {
-        self.is_online(now_ns) && self.is_enabled() && self.line == Line::Ready && self.error.is_none()
+        self.is_online(now_ns)
+            && self.ledger.is_open()
+            && self.is_enabled()
+            && self.line == Line::Ready
+            && self.error.is_none()
     }
 }
 

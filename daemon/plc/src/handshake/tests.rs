@@ -12,7 +12,88 @@ fn verdict(epoch: u64, seq: u64, level: VerdictLevel, outcome: VerdictOutcome) -
     verdict
 }
 
-/// A machine that is enabled and ready, at time 0.
+/// The role `journal`, as the state machine sees it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Journal {
+    identity: u64,
+    rows: Vec<(u64, Verdict)>,
+    kept: Account,
+    asked: (u32, u32),
+    sent_row: u64,
+}
+
+impl Journal {
+    pub(super) fn new(identity: u64) -> Self {
+        Self { identity, kept: Account { journal: identity, ..Account::default() }, ..Self::default() }
+    }
+
+    /// Writes a verdict.
+    pub(super) fn write(&mut self, verdict: Verdict) {
+        self.rows.push((self.rows.len() as u64 + 1, verdict));
+    }
+
+    /// What it says at its start and after each account.
+    fn says(&self) -> AccountKept {
+        AccountKept { journal: self.identity, account: self.kept, ..AccountKept::default() }
+    }
+
+    /// Exchanges everything that is due. False where nothing was.
+    pub(super) fn serve(&mut self, machine: &mut Handshake, now_ns: u64) -> bool {
+        let mut has_served = false;
+        if !machine.ledger.is_open() {
+            machine.kept(&self.says(), now_ns);
+        }
+        if let Some(update) = machine.update(now_ns) {
+            has_served = true;
+            if update.account.journal == self.identity {
+                self.kept = update.account;
+            }
+            let asked = (update.account.boot, update.asked);
+            if asked != self.asked {
+                (self.asked, self.sent_row) = (asked, update.after_row);
+            }
+            machine.kept(&self.says(), now_ns);
+        }
+        let from = self.sent_row;
+        for (row, verdict) in self.rows.clone().into_iter().filter(|(row, _)| *row > from) {
+            machine.journalled(&self.row(row, verdict), now_ns);
+            self.sent_row = row;
+        }
+        has_served
+    }
+
+    fn row(&self, row: u64, verdict: Verdict) -> Journalled {
+        let ((boot, asked), before) = (self.asked, self.sent_row);
+        Journalled { journal: self.identity, row, before, boot, asked, verdict, ..Journalled::default() }
+    }
+
+    pub(super) fn settle(&mut self, machine: &mut Handshake, now_ns: u64) {
+        while self.serve(machine, now_ns) {}
+    }
+}
+
+/// A machine that is enabled and ready, at time 0, and a journal beside it.
+fn ready_with_journal(settings: Settings) -> (Handshake, Journal) {
+    let (mut machine, mut journal) = (ready(settings), Journal::new(77));
+    journal.settle(&mut machine, 0);
+    (machine, journal)
+}
+
+/// The judge sends a verdict, and the journal has it at once.
+fn send(machine: &mut Handshake, journal: &mut Journal, verdict: &Verdict, now_ns: u64) {
+    machine.judged(verdict, now_ns);
+    journal.write(*verdict);
+    journal.settle(machine, now_ns);
+}
+
+/// The role starts again, and the journal is the same.
+fn restarted(settings: Settings, journal: &mut Journal) -> Handshake {
+    let mut machine = ready(settings);
+    journal.settle(&mut machine, 0);
+    machine
+}
+
+/// A machine that is enabled and whose line is ready, at time 0. Of the journal it knows nothing yet.
 pub(super) fn ready(settings: Settings) -> Handshake {
     let mut machine = Handshake::new(settings, 0);
     machine.write(ENABLED, 0);
@@ -31,70 +112,68 @@ pub(super) fn set(machine: &mut Handshake, bits: u16) {
     machine.write(Control { word: control::ENABLE | bits, ..ENABLED }, 0);
 }
 
-fn acknowledge(machine: &mut Handshake) {
+fn acknowledge(machine: &mut Handshake, journal: &mut Journal) {
     set(machine, control::ACKNOWLEDGE);
+    journal.settle(machine, 0);
     set(machine, 0);
+}
+
+const OK: VerdictOutcome = VerdictOutcome::Ok;
+const ANOMALY: VerdictOutcome = VerdictOutcome::Anomaly;
+
+fn iu(epoch: u64, seq: u64, outcome: VerdictOutcome) -> Verdict {
+    verdict(epoch, seq, VerdictLevel::Iu, outcome)
+}
+
+/// The number of the offered result, with its outcome bit.
+fn offered(machine: &Handshake) -> Option<(u32, u16)> {
+    let image = machine.image(0);
+    let outcome = image.status & (status::OK | status::NOK | status::NOT_JUDGED);
+    (image.status & status::DONE != 0).then(|| (image.result.unwrap().sequence, outcome))
 }
 
 #[test]
 fn done_waits_for_the_journal() {
-    let mut machine = ready(WRITES);
-    machine.verdict(&verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    machine.judged(&iu(1, 1, OK), 0);
     assert!(!has(&machine, 0, status::DONE));
-    machine.confirmed(1, 1, 0);
+    journal.write(iu(1, 1, OK));
+    journal.settle(&mut machine, 0);
     assert!(has(&machine, 0, status::DONE | status::OK));
 }
 
 #[test]
-fn a_confirmation_that_comes_before_its_verdict_counts() {
-    let mut machine = ready(WRITES);
-    machine.confirmed(1, 1, 0);
-    machine.verdict(&verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Anomaly), 0);
-    assert!(has(&machine, 0, status::DONE | status::NOK));
-}
-
-#[test]
-fn a_journal_that_is_at_a_new_judge_is_through_with_the_old_one() {
-    let mut machine = ready(WRITES);
-    machine.verdict(&verdict(9, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
-    machine.confirmed(4, 1, 0);
-    assert!(!has(&machine, 0, status::DONE), "nothing is known of epoch 4 yet");
-    machine.verdict(&verdict(4, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
-    assert!(has(&machine, 0, status::DONE));
-}
-
-#[test]
 fn a_result_stays_until_it_is_acknowledged() {
-    let mut machine = ready(WRITES);
-    machine.confirmed(1, 2, 0);
-    machine.verdict(&verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
-    machine.verdict(&verdict(1, 2, VerdictLevel::Iu, VerdictOutcome::Anomaly), 0);
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    send(&mut machine, &mut journal, &iu(1, 1, OK), 0);
+    send(&mut machine, &mut journal, &iu(1, 2, ANOMALY), 0);
     machine.tick(Line::Ready, 3600 * 1000 * MS);
-    assert_eq!(machine.image(0).result.unwrap().sequence, 1);
+    assert_eq!(offered(&machine), Some((1, status::OK)));
     set(&mut machine, control::ACKNOWLEDGE);
-    assert_eq!(machine.image(0).status & (status::DONE | status::OK | status::NOK), 0);
+    assert_eq!(machine.image(0).carried_out & control::ACKNOWLEDGE, 0, "the journal does not keep it yet");
+    assert_eq!(offered(&machine), Some((1, status::OK)));
+    journal.settle(&mut machine, 0);
+    assert_eq!(offered(&machine), None);
     assert_eq!(machine.image(0).carried_out, control::ACKNOWLEDGE | control::ENABLE);
     set(&mut machine, 0);
-    assert!(has(&machine, 0, status::DONE | status::NOK));
-    assert_eq!(machine.image(0).result.unwrap().sequence, 2);
+    assert_eq!(offered(&machine), Some((2, status::NOK)));
 }
 
 #[test]
 fn eight_wait_behind_the_offered_one_and_the_tenth_is_an_overrun() {
-    let mut machine = ready(WRITES);
-    machine.confirmed(1, 99, 0);
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
     for seq in 1..=9 {
-        machine.verdict(&verdict(1, seq, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+        send(&mut machine, &mut journal, &iu(1, seq, OK), 0);
     }
     assert!(!has(&machine, 0, status::OVERRUN));
     assert_eq!(machine.image(0).queued, 8);
-    machine.verdict(&verdict(1, 10, VerdictLevel::Iu, VerdictOutcome::Anomaly), 0);
+    send(&mut machine, &mut journal, &iu(1, 10, ANOMALY), 0);
     assert!(has(&machine, 0, status::OVERRUN));
     for _ in 0..9 {
-        acknowledge(&mut machine);
+        acknowledge(&mut machine, &mut journal);
     }
     assert!(!has(&machine, 0, status::DONE));
-    machine.verdict(&verdict(1, 11, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+    send(&mut machine, &mut journal, &iu(1, 11, OK), 0);
     let image = machine.image(0);
     assert_eq!((image.result.unwrap().sequence, image.lost), (11, 1), "the sequence jumps by what was lost");
     set(&mut machine, control::RESET_ERROR);
@@ -102,23 +181,135 @@ fn eight_wait_behind_the_offered_one_and_the_tenth_is_an_overrun() {
 }
 
 #[test]
-fn losses_on_the_channel_are_an_overrun_and_repeats_are_not_results() {
-    let mut machine = ready(WRITES);
-    machine.verdict(&verdict(1, 5, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
-    machine.verdict(&verdict(1, 5, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
-    assert_eq!((machine.image(0).lost, machine.image(0).queued), (0, 1));
-    machine.verdict(&verdict(1, 8, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+fn what_the_journal_has_lost_is_an_overrun_and_repeats_are_not_results() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    send(&mut machine, &mut journal, &iu(1, 5, OK), 0);
+    send(&mut machine, &mut journal, &iu(1, 5, OK), 0);
+    assert_eq!((machine.image(0).lost, machine.image(0).queued), (0, 0));
+    send(&mut machine, &mut journal, &iu(1, 8, OK), 0);
     assert_eq!(machine.image(0).lost, 2);
-    machine.verdict(&verdict(2, 2, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+    send(&mut machine, &mut journal, &iu(2, 2, OK), 0);
     assert_eq!(machine.image(0).lost, 3, "a new judge numbers from 1");
+    assert!(has(&machine, 0, status::OVERRUN));
+}
+
+#[test]
+fn a_restart_offers_again_what_was_not_acknowledged_and_keeps_lost_overrun_and_error() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    for seq in 1..=14 {
+        let outcome = if seq == 2 { ANOMALY } else { OK };
+        send(&mut machine, &mut journal, &iu(1, seq, outcome), 0);
+    }
+    acknowledge(&mut machine, &mut journal);
+    machine.tick(Line::Fault { fault: Fault::Camera, detail: 104 }, 0);
+    journal.settle(&mut machine, 0);
+    let before = machine.image(0);
+    assert_eq!(offered(&machine), Some((2, status::NOK)));
+
+    // While the role was gone the judge was killed as well, and its successor has sent something.
+    journal.write(iu(2, 1, OK));
+    let mut machine = restarted(WRITES, &mut journal);
+    let image = machine.image(0);
+    assert_eq!(offered(&machine), Some((2, status::NOK)), "under its old number");
+    assert_eq!((image.boot, before.boot), (2, 1));
+    assert_eq!((image.lost, image.error, image.error_detail), (before.lost, Fault::Camera as u16, 104));
+    assert!(has(&machine, 0, status::OVERRUN | status::ERROR));
+    let mut taken = Vec::new();
+    while let Some((sequence, _)) = offered(&machine) {
+        taken.push(sequence);
+        acknowledge(&mut machine, &mut journal);
+    }
+    assert_eq!(taken, [2, 3, 4, 5, 6, 7, 8, 9, 15], "10 to 14 were lost before");
+}
+
+#[test]
+fn an_acknowledgement_that_the_journal_does_not_keep_does_not_count_after_a_restart() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    send(&mut machine, &mut journal, &iu(1, 1, ANOMALY), 0);
+    set(&mut machine, control::ACKNOWLEDGE);
+    let machine = restarted(WRITES, &mut journal);
+    assert_eq!(offered(&machine), Some((1, status::NOK)));
+}
+
+#[test]
+fn an_acknowledged_result_is_not_offered_again_after_a_restart() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    send(&mut machine, &mut journal, &iu(1, 1, OK), 0);
+    acknowledge(&mut machine, &mut journal);
+    let mut machine = restarted(WRITES, &mut journal);
+    assert_eq!(offered(&machine), None);
+    send(&mut machine, &mut journal, &iu(1, 2, ANOMALY), 0);
+    assert_eq!(offered(&machine), Some((2, status::NOK)));
+    assert_eq!(machine.image(0).lost, 0);
+}
+
+#[test]
+fn before_the_first_account_nothing_is_the_plc_s() {
+    let mut journal = Journal::new(77);
+    journal.write(iu(1, 1, OK));
+    journal.kept = Account { journal: 77, row: 1, epoch: 1, seq: 1, ..Account::default() };
+    let mut machine = restarted(WRITES, &mut journal);
+    assert_eq!(offered(&machine), None);
+    send(&mut machine, &mut journal, &iu(1, 2, OK), 0);
+    assert_eq!((offered(&machine), machine.image(0).lost), (Some((1, status::OK)), 0));
+}
+
+#[test]
+fn rows_that_were_lost_on_their_way_are_asked_for_again() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    send(&mut machine, &mut journal, &iu(1, 1, OK), 0);
+    // The journal believes that it has sent row 2.
+    journal.write(iu(1, 2, ANOMALY));
+    journal.sent_row = 2;
+    machine.judged(&iu(1, 2, ANOMALY), 0);
+    machine.judged(&iu(1, 3, OK), 0);
+    journal.write(iu(1, 3, OK));
+    journal.settle(&mut machine, 0);
+    assert_eq!(machine.image(0).queued, 0, "row 3 came without row 2");
+    machine.tick(Line::Ready, 600 * MS);
+    journal.settle(&mut machine, 600 * MS);
+    assert_eq!((machine.image(0).queued, machine.image(0).lost), (2, 0));
+}
+
+#[test]
+fn a_journal_that_was_made_anew_goes_on_without_a_repeat() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    for seq in 1..=3 {
+        send(&mut machine, &mut journal, &iu(1, seq, OK), 0);
+    }
+    let mut anew = Journal::new(78);
+    // It reads again what is still on the judge's channel.
+    (2..=4).for_each(|seq| anew.write(iu(1, seq, OK)));
+    machine.kept(&anew.says(), 0);
+    anew.settle(&mut machine, 0);
+    let mut taken = Vec::new();
+    while let Some((sequence, _)) = offered(&machine) {
+        taken.push(sequence);
+        acknowledge(&mut machine, &mut anew);
+    }
+    assert_eq!((taken, machine.image(0).lost), (vec![1, 2, 3, 4], 0));
+}
+
+#[test]
+fn what_another_journal_cannot_give_back_is_lost_and_said() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    for seq in 1..=3 {
+        send(&mut machine, &mut journal, &iu(1, seq, OK), 0);
+    }
+    let mut anew = Journal::new(78);
+    machine.kept(&anew.says(), 0);
+    anew.settle(&mut machine, 0);
+    let mut machine = restarted(WRITES, &mut anew);
+    send(&mut machine, &mut anew, &iu(1, 4, ANOMALY), 0);
+    assert_eq!((offered(&machine), machine.image(0).lost), (Some((4, status::NOK)), 3));
     assert!(has(&machine, 0, status::OVERRUN));
 }
 
 #[test]
 fn ready_drops_at_every_fault_and_busy_with_it_and_comes_back_after_reset() {
     for fault in Fault::ALL {
-        let mut machine = ready(WRITES);
-        machine.verdict(&verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+        let (mut machine, _) = ready_with_journal(WRITES);
+        machine.judged(&iu(1, 1, OK), 0);
         assert!(has(&machine, 0, status::READY | status::BUSY));
         machine.tick(Line::Fault { fault, detail: 104 }, 0);
         let image = machine.image(0);
@@ -136,25 +327,28 @@ fn ready_drops_at_every_fault_and_busy_with_it_and_comes_back_after_reset() {
 
 #[test]
 fn silence_of_the_loop_or_of_the_journal_drops_ready() {
-    let machine = ready(WRITES);
+    let (machine, _) = ready_with_journal(WRITES);
     assert!(has(&machine, 500 * MS, status::READY | status::ONLINE));
     assert!(!has(&machine, 501 * MS, status::READY));
     assert!(!has(&machine, 501 * MS, status::ONLINE));
 
-    let mut journal = ready(WRITES);
-    journal.verdict(&verdict(1, 1, VerdictLevel::Job, VerdictOutcome::Ok), 0);
-    journal.tick(Line::Ready, 2_001 * MS);
-    assert_eq!(journal.image(2_001 * MS).error, Fault::Journal as u16);
-    assert!(!has(&journal, 2_001 * MS, status::DONE));
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.judged(&verdict(1, 1, VerdictLevel::Job, OK), 0);
+    machine.tick(Line::Ready, 2_001 * MS);
+    assert_eq!(machine.image(2_001 * MS).error, Fault::Journal as u16);
+    assert!(!has(&machine, 2_001 * MS, status::DONE));
+
+    let mut machine = ready(WRITES);
+    machine.tick(Line::Ready, 0);
+    assert!(!has(&machine, 0, status::READY), "nothing is known of the journal yet");
 }
 
 #[test]
 fn a_verdict_with_an_unknown_level_or_outcome_is_not_judged_and_an_error() {
-    let known = verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Ok);
+    let known = iu(1, 1, OK);
     for foreign in [Verdict { level: 77, ..known }, Verdict { outcome: 77, ..known }] {
-        let mut machine = ready(WRITES);
-        machine.confirmed(1, 1, 0);
-        machine.verdict(&foreign, 0);
+        let (mut machine, mut journal) = ready_with_journal(WRITES);
+        send(&mut machine, &mut journal, &foreign, 0);
         assert!(has(&machine, 0, status::DONE | status::NOT_JUDGED | status::ERROR));
         assert_eq!(machine.image(0).error, Fault::ForeignVerdict as u16);
     }
@@ -178,14 +372,14 @@ fn commands_are_sent_once_when_their_bit_rises_and_answered_until_it_falls() {
 
 #[test]
 fn start_needs_ready_and_makes_busy_and_load_waits_for_the_end() {
-    let mut machine = ready(WRITES);
+    let (mut machine, _) = ready_with_journal(WRITES);
     set(&mut machine, control::START);
     let command = machine.next_command().unwrap();
     machine.command_sent(command.kind, true);
     assert!(has(&machine, 0, status::BUSY));
     set(&mut machine, control::LOAD_JOB);
     assert_eq!(machine.image(0).refused, control::LOAD_JOB);
-    machine.verdict(&verdict(1, 1, VerdictLevel::Job, VerdictOutcome::NotJudged), 0);
+    machine.judged(&verdict(1, 1, VerdictLevel::Job, VerdictOutcome::NotJudged), 0);
     assert!(!has(&machine, 0, status::BUSY));
 
     let mut lost = ready(WRITES);
@@ -206,8 +400,8 @@ fn without_enable_the_line_is_not_ready_and_commands_are_refused() {
 
 #[test]
 fn enable_is_a_level_and_its_end_drops_ready_and_busy() {
-    let mut machine = ready(WRITES);
-    machine.verdict(&verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.judged(&iu(1, 1, OK), 0);
     assert!(has(&machine, 0, status::READY | status::BUSY));
     machine.write(Control::default(), 0);
     assert_eq!(machine.next_command().unwrap().kind, CommandKind::Disable);
@@ -216,8 +410,8 @@ fn enable_is_a_level_and_its_end_drops_ready_and_busy() {
 
 #[test]
 fn abort_ends_busy() {
-    let mut machine = ready(WRITES);
-    machine.verdict(&verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.judged(&iu(1, 1, OK), 0);
     set(&mut machine, control::ABORT);
     let command = machine.next_command().unwrap();
     assert_eq!(command.kind, CommandKind::Abort);
@@ -244,7 +438,7 @@ fn the_heartbeat_counts_the_loop_s_quarters_of_a_second() {
 
 #[test]
 fn a_command_that_cannot_be_sent_is_refused_and_an_error() {
-    let mut machine = ready(WRITES);
+    let (mut machine, _) = ready_with_journal(WRITES);
     set(&mut machine, control::START);
     let command = machine.next_command().unwrap();
     machine.command_sent(command.kind, false);
@@ -255,7 +449,7 @@ fn a_command_that_cannot_be_sent_is_refused_and_an_error() {
 
 #[test]
 fn with_writes_off_a_fault_stays_until_the_line_is_ready_again() {
-    let mut machine = Handshake::new(Settings { writes: false, hold_ns: 0 }, 0);
+    let (mut machine, _) = ready_with_journal(Settings { writes: false, hold_ns: 0 });
     machine.tick(Line::Fault { fault: Fault::Role, detail: 0 }, 0);
     machine.tick(Line::Starting, 0);
     assert!(has(&machine, 0, status::ERROR));
@@ -265,16 +459,20 @@ fn with_writes_off_a_fault_stays_until_the_line_is_ready_again() {
 
 #[test]
 fn with_writes_off_a_result_gives_way_only_to_another_and_only_after_its_time() {
-    let mut machine = Handshake::new(Settings { writes: false, hold_ns: 500 * MS }, 0);
-    machine.confirmed(1, 9, 0);
-    machine.verdict(&verdict(1, 1, VerdictLevel::Iu, VerdictOutcome::Ok), 0);
-    machine.tick(Line::Ready, 9_000 * MS);
-    assert_eq!(machine.image(0).result.unwrap().sequence, 1);
-    machine.verdict(&verdict(1, 2, VerdictLevel::Iu, VerdictOutcome::Ok), 9_000 * MS);
-    machine.verdict(&verdict(1, 3, VerdictLevel::Iu, VerdictOutcome::Ok), 9_000 * MS);
-    assert_eq!(machine.image(0).result.unwrap().sequence, 2);
-    machine.tick(Line::Ready, 9_499 * MS);
-    assert_eq!(machine.image(0).result.unwrap().sequence, 2);
-    machine.tick(Line::Ready, 9_500 * MS);
-    assert_eq!(machine.image(0).result.unwrap().sequence, 3);
+    let settings = Settings { writes: false, hold_ns: 500 * MS };
+    let (mut machine, mut journal) = ready_with_journal(settings);
+    let turn = |machine: &mut Handshake, journal: &mut Journal, now_ns: u64| {
+        machine.tick(Line::Ready, now_ns);
+        journal.settle(machine, now_ns);
+        offered(machine).unwrap().0
+    };
+    send(&mut machine, &mut journal, &iu(1, 1, OK), 0);
+    assert_eq!(turn(&mut machine, &mut journal, 9_000 * MS), 1);
+    send(&mut machine, &mut journal, &iu(1, 2, OK), 9_000 * MS);
+    send(&mut machine, &mut journal, &iu(1, 3, OK), 9_000 * MS);
+    assert_eq!(turn(&mut machine, &mut journal, 9_000 * MS), 2);
+    assert_eq!(turn(&mut machine, &mut journal, 9_499 * MS), 2);
+    assert_eq!(turn(&mut machine, &mut journal, 9_500 * MS), 3);
+    let machine = restarted(settings, &mut journal);
+    assert!(offered(&machine).is_none_or(|(sequence, _)| sequence >= 3), "nothing older after a restart");
 }

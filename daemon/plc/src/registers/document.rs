@@ -85,11 +85,15 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 
 1. Wait for `done`. One of `ok`, `nok`, `not-judged` is set with it. The journal has the result on disk by then.
 2. Read the result block, from `sequence` to `sequence_copy`.
-3. Set `acknowledge`. `done` drops.
+3. Set `acknowledge`. `done` drops once the journal keeps that.
 4. Clear `acknowledge`. If another result waits, `done` rises again with a higher `sequence`.
 
 A result stays until it is acknowledged, and {QUEUE} more can wait behind it. Results that come when the queue is full are lost:
 `overrun` is set, `lost` counts them, and `sequence` jumps by their number. The journal still has them.
+
+**A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
+role `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
+a client that has already taken a result of this number acknowledges it again and does not count it twice.
 
 Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. Watch
 `sequence`: a jump is a loss. `overrun` stays set once it is set.

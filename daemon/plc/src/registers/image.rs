@@ -93,7 +93,7 @@ pub struct Control {
 /// The result block: one verdict and its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResultBlock {
-    /// Number of this result since the role started, from 1; a jump is a loss.
+    /// Number of this result, from 1; a jump is a loss.
     pub sequence: u32,
     /// [`status::OK`], [`status::NOK`] or [`status::NOT_JUDGED`].
     pub outcome: u16,
@@ -104,6 +104,8 @@ pub struct ResultBlock {
 /// The values of all registers at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Image {
+    /// Counts the starts of the role; 0 until the journal has said what it keeps.
+    pub boot: u32,
     /// Bits of [`status`].
     pub status: u16,
     /// Control bits of the commands that were carried out, until the bit is cleared.
@@ -118,7 +120,7 @@ pub struct Image {
     pub error_detail: u32,
     /// Results that wait behind the offered one.
     pub queued: u16,
-    /// Results lost since the role started.
+    /// Results that were lost to the PLC.
     pub lost: u32,
     /// The newest result that was offered; `None` before the first one.
     pub result: Option<ResultBlock>,

@@ -1,8 +1,8 @@
-//! `plc`: verdicts to the PLC, once the journal has them, and the PLC's commands to the judge.
+//! `plc`: the journal's verdicts to the PLC, and the PLC's commands to the judge.
 //!
-//! A result that was sent before this role started is not offered: the PLC may have acknowledged it then. It is in the
-//! journal.
+//! What the PLC has been told is an account that the journal keeps. Each start of this role goes on where the last one ended.
 
+mod account;
 mod clients;
 mod line;
 
@@ -13,13 +13,14 @@ use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
 use andon_plc::handshake::{Line, LineCommand};
 use andon_plc::modbus::{Config as Server, ModbusServer};
 use andon_plc::registers::{Image, status};
-use shm_schemas::{Command, Confirmed, Health, Verdict};
+use shm_schemas::{Command, Health, Verdict};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
 use crate::config::Config;
 use crate::log::{code, log};
+use account::Account;
 use clients::Clients;
 use line::Watch;
 
@@ -64,14 +65,13 @@ struct Plc {
     server: ModbusServer,
     clients: Clients,
     commands: Output<Writer<Command>>,
+    account: Account,
     verdicts: Reader<Verdict>,
-    confirmed: Reader<Confirmed>,
     health: Reader<Health>,
     watch: Watch,
     line: Line,
     /// When the line was last ready or `health` was opened.
     health_since: Instant,
-    began: MonotonicTime,
     /// The status word that was last on the registers.
     status: u16,
 }
@@ -80,7 +80,9 @@ impl Role for Plc {
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
-        vec![self.commands.port(), &mut self.verdicts, &mut self.confirmed, &mut self.health]
+        let mut ports: Vec<&mut dyn Port> = self.account.ports().into();
+        ports.extend([self.commands.port(), &mut self.verdicts as &mut dyn Port, &mut self.health]);
+        ports
     }
 
     fn patience(&self) -> Duration {
@@ -94,9 +96,12 @@ impl Role for Plc {
         }
         self.clients.log(cycle.liveness());
         self.watch_line(cycle)?;
-        let turn = self.tell_verdict(cycle)?;
-        self.tell_confirmed()?;
+        while let Some(verdict) = self.verdicts.take()? {
+            self.server.handshake(|handshake, now_ns| handshake.judged(&verdict, now_ns));
+        }
+        let turn = self.account.hear(&self.server, cycle)?;
         self.server.handshake(|handshake, now_ns| handshake.tick(self.line, now_ns));
+        self.account.tell(&self.server, cycle)?;
         self.pass_commands_on(cycle);
         let image = self.server.handshake(|handshake, now_ns| handshake.image(now_ns));
         self.log_changes(&image);
@@ -113,13 +118,12 @@ impl Plc {
         let role = Self {
             clients: Clients::new(server.counters()),
             commands: Output::new(node.writer()?, &[]),
+            account: Account::open(node)?,
             verdicts: node.reader()?,
-            confirmed: node.reader()?,
             health: node.reader()?,
             watch: Watch::new(config),
             line: Line::Starting,
             health_since: Instant::now(),
-            began: MonotonicTime::now(),
             status: 0,
             server,
         };
@@ -140,24 +144,6 @@ impl Plc {
         } else if self.health_since.elapsed() > REOPEN_HEALTH_AFTER {
             self.health = cycle.node().reader()?;
             self.health_since = Instant::now();
-        }
-        Ok(())
-    }
-
-    fn tell_verdict(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        while let Some(verdict) = cycle.take(&mut self.verdicts)? {
-            if MonotonicTime::from_nanoseconds(verdict.stamp.sent_ns) >= self.began {
-                self.server.handshake(|handshake, now_ns| handshake.verdict(&verdict, now_ns));
-                return Ok(Turn::Stepped);
-            }
-        }
-        Ok(Turn::Idle)
-    }
-
-    fn tell_confirmed(&mut self) -> Result<(), RoleError> {
-        while let Some(confirmed) = self.confirmed.take()? {
-            let (epoch, seq) = (confirmed.verdict_epoch, confirmed.verdict_seq);
-            self.server.handshake(|handshake, now_ns| handshake.confirmed(epoch, seq, now_ns));
         }
         Ok(())
     }
