@@ -7,7 +7,7 @@ use crate::verdict::Verdict;
 /// Results that can wait behind the offered one.
 pub const WAITING_RESULTS: usize = 8;
 
-wire! { "andon.Account", 168;
+wire! { "andon.Account", 184;
     /// What the PLC has been told and what it is owed. From it a new start of the role `plc` goes on where the last one ended.
     struct Account {
         /// The identity of the journal that the rows are of.
@@ -22,6 +22,8 @@ wire! { "andon.Account", 168;
         seq: u64,
         /// The row of the result that was offered last; 0 is none.
         shown_row: u64,
+        /// The hash of the job that the PLC has loaded; 0 accepts any.
+        wanted_hash: u64,
         /// The rows of the results that wait behind it, oldest first; 0 where none waits.
         waiting_rows: [u64; WAITING_RESULTS],
         /// Their numbers; 0 where none waits.
@@ -36,6 +38,10 @@ wire! { "andon.Account", 168;
         shown_sequence: u32,
         /// The number of the log's code that belongs to `error`.
         error_detail: u32,
+        /// The job that the PLC has loaded; 0 where it has loaded none.
+        wanted_job: u32,
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
         /// The latched fault as its number on the registers; 0 is none.
         error: u16,
         /// 1 when the result that was offered last has been acknowledged, else 0.
@@ -45,7 +51,7 @@ wire! { "andon.Account", 168;
     }
 }
 
-wire! { "andon.AccountUpdate", 224;
+wire! { "andon.AccountUpdate", 240;
     /// From plc to the journal: keep this account, and send the rows after `after_row`.
     struct AccountUpdate {
         /// The stamp. It belongs to no frame.
@@ -62,7 +68,7 @@ wire! { "andon.AccountUpdate", 224;
 }
 message!(AccountUpdate);
 
-wire! { "andon.AccountKept", 216;
+wire! { "andon.AccountKept", 232;
     /// From the journal to plc: this account is on disk.
     struct AccountKept {
         /// The stamp. It belongs to no frame.

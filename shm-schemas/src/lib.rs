@@ -11,6 +11,7 @@
 //! | `journalled` | [`Journalled`] |
 //! | `health` | [`Health`] |
 //! | `command` | [`Command`] |
+//! | `judging` | [`Judging`] |
 //!
 //! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of the names, types and offsets of its fields.
 //! It is an attribute of the service, so that two builds which disagree never exchange messages.
@@ -29,6 +30,7 @@ mod couples;
 mod detections;
 mod frame;
 mod health;
+mod judging;
 mod layout;
 mod stamp;
 mod verdict;
@@ -40,6 +42,7 @@ pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 pub use health::{Health, RoleId, RoleState};
+pub use judging::{JudgePhase, Judging, Refusal};
 pub use layout::{Layout, Message};
 pub use stamp::Stamp;
 pub use verdict::{

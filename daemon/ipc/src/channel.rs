@@ -1,8 +1,8 @@
 //! The channels of a station and their quality of service.
 
 use shm_schemas::{
-    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Layout,
-    Message, Verdict,
+    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Judging,
+    Layout, Message, Verdict,
 };
 use std::fmt;
 
@@ -27,11 +27,13 @@ pub enum Channel {
     Health,
     /// From plc to judge.
     Command,
+    /// From judge to plc and the tools: what it is doing, and what became of the last command.
+    Judging,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Frame,
         Self::Detections,
         Self::Couple,
@@ -41,6 +43,7 @@ impl Channel {
         Self::Journalled,
         Self::Health,
         Self::Command,
+        Self::Judging,
     ];
 
     /// The name in service names and logs.
@@ -55,6 +58,7 @@ impl Channel {
             Self::Journalled => "journalled",
             Self::Health => "health",
             Self::Command => "command",
+            Self::Judging => "judging",
         }
     }
 
@@ -90,6 +94,10 @@ impl Channel {
             // 16 writers: 7 roles, and those that are dead and not yet removed.
             Self::Health => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 16, loans: 2, burst: 1 }
+            }
+            // Only the newest counts. A history of 1, for a reader that starts later: plc, the tools and programs in C.
+            Self::Judging => {
+                Qos { buffer: 4, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
             }
             // No history: a judge that starts must not obey a command from before its start.
             Self::Command => {
@@ -160,6 +168,9 @@ impl ChannelMessage for Journalled {
 impl ChannelMessage for Health {
     const CHANNEL: Channel = Channel::Health;
 }
+impl ChannelMessage for Judging {
+    const CHANNEL: Channel = Channel::Judging;
+}
 impl ChannelMessage for Command {
     const CHANNEL: Channel = Channel::Command;
 }
@@ -176,6 +187,7 @@ pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
         Channel::Journalled => size_of::<Journalled>(),
         Channel::Health => size_of::<Health>(),
         Channel::Command => size_of::<Command>(),
+        Channel::Judging => size_of::<Judging>(),
     }
 }
 

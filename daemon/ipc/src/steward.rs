@@ -8,8 +8,8 @@ use crate::station::{Limits, Station, Transport};
 use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
 use shm_schemas::{
-    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Layout,
-    Verdict,
+    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Judging,
+    Layout, Verdict,
 };
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -68,6 +68,7 @@ struct AllServices {
     _journalled: Services<Messages<Journalled>>,
     _health: Services<Messages<Health>>,
     _command: Services<Messages<Command>>,
+    _judging: Services<Messages<Judging>>,
 }
 
 impl Steward {
@@ -97,6 +98,7 @@ impl Steward {
             _journalled: create_messages(&node, station, limits)?,
             _health: create_messages(&node, station, limits)?,
             _command: create_messages(&node, station, limits)?,
+            _judging: create_messages(&node, station, limits)?,
         };
         Ok(Self {
             _services: services,

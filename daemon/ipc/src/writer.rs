@@ -107,6 +107,10 @@ impl Outbound {
     pub(crate) fn seq(&self) -> u64 {
         self.seq
     }
+
+    pub(crate) fn epoch(&self) -> u64 {
+        self.epoch
+    }
 }
 
 /// Tells whether to try again after iceoryx2 has refused a publisher.
@@ -177,6 +181,11 @@ impl<T: ChannelMessage> Writer<T> {
     pub fn loan(&self) -> Result<Loan<T>, Error> {
         let sample = self.publisher.loan_uninit().map_err(|e| self.outbound.error("loaning", e))?;
         Ok(Loan(sample.write_payload(T::default())))
+    }
+
+    /// Epoch and `seq` of the newest message that was sent; `seq` is 0 before the first.
+    pub fn newest(&self) -> (u64, u64) {
+        (self.outbound.epoch(), self.outbound.seq())
     }
 
     /// Numbers the message, sends it and wakes the readers. Returns its `seq`.

@@ -31,8 +31,9 @@ pub(super) fn write(connection: &Connection, account: &Account) -> rusqlite::Res
     connection
         .prepare_cached(
             "INSERT OR REPLACE INTO account (id, boot, number, row, epoch, seq, sequence, lost, has_overrun, error,
-             error_detail, shown_row, shown_sequence, is_acknowledged, waiting)
-             VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14)",
+             error_detail, shown_row, shown_sequence, is_acknowledged, waiting, wanted_job,
+             wanted_hash)
+             VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)",
         )?
         .execute(params![
             account.boot,
@@ -49,6 +50,8 @@ pub(super) fn write(connection: &Connection, account: &Account) -> rusqlite::Res
             account.shown_sequence,
             account.is_acknowledged,
             waiting_text(account),
+            account.wanted_job,
+            signed(account.wanted_hash),
         ])?;
     Ok(())
 }
@@ -70,6 +73,8 @@ fn account(row: &Row<'_>, journal: u64) -> rusqlite::Result<Account> {
         shown_row: number("shown_row")?,
         shown_sequence: row.get("shown_sequence")?,
         is_acknowledged: row.get("is_acknowledged")?,
+        wanted_job: row.get("wanted_job")?,
+        wanted_hash: number("wanted_hash")?,
         ..Account::default()
     };
     read_waiting(&row.get::<_, String>("waiting")?, &mut account);

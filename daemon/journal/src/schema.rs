@@ -80,7 +80,9 @@ pub(super) const MIGRATIONS: &[&str] = &[
         shown_row       INTEGER NOT NULL,    -- id of the verdict that was offered last
         shown_sequence  INTEGER NOT NULL,    -- and its number
         is_acknowledged INTEGER NOT NULL,
-        waiting         TEXT    NOT NULL     -- ids and numbers of those behind it
+        waiting         TEXT    NOT NULL,    -- ids and numbers of those behind it
+        wanted_job      INTEGER NOT NULL,    -- the job that the PLC has loaded
+        wanted_hash     INTEGER NOT NULL
     ) STRICT;
 ",
 ];

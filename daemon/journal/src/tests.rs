@@ -357,6 +357,8 @@ fn the_account_of_the_plc_is_kept_and_before_the_first_it_says_where_the_journal
         shown_row: 1,
         shown_sequence: 8,
         is_acknowledged: 1,
+        wanted_job: 12,
+        wanted_hash: u64::MAX,
         journal: bench.journal.identity(),
         ..Account::default()
     };

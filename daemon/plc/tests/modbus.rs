@@ -119,7 +119,7 @@ fn malformed_requests_are_answered_with_their_exception_and_counted() {
     }
     assert_eq!(count(&server.counters.malformed), 11);
     for (pdu, answer) in [
-        (&[3, 0, 50, 0, 1][..], [0x83, 2]),
+        (&[3, 0, 59, 0, 1][..], [0x83, 2]),
         (&[4, 255, 255, 0, 1], [0x84, 2]),
         (&[6, 0, 0, 0, 1], [0x86, 2]),    // read only
         (&[6, 0, 100, 0, 64], [0x86, 3]), // a bit without a meaning

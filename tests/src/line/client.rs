@@ -11,7 +11,10 @@ const STATUS: u16 = 0;
 const LOST: u16 = 9;
 const SEQUENCE: u16 = 11;
 const EPOCH: u16 = 38;
+const CARRIED_OUT: u16 = 1;
 const BOOT: u16 = 48;
+const REFUSAL: u16 = 51;
+const JOB_IN_FORCE: u16 = 52;
 const CONTROL: u16 = 100;
 
 /// Bits of the status word, as `REGISTERS.md` numbers them.
@@ -27,6 +30,8 @@ pub mod status {
 #[allow(missing_docs)] // their names are their meaning
 pub mod control {
     pub const ENABLE: u16 = 1;
+    pub const LOAD_JOB: u16 = 2;
+    pub const RESET_ERROR: u16 = 32;
     pub const ACKNOWLEDGE: u16 = 16;
 }
 
@@ -87,6 +92,34 @@ impl Modbus {
     /// Sets `enable`, and nothing else. Panics where that is refused.
     pub fn enable(&mut self) {
         self.control(control::ENABLE).unwrap();
+    }
+
+    /// Loads a job and waits for the answer: `None` when it was carried out, otherwise the reason. Panics after a minute.
+    pub fn load_job(&mut self, job_id: u32) -> Option<u16> {
+        let word = control::ENABLE | control::LOAD_JOB;
+        let words = [word, (job_id >> 16) as u16, job_id as u16, 0, 0, 0, 0];
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        let [a, b] = CONTROL.to_be_bytes();
+        let pdu = [&[16, a, b, 0, words.len() as u8, bytes.len() as u8][..], &bytes].concat();
+        assert_eq!(self.request(&pdu).unwrap()[0], 16);
+        let until = Instant::now() + PATIENCE;
+        loop {
+            let [carried_out, refused] = self.read(CARRIED_OUT, 2).unwrap()[..] else {
+                panic!("two registers")
+            };
+            let refusal = self.read(REFUSAL, 1).unwrap()[0];
+            if (carried_out | refused) & control::LOAD_JOB != 0 {
+                self.enable();
+                return (refused & control::LOAD_JOB != 0).then_some(refusal);
+            }
+            assert!(Instant::now() < until, "load_job {job_id} is not answered");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// The job that the judge has.
+    pub fn job_in_force(&mut self) -> u32 {
+        self.long(JOB_IN_FORCE)
     }
 
     /// Takes over the offered result: sets `acknowledge`, waits until that counts, and clears it. Panics where it is refused.

@@ -10,7 +10,7 @@ pub enum Fault {
     Role = 3,
     /// The journal has not confirmed a verdict in time.
     Journal = 5,
-    /// A command could not be sent to the line.
+    /// The judge does not answer, or does not take back the job that the PLC has loaded.
     Command = 6,
     /// A verdict came with a level or an outcome that this build does not know.
     ForeignVerdict = 7,
@@ -35,7 +35,9 @@ impl Fault {
             Self::Journal => {
                 "the journal has not confirmed a verdict in time: check the disk, and `andond status` for the role journal"
             }
-            Self::Command => "a command could not be sent to the line: look at `andond status`, role judge",
+            Self::Command => {
+                "the judge does not answer, or does not take back the job that was loaded: `andond status`, and the log of the role judge"
+            }
             Self::ForeignVerdict => {
                 "a verdict came from another version of the program: install one version on the whole PC"
             }

@@ -14,7 +14,7 @@ mod ledger;
 mod queue;
 mod results;
 
-use shm_schemas::{Account, AccountKept, CommandKind, Journalled, Verdict, VerdictLevel};
+use shm_schemas::{Account, AccountKept, CommandKind, Journalled, JudgePhase, Judging, Refusal};
 
 pub use commands::LineCommand;
 pub use fault::{Fault, Line};
@@ -22,7 +22,7 @@ pub use ledger::Update;
 pub use queue::{QUEUE, Taken};
 
 use crate::registers::{Control, Image, control, status};
-use commands::Commands;
+use commands::{Commands, Job, Trouble};
 use ledger::{Ledger, News};
 use results::{Release, Results};
 
@@ -31,8 +31,13 @@ const MS: u64 = 1_000_000;
 const BEAT_NS: u64 = 250 * MS;
 /// A loop that has not turned for this long is dead: it turns every 20 ms.
 const LOOP_DEADLINE_NS: u64 = 500 * MS;
+/// A judge that has said nothing for this long is not heard: it says how it is twice per second.
+const JUDGE_DEADLINE_NS: u64 = 2_000 * MS;
 /// A journal that needs longer than this for one row is broken: a slow disk syncs in 50 ms.
 const JOURNAL_DEADLINE_NS: u64 = 2_000 * MS;
+
+/// The number of AND-302, which says in the judge's log why a job was refused.
+const JOB_REFUSED: u32 = 302;
 
 /// What does not change while the role runs.
 #[derive(Clone, Copy, Debug)]
@@ -43,20 +48,23 @@ pub struct Settings {
     pub hold_ns: u64,
 }
 
+/// What must be kept as soon as it changes: what was acknowledged and lost, the latched fault, the wanted job.
+type Vital = (u32, u32, bool, Option<(Fault, u32)>, Option<Job>);
+
 /// The state machine.
 #[derive(Debug)]
 pub struct Handshake {
     settings: Settings,
     results: Results,
     ledger: Ledger,
-    /// The newest verdict that the judge has sent, and since when the journal has not sent a row though it is behind.
-    judged: Option<(u64, u64)>,
+    /// What the judge has said last, and when.
+    judging: Option<(Judging, u64)>,
+    /// Since when the journal has sent nothing though the judge has judged more.
     behind_since: Option<u64>,
     commands: Commands,
     line: Line,
     /// The latched fault, and the number of the log's code that belongs to it.
     error: Option<(Fault, u32)>,
-    busy: bool,
     heartbeat: u16,
     beat_ns: u64,
     turned_ns: u64,
@@ -69,22 +77,22 @@ impl Handshake {
             settings,
             results: Results::default(),
             ledger: Ledger::default(),
-            judged: None,
+            judging: None,
             behind_since: None,
             commands: Commands::default(),
             line: Line::Starting,
             error: None,
-            busy: false,
             heartbeat: 0,
             beat_ns: now_ns,
             turned_ns: now_ns,
         }
     }
 
-    /// The judge has sent a verdict. It is no result before the journal has it.
-    pub fn judged(&mut self, verdict: &Verdict, now_ns: u64) {
-        self.judged = Some((verdict.stamp.epoch, verdict.stamp.seq));
-        self.busy = verdict.level() != Ok(VerdictLevel::Job);
+    /// The judge has said how it is.
+    pub fn judging(&mut self, judging: &Judging, now_ns: u64) {
+        self.judging = Some((*judging, now_ns));
+        let trouble = self.account_for(|machine| machine.commands.answered(judging, now_ns));
+        self.report(trouble);
         self.compare(false, now_ns);
     }
 
@@ -95,7 +103,7 @@ impl Handshake {
             News::OtherJournal => self.results.forget_rows(),
             News::Acknowledged => {
                 self.results.kept();
-                self.commands.answer(control::ACKNOWLEDGE, true);
+                self.commands.carry_out(control::ACKNOWLEDGE);
             }
             News::Nothing => {}
         }
@@ -152,6 +160,11 @@ impl Handshake {
             Line::Ready | Line::Starting => {}
         }
         self.expect_rows(now_ns);
+        let trouble = self.commands.expire(now_ns);
+        self.report(trouble);
+        if self.line == Line::Ready && self.judging.is_some() && self.heard(now_ns).is_none() {
+            self.latch(Fault::Command, 0);
+        }
         self.advance(now_ns);
     }
 
@@ -159,48 +172,37 @@ impl Handshake {
     pub fn write(&mut self, written: Control, now_ns: u64) {
         let changed = self.commands.write(written);
         let risen = changed & written.word;
-        if changed & control::ENABLE != 0 {
-            self.busy &= self.is_enabled();
-            self.command(if self.is_enabled() { CommandKind::Enable } else { CommandKind::Disable });
-        }
         // What ends something goes before what begins something.
         if risen & control::RESET_ERROR != 0 {
             self.reset_error();
         }
-        if risen & control::ABORT != 0 {
-            self.command_if(self.is_enabled(), CommandKind::Abort);
-        }
-        if risen & control::LOAD_JOB != 0 {
-            self.command_if(self.is_enabled() && !self.busy, CommandKind::LoadJob);
-        }
-        if risen & control::START != 0 {
-            self.command_if(self.is_ready(now_ns) && !self.busy, CommandKind::Start);
+        let disabled = (!self.is_enabled()).then_some(Refusal::NotEnabled);
+        let busy = self.is_busy(now_ns).then_some(Refusal::Busy);
+        let unready = (!self.is_ready(now_ns)).then_some(Refusal::NotReady);
+        for (bit, kind, refusal) in [
+            (control::ABORT, CommandKind::Abort, disabled),
+            (control::LOAD_JOB, CommandKind::LoadJob, disabled.or(busy)),
+            (control::START, CommandKind::Start, disabled.or(busy).or(unready)),
+        ] {
+            match refusal {
+                _ if risen & bit == 0 => {}
+                Some(refusal) => self.commands.refuse(bit, refusal.code()),
+                None => self.commands.push(kind),
+            }
         }
         if risen & control::ACKNOWLEDGE != 0 {
             // It is answered once the journal keeps it.
             if !self.account_for(|machine| machine.results.acknowledge()) {
-                self.commands.answer(control::ACKNOWLEDGE, false);
+                self.commands.refuse(control::ACKNOWLEDGE, Refusal::NothingOffered.code());
             }
         }
         self.advance(now_ns);
     }
 
-    /// The next command that the line must be sent. [`Handshake::command_sent`] must follow.
-    pub fn next_command(&mut self) -> Option<LineCommand> {
-        self.commands.pop()
-    }
-
-    /// Whether the command could be sent to the line.
-    pub fn command_sent(&mut self, kind: CommandKind, was_sent: bool) {
-        if !was_sent {
-            self.latch(Fault::Command, 0);
-        }
-        match kind {
-            CommandKind::Start if was_sent => self.busy = true,
-            CommandKind::Abort if was_sent => self.busy = false,
-            _ => {}
-        }
-        self.commands.answer(commands::bit(kind), was_sent);
+    /// The next command that the judge must be sent. It comes again until the judge has answered.
+    pub fn next_command(&mut self, now_ns: u64) -> Option<LineCommand> {
+        let (judging, _) = self.judging.filter(|_| self.ledger.is_open())?;
+        self.commands.next(self.ledger.boot(), self.is_enabled(), &judging, now_ns)
     }
 
     /// What the registers show now.
@@ -210,15 +212,26 @@ impl Handshake {
         let status = offered
             | bit(self.is_online(now_ns), status::ONLINE)
             | bit(self.is_ready(now_ns), status::READY)
-            | bit(self.busy, status::BUSY)
+            | bit(self.is_busy(now_ns), status::BUSY)
             | bit(self.error.is_some(), status::ERROR)
             | bit(self.results.has_overrun(), status::OVERRUN);
         let (carried_out, refused) = self.commands.answers();
+        let judging = self.judging.map(|(judging, _)| judging).unwrap_or_default();
+        let has_enable = self.is_enabled() && judging.is_enabled != 0 && self.settings.writes;
+        let wants_enable = self.commands.is_set(control::ENABLE) && !has_enable;
+        let released = self.results.is_released();
         Image {
             boot: self.ledger.boot(),
             status,
-            carried_out,
+            carried_out: carried_out | bit(has_enable, control::ENABLE),
             refused,
+            executing: self.commands.executing()
+                | bit(wants_enable, control::ENABLE)
+                | bit(released, control::ACKNOWLEDGE & self.commands.control().word),
+            refusal: self.commands.refusal().into(),
+            job_in_force: judging.job_id,
+            hash_in_force: judging.model_hash,
+            phase: judging.phase.into(),
             heartbeat: self.heartbeat,
             error: self.error.map_or(0, |(fault, _)| fault as u16),
             error_detail: self.error.map_or(0, |(_, detail)| detail),
@@ -242,6 +255,7 @@ impl Handshake {
 
     fn resume(&mut self, account: &Account, now_ns: u64) {
         self.results = Results::resume(account, now_ns);
+        self.commands.resume(account);
         let restored = Fault::of_number(account.error).map(|fault| (fault, account.error_detail));
         self.error = restored.or(self.error);
     }
@@ -251,13 +265,15 @@ impl Handshake {
         let mut account = Account::default();
         self.ledger.save(&mut account);
         self.results.save(&mut account);
+        self.commands.save(&mut account);
         (account.error, account.error_detail) = self.error.map_or((0, 0), |(fault, n)| (fault as u16, n));
         account
     }
 
     /// What must be kept as soon as it changes. The rest follows again from the journal's rows.
-    fn vital(&self) -> (u32, u32, bool, Option<(Fault, u32)>) {
-        (self.results.released(), self.results.lost(), self.results.has_overrun(), self.error)
+    fn vital(&self) -> Vital {
+        let results = &self.results;
+        (results.released(), results.lost(), results.has_overrun(), self.error, self.commands.wanted())
     }
 
     /// Does something, and notes what it changes in the account.
@@ -274,10 +290,11 @@ impl Handshake {
 
     /// Compares what the judge has sent with what the journal has: `has_progress` when a row has come.
     fn compare(&mut self, has_progress: bool, now_ns: u64) {
-        let is_behind = match (self.judged, self.results.newest_key()) {
+        let judged = self.judging.map(|(judging, _)| (judging.verdict_epoch, judging.verdict_seq));
+        let is_behind = match (judged, self.results.newest_key()) {
+            (None | Some((_, 0)), _) => false,
             (Some((judged, seq)), Some((epoch, newest))) => judged != epoch || newest < seq,
             (Some(_), None) => true,
-            (None, _) => false,
         };
         self.behind_since = match self.behind_since {
             _ if !is_behind => None,
@@ -306,27 +323,20 @@ impl Handshake {
                 Line::Ready | Line::Starting => None,
             };
         });
-        self.commands.answer(control::RESET_ERROR, true);
+        self.commands.carry_out(control::RESET_ERROR);
+    }
+
+    fn report(&mut self, trouble: Option<Trouble>) {
+        match trouble {
+            Some(Trouble::Silent) => self.latch(Fault::Command, 0),
+            Some(Trouble::JobRefused) => self.latch(Fault::Command, JOB_REFUSED),
+            None => {}
+        }
     }
 
     /// The first fault stays: it is the cause, the others follow from it.
     fn latch(&mut self, fault: Fault, detail: u32) {
         self.account_for(|machine| machine.error.get_or_insert((fault, detail)).0);
-        self.busy = false;
-    }
-
-    fn command_if(&mut self, is_allowed: bool, kind: CommandKind) {
-        if is_allowed {
-            self.command(kind);
-        } else {
-            self.commands.answer(commands::bit(kind), false);
-        }
-    }
-
-    fn command(&mut self, kind: CommandKind) {
-        if !self.commands.push(kind) {
-            self.command_sent(kind, false);
-        }
     }
 
     fn is_enabled(&self) -> bool {
@@ -343,6 +353,23 @@ impl Handshake {
             && self.is_enabled()
             && self.line == Line::Ready
             && self.error.is_none()
+            && self.heard(now_ns).is_some_and(|judging| {
+                judging.is_enabled != 0
+                    && judging.phase != JudgePhase::NoJob.code()
+                    && self.commands.has_job(judging)
+            })
+    }
+
+    fn is_busy(&self, now_ns: u64) -> bool {
+        self.is_enabled()
+            && self.error.is_none()
+            && self.heard(now_ns).is_some_and(|judging| judging.phase == JudgePhase::Running.code())
+    }
+
+    /// What the judge has said, unless that is too long ago.
+    fn heard(&self, now_ns: u64) -> Option<&Judging> {
+        let (judging, heard_ns) = self.judging.as_ref()?;
+        (now_ns.saturating_sub(*heard_ns) <= JUDGE_DEADLINE_NS).then_some(judging)
     }
 }
 

@@ -1,11 +1,11 @@
 //! The handshake under random sequences of what can happen to it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use super::tests::{ENABLED, Journal, WRITES, ready, set};
+use super::tests::{ENABLED, Journal, WRITES, judged, ready, set, watching};
 use super::*;
 use crate::registers::{self, WordOrder};
 use proptest::prelude::*;
-use shm_schemas::VerdictOutcome;
+use shm_schemas::{Verdict, VerdictOutcome};
 
 /// One of the things that happen, in any order.
 #[derive(Clone, Debug)]
@@ -86,7 +86,7 @@ impl World {
                     Verdict { level, outcome, model_hash: fingerprint(self.key), ..Default::default() };
                 (verdict.stamp.epoch, verdict.stamp.seq) = self.key;
                 self.sent.push(verdict);
-                self.machine.judged(&verdict, self.now_ns);
+                judged(&mut self.machine, &verdict, self.now_ns);
             }
             Step::JournalCatchesUp { behind } => {
                 let end = self.sent.len().saturating_sub(behind).max(self.written);
@@ -225,12 +225,14 @@ proptest! {
         for (step, word) in &steps {
             world.run(step);
             world.machine.write(Control { word: *word, ..ENABLED }, world.now_ns);
-            while let Some(command) = world.machine.next_command() {
-                world.machine.command_sent(command.kind, word % 3 != 0);
+            if let Some(command) = world.machine.next_command(world.now_ns) {
+                let refusal = if word % 3 == 0 { Refusal::Unfit } else { Refusal::None };
+                let answer = Judging { command: command.number, refusal: refusal.code(), ..watching() };
+                world.machine.judging(&answer, world.now_ns);
             }
             world.check()?;
             let image = world.machine.image(world.now_ns);
-            prop_assert_eq!((image.carried_out | image.refused) & !word, 0, "answers clear with their bit");
+            prop_assert_eq!((image.carried_out | image.refused | image.executing) & !word, 0, "answers clear with their bit");
         }
     }
 }

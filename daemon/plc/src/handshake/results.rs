@@ -134,6 +134,11 @@ impl Results {
         self.shown.filter(|_| is_released).map_or(0, |shown| shown.sequence)
     }
 
+    /// Whether an acknowledgement waits for the journal.
+    pub(super) fn is_released(&self) -> bool {
+        self.phase == Phase::Released
+    }
+
     /// The journal keeps the acknowledgement. True where one was waiting for that.
     pub(super) fn kept(&mut self) -> bool {
         let was_released = self.phase == Phase::Released;

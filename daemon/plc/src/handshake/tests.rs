@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 use super::*;
-use shm_schemas::VerdictOutcome;
+use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome};
 
 pub(super) const WRITES: Settings = Settings { writes: true, hold_ns: 0 };
 pub(super) const ENABLED: Control = Control { word: control::ENABLE, load_job_id: 0, load_model_hash: 0 };
@@ -10,6 +10,30 @@ fn verdict(epoch: u64, seq: u64, level: VerdictLevel, outcome: VerdictOutcome) -
     verdict.stamp.epoch = epoch;
     verdict.stamp.seq = seq;
     verdict
+}
+
+/// A judge that watches job 1, and has judged nothing.
+pub(super) fn watching() -> Judging {
+    Judging {
+        phase: JudgePhase::Waiting.code(),
+        is_enabled: 1,
+        job_id: 1,
+        model_hash: 11,
+        ..Judging::default()
+    }
+}
+
+/// The judge has sent a verdict, and says so.
+pub(super) fn judged(machine: &mut Handshake, verdict: &Verdict, now_ns: u64) {
+    let is_end = verdict.level() == Ok(VerdictLevel::Job);
+    let phase = if is_end { JudgePhase::Waiting } else { JudgePhase::Running };
+    let (verdict_epoch, verdict_seq) = (verdict.stamp.epoch, verdict.stamp.seq);
+    machine.judging(&Judging { verdict_epoch, verdict_seq, phase: phase.code(), ..watching() }, now_ns);
+}
+
+/// The judge answers a command.
+fn answer(machine: &mut Handshake, command: &LineCommand, refusal: Refusal, judging: Judging) {
+    machine.judging(&Judging { command: command.number, refusal: refusal.code(), ..judging }, 0);
 }
 
 /// The role `journal`, as the state machine sees it.
@@ -81,7 +105,7 @@ fn ready_with_journal(settings: Settings) -> (Handshake, Journal) {
 
 /// The judge sends a verdict, and the journal has it at once.
 fn send(machine: &mut Handshake, journal: &mut Journal, verdict: &Verdict, now_ns: u64) {
-    machine.judged(verdict, now_ns);
+    judged(machine, verdict, now_ns);
     journal.write(*verdict);
     journal.settle(machine, now_ns);
 }
@@ -97,10 +121,8 @@ fn restarted(settings: Settings, journal: &mut Journal) -> Handshake {
 pub(super) fn ready(settings: Settings) -> Handshake {
     let mut machine = Handshake::new(settings, 0);
     machine.write(ENABLED, 0);
+    machine.judging(&watching(), 0);
     machine.tick(Line::Ready, 0);
-    while let Some(command) = machine.next_command() {
-        machine.command_sent(command.kind, true);
-    }
     machine
 }
 
@@ -135,7 +157,7 @@ fn offered(machine: &Handshake) -> Option<(u32, u16)> {
 #[test]
 fn done_waits_for_the_journal() {
     let (mut machine, mut journal) = ready_with_journal(WRITES);
-    machine.judged(&iu(1, 1, OK), 0);
+    judged(&mut machine, &iu(1, 1, OK), 0);
     assert!(!has(&machine, 0, status::DONE));
     journal.write(iu(1, 1, OK));
     journal.settle(&mut machine, 0);
@@ -261,8 +283,8 @@ fn rows_that_were_lost_on_their_way_are_asked_for_again() {
     // The journal believes that it has sent row 2.
     journal.write(iu(1, 2, ANOMALY));
     journal.sent_row = 2;
-    machine.judged(&iu(1, 2, ANOMALY), 0);
-    machine.judged(&iu(1, 3, OK), 0);
+    judged(&mut machine, &iu(1, 2, ANOMALY), 0);
+    judged(&mut machine, &iu(1, 3, OK), 0);
     journal.write(iu(1, 3, OK));
     journal.settle(&mut machine, 0);
     assert_eq!(machine.image(0).queued, 0, "row 3 came without row 2");
@@ -309,7 +331,7 @@ fn what_another_journal_cannot_give_back_is_lost_and_said() {
 fn ready_drops_at_every_fault_and_busy_with_it_and_comes_back_after_reset() {
     for fault in Fault::ALL {
         let (mut machine, _) = ready_with_journal(WRITES);
-        machine.judged(&iu(1, 1, OK), 0);
+        judged(&mut machine, &iu(1, 1, OK), 0);
         assert!(has(&machine, 0, status::READY | status::BUSY));
         machine.tick(Line::Fault { fault, detail: 104 }, 0);
         let image = machine.image(0);
@@ -333,7 +355,7 @@ fn silence_of_the_loop_or_of_the_journal_drops_ready() {
     assert!(!has(&machine, 501 * MS, status::ONLINE));
 
     let (mut machine, _) = ready_with_journal(WRITES);
-    machine.judged(&verdict(1, 1, VerdictLevel::Job, OK), 0);
+    judged(&mut machine, &verdict(1, 1, VerdictLevel::Job, OK), 0);
     machine.tick(Line::Ready, 2_001 * MS);
     assert_eq!(machine.image(2_001 * MS).error, Fault::Journal as u16);
     assert!(!has(&machine, 2_001 * MS, status::DONE));
@@ -354,70 +376,157 @@ fn a_verdict_with_an_unknown_level_or_outcome_is_not_judged_and_an_error() {
     }
 }
 
+/// A machine whose client has just asked for this, and the command for the judge.
+fn asked(bits: u16, load_job_id: u32) -> (Handshake, LineCommand) {
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.write(Control { word: control::ENABLE | bits, load_job_id, load_model_hash: 9 }, 0);
+    let command = machine.next_command(0).unwrap();
+    (machine, command)
+}
+
 #[test]
-fn commands_are_sent_once_when_their_bit_rises_and_answered_until_it_falls() {
-    let mut machine = ready(WRITES);
-    let load = Control { word: control::ENABLE | control::LOAD_JOB, load_job_id: 7, load_model_hash: 9 };
-    machine.write(load, 0);
-    machine.write(load, 0);
-    let command = machine.next_command().unwrap();
-    assert_eq!(command, LineCommand { kind: CommandKind::LoadJob, job_id: 7, model_hash: 9 });
-    assert_eq!(machine.next_command(), None);
-    assert_eq!(machine.image(0).carried_out & control::LOAD_JOB, 0, "not sent yet");
-    machine.command_sent(command.kind, true);
-    assert_eq!(machine.image(0).carried_out & control::LOAD_JOB, control::LOAD_JOB);
+fn a_command_is_under_way_until_the_judge_answers_and_its_answer_stays_until_the_bit_falls() {
+    let (mut machine, command) = asked(control::LOAD_JOB, 7);
+    assert_eq!((command.kind, command.job_id, command.model_hash), (CommandKind::LoadJob, 7, 9));
+    assert_eq!(machine.next_command(0), None, "it is sent once");
+    let image = machine.image(0);
+    assert_eq!((image.executing, image.carried_out & control::LOAD_JOB), (control::LOAD_JOB, 0));
+    answer(&mut machine, &command, Refusal::None, Judging { job_id: 7, model_hash: 9, ..watching() });
+    let image = machine.image(0);
+    assert_eq!((image.executing, image.carried_out & control::LOAD_JOB), (0, control::LOAD_JOB));
+    assert_eq!((image.job_in_force, image.hash_in_force), (7, 9));
     set(&mut machine, 0);
     assert_eq!(machine.image(0).carried_out & control::LOAD_JOB, 0);
 }
 
 #[test]
-fn start_needs_ready_and_makes_busy_and_load_waits_for_the_end() {
-    let (mut machine, _) = ready_with_journal(WRITES);
-    set(&mut machine, control::START);
-    let command = machine.next_command().unwrap();
-    machine.command_sent(command.kind, true);
-    assert!(has(&machine, 0, status::BUSY));
-    set(&mut machine, control::LOAD_JOB);
-    assert_eq!(machine.image(0).refused, control::LOAD_JOB);
-    machine.judged(&verdict(1, 1, VerdictLevel::Job, VerdictOutcome::NotJudged), 0);
-    assert!(!has(&machine, 0, status::BUSY));
-
-    let mut lost = ready(WRITES);
-    lost.tick(Line::Fault { fault: Fault::Camera, detail: 0 }, 0);
-    set(&mut lost, control::START);
-    assert_eq!((lost.image(0).refused, lost.next_command()), (control::START, None));
+fn a_command_that_the_judge_refuses_is_refused_with_the_reason_and_changes_nothing() {
+    let (mut machine, command) = asked(control::LOAD_JOB, 999);
+    answer(&mut machine, &command, Refusal::NoSuchJob, watching());
+    let image = machine.image(0);
+    assert_eq!((image.refused, image.refusal), (control::LOAD_JOB, u16::from(Refusal::NoSuchJob.code())));
+    assert_eq!((image.job_in_force, image.hash_in_force), (1, 11));
+    assert!(has(&machine, 0, status::READY), "the job of before goes on");
+    assert_eq!(machine.next_command(5_000 * MS), None, "what was refused is not wanted");
 }
 
 #[test]
-fn without_enable_the_line_is_not_ready_and_commands_are_refused() {
+fn a_command_without_an_answer_is_sent_again_under_its_number_and_then_refused() {
+    let (mut machine, command) = asked(control::START, 0);
+    assert_eq!(machine.next_command(300 * MS), Some(command));
+    machine.judging(&watching(), 1_000 * MS);
+    machine.tick(Line::Ready, 2_100 * MS);
+    let image = machine.image(2_100 * MS);
+    assert_eq!((image.refused, image.refusal), (control::START, u16::from(Refusal::NoAnswer.code())));
+    assert_eq!(image.error, Fault::Command as u16);
+    assert_eq!(machine.next_command(2_100 * MS), None);
+}
+
+#[test]
+fn a_judge_that_starts_again_is_given_enable_and_the_loaded_job_and_until_then_nothing_is_ready() {
+    let (mut machine, command) = asked(control::LOAD_JOB, 7);
+    let with_job = Judging { job_id: 7, model_hash: 9, ..watching() };
+    answer(&mut machine, &command, Refusal::None, with_job);
+    assert!(has(&machine, 0, status::READY));
+    let configured = Judging { is_enabled: 0, ..watching() };
+    machine.judging(&configured, 0);
+    assert!(!has(&machine, 0, status::READY));
+    let enable = machine.next_command(0).unwrap();
+    assert_eq!(enable.kind, CommandKind::Enable);
+    answer(&mut machine, &enable, Refusal::None, watching());
+    assert!(!has(&machine, 0, status::READY), "it watches another job");
+    let load = machine.next_command(0).unwrap();
+    assert_eq!((load.kind, load.job_id, load.model_hash), (CommandKind::LoadJob, 7, 9));
+    answer(&mut machine, &load, Refusal::None, with_job);
+    assert!(has(&machine, 0, status::READY));
+}
+
+#[test]
+fn the_loaded_job_is_wanted_after_a_restart_too_and_one_that_is_refused_then_is_an_error() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    machine
+        .write(Control { word: control::ENABLE | control::LOAD_JOB, load_job_id: 7, load_model_hash: 9 }, 0);
+    let command = machine.next_command(0).unwrap();
+    answer(&mut machine, &command, Refusal::None, Judging { job_id: 7, model_hash: 9, ..watching() });
+    journal.settle(&mut machine, 0);
+    let mut machine = restarted(WRITES, &mut journal);
+    assert!(!has(&machine, 0, status::READY));
+    let again = machine.next_command(0).unwrap();
+    assert_eq!((again.kind, again.job_id, again.model_hash), (CommandKind::LoadJob, 7, 9));
+    assert_ne!(again.number, command.number);
+    answer(&mut machine, &again, Refusal::NoSuchJob, watching());
+    let image = machine.image(0);
+    assert_eq!((image.error, image.error_detail), (Fault::Command as u16, JOB_REFUSED));
+    assert_eq!(machine.next_command(500 * MS), None);
+    assert_eq!(machine.next_command(1_000 * MS).unwrap().job_id, 7, "it may have been put back");
+}
+
+#[test]
+fn start_needs_ready_and_makes_busy_and_load_waits_for_the_end() {
+    let (mut machine, command) = asked(control::START, 0);
+    assert_eq!(command.kind, CommandKind::Start);
+    answer(
+        &mut machine,
+        &command,
+        Refusal::None,
+        Judging { phase: JudgePhase::Running.code(), ..watching() },
+    );
+    assert!(has(&machine, 0, status::BUSY));
+    set(&mut machine, control::LOAD_JOB);
+    let image = machine.image(0);
+    assert_eq!((image.refused, image.refusal), (control::LOAD_JOB, u16::from(Refusal::Busy.code())));
+    judged(&mut machine, &verdict(1, 1, VerdictLevel::Job, VerdictOutcome::NotJudged), 0);
+    assert!(!has(&machine, 0, status::BUSY));
+
+    let (mut lost, _) = ready_with_journal(WRITES);
+    lost.tick(Line::Fault { fault: Fault::Camera, detail: 0 }, 0);
+    set(&mut lost, control::START);
+    assert_eq!((lost.image(0).refused, lost.next_command(0)), (control::START, None));
+}
+
+#[test]
+fn before_enable_is_written_the_judge_is_told_not_to_watch_and_commands_are_refused() {
     let mut machine = Handshake::new(WRITES, 0);
+    Journal::new(77).settle(&mut machine, 0);
+    machine.judging(&watching(), 0);
     machine.tick(Line::Ready, 0);
     assert!(!has(&machine, 0, status::READY));
+    let command = machine.next_command(0).unwrap();
+    assert_eq!(command.kind, CommandKind::Disable);
+    answer(&mut machine, &command, Refusal::None, Judging { is_enabled: 0, ..watching() });
     let refused = control::LOAD_JOB | control::START | control::ABORT;
     machine.write(Control { word: refused, ..ENABLED }, 0);
-    assert_eq!((machine.image(0).refused, machine.next_command()), (refused, None));
+    assert_eq!((machine.image(0).refused, machine.next_command(0)), (refused, None));
 }
 
 #[test]
 fn enable_is_a_level_and_its_end_drops_ready_and_busy() {
     let (mut machine, _) = ready_with_journal(WRITES);
-    machine.judged(&iu(1, 1, OK), 0);
+    judged(&mut machine, &iu(1, 1, OK), 0);
     assert!(has(&machine, 0, status::READY | status::BUSY));
     machine.write(Control::default(), 0);
-    assert_eq!(machine.next_command().unwrap().kind, CommandKind::Disable);
+    assert_eq!(machine.next_command(0).unwrap().kind, CommandKind::Disable);
     assert_eq!(machine.image(0).status & (status::READY | status::BUSY), 0);
 }
 
 #[test]
 fn abort_ends_busy() {
     let (mut machine, _) = ready_with_journal(WRITES);
-    machine.judged(&iu(1, 1, OK), 0);
+    judged(&mut machine, &iu(1, 1, OK), 0);
     set(&mut machine, control::ABORT);
-    let command = machine.next_command().unwrap();
+    let command = machine.next_command(0).unwrap();
     assert_eq!(command.kind, CommandKind::Abort);
-    machine.command_sent(command.kind, true);
+    answer(&mut machine, &command, Refusal::None, watching());
     assert_eq!(machine.image(0).carried_out & control::ABORT, control::ABORT);
     assert!(!has(&machine, 0, status::BUSY));
+}
+
+#[test]
+fn a_judge_that_is_not_heard_drops_ready() {
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.tick(Line::Ready, 2_001 * MS);
+    assert_eq!(machine.image(2_001 * MS).error, Fault::Command as u16);
+    assert!(!has(&machine, 2_001 * MS, status::READY));
 }
 
 #[test]
@@ -434,17 +543,6 @@ fn the_heartbeat_counts_the_loop_s_quarters_of_a_second() {
     assert_eq!(machine.image(0).heartbeat, 0);
     machine.tick(Line::Ready, 250 * MS);
     assert_eq!(machine.image(0).heartbeat, 1);
-}
-
-#[test]
-fn a_command_that_cannot_be_sent_is_refused_and_an_error() {
-    let (mut machine, _) = ready_with_journal(WRITES);
-    set(&mut machine, control::START);
-    let command = machine.next_command().unwrap();
-    machine.command_sent(command.kind, false);
-    let image = machine.image(0);
-    assert_eq!((image.refused, image.error), (control::START, Fault::Command as u16));
-    assert_eq!(image.status & (status::BUSY | status::READY), 0);
 }
 
 #[test]

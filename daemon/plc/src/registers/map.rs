@@ -159,7 +159,7 @@ pub const MAP: &[Register] = &[
         Get::U16(|i| i.result.map_or(0, |r| r.outcome)),
         "the bit `ok`, `nok` or `not-judged` at its place in the status word; stays after `acknowledge`",
     ),
-    read(14, "job_id", Get::U32(|i| of(i).job_id), "the job that is watched"),
+    read(14, "job_id", Get::U32(|i| of(i).job_id), "the job of the result"),
     read(16, "model_hash", Get::U64(|i| of(i).model_hash), "hash of the job file that it was judged by"),
     read(
         20,
@@ -235,6 +235,16 @@ pub const MAP: &[Register] = &[
         Get::U32(|i| i.boot),
         "counts the starts of this role; 0 until the journal has said what it keeps, and until then nothing is offered",
     ),
+    read(
+        50,
+        "executing",
+        Get::U16(|i| i.executing),
+        "control bits of the commands whose answer is still to come",
+    ),
+    read(51, "refusal", Get::U16(|i| i.refusal), "why the newest refused command was refused, see below"),
+    read(52, "job_in_force", Get::U32(|i| i.job_in_force), "the job that the judge has; 0 none"),
+    read(54, "hash_in_force", Get::U64(|i| i.hash_in_force), "hash of its job file"),
+    read(58, "phase", Get::U16(|i| i.phase), "where the judge is, see below; 0 before it was heard"),
     write(
         CONTROL_BASE,
         "control",

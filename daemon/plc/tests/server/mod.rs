@@ -2,7 +2,10 @@
 
 use andon_plc::handshake::{Fault, Handshake, Line, LineCommand};
 use andon_plc::modbus::{Config, Counters, ModbusServer};
-use shm_schemas::{AccountKept, Journalled, NO_INDEX, Verdict, VerdictLevel, VerdictOutcome};
+use shm_schemas::{
+    AccountKept, CommandKind, Journalled, JudgePhase, Judging, NO_INDEX, Verdict, VerdictLevel,
+    VerdictOutcome,
+};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
@@ -20,6 +23,7 @@ struct LineEnd {
     commands: Sender<LineCommand>,
     has_camera: Arc<AtomicBool>,
     stop: Arc<AtomicBool>,
+    writes: bool,
 }
 
 /// A journal that keeps everything at once.
@@ -47,9 +51,28 @@ impl Journal {
     }
 }
 
+/// What a judge says after it has done this.
+fn done(mut judging: Judging, command: &LineCommand) -> Judging {
+    judging.command = command.number;
+    match command.kind {
+        CommandKind::Enable => judging.is_enabled = 1,
+        CommandKind::Disable => judging.is_enabled = 0,
+        CommandKind::LoadJob => (judging.job_id, judging.model_hash) = (command.job_id, command.model_hash),
+        CommandKind::Start => judging.phase = JudgePhase::Running.code(),
+        CommandKind::Abort => judging.phase = JudgePhase::Waiting.code(),
+    }
+    judging
+}
+
 /// The loop of the role `plc`, over channels instead of shared memory.
 fn run(server: &ModbusServer, line: &LineEnd) {
     let mut journal = Journal::default();
+    let mut judging = Judging {
+        phase: JudgePhase::Waiting.code(),
+        is_enabled: (!line.writes).into(),
+        job_id: 7,
+        ..Judging::default()
+    };
     server.handshake(|handshake, now_ns| handshake.kept(&journal.kept, now_ns));
     while !line.stop.load(Ordering::Relaxed) {
         let verdict = line.verdicts.recv_timeout(Duration::from_millis(20)).ok();
@@ -60,14 +83,15 @@ fn run(server: &ModbusServer, line: &LineEnd) {
         server.handshake(|handshake, now_ns| {
             journal.keep(handshake, now_ns);
             if let Some(verdict) = verdict {
-                handshake.judged(&verdict, now_ns);
+                (judging.verdict_epoch, judging.verdict_seq) = (verdict.stamp.epoch, verdict.stamp.seq);
                 journal.write(handshake, verdict, now_ns);
             }
             handshake.tick(state, now_ns);
-            while let Some(command) = handshake.next_command() {
-                let was_sent = line.commands.send(command).is_ok();
-                handshake.command_sent(command.kind, was_sent);
+            if let Some(command) = handshake.next_command(now_ns) {
+                judging = done(judging, &command);
+                line.commands.send(command).unwrap();
             }
+            handshake.judging(&judging, now_ns);
             journal.keep(handshake, now_ns);
         });
     }
@@ -92,6 +116,7 @@ pub(crate) fn config() -> Config {
 
 impl TestServer {
     pub(crate) fn start(config: Config) -> Self {
+        let writes = config.writes;
         let server = ModbusServer::start(config).unwrap();
         let (address, counters) = (server.address(), server.counters());
         let (verdicts, from_line) = channel();
@@ -102,6 +127,7 @@ impl TestServer {
             commands: to_line,
             has_camera: Arc::clone(&has_camera),
             stop: Arc::clone(&stop),
+            writes,
         };
         let role = Some(thread::spawn(move || run(&server, &line)));
         Self { address, counters, commands, verdicts, has_camera, stop, role, seq: 0 }

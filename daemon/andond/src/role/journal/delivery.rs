@@ -31,7 +31,7 @@ impl Delivery {
     pub(super) fn open(node: &Node) -> Result<Self, Error> {
         Ok(Self {
             updates: node.reader()?,
-            kept: Output::new(node.writer()?, &[]),
+            kept: Output::beside(node.writer()?),
             rows: Output::new(node.writer()?, &[]),
             pending: None,
             // A plc that waits must hear of a journal that has come.

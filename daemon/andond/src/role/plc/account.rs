@@ -20,7 +20,7 @@ pub(super) struct Account {
 impl Account {
     pub(super) fn open(node: &Node) -> Result<Self, Error> {
         Ok(Self {
-            updates: Output::new(node.writer()?, &[]),
+            updates: Output::beside(node.writer()?),
             kept: node.reader()?,
             rows: node.reader()?,
             journal_epoch: None,

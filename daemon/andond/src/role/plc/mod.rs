@@ -1,3 +1,17 @@
+/// After this long without a line that is ready, `health` is opened again. Where iceoryx2 0.10.0 fails once to connect a reader
+/// with a writer, as with one that is killed while it comes up, it does not try again before another one comes or goes: a
+/// healthy role would stay unheard. Twice the longest time between two beats.
+const REOPEN_HEALTH_AFTER: Duration = Duration::from_secs(1);
+
+    /// When the line was last ready or `health` was opened.
+    health_since: Instant,
+            health_since: Instant::now(),
+        if self.line == Line::Ready {
+            self.health_since = Instant::now();
+        } else if self.health_since.elapsed() > REOPEN_HEALTH_AFTER {
+            self.health = cycle.node().reader()?;
+            self.health_since = Instant::now();
+        }
 //! `plc`: the journal's verdicts to the PLC, and the PLC's commands to the judge.
 //!
 //! What the PLC has been told is an account that the journal keeps. Each start of this role goes on where the last one ended.
@@ -13,7 +27,7 @@ use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
 use andon_plc::handshake::{Line, LineCommand};
 use andon_plc::modbus::{Config as Server, ModbusServer};
 use andon_plc::registers::{Image, status};
-use shm_schemas::{Command, Health, Verdict};
+use shm_schemas::{Command, Health, Judging};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
@@ -26,11 +40,6 @@ use line::Watch;
 
 /// The longest wait: a command of a client waits no longer than this to be passed on.
 const TURN: Duration = Duration::from_millis(20);
-
-/// After this long without a line that is ready, `health` is opened again. Where iceoryx2 0.10.0 fails once to connect a reader
-/// with a writer, as with one that is killed while it comes up, it does not try again before another one comes or goes: a
-/// healthy role would stay unheard. Twice the longest time between two beats.
-const REOPEN_HEALTH_AFTER: Duration = Duration::from_secs(1);
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -66,12 +75,10 @@ struct Plc {
     clients: Clients,
     commands: Output<Writer<Command>>,
     account: Account,
-    verdicts: Reader<Verdict>,
+    judging: Reader<Judging>,
     health: Reader<Health>,
     watch: Watch,
     line: Line,
-    /// When the line was last ready or `health` was opened.
-    health_since: Instant,
     /// The status word that was last on the registers.
     status: u16,
 }
@@ -81,7 +88,7 @@ impl Role for Plc {
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
         let mut ports: Vec<&mut dyn Port> = self.account.ports().into();
-        ports.extend([self.commands.port(), &mut self.verdicts as &mut dyn Port, &mut self.health]);
+        ports.extend([self.commands.port(), &mut self.judging as &mut dyn Port, &mut self.health]);
         ports
     }
 
@@ -96,13 +103,13 @@ impl Role for Plc {
         }
         self.clients.log(cycle.liveness());
         self.watch_line(cycle)?;
-        while let Some(verdict) = self.verdicts.take()? {
-            self.server.handshake(|handshake, now_ns| handshake.judged(&verdict, now_ns));
+        while let Some(judging) = self.judging.take()? {
+            self.server.handshake(|handshake, now_ns| handshake.judging(&judging, now_ns));
         }
         let turn = self.account.hear(&self.server, cycle)?;
         self.server.handshake(|handshake, now_ns| handshake.tick(self.line, now_ns));
         self.account.tell(&self.server, cycle)?;
-        self.pass_commands_on(cycle);
+        self.pass_command_on(cycle)?;
         let image = self.server.handshake(|handshake, now_ns| handshake.image(now_ns));
         self.log_changes(&image);
         Ok(turn)
@@ -119,11 +126,10 @@ impl Plc {
             clients: Clients::new(server.counters()),
             commands: Output::new(node.writer()?, &[]),
             account: Account::open(node)?,
-            verdicts: node.reader()?,
+            judging: node.reader()?,
             health: node.reader()?,
             watch: Watch::new(config),
             line: Line::Starting,
-            health_since: Instant::now(),
             status: 0,
             server,
         };
@@ -139,23 +145,14 @@ impl Plc {
             self.watch.heard(&health);
         }
         self.line = self.watch.line(MonotonicTime::now());
-        if self.line == Line::Ready {
-            self.health_since = Instant::now();
-        } else if self.health_since.elapsed() > REOPEN_HEALTH_AFTER {
-            self.health = cycle.node().reader()?;
-            self.health_since = Instant::now();
-        }
         Ok(())
     }
 
-    /// Passes on what clients ask for. A command that cannot be sent is one that the PLC is told was refused.
-    fn pass_commands_on(&mut self, cycle: &mut Cycle<'_>) {
-        while let Some(command) = self.server.handshake(|handshake, _| handshake.next_command()) {
-            let sent = self.commands.send(cycle, |message| write_command(&command, message));
-            if let Err(error) = &sent {
-                log!(code::SERVICE_UNUSABLE, "{error}");
-            }
-            self.server.handshake(|handshake, _| handshake.command_sent(command.kind, sent.is_ok()));
+    /// Passes on what clients ask for, and what the judge must be given again.
+    fn pass_command_on(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        match self.server.handshake(|handshake, now_ns| handshake.next_command(now_ns)) {
+            Some(command) => self.commands.send(cycle, |message| write_command(&command, message)),
+            None => Ok(()),
         }
     }
 
@@ -187,6 +184,7 @@ fn server_config(config: &Config) -> Server {
 }
 
 fn write_command(command: &LineCommand, message: &mut Command) {
+    message.number = command.number;
     message.kind = command.kind.code();
     message.job_id = command.job_id;
     message.model_hash = command.model_hash;
