@@ -91,9 +91,10 @@ impl Channel {
                 Qos { buffer: 128, history: 0, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 63 }
             }
             // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
-            // 16 writers: 7 roles, and those that are dead and not yet removed.
+            // 16 writers: 7 roles, and those that are dead and not yet removed. 16 readers: plc, programs in C, and every
+            // `andond status` that somebody has left stopped in a terminal.
             Self::Health => {
-                Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 16, loans: 2, burst: 1 }
+                Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 16, loans: 2, burst: 1 }
             }
             // Only the newest counts. A history of 1, for a reader that starts later: plc, the tools and programs in C.
             Self::Judging => {

@@ -1,17 +1,3 @@
-/// After this long without a line that is ready, `health` is opened again. Where iceoryx2 0.10.0 fails once to connect a reader
-/// with a writer, as with one that is killed while it comes up, it does not try again before another one comes or goes: a
-/// healthy role would stay unheard. Twice the longest time between two beats.
-const REOPEN_HEALTH_AFTER: Duration = Duration::from_secs(1);
-
-    /// When the line was last ready or `health` was opened.
-    health_since: Instant,
-            health_since: Instant::now(),
-        if self.line == Line::Ready {
-            self.health_since = Instant::now();
-        } else if self.health_since.elapsed() > REOPEN_HEALTH_AFTER {
-            self.health = cycle.node().reader()?;
-            self.health_since = Instant::now();
-        }
 //! `plc`: the journal's verdicts to the PLC, and the PLC's commands to the judge.
 //!
 //! What the PLC has been told is an account that the journal keeps. Each start of this role goes on where the last one ended.
@@ -102,7 +88,7 @@ impl Role for Plc {
             self.watch.gone(MonotonicTime::now());
         }
         self.clients.log(cycle.liveness());
-        self.watch_line(cycle)?;
+        self.watch_line()?;
         while let Some(judging) = self.judging.take()? {
             self.server.handshake(|handshake, now_ns| handshake.judging(&judging, now_ns));
         }
@@ -140,7 +126,7 @@ impl Plc {
     }
 
     /// Finds the state of the line by the health of its roles.
-    fn watch_line(&mut self, cycle: &Cycle<'_>) -> Result<(), RoleError> {
+    fn watch_line(&mut self) -> Result<(), RoleError> {
         while let Some(health) = self.health.take()? {
             self.watch.heard(&health);
         }
