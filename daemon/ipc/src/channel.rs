@@ -88,7 +88,7 @@ impl Channel {
             }
             // What is lost is asked for again, so this only has to hold what the journal sends between two looks of plc.
             Self::Journalled => {
-                Qos { buffer: 128, history: 0, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 63 }
+                Qos { buffer: 64, history: 0, borrowed: 2, readers: 2, writers: 1, loans: 2, burst: 31 }
             }
             // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
             // 16 writers: 7 roles, and those that are dead and not yet removed. 16 readers: plc, programs in C, and every

@@ -9,7 +9,7 @@ use super::super::cycle::Cycle;
 use super::super::output::Output;
 
 /// Rows that are sent in one turn: half of what the channel holds, so that plc can take them meanwhile.
-const ROWS: usize = 64;
+const ROWS: usize = 32;
 
 /// The journal's side of the account.
 pub(super) struct Delivery {

@@ -50,9 +50,9 @@ impl State {
         self.now.phase = phase.code();
     }
 
-    /// Whether the command has not come before: one that is not answered in time is sent again.
+    /// Whether the command has not come before: one that is not answered in time is sent again. One without a number is new.
     pub(super) fn is_new(&self, number: u64) -> bool {
-        number != self.now.command
+        number == 0 || number != self.now.command
     }
 
     /// The answer to a command.
