@@ -6,9 +6,12 @@
 //! | `detections` | [`Detections`] |
 //! | `couple` | [`Couples`] |
 //! | `verdict` | [`Verdict`] |
-//! | `confirmed` | [`Confirmed`] |
+//! | `account` | [`AccountUpdate`] |
+//! | `kept` | [`AccountKept`] |
+//! | `journalled` | [`Journalled`] |
 //! | `health` | [`Health`] |
 //! | `command` | [`Command`] |
+//! | `judging` | [`Judging`] |
 //!
 //! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of the names, types and offsets of its fields.
 //! It is an attribute of the service, so that two builds which disagree never exchange messages.
@@ -20,24 +23,26 @@
 //! recording the time since its first frame, so that a replay at any speed gives the same verdicts.
 #![no_std]
 
+mod account;
 mod code;
 mod command;
-mod confirmed;
 mod couples;
 mod detections;
 mod frame;
 mod health;
+mod judging;
 mod layout;
 mod stamp;
 mod verdict;
 
+pub use account::{Account, AccountKept, AccountUpdate, Journalled, WAITING_RESULTS};
 pub use code::UnknownCode;
 pub use command::{Command, CommandKind};
-pub use confirmed::Confirmed;
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 pub use health::{Health, RoleId, RoleState, Sight};
+pub use judging::{JudgePhase, Judging, Refusal};
 pub use layout::{Layout, Message};
 pub use stamp::Stamp;
 pub use verdict::{

@@ -341,3 +341,65 @@ fn a_time_without_sight_is_a_row_with_begin_and_end_before_the_verdict_that_foll
     assert!(columns.iter().all(|count| *count == columns[0]), "{csv}");
     assert!(csv.contains(",1970-01-01T00:00:01.9Z\r\n"), "{csv}");
 }
+
+#[test]
+fn a_row_is_read_back_as_the_verdict_that_was_written() {
+    let mut bench = Bench::new();
+    let mut known = verdict(u64::MAX, 1);
+    known.distance = 1.5;
+    known.reason = VerdictReason::Motion.code();
+    known.hand = 2;
+    known.model_hash = 0xFFFF_0000_0000_0001;
+    known.x_c = [1, 2, 2, 65535];
+    (known.stamp.frame_seq, known.stamp.captured_ns, known.stamp.sent_ns) = (4, 5, 6);
+    (known.began_ns, known.ended_ns, known.decided_ns, known.early) = (7, 8, 9, 1);
+    // Of another build: its numbers are kept as numbers.
+    let foreign =
+        Verdict { level: 77, outcome: 78, reason: 79, hand: 80, distance: 0.25, ..verdict(u64::MAX, 2) };
+    bench.append(&known).unwrap();
+    bench.append(&foreign).unwrap();
+    let rows = bench.journal.rows_after(0, 10).unwrap();
+    assert_eq!(rows, [Written { row: 1, verdict: known }, Written { row: 2, verdict: foreign }]);
+    assert_eq!(bench.journal.rows_after(1, 10).unwrap().len(), 1);
+    assert_eq!(bench.journal.rows_after(0, 1).unwrap().len(), 1);
+}
+
+#[test]
+fn the_account_of_the_plc_is_kept_and_before_the_first_it_says_where_the_journal_ends() {
+    let mut bench = Bench::new();
+    bench.send(4, 1..=3);
+    let none = bench.journal.account().unwrap();
+    assert_eq!((none.boot, none.row, none.epoch, none.seq), (0, 3, 4, 3));
+    let mut account = Account {
+        boot: 2,
+        number: u64::MAX,
+        row: 5,
+        epoch: u64::MAX,
+        seq: 6,
+        sequence: u32::MAX,
+        lost: 7,
+        has_overrun: 1,
+        error: 3,
+        error_detail: 104,
+        shown_row: 1,
+        shown_sequence: 8,
+        is_acknowledged: 1,
+        wanted_job: 12,
+        wanted_hash: u64::MAX,
+        journal: bench.journal.identity(),
+        ..Account::default()
+    };
+    (account.waiting_rows[0], account.waiting_sequences[0]) = (2, 9);
+    (account.waiting_rows[1], account.waiting_sequences[1]) = (4, 11);
+    bench.journal.keep(&account).unwrap();
+    let again = Journal::open(&bench.path(), KEEP).unwrap();
+    assert_eq!(again.account().unwrap(), account);
+    account.number = 1;
+    bench.journal.keep(&account).unwrap();
+    assert_eq!(bench.journal.account().unwrap(), account, "the newest takes the place of the one before");
+}
+
+#[test]
+fn every_database_has_an_identity_of_its_own() {
+    assert_ne!(Bench::new().journal.identity(), Bench::new().journal.identity());
+}

@@ -7,7 +7,7 @@
 use std::time::{Duration, Instant};
 
 use andon_ipc::{FrameReader, FrameSample, MonotonicTime, Node, Paced, Port, Reader, Sample, Wake};
-use shm_schemas::{Confirmed, Couples, Detections, Health, Stamp, Verdict, flag};
+use shm_schemas::{Couples, Detections, Health, Journalled, Stamp, Verdict, flag};
 
 use super::{Liveness, RoleError, WAIT};
 
@@ -306,5 +306,5 @@ impl Flagged for Couples {
 }
 
 impl Flagged for Verdict {}
-impl Flagged for Confirmed {}
+impl Flagged for Journalled {}
 impl Flagged for Health {}

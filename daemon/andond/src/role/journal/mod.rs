@@ -1,21 +1,26 @@
-//! `journal`: verdicts to the database. The channel `confirmed` says which of them are on disk; the PLC hears of no others.
+//! `journal`: verdicts to the database, and from there to the role `plc`, which hears of no others.
+
+mod delivery;
 
 use std::time::{Duration, Instant};
 
-use andon_ipc::{MonotonicTime, Node, Port, Reader, UtcTime, Writer};
-use andon_journal::{Confirmed, Journal, JournalError, Retention};
-use shm_schemas::{Confirmed as Message, Health, RoleId, Sight, Verdict};
+use andon_ipc::{MonotonicTime, Node, Port, Reader, UtcTime};
+use andon_journal::{Journal, JournalError, Retention};
+use shm_schemas::{Health, RoleId, Sight, Verdict};
 
 use super::clock::ClockWatch;
 use super::cycle::{Cycle, Role, Turn};
-use super::output::Output;
 use super::{RoleError, WAIT};
 use crate::config::Config;
 use crate::log::{code, log};
 use crate::sight;
+use delivery::Delivery;
 
 /// Between two tries to write while the disk is full or the database locked. Each may itself wait as long for the lock.
 const TRY_AGAIN: Duration = Duration::from_millis(250);
+
+/// Between two bursts of rows to a plc that is far behind: long enough for it to take them.
+const NEXT_ROWS: Duration = Duration::from_millis(20);
 
 /// Runs until it is asked to stop. What is on the channel then is written first.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -33,9 +38,7 @@ struct Keeper {
     sight: (Option<Sight>, u64),
     /// The same as the journal has it.
     written_sight: (Option<Sight>, u64),
-    confirmed: Output<Writer<Message>>,
-    /// The newest verdict that the channel `confirmed` has named.
-    newest_sent: Option<Confirmed>,
+    delivery: Delivery,
     /// Verdicts in gaps that have been logged.
     lost: u64,
     /// Removed verdicts that have been logged.
@@ -50,14 +53,20 @@ impl Role for Keeper {
     /// While nothing can be written, verdicts must not turn the loop: they wait where they are.
     fn ports(&mut self) -> Vec<&mut dyn Port> {
         if self.is_failing {
-            vec![self.confirmed.port()]
-        } else {
-            vec![self.confirmed.port(), &mut self.verdicts, &mut self.health]
+            return self.delivery.outputs().into();
         }
+        let mut ports: Vec<&mut dyn Port> = self.delivery.ports().into();
+        ports.push(&mut self.verdicts);
+        ports.push(&mut self.health);
+        ports
     }
 
     fn patience(&self) -> Duration {
-        if self.is_failing { TRY_AGAIN } else { WAIT }
+        match (self.is_failing, self.delivery.has_more()) {
+            (true, _) => TRY_AGAIN,
+            (false, true) => NEXT_ROWS,
+            (false, false) => WAIT,
+        }
     }
 
     /// Writes all that has come in one transaction: a disk that syncs takes as long for one row as for a hundred.
@@ -65,7 +74,13 @@ impl Role for Keeper {
         self.clock.look();
         self.watch_sight()?;
         self.take(cycle)?;
-        self.write(cycle)
+        self.delivery.hear(&self.journal)?;
+        let turn = self.write(cycle)?;
+        if !self.is_failing {
+            self.delivery.answer(&self.journal, cycle)?;
+        }
+        self.delivery.deliver(&self.journal, cycle)?;
+        Ok(turn)
     }
 
     fn stop(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
@@ -81,12 +96,11 @@ impl Keeper {
         let retention = Retention { keep_days: config.journal.keep_days, keep_mb: config.journal.keep_mb };
         let mut keeper = Self {
             journal: Journal::open(&path, retention)?,
-            confirmed: Output::new(cycle.node().writer()?, &[]),
+            delivery: Delivery::open(cycle.node())?,
             verdicts: cycle.node().reader()?,
             health: cycle.node().reader()?,
             sight: (None, 0),
             written_sight: (None, 0),
-            newest_sent: None,
             lost: 0,
             removed: 0,
             is_failing: false,
@@ -94,7 +108,7 @@ impl Keeper {
         };
         log!(code::JOURNAL_OPENED, { path = %path.display() }, "writing to {}", path.display());
         keeper.log_missing();
-        keeper.confirm(cycle)?;
+        keeper.delivery.answer(&keeper.journal, cycle)?;
         cycle.stepped(began);
         Ok(keeper)
     }
@@ -135,12 +149,15 @@ impl Keeper {
     }
 
     fn write(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        if self.journal.waiting() == 0 {
+        if self.journal.waiting() == 0 && !self.delivery.is_pending() {
             return Ok(Turn::Idle);
         }
-        match self.journal.flush() {
+        let written = self.journal.flush().and_then(|()| {
+            self.delivery.has_written();
+            self.delivery.keep(&mut self.journal)
+        });
+        match written {
             Ok(()) => {
-                self.confirm(cycle)?;
                 if std::mem::take(&mut self.is_failing) {
                     log!(
                         code::JOURNAL_OPENED,
@@ -160,19 +177,6 @@ impl Keeper {
             }
             Err(error) => Err(error.into()),
         }
-    }
-
-    /// Says what is on disk by now.
-    fn confirm(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        let newest = self.journal.newest();
-        if let Some(Confirmed { epoch, seq }) = newest.filter(|_| newest != self.newest_sent) {
-            self.confirmed.send(cycle, |message| {
-                message.verdict_epoch = epoch;
-                message.verdict_seq = seq;
-            })?;
-            self.newest_sent = newest;
-        }
-        Ok(())
     }
 
     /// Logs what the journal has lost and removed since the last time.
