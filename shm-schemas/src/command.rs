@@ -20,11 +20,13 @@ codes! {
     }
 }
 
-wire! { "andon.Command", 56;
+wire! { "andon.Command", 64;
     /// One command.
     struct Command {
         /// The stamp.
         stamp: Stamp,
+        /// A number that no other command has. The judge does nothing twice, and names it in its answer.
+        number: u64,
         /// The version of the job, for `LoadJob`.
         model_hash: u64,
         /// The job, for `LoadJob`.

@@ -31,11 +31,10 @@ wire! { "andon.Couples", 120;
         described_ns: u64,
         /// Source time of the newest frame that they depend on: `persist` frames after `described_ns`.
         known_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `METRIC`, `PACED`, `CAPTURED`,
-        /// `MOVED_UNSEEN`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`, `CAPTURED`, `MOVED_UNSEEN`.
         flags: u32,
-        /// Frames that were lost just before the newest one.
-        dropped: u32,
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

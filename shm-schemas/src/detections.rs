@@ -41,21 +41,15 @@ wire! { "andon.ObjectDetection", 68;
     }
 }
 
-wire! { "andon.Detections", 3104;
+wire! { "andon.Detections", 3096;
     /// What perception found in one frame.
     struct Detections {
         /// The stamp.
         stamp: Stamp,
         /// Source time in nanoseconds, as in [`crate::FrameHeader`].
         source_ns: u64,
-        /// Bits of [`crate::flag`]: `END_OF_STREAM`, `METRIC`, `PACED`.
+        /// Bits of [`crate::flag`]: `END_OF_STREAM`, `PACED`.
         flags: u32,
-        /// Frames that were lost just before this one, at the source or on the channel `frame`.
-        dropped: u32,
-        /// Pixels in a row of the picture that the pixel coordinates refer to.
-        width: u32,
-        /// Rows of that picture.
-        height: u32,
         /// How many of `hands` are valid.
         hands_len: u32,
         /// How many of `objects` are valid.
@@ -64,6 +58,8 @@ wire! { "andon.Detections", 3104;
         hands: [HandDetection; HANDS],
         /// Objects, at most one per id.
         objects: [ObjectDetection; OBJECTS],
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
     }
 }
 message!(Detections);

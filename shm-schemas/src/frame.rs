@@ -18,17 +18,6 @@ codes! {
     }
 }
 
-impl ColourFormat {
-    /// Bytes of one pixel.
-    pub const fn bytes_per_pixel(self) -> u32 {
-        match self {
-            Self::Rgb8 | Self::Bgr8 => 3,
-            Self::Grey8 => 1,
-            Self::Yuyv => 2,
-        }
-    }
-}
-
 codes! {
     /// Bytes of one depth pixel.
     enum DepthFormat: u32 {

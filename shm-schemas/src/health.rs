@@ -42,7 +42,33 @@ codes! {
     }
 }
 
-wire! { "andon.Health", 112;
+codes! {
+    /// What the role perceive can see of its bench. Other roles leave it at 0.
+    enum Sight: u8 {
+        /// It sees what it should.
+        Clear = 1,
+        /// The picture does not change at all.
+        Frozen = 2,
+        /// The picture is black.
+        Black = 3,
+        /// The picture is white.
+        White = 4,
+        /// Something lies over the lens.
+        Covered = 5,
+        /// The picture has lost its sharp edges.
+        Blurred = 6,
+        /// There is too much noise in the picture.
+        Noisy = 7,
+        /// Too few of the camera's pictures are looked at.
+        TooFewFrames = 8,
+        /// The station's markers are not in the picture, and hands work there, or other markers lie there.
+        NoMarkers = 9,
+        /// Parts move, and no hand is found.
+        NoHands = 10,
+    }
+}
+
+wire! { "andon.Health", 120;
     /// How a role is doing. Counts are since its start.
     struct Health {
         /// The stamp, with the newest frame that the role has processed.
@@ -51,10 +77,12 @@ wire! { "andon.Health", 112;
         sent: u64,
         /// Messages received on the role's data channel.
         received: u64,
-        /// Messages that it did not receive or skipped, by the gaps in `seq`.
+        /// Messages that it did not get or skipped, by the gaps in `seq`, and frames that their source itself lost.
         losses: u64,
         /// Messages that it received and could not use.
         refused: u64,
+        /// CLOCK_MONOTONIC since when `sight` is what it is; 0 where it says nothing.
+        sight_since_ns: u64,
         /// Steps per second in the last period.
         rate_hz: f32,
         /// Age of the newest message when it was taken, microseconds.
@@ -73,8 +101,10 @@ wire! { "andon.Health", 112;
         role: u8,
         /// A [`RoleState`].
         state: u8,
+        /// A [`Sight`], from the role perceive; 0 from others.
+        sight: u8,
         /// Keeps the size a multiple of 8.
-        reserved: [u8; 10],
+        reserved: [u8; 9],
     }
 }
 message!(Health);

@@ -6,9 +6,12 @@
 //! | `detections` | [`Detections`] |
 //! | `couple` | [`Couples`] |
 //! | `verdict` | [`Verdict`] |
-//! | `confirmed` | [`Confirmed`] |
+//! | `account` | [`AccountUpdate`] |
+//! | `kept` | [`AccountKept`] |
+//! | `journalled` | [`Journalled`] |
 //! | `health` | [`Health`] |
 //! | `command` | [`Command`] |
+//! | `judging` | [`Judging`] |
 //!
 //! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of the names, types and offsets of its fields.
 //! It is an attribute of the service, so that two builds which disagree never exchange messages.
@@ -20,24 +23,26 @@
 //! recording the time since its first frame, so that a replay at any speed gives the same verdicts.
 #![no_std]
 
+mod account;
 mod code;
 mod command;
-mod confirmed;
 mod couples;
 mod detections;
 mod frame;
 mod health;
+mod judging;
 mod layout;
 mod stamp;
 mod verdict;
 
+pub use account::{Account, AccountKept, AccountUpdate, Journalled, WAITING_RESULTS};
 pub use code::UnknownCode;
 pub use command::{Command, CommandKind};
-pub use confirmed::Confirmed;
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
-pub use health::{Health, RoleId, RoleState};
+pub use health::{Health, RoleId, RoleState, Sight};
+pub use judging::{JudgePhase, Judging, Refusal};
 pub use layout::{Layout, Message};
 pub use stamp::Stamp;
 pub use verdict::{
@@ -54,14 +59,12 @@ pub const OBJECTS: usize = 32;
 pub mod flag {
     /// The recording has ended and nothing follows from this source. The message may carry no data.
     pub const END_OF_STREAM: u32 = 1;
-    /// Coordinates are metric (depth was used); otherwise they lie in the plane of the bench.
-    pub const METRIC: u32 = 1 << 1;
     /// The source waits for its readers so that nothing is lost, and so does every role that sends what follows from it.
-    pub const PACED: u32 = 1 << 2;
+    pub const PACED: u32 = 1 << 1;
     /// There was a frame at the instant that the couples describe; otherwise it was lost, or never taken.
-    pub const CAPTURED: u32 = 1 << 3;
+    pub const CAPTURED: u32 = 1 << 2;
     /// An object lies elsewhere than before, and no hand was seen at it.
-    pub const MOVED_UNSEEN: u32 = 1 << 4;
+    pub const MOVED_UNSEEN: u32 = 1 << 3;
     /// The motion was measured.
     pub const MEASURED: u8 = 1;
     /// The frame itself shows the context.

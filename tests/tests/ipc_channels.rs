@@ -256,7 +256,7 @@ fn without_a_steward_the_error_tells_to_start_one() {
     let bench = Bench::new("alone");
     let refused = Node::open(&bench.station, RoleId::Judge, NOW, &Stop::new().unwrap()).unwrap_err();
     assert!(matches!(refused, Error::NoSteward { .. }), "{refused}");
-    assert!(refused.to_string().contains("start the steward"), "{refused}");
+    assert!(refused.to_string().contains("andond run steward"), "{refused}");
 
     // Its directory without a steward is not enough.
     drop(bench.steward());

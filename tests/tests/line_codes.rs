@@ -1,16 +1,10 @@
 //! The codes of ordinary operation: each is logged by the role that the index of the codes leads a technician to, when a line
-//! does what the code means. The codes of faults are in `line_faults`, those of what cannot be seen in `line_visibility`.
+//! does what the code means. The codes of faults are in `line_faults`, those of what cannot be seen in `line_visibility`, and those of inputs
+//! that no worker gives in `line_stand_in`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::line::{Line, Modbus, Settings};
 use andon_tests::simulator::Flaw;
-
-/// The line's configuration with one text replaced by another.
-fn reconfigure(line: &Line, from: &str, to: &str) {
-    let text = std::fs::read_to_string(line.config()).unwrap();
-    assert!(text.contains(from), "{text}");
-    std::fs::write(line.config(), text.replace(from, to)).unwrap();
-}
 
 /// A line at the worker's own pace that does not end.
 fn endless(writes: bool) -> Line {
@@ -35,8 +29,8 @@ fn a_line_reports_what_it_watches_what_was_wrong_and_that_it_stops() {
 #[test]
 fn a_station_without_a_job_and_without_a_plc_says_so() {
     let mut line = endless(false);
-    reconfigure(&line, "job = \"job.toml\"\n", "");
-    reconfigure(&line, "enable = true", "enable = false");
+    line.reconfigure("job = \"job.toml\"\n", "");
+    line.reconfigure("enable = true", "enable = false");
     let _watcher = line.launch();
     line.wait_for_log("judge", "AND-311", "Set station.job");
     line.wait_for_log("plc", "AND-511", "");
@@ -57,7 +51,7 @@ fn a_client_that_connects_commands_and_asks_outside_the_register_map_is_reported
 #[test]
 fn a_client_that_is_not_allowed_is_reported() {
     let mut line = endless(false);
-    reconfigure(&line, "[plc]\n", "[plc]\nbind = \"0.0.0.0\"\nallow = [\"192.0.2.1\"]\n");
+    line.reconfigure("[plc]\n", "[plc]\nbind = \"0.0.0.0\"\nallow = [\"192.0.2.1\"]\n");
     let _watcher = line.launch();
     let _client = Modbus::connect_when_up(line.port);
     line.wait_for_log("plc", "AND-504", "plc.allow");

@@ -39,12 +39,12 @@ fn a_root_that_is_deleted_ends_the_steward_and_the_log_has_the_remedy() {
     let (mut line, _watcher) = up(Settings::live());
     std::fs::remove_dir_all(line.station.root()).unwrap();
     assert_eq!(line.role("steward").wait().code(), Some(70));
-    line.wait_for_log("steward", "AND-606", "Keep cleaners away");
+    line.wait_for_log("steward", "AND-606", "keep cleaners of temporary files away");
 }
 
 #[test]
 fn a_journal_whose_database_is_locked_waits_and_loses_nothing() {
-    let (mut line, mut watcher) = up(Settings { writes: true, ..Settings::live() });
+    let (mut line, mut watcher) = up(Settings::live());
     // As when somebody opens the database by hand and leaves a transaction open.
     let hold = "import sqlite3, sys\nc = sqlite3.connect(sys.argv[1])\nc.execute('BEGIN IMMEDIATE')\n\
                 print('locked', flush=True)\nsys.stdin.read()\n";
@@ -76,10 +76,10 @@ fn a_disk_that_is_full_is_logged_and_what_was_confirmed_stays() {
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     line.start_all_but(&["steward", "journal"]);
-    // No file may grow over 100 blocks. The signal is ignored, so that the write fails as it does on a full disk.
+    // No file may grow over 200 blocks. The signal is ignored, so that the write fails as it does on a full disk.
     let log = std::fs::File::create(line.path("journal.log")).unwrap();
     let mut journal = Command::new("sh")
-        .args(["-c", "trap '' XFSZ; ulimit -f 100; exec \"$0\" run journal -c \"$1\" 2>&1"])
+        .args(["-c", "trap '' XFSZ; ulimit -f 200; exec \"$0\" run journal -c \"$1\" 2>&1"])
         .arg(andond())
         .arg(line.config())
         .stdout(log)

@@ -1,8 +1,10 @@
 //! The line as the PLC sees it: results only after the journal has them, read by our own client and by others' clients.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_learn::job_file::JobFile;
 use andon_tests::line::{Line, Modbus, Settings, Watcher, control, status};
 use rustix::process::Signal;
+use shm_schemas::Refusal;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::Duration;
@@ -56,6 +58,127 @@ fn each_acknowledged_result_is_the_next_verdict_of_the_journal() {
     let rows = line.journal().verdicts();
     let from = rows.iter().position(|row| *row == taken[0]).unwrap();
     assert_eq!(&rows[from..from + taken.len()], taken);
+}
+
+#[test]
+fn a_restart_of_plc_offers_again_what_was_not_acknowledged_and_loses_and_doubles_nothing() {
+    let (mut line, _watcher, mut plc) = ready(true);
+    let mut taken: Vec<(u32, (u64, u64))> = Vec::new();
+    for round in 0..4 {
+        plc.wait_for(status::DONE);
+        let offered = (plc.sequence(), plc.result());
+        line.role("plc").kill();
+        // Whatever is sent meanwhile is still the PLC's.
+        std::thread::sleep(Duration::from_millis(500));
+        line.start("plc");
+        plc = Modbus::connect_when_up(line.port);
+        plc.enable();
+        plc.wait_for(status::DONE);
+        assert_eq!((plc.sequence(), plc.result()), offered, "round {round}");
+        assert_eq!(plc.boot(), round + 2);
+        for _ in 0..2 {
+            plc.wait_for(status::DONE);
+            taken.push((plc.sequence(), plc.result()));
+            plc.acknowledge();
+        }
+    }
+    assert!(taken.windows(2).all(|two| two[1].0 > two[0].0), "{taken:?}");
+    assert_eq!(plc.lost(), 0, "the PLC was fast enough");
+    let rows = line.journal().verdicts();
+    let from = rows.iter().position(|row| *row == taken[0].1).unwrap();
+    let keys: Vec<_> = taken.iter().map(|(_, key)| *key).collect();
+    assert_eq!(&rows[from..from + keys.len()], keys);
+}
+
+/// A station that has its job a second time, under the number 2.
+fn with_two_jobs() -> Line {
+    let line = Line::new(Settings { writes: true, ..Settings::live() });
+    let folder = line.path("jobs");
+    std::fs::create_dir(&folder).unwrap();
+    let mut job = JobFile::parse("job.toml", &std::fs::read(line.path("job.toml")).unwrap()).unwrap();
+    assert_eq!(job.id, 1);
+    job.id = 2;
+    std::fs::write(folder.join("two.toml"), job.to_toml()).unwrap();
+    let text = std::fs::read_to_string(line.config()).unwrap();
+    let text = text.replace("job = \"job.toml\"\n", &format!("job = \"job.toml\"\njobs = {folder:?}\n"));
+    std::fs::write(line.config(), text).unwrap();
+    line
+}
+
+#[test]
+fn a_job_that_is_refused_is_told_with_the_reason_and_the_job_in_force_is_on_the_registers() {
+    let mut line = with_two_jobs();
+    let (_watcher, mut plc) = up(&mut line, true);
+    assert_eq!(plc.job_in_force(), 1);
+    // A worker who is at it would make every job be refused.
+    line.role("encode").kill();
+    line.wait_for_log("judge", "AND-610", "");
+    plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
+    assert_eq!(plc.load_job(999), Some(u16::from(Refusal::NoSuchJob.code())));
+    assert_eq!(plc.job_in_force(), 1);
+    assert_eq!(plc.load_job(2), None);
+    assert_eq!(plc.job_in_force(), 2);
+    let status = String::from_utf8(line.command("status", &[]).stdout).unwrap();
+    assert!(status.contains("job       2 of hash "), "{status}");
+}
+
+#[test]
+fn a_judge_or_a_plc_that_starts_again_goes_on_with_the_job_that_the_plc_has_loaded() {
+    let mut line = with_two_jobs();
+    let mut watcher = line.launch();
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
+    plc.wait_for(status::READY);
+    // It is refused while a job runs.
+    let loaded = (0..1000).find(|_| plc.load_job(2).is_none());
+    assert!(loaded.is_some());
+    line.role("judge").kill();
+    line.start("judge");
+    plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
+    let from = watcher.verdicts.len();
+    watcher.until("verdicts of the new judge", |watcher| watcher.verdicts.len() > from + 3);
+    let newest = watcher.verdicts.last().unwrap();
+    assert_eq!((newest.job_id, plc.job_in_force()), (2, 2));
+
+    for role in ["plc", "judge"] {
+        line.role(role).kill();
+    }
+    line.start("judge");
+    line.start("plc");
+    plc = Modbus::connect_when_up(line.port);
+    watcher.listen(Duration::from_millis(100));
+    let from = watcher.verdicts.len();
+    let until = std::time::Instant::now() + Duration::from_secs(4);
+    while std::time::Instant::now() < until {
+        watcher.listen(Duration::from_millis(100));
+        assert!(plc.status().unwrap() & status::READY == 0);
+    }
+    assert_eq!(
+        watcher.verdicts.len(),
+        from,
+        "the control word is 0 after a restart of plc: nothing is judged"
+    );
+    plc.enable();
+    let from = watcher.verdicts.len();
+    watcher.until("verdicts of the newest judge", |watcher| watcher.verdicts.len() > from + 3);
+    assert_eq!((watcher.verdicts.last().unwrap().job_id, plc.job_in_force()), (2, 2));
+}
+
+#[test]
+fn enable_holds_before_its_first_write() {
+    let mut line = Line::new(Settings { writes: true, ..Settings::live() });
+    let mut watcher = line.up();
+    let mut plc = Modbus::connect_when_up(line.port);
+    let until = std::time::Instant::now() + Duration::from_secs(10);
+    while std::time::Instant::now() < until {
+        watcher.listen(Duration::from_millis(100));
+        let status = plc.status().unwrap();
+        assert_eq!(status & (status::READY | status::DONE), 0, "nobody has enabled the line");
+    }
+    assert!(watcher.verdicts.is_empty(), "{:?}", watcher.verdicts);
+    plc.enable();
+    plc.wait_for(status::READY);
+    plc.wait_for(status::DONE);
 }
 
 /// Kills a role, waits until the PLC sees it, starts the role, and waits until the PLC sees the line ready.
@@ -182,6 +305,8 @@ while len(numbers) < 3:
     assert first == again, "torn"
     numbers.append(first[0] << 16 | first[1])
     client.write_register(100, 1 | 16)
+    while client.read_holding_registers(0, count=1).registers[0] & 8:
+        assert time.monotonic() < until, "not acknowledged"
     client.write_register(100, 1)
 assert numbers == list(range(numbers[0], numbers[0] + 3)), numbers
 print("taken", numbers)

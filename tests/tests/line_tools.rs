@@ -1,7 +1,7 @@
 //! The commands that a technician runs, by the real binary.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, Settings, andond};
+use andon_tests::line::{Line, ROLES, Settings, andond};
 use std::process::Command;
 
 #[test]
@@ -47,7 +47,7 @@ fn status_is_healthy_while_every_role_runs_and_names_the_role_that_does_not() {
     let output = line.command("status", &["--json"]);
     let status: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{status}");
-    assert_eq!(status["roles"].as_array().unwrap().len(), 6);
+    assert_eq!(status["roles"].as_array().unwrap().len(), ROLES.len());
     for key in ["rate_hz", "p50_us", "p99_us", "losses", "pid"] {
         assert!(status["roles"][1][key].is_number(), "{key}: {status}");
     }

@@ -62,5 +62,5 @@ fn a_track_file_that_was_cut_off_is_played_to_the_cut_and_the_cut_is_logged() {
     std::fs::write(line.tracks(), &bytes[..bytes.len() - 20]).unwrap();
     let mut watcher = line.launch();
     watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
-    line.wait_for_log("perceive", "AND-210", "everything up to there has been used");
+    line.wait_for_log("perceive", "AND-210", "everything up to that line is used");
 }

@@ -30,11 +30,11 @@ pub enum Command {
     Demo(Demo),
     /// Learn a job from recordings of correct runs
     Teach(Teach),
-    /// Judge a recording by a taught job; exit 0: all correct, 1: an anomaly, 2: something could not be judged
+    /// Judge a recording against a taught job; exit 0: all correct, 1: an anomaly, 2: something could not be judged
     Replay(Replay),
     /// Print the ERUs, IUs, activities and the job of a recording
     Segment(Segment),
-    /// Find the bench in a picture with four known markers
+    /// Find the bench in a picture of four markers at known positions
     Calibrate(Calibrate),
     /// Write what a running station sees to a track file
     Record(Record),
@@ -71,7 +71,7 @@ pub struct Demo {
     /// Play at the clips' own rate (file), or as fast as the line can (max)
     #[arg(long, value_enum, default_value_t = Speed::File)]
     pub speed: Speed,
-    /// Write each clip again into this folder, with what was seen and judged drawn on it
+    /// Write a copy of each clip into this folder, with what was seen and judged drawn on it
     #[arg(long, value_name = "FOLDER")]
     pub annotate: Option<PathBuf>,
 }
@@ -117,7 +117,7 @@ pub struct Teach {
 /// How thresholds are taught.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ThresholdRule {
-    /// The paper's: mean + 2 sigma of the distances to the own barycentre.
+    /// The paper's: mean + 2 sigma of the runs' distances to their barycentre.
     Paper,
     /// The distance of each run to the barycentre of the others.
     LeaveOneOut,
@@ -148,7 +148,7 @@ pub struct Replay {
     /// Print one JSON object per verdict
     #[arg(long)]
     pub json: bool,
-    /// Write the film again, with what was seen and judged drawn on it
+    /// Write a copy of the film, with what was seen and judged drawn on it
     #[arg(long, value_name = "FILE.mp4")]
     pub annotate: Option<PathBuf>,
 }
@@ -164,7 +164,7 @@ pub struct Segment {
     /// Print one JSON object per event
     #[arg(long)]
     pub json: bool,
-    /// Draw one lane per feature and context with IU and activity bands
+    /// Draw the features and contexts over time, one lane each, with the IUs and activities as bands
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
 }

@@ -2,7 +2,7 @@
 //!
 //! Along the data path: [`video`] brings pictures, [`perception`] and, with depth, [`metric`] look at them, [`role`] has the
 //! processes of the line, [`wire`] what crosses shared memory, and [`report`] verdicts for people and programs.
-//! [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`], [`config`], [`exit`],
+//! [`sight`] names what the line cannot see. [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`], [`config`], [`exit`],
 //! [`compatibility`] and [`log`] serve them all.
 #![forbid(unsafe_code)]
 
@@ -17,6 +17,7 @@ pub mod picture;
 pub mod recording;
 pub mod report;
 pub mod role;
+pub mod sight;
 pub mod tool;
 pub mod video;
 pub mod wire;

@@ -170,12 +170,7 @@ impl Watched {
         let (width, height) = (format.width as usize, format.height as usize);
         let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, self.film.picture())?;
         let seen = self.perceiver.perceive(image, pts_ns)?;
-        self.seen = Detections {
-            source_ns: pts_ns,
-            width: format.width,
-            height: format.height,
-            ..Detections::default()
-        };
+        self.seen = Detections { source_ns: pts_ns, ..Detections::default() };
         wire::detections::write(&seen, &mut self.seen);
         Ok(Some(wire::detections::to_core(&self.seen)))
     }

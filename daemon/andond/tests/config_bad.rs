@@ -47,8 +47,9 @@ fn each_bad_configuration_is_refused_with_its_messages() {
 
 #[test]
 fn no_expectation_is_without_its_case() {
-    let cases: Vec<PathBuf> = files("toml").iter().map(|path| path.with_extension("expected")).collect();
-    assert_eq!(files("expected"), cases);
+    for expectation in files("expected") {
+        assert!(expectation.with_extension("toml").is_file(), "{}", expectation.display());
+    }
 }
 
 #[test]

@@ -9,6 +9,7 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::TrackReader;
 use andon_perception::bench::CalibrationError;
 use andon_perception::{PerceptionError, RuntimeFile};
+use andond::compatibility::Misfit;
 use andond::exit::Code;
 use andond::log::last_error;
 use andond::perception::SetupError;
@@ -44,7 +45,7 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
     let station = || "bench1".to_owned();
     let (root, lock) = (PathBuf::new(), PathBuf::new());
     let address = ([127, 0, 0, 1], 502).into();
-    let errors: [(RoleError, u32, Code); 24] = [
+    let errors: [(RoleError, u32, Code); 26] = [
         (open(OpenError::Refused), 105, Code::Configuration),
         (open(OpenError::NotAllowed), 107, Code::Fault),
         (open(OpenError::Gone), 108, Code::Fault),
@@ -57,6 +58,12 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
         (missing(RuntimeFile::OnnxRuntime), 206, Code::Configuration),
         (SetupError::from(CalibrationError::Mirrored).into(), 208, Code::Configuration),
         (JobFile::parse("job.toml", b"").unwrap_err().into(), 302, Code::Configuration),
+        (RoleError::UnreadJob { path: PathBuf::new(), source: io() }, 302, Code::Configuration),
+        (
+            RoleError::UnfitJob { path: PathBuf::new(), misfit: Misfit::Constant("bins") },
+            302,
+            Code::Configuration,
+        ),
         (JournalError::Export(io()).into(), 402, Code::Fault),
         (JournalError::Locked { path: PathBuf::new(), waiting: 0 }.into(), 403, Code::Fault),
         (JournalError::Newer { path: PathBuf::new(), found: 2, known: 1 }.into(), 404, Code::Configuration),

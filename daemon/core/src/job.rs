@@ -65,8 +65,8 @@ pub struct Job<'a> {
     pub max_slowdown: f32,
 }
 
-/// The factor by which the threshold of an IU of this many frames grows: how many times longer than its reference it is, but at
-/// least 1 and at most `max_slowdown`.
+/// The factor by which the threshold of an IU of this many frames grows: its length as a multiple of that of its reference, limited to
+/// the range from 1 to `max_slowdown`.
 pub fn slowdown_factor(frames: u32, reference: usize, max_slowdown: f32) -> f32 {
     (frames as f32 / reference.max(1) as f32).clamp(1.0, max_slowdown.max(1.0))
 }

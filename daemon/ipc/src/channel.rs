@@ -1,6 +1,9 @@
 //! The channels of a station and their quality of service.
 
-use shm_schemas::{Command, Confirmed, Couples, Detections, FrameHeader, Health, Layout, Message, Verdict};
+use shm_schemas::{
+    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Judging,
+    Layout, Message, Verdict,
+};
 use std::fmt;
 
 /// A channel: one kind of message, on its way from one role to others.
@@ -14,24 +17,33 @@ pub enum Channel {
     Couple,
     /// From judge to plc, journal and the tools.
     Verdict,
-    /// From journal to plc: which verdicts are on disk.
-    Confirmed,
+    /// From plc to journal: what the PLC has been told, to be kept.
+    Account,
+    /// From journal to plc: which account is on disk.
+    Kept,
+    /// From journal to plc: the verdicts that are on disk, row by row.
+    Journalled,
     /// From every role to plc and the tools.
     Health,
     /// From plc to judge.
     Command,
+    /// From judge to plc and the tools: what it is doing, and what became of the last command.
+    Judging,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 10] = [
         Self::Frame,
         Self::Detections,
         Self::Couple,
         Self::Verdict,
-        Self::Confirmed,
+        Self::Account,
+        Self::Kept,
+        Self::Journalled,
         Self::Health,
         Self::Command,
+        Self::Judging,
     ];
 
     /// The name in service names and logs.
@@ -41,9 +53,12 @@ impl Channel {
             Self::Detections => "detections",
             Self::Couple => "couple",
             Self::Verdict => "verdict",
-            Self::Confirmed => "confirmed",
+            Self::Account => "account",
+            Self::Kept => "kept",
+            Self::Journalled => "journalled",
             Self::Health => "health",
             Self::Command => "command",
+            Self::Judging => "judging",
         }
     }
 
@@ -67,14 +82,23 @@ impl Channel {
             Self::Verdict => {
                 Qos { buffer: 1024, history: 256, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 511 }
             }
-            // Only the newest counts, because it includes all before it. A history of 1, for a plc that starts later.
-            Self::Confirmed => {
+            // Only the newest counts, because it includes all before it. A history of 1, for the one that starts later.
+            Self::Account | Self::Kept => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 1 }
             }
+            // What is lost is asked for again, so this only has to hold what the journal sends between two looks of plc.
+            Self::Journalled => {
+                Qos { buffer: 64, history: 0, borrowed: 2, readers: 2, writers: 1, loans: 2, burst: 31 }
+            }
             // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
-            // 16 writers: 7 roles, and those that are dead and not yet removed.
+            // 16 writers: 7 roles, and those that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every
+            // `andond status` that somebody has left stopped in a terminal.
             Self::Health => {
-                Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 16, loans: 2, burst: 1 }
+                Qos { buffer: 4, history: 1, borrowed: 2, readers: 16, writers: 16, loans: 2, burst: 1 }
+            }
+            // Only the newest counts. A history of 1, for a reader that starts later: plc, the tools and programs in C.
+            Self::Judging => {
+                Qos { buffer: 4, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
             }
             // No history: a judge that starts must not obey a command from before its start.
             Self::Command => {
@@ -133,11 +157,20 @@ impl ChannelMessage for Couples {
 impl ChannelMessage for Verdict {
     const CHANNEL: Channel = Channel::Verdict;
 }
-impl ChannelMessage for Confirmed {
-    const CHANNEL: Channel = Channel::Confirmed;
+impl ChannelMessage for AccountUpdate {
+    const CHANNEL: Channel = Channel::Account;
+}
+impl ChannelMessage for AccountKept {
+    const CHANNEL: Channel = Channel::Kept;
+}
+impl ChannelMessage for Journalled {
+    const CHANNEL: Channel = Channel::Journalled;
 }
 impl ChannelMessage for Health {
     const CHANNEL: Channel = Channel::Health;
+}
+impl ChannelMessage for Judging {
+    const CHANNEL: Channel = Channel::Judging;
 }
 impl ChannelMessage for Command {
     const CHANNEL: Channel = Channel::Command;
@@ -150,9 +183,12 @@ pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
         Channel::Detections => size_of::<Detections>(),
         Channel::Couple => size_of::<Couples>(),
         Channel::Verdict => size_of::<Verdict>(),
-        Channel::Confirmed => size_of::<Confirmed>(),
+        Channel::Account => size_of::<AccountUpdate>(),
+        Channel::Kept => size_of::<AccountKept>(),
+        Channel::Journalled => size_of::<Journalled>(),
         Channel::Health => size_of::<Health>(),
         Channel::Command => size_of::<Command>(),
+        Channel::Judging => size_of::<Judging>(),
     }
 }
 

@@ -1,6 +1,6 @@
-//! The two clocks of the wire, each with a type of its own, so that a time of one is never taken for a time of the other.
+//! The clocks of the wire, each with a type of its own, so that a time of one is never taken for a time of another.
 //!
-//! Messages carry both as plain nanoseconds (`sent_ns`, `decided_utc_ns`): wire types hold numbers only.
+//! Messages carry all of them as plain nanoseconds (`sent_ns`, `source_ns`, `decided_utc_ns`): wire types hold numbers only.
 
 use rustix::time::{ClockId, clock_gettime};
 use std::ops::Add;
@@ -19,30 +19,47 @@ impl MonotonicTime {
         // Neither is negative: this clock counts from the start of the machine.
         Self(u64::try_from(now.tv_sec).unwrap_or(0) * NS_PER_S + u64::try_from(now.tv_nsec).unwrap_or(0))
     }
-
-    /// A time out of a message, such as `Stamp::sent_ns`.
-    pub const fn from_nanoseconds(nanoseconds: u64) -> Self {
-        Self(nanoseconds)
-    }
-
-    /// The time as messages carry it.
-    pub const fn nanoseconds(self) -> u64 {
-        self.0
-    }
-
-    /// How much later this is than `earlier`; zero where it is not later.
-    pub const fn since(self, earlier: Self) -> Duration {
-        Duration::from_nanos(self.0.saturating_sub(earlier.0))
-    }
 }
 
-impl Add<Duration> for MonotonicTime {
-    type Output = Self;
+/// A time of the source: of a recording since its first frame, of a camera that of CLOCK_MONOTONIC. The method computes with it, so that
+/// a replay at any speed gives the same verdicts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct SourceTime(u64);
 
-    /// 2^64 ns are 584 years: what would be later than that becomes that.
-    fn add(self, duration: Duration) -> Self {
-        Self(self.0.saturating_add(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)))
-    }
+/// What times can do from which durations are computed.
+macro_rules! measurable {
+    ($($time:ident, such as $field:literal;)*) => { $(
+        impl $time {
+            #[doc = concat!("A time out of a message, such as `", $field, "`.")]
+            pub const fn from_nanoseconds(nanoseconds: u64) -> Self {
+                Self(nanoseconds)
+            }
+
+            /// The time as messages carry it.
+            pub const fn nanoseconds(self) -> u64 {
+                self.0
+            }
+
+            /// How much later this is than `earlier`; zero where it is not later.
+            pub const fn since(self, earlier: Self) -> Duration {
+                Duration::from_nanos(self.0.saturating_sub(earlier.0))
+            }
+        }
+
+        impl Add<Duration> for $time {
+            type Output = Self;
+
+            /// 2^64 ns are 584 years; a later sum becomes that.
+            fn add(self, duration: Duration) -> Self {
+                Self(self.0.saturating_add(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)))
+            }
+        }
+    )* };
+}
+
+measurable! {
+    MonotonicTime, such as "Stamp::sent_ns";
+    SourceTime, such as "FrameHeader::source_ns";
 }
 
 /// A time of the calendar, in nanoseconds since 1970 UTC. It may jump when the machine's clock is set. For people.

@@ -54,7 +54,9 @@ pub enum Error {
         own: u32,
     },
     /// The root was removed or replaced while in use: a process that starts from now on would not find the others.
-    #[error("root directory {root:?} was removed or replaced while in use (a cleaner of temporary files?)")]
+    #[error(
+        "root directory {root:?} was removed or replaced while in use; keep cleaners of temporary files away from it, and restart every role of the station"
+    )]
     RootVanished {
         /// The directory.
         root: PathBuf,
@@ -82,7 +84,7 @@ pub enum Error {
     },
     /// There is no steward, or it is not ready.
     #[error(
-        "station {station}: no channel {channel} after {waited_ms} ms; start the steward (`andond run steward`) and look at its log"
+        "station {station}: no steward has opened the channel {channel} within {waited_ms} ms; start it (`systemctl start andon-steward@{station}`, or `andond run steward`) and look at its log"
     )]
     NoSteward {
         /// The station.

@@ -1,6 +1,7 @@
 //! Writing and reading frames: bytes of any length with a [`FrameHeader`], which are written once and read in place.
 
 use crate::channel::Channel;
+use crate::connection::Alarm;
 use crate::error::Error;
 use crate::reader::{Inbound, listen, subscriber_refused};
 use crate::service::{Attempt, Frames, Services, frame_bytes};
@@ -23,6 +24,8 @@ pub struct FrameWriter {
     // The publisher is dropped before the notifier, whose departure the readers hear.
     publisher: Publisher<Transport, [u8], FrameHeader>,
     outbound: Outbound,
+    alarm: Alarm,
+    services: Services<Frames>,
     max_bytes: usize,
 }
 
@@ -43,17 +46,32 @@ impl FrameLoan {
 }
 
 impl FrameWriter {
-    pub(crate) fn new(services: &Services<Frames>) -> Result<Self, Attempt> {
-        let max_bytes = frame_bytes(&services.messages)
-            .ok_or_else(|| Attempt::Failed(Error::transport(CHANNEL, "opening", "no frame size")))?;
-        let publisher = services
-            .messages
-            .publisher_builder()
-            .initial_max_slice_len(max_bytes)
-            .max_loaned_samples(CHANNEL.qos().loans)
-            .create()
-            .map_err(|e| publisher_refused(CHANNEL, e))?;
-        Ok(Self { publisher, outbound: Outbound::new(services, CHANNEL)?, max_bytes })
+    /// Makes a writer; gives the services back where that must be tried again.
+    pub(crate) fn new(services: Services<Frames>) -> Result<Self, (Services<Frames>, Attempt)> {
+        let alarm = Alarm::default();
+        let make = || {
+            let max_bytes = frame_bytes(&services.messages)
+                .ok_or_else(|| Attempt::Failed(Error::transport(CHANNEL, "opening", "no frame size")))?;
+            let builder = services.messages.publisher_builder().initial_max_slice_len(max_bytes);
+            let builder = builder.max_loaned_samples(CHANNEL.qos().loans);
+            let publisher = builder.set_degradation_handler(alarm.handler()).create();
+            let publisher = publisher.map_err(|e| publisher_refused(CHANNEL, e))?;
+            Ok((publisher, Outbound::new(&services, CHANNEL)?, max_bytes))
+        };
+        match make() {
+            Ok((publisher, outbound, max_bytes)) => {
+                Ok(Self { publisher, outbound, alarm, services, max_bytes })
+            }
+            Err(attempt) => Err((services, attempt)),
+        }
+    }
+
+    fn reconnect(&mut self) -> Result<(), Error> {
+        if self.alarm.reconnect(&self.publisher, &self.services) {
+            self.outbound.wake_readers()
+        } else {
+            Ok(())
+        }
     }
 
     /// Touches the memory that frames of this size will use, so that the first ones are not late: the kernel clears
@@ -105,6 +123,7 @@ impl FrameWriter {
         stamp.frame_seq = stamp.seq;
         loan.0.send().map_err(|e| self.outbound.error("sending", e))?;
         self.outbound.sent()?;
+        self.reconnect()?;
         Ok(self.outbound.seq())
     }
 }
@@ -115,6 +134,7 @@ impl sealed::Poll for FrameWriter {
         self.outbound.poll(|| {
             publisher.update_connections().map_err(|e| Error::transport(CHANNEL, "connecting a reader", e))
         })?;
+        self.reconnect()?;
         Ok(None)
     }
 
@@ -133,9 +153,13 @@ impl sealed::Room for FrameWriter {
 /// Reads frames.
 #[derive(Debug)]
 pub struct FrameReader {
-    subscriber: Subscriber<Transport, [u8], FrameHeader>,
+    /// `None` while it could not be made anew.
+    subscriber: Option<Subscriber<Transport, [u8], FrameHeader>>,
     inbound: Inbound,
+    alarm: Alarm,
+    services: Services<Frames>,
     skipped: u64,
+    lost_by_source: u64,
 }
 
 /// A frame, read where its writer filled it. Dropping it gives the place back to the writer.
@@ -181,12 +205,52 @@ impl FrameSample {
 }
 
 impl FrameReader {
-    pub(crate) fn new(services: &Services<Frames>, role: RoleId) -> Result<Self, Attempt> {
-        let listener = listen(services, CHANNEL)?;
-        let subscriber =
-            services.messages.subscriber_builder().create().map_err(|e| subscriber_refused(CHANNEL, e))?;
-        let inbound = Inbound::announce(services, CHANNEL, role, listener)?;
-        Ok(Self { subscriber, inbound, skipped: 0 })
+    /// Makes a reader; gives the services back where that must be tried again.
+    pub(crate) fn new(services: Services<Frames>, role: RoleId) -> Result<Self, (Services<Frames>, Attempt)> {
+        let alarm = Alarm::default();
+        let make = || {
+            let listener = listen(&services, CHANNEL)?;
+            let subscriber = Self::subscribe(&services, &alarm)?;
+            Ok((subscriber, Inbound::announce(&services, CHANNEL, role, listener)?))
+        };
+        match make() {
+            Ok((subscriber, inbound)) => Ok(Self {
+                subscriber: Some(subscriber),
+                inbound,
+                alarm,
+                services,
+                skipped: 0,
+                lost_by_source: 0,
+            }),
+            Err(attempt) => Err((services, attempt)),
+        }
+    }
+
+    fn subscribe(
+        services: &Services<Frames>,
+        alarm: &Alarm,
+    ) -> Result<Subscriber<Transport, [u8], FrameHeader>, Attempt> {
+        let builder = services.messages.subscriber_builder().set_degradation_handler(alarm.handler());
+        builder.create().map_err(|e| subscriber_refused(CHANNEL, e))
+    }
+
+    /// Makes the subscriber anew after a connection could not be made.
+    fn repair(&mut self) -> Result<(), Error> {
+        if !self.alarm.is_due() {
+            return Ok(());
+        }
+        // The old one first: the channel may have no place for both.
+        self.subscriber = None;
+        match Self::subscribe(&self.services, &self.alarm) {
+            Ok(subscriber) => {
+                self.subscriber = Some(subscriber);
+                self.inbound.announce_again()
+            }
+            Err(_) => {
+                self.alarm.raise();
+                Ok(())
+            }
+        }
     }
 
     /// The oldest frame that waits. For paced sources, where every frame counts.
@@ -195,13 +259,15 @@ impl FrameReader {
     /// [`Error::Transport`] when too many samples are held.
     pub fn take(&mut self) -> Result<Option<FrameSample>, Error> {
         loop {
-            let sample = self.subscriber.receive();
+            let sample = self.subscriber.as_ref().map_or(Ok(None), |subscriber| subscriber.receive());
             let sample = sample.map_err(|e| Error::transport(CHANNEL, "receiving", e))?;
             let Some(sample) = sample else {
                 self.inbound.found_empty()?;
+                self.repair()?;
                 return Ok(None);
             };
             if self.inbound.took(&sample.user_header().stamp)? {
+                self.lost_by_source += u64::from(sample.user_header().dropped);
                 return Ok(Some(FrameSample(sample)));
             }
         }
@@ -236,6 +302,11 @@ impl FrameReader {
         self.skipped
     }
 
+    /// Frames that the source lost before the writer had them: [`FrameHeader::dropped`] of all frames received.
+    pub fn lost_by_source(&self) -> u64 {
+        self.lost_by_source
+    }
+
     /// How often the writer has started again since the first frame.
     pub fn restarts(&self) -> u32 {
         self.inbound.losses.restarts
@@ -246,8 +317,11 @@ impl sealed::Poll for FrameReader {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
         // Events first: a message that is sent after this look raises another event.
         self.inbound.hear()?;
-        let pending = self.subscriber.has_samples();
+        let pending = self.subscriber.as_ref().map_or(Ok(false), Subscriber::has_samples);
         let pending = pending.map_err(|e| Error::transport(CHANNEL, "looking for messages", e))?;
+        if !pending {
+            self.repair()?;
+        }
         self.inbound.poll(pending)
     }
 

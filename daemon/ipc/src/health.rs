@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::node::Node;
 use crate::writer::Writer;
 use hdrhistogram::Histogram;
-use shm_schemas::{Health, RoleState, Stamp};
+use shm_schemas::{Health, RoleState, Sight, Stamp};
 use std::time::{Duration, Instant};
 
 /// The longest step that is measured, in microseconds: a minute. A longer one counts as this long.
@@ -80,6 +80,15 @@ impl Heartbeat {
     pub fn state(&mut self, state: RoleState) {
         if self.counts.state != state.code() {
             self.counts.state = state.code();
+            self.changed = true;
+        }
+    }
+
+    /// Sets what the role can see of its bench, and since when. The next [`Heartbeat::beat`] sends a change.
+    pub fn sight(&mut self, sight: Sight, since_ns: u64) {
+        let now = (sight.code(), since_ns);
+        if (self.counts.sight, self.counts.sight_since_ns) != now {
+            (self.counts.sight, self.counts.sight_since_ns) = now;
             self.changed = true;
         }
     }

@@ -43,12 +43,14 @@
 //! | a writer stops or is killed | its readers | [`Wake::WriterGone`], within [`POLL_PERIOD`] |
 //! | a writer hangs | its readers | [`Wake::DeadlineMissed`] |
 //! | a reader hangs | the reader, when it goes on | [`Reader::lost`]; nobody waits for it, unless the writer is paced |
+//! | a connection cannot be made | the port at its end | it is made anew with its history, until that works |
 //! | two builds meet | the process that opens a port | [`Error::LayoutMismatch`] |
 //! | the root directory vanishes | the steward | [`Error::RootVanished`] |
 #![deny(unsafe_code)]
 
 mod channel;
 mod clock;
+mod connection;
 mod error;
 mod event;
 mod frame;
@@ -66,7 +68,7 @@ mod wait;
 mod writer;
 
 pub use channel::{Channel, ChannelMessage, Qos};
-pub use clock::{MonotonicTime, UtcTime};
+pub use clock::{MonotonicTime, SourceTime, UtcTime};
 pub use error::Error;
 pub use frame::{FrameLoan, FrameReader, FrameSample, FrameWriter};
 pub use health::Heartbeat;

@@ -73,7 +73,7 @@ impl Node {
     /// [`Error::Transport`].
     pub fn reader<T: ChannelMessage>(&self) -> Result<Reader<T>, Error> {
         let services = self.services::<_, T>(T::CHANNEL)?;
-        self.retry(T::CHANNEL, || Reader::new(&services, self.role))
+        self.make(T::CHANNEL, services, |services| Reader::new(services, self.role))
     }
 
     /// The writer of `T`'s channel. It is live: it never waits for its readers. If its predecessor was killed, this waits
@@ -83,7 +83,7 @@ impl Node {
     /// As [`Node::reader`].
     pub fn writer<T: ChannelMessage>(&self) -> Result<Writer<T>, Error> {
         let services = self.services::<_, T>(T::CHANNEL)?;
-        self.retry(T::CHANNEL, || Writer::new(&services))
+        self.make(T::CHANNEL, services, Writer::new)
     }
 
     /// A reader of the channel `frame`.
@@ -92,7 +92,7 @@ impl Node {
     /// As [`Node::reader`].
     pub fn frame_reader(&self) -> Result<FrameReader, Error> {
         let services = self.services::<_, FrameHeader>(Channel::Frame)?;
-        self.retry(Channel::Frame, || FrameReader::new(&services, self.role))
+        self.make(Channel::Frame, services, |services| FrameReader::new(services, self.role))
     }
 
     /// The writer of the channel `frame`. It is live.
@@ -101,7 +101,7 @@ impl Node {
     /// As [`Node::reader`].
     pub fn frame_writer(&self) -> Result<FrameWriter, Error> {
         let services = self.services::<_, FrameHeader>(Channel::Frame)?;
-        self.retry(Channel::Frame, || FrameWriter::new(&services))
+        self.make(Channel::Frame, services, FrameWriter::new)
     }
 
     /// Blocks until one of the ports has something to say, `patience` is over or a stop is requested. Writers belong
@@ -119,6 +119,24 @@ impl Node {
     /// As [`Node::wait`].
     pub fn wait_for_room(&self, writer: &mut impl Paced, patience: Duration) -> Result<Wake, Error> {
         wait_for_room(writer, patience, &self.stop)
+    }
+
+    /// Makes a port, which takes the services with it.
+    fn make<S, P>(
+        &self,
+        channel: Channel,
+        services: S,
+        make: impl Fn(S) -> Result<P, (S, Attempt)>,
+    ) -> Result<P, Error> {
+        let mut services = Some(services);
+        self.retry(channel, || {
+            // It is there: each attempt that failed has given it back.
+            let taken = services.take().ok_or(Attempt::Again(None))?;
+            make(taken).map_err(|(given_back, attempt)| {
+                services = Some(given_back);
+                attempt
+            })
+        })
     }
 
     fn services<S: Provide, T: Layout>(&self, channel: Channel) -> Result<S, Error> {

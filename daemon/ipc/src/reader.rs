@@ -1,6 +1,7 @@
 //! Reading messages of fixed size, in place.
 
 use crate::channel::{Channel, ChannelMessage};
+use crate::connection::Alarm;
 use crate::error::Error;
 use crate::event;
 use crate::loss::{Arrival, LossCounter};
@@ -88,6 +89,12 @@ impl Inbound {
         })
     }
 
+    /// The subscriber was made anew: the writer hands its history to those that come up.
+    pub(crate) fn announce_again(&mut self) -> Result<(), Error> {
+        self.owes_caught_up = true;
+        event::notify(&self.notifier, self.channel, event::UP)
+    }
+
     /// The queue is empty: tells the writer if it may be waiting for that.
     pub(crate) fn found_empty(&mut self) -> Result<(), Error> {
         if self.owes_caught_up {
@@ -126,8 +133,11 @@ pub(crate) fn subscriber_refused(channel: Channel, error: SubscriberCreateError)
 /// Reads messages of type `T` from its channel.
 #[derive(Debug)]
 pub struct Reader<T: ChannelMessage> {
-    subscriber: Subscriber<Transport, T, ()>,
+    /// `None` while it could not be made anew.
+    subscriber: Option<Subscriber<Transport, T, ()>>,
     inbound: Inbound,
+    alarm: Alarm,
+    services: Services<Messages<T>>,
 }
 
 /// A message, read where its writer filled it. Dropping it gives the place back to the writer. A reader may hold as many as the
@@ -143,11 +153,53 @@ impl<T: ChannelMessage> Deref for Sample<T> {
 }
 
 impl<T: ChannelMessage> Reader<T> {
-    pub(crate) fn new(services: &Services<Messages<T>>, role: RoleId) -> Result<Self, Attempt> {
-        let listener = listen(services, T::CHANNEL)?;
-        let subscriber =
-            services.messages.subscriber_builder().create().map_err(|e| subscriber_refused(T::CHANNEL, e))?;
-        Ok(Self { subscriber, inbound: Inbound::announce(services, T::CHANNEL, role, listener)? })
+    /// Makes a reader; gives the services back where that must be tried again.
+    pub(crate) fn new(
+        services: Services<Messages<T>>,
+        role: RoleId,
+    ) -> Result<Self, (Services<Messages<T>>, Attempt)> {
+        let alarm = Alarm::default();
+        let make = || {
+            let listener = listen(&services, T::CHANNEL)?;
+            let subscriber = Self::subscribe(&services, &alarm)?;
+            Ok((subscriber, Inbound::announce(&services, T::CHANNEL, role, listener)?))
+        };
+        match make() {
+            Ok((subscriber, inbound)) => Ok(Self { subscriber: Some(subscriber), inbound, alarm, services }),
+            Err(attempt) => Err((services, attempt)),
+        }
+    }
+
+    fn subscribe(
+        services: &Services<Messages<T>>,
+        alarm: &Alarm,
+    ) -> Result<Subscriber<Transport, T, ()>, Attempt> {
+        let builder = services.messages.subscriber_builder().set_degradation_handler(alarm.handler());
+        builder.create().map_err(|e| subscriber_refused(T::CHANNEL, e))
+    }
+
+    /// Makes the subscriber anew after a connection could not be made. What the others had delivered has been taken by then.
+    fn repair(&mut self) -> Result<(), Error> {
+        if !self.alarm.is_due() {
+            return Ok(());
+        }
+        // The old one first: the channel may have no place for both.
+        self.subscriber = None;
+        match Self::subscribe(&self.services, &self.alarm) {
+            Ok(subscriber) => {
+                self.subscriber = Some(subscriber);
+                self.inbound.announce_again()
+            }
+            Err(_) => {
+                self.alarm.raise();
+                Ok(())
+            }
+        }
+    }
+
+    fn receive(&mut self) -> Result<Option<IceSample<Transport, T, ()>>, Error> {
+        let Some(subscriber) = &self.subscriber else { return Ok(None) };
+        subscriber.receive().map_err(|e| Error::transport(T::CHANNEL, "receiving", e))
     }
 
     /// The oldest message that waits.
@@ -156,10 +208,9 @@ impl<T: ChannelMessage> Reader<T> {
     /// [`Error::Transport`] when too many samples are held.
     pub fn take(&mut self) -> Result<Option<Sample<T>>, Error> {
         loop {
-            let sample = self.subscriber.receive();
-            let sample = sample.map_err(|e| Error::transport(T::CHANNEL, "receiving", e))?;
-            let Some(sample) = sample else {
+            let Some(sample) = self.receive()? else {
                 self.inbound.found_empty()?;
+                self.repair()?;
                 return Ok(None);
             };
             if self.inbound.took(sample.payload().stamp())? {
@@ -188,8 +239,11 @@ impl<T: ChannelMessage> sealed::Poll for Reader<T> {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
         // Events first: a message that is sent after this look raises another event.
         self.inbound.hear()?;
-        let pending = self.subscriber.has_samples();
+        let pending = self.subscriber.as_ref().map_or(Ok(false), Subscriber::has_samples);
         let pending = pending.map_err(|e| Error::transport(T::CHANNEL, "looking for messages", e))?;
+        if !pending {
+            self.repair()?;
+        }
         self.inbound.poll(pending)
     }
 

@@ -7,7 +7,10 @@ use crate::service::{Frames, Messages, Provide, Refusal, Services, other_build};
 use crate::station::{Limits, Station, Transport};
 use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
-use shm_schemas::{Command, Confirmed, Couples, Detections, FrameHeader, Health, Layout, Verdict};
+use shm_schemas::{
+    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Judging,
+    Layout, Verdict,
+};
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::thread;
@@ -60,9 +63,12 @@ struct AllServices {
     _detections: Services<Messages<Detections>>,
     _couple: Services<Messages<Couples>>,
     _verdict: Services<Messages<Verdict>>,
-    _confirmed: Services<Messages<Confirmed>>,
+    _account: Services<Messages<AccountUpdate>>,
+    _kept: Services<Messages<AccountKept>>,
+    _journalled: Services<Messages<Journalled>>,
     _health: Services<Messages<Health>>,
     _command: Services<Messages<Command>>,
+    _judging: Services<Messages<Judging>>,
 }
 
 impl Steward {
@@ -87,9 +93,12 @@ impl Steward {
             _detections: create_messages(&node, station, limits)?,
             _couple: create_messages(&node, station, limits)?,
             _verdict: create_messages(&node, station, limits)?,
-            _confirmed: create_messages(&node, station, limits)?,
+            _account: create_messages(&node, station, limits)?,
+            _kept: create_messages(&node, station, limits)?,
+            _journalled: create_messages(&node, station, limits)?,
             _health: create_messages(&node, station, limits)?,
             _command: create_messages(&node, station, limits)?,
+            _judging: create_messages(&node, station, limits)?,
         };
         Ok(Self {
             _services: services,

@@ -2,6 +2,7 @@
 
 use crate::channel::{Channel, ChannelMessage};
 use crate::clock::MonotonicTime;
+use crate::connection::Alarm;
 use crate::error::Error;
 use crate::event;
 use crate::pace::Pace;
@@ -71,6 +72,11 @@ impl Outbound {
         event::notify(&self.notifier, self.channel, event::SAMPLE)
     }
 
+    /// Readers may have something that they were not woken for.
+    pub(crate) fn wake_readers(&self) -> Result<(), Error> {
+        event::notify(&self.notifier, self.channel, event::SAMPLE)
+    }
+
     /// Handles what readers have said. `connect` hands the history to those that came up.
     pub(crate) fn poll(&mut self, connect: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
         let mut came_up = false;
@@ -82,7 +88,7 @@ impl Outbound {
         if came_up {
             connect()?;
             // Those that came up may have the history now.
-            event::notify(&self.notifier, self.channel, event::SAMPLE)?;
+            self.wake_readers()?;
         }
         Ok(())
     }
@@ -107,6 +113,10 @@ impl Outbound {
     pub(crate) fn seq(&self) -> u64 {
         self.seq
     }
+
+    pub(crate) fn epoch(&self) -> u64 {
+        self.epoch
+    }
 }
 
 /// Tells whether to try again after iceoryx2 has refused a publisher.
@@ -124,6 +134,8 @@ pub struct Writer<T: ChannelMessage> {
     // The publisher is dropped before the notifier, whose departure the readers hear.
     publisher: Publisher<Transport, T, ()>,
     outbound: Outbound,
+    alarm: Alarm,
+    services: Services<Messages<T>>,
 }
 
 /// A message being filled in the place where its readers will read it. At first it is `T::default()`. If it is dropped, it was never
@@ -154,14 +166,27 @@ impl<T: ChannelMessage> DerefMut for Loan<T> {
 }
 
 impl<T: ChannelMessage> Writer<T> {
-    pub(crate) fn new(services: &Services<Messages<T>>) -> Result<Self, Attempt> {
-        let publisher = services
-            .messages
-            .publisher_builder()
-            .max_loaned_samples(T::CHANNEL.qos().loans)
-            .create()
-            .map_err(|e| publisher_refused(T::CHANNEL, e))?;
-        Ok(Self { publisher, outbound: Outbound::new(services, T::CHANNEL)? })
+    /// Makes a writer; gives the services back where that must be tried again.
+    pub(crate) fn new(services: Services<Messages<T>>) -> Result<Self, (Services<Messages<T>>, Attempt)> {
+        let alarm = Alarm::default();
+        let make = || {
+            let builder = services.messages.publisher_builder().max_loaned_samples(T::CHANNEL.qos().loans);
+            let publisher = builder.set_degradation_handler(alarm.handler()).create();
+            let publisher = publisher.map_err(|e| publisher_refused(T::CHANNEL, e))?;
+            Ok((publisher, Outbound::new(&services, T::CHANNEL)?))
+        };
+        match make() {
+            Ok((publisher, outbound)) => Ok(Self { publisher, outbound, alarm, services }),
+            Err(attempt) => Err((services, attempt)),
+        }
+    }
+
+    fn reconnect(&mut self) -> Result<(), Error> {
+        if self.alarm.reconnect(&self.publisher, &self.services) {
+            self.outbound.wake_readers()
+        } else {
+            Ok(())
+        }
     }
 
     /// From now on this writer waits for the readers of these roles: before each [`Writer::send`], [`crate::Node::wait_for_room`]
@@ -179,6 +204,11 @@ impl<T: ChannelMessage> Writer<T> {
         Ok(Loan(sample.write_payload(T::default())))
     }
 
+    /// Epoch and `seq` of the newest message that was sent; `seq` is 0 before the first.
+    pub fn newest(&self) -> (u64, u64) {
+        (self.outbound.epoch(), self.outbound.seq())
+    }
+
     /// Numbers the message, sends it and wakes the readers. Returns its `seq`.
     ///
     /// # Errors
@@ -188,6 +218,7 @@ impl<T: ChannelMessage> Writer<T> {
         self.outbound.stamp(loan.stamp_mut());
         loan.0.send().map_err(|e| self.outbound.error("sending", e))?;
         self.outbound.sent()?;
+        self.reconnect()?;
         Ok(self.outbound.seq())
     }
 }
@@ -198,6 +229,7 @@ impl<T: ChannelMessage> sealed::Poll for Writer<T> {
         self.outbound.poll(|| {
             publisher.update_connections().map_err(|e| Error::transport(T::CHANNEL, "connecting a reader", e))
         })?;
+        self.reconnect()?;
         Ok(None)
     }
 

@@ -1,38 +1,26 @@
 //! The journal as CSV (RFC 4180), for spreadsheets.
 
 use std::fmt::Display;
-use std::io::Write;
+use std::io::{self, Write};
 
 use jiff::Timestamp;
 
-use super::error::JournalError;
-use super::history::{Entry, Gap, History, Query, Record};
+use super::history::{Entry, Gap, NotWatching, Record};
 
-const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
-                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq\r\n";
+pub(super) const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
+                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc\r\n";
 
-impl History {
-    /// Writes one line per entry that matches the query. A value that has no meaning is left empty. A gap has a line of its own,
-    /// from `seq` to `last_seq`.
-    ///
-    /// # Errors
-    /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
-    pub fn export_csv(&self, query: &Query, out: &mut impl Write) -> Result<(), JournalError> {
-        out.write_all(HEADER.as_bytes())?;
-        self.visit(query, |entry| {
-            match entry {
-                Entry::Verdict(record) => write_record(out, &record)?,
-                Entry::Gap(gap) => write_gap(out, &gap)?,
-            }
-            Ok(())
-        })?;
-        out.flush()?;
-        Ok(())
+/// Writes the line of an entry.
+pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
+    match entry {
+        Entry::Verdict(record) => write_record(record, out),
+        Entry::Gap(gap) => write_gap(gap, out),
+        Entry::NotWatching(blind) => write_not_watching(blind, out),
     }
 }
 
 // No field needs quoting: they are numbers, names of codes, and the station's name, which consists of a-z, 0-9 and -.
-fn write_record(out: &mut impl Write, r: &Record) -> std::io::Result<()> {
+fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     write!(
         out,
         "{},verdict,{},{},{},{},{},{},{},{}",
@@ -50,19 +38,24 @@ fn write_record(out: &mut impl Write, r: &Record) -> std::io::Result<()> {
     write!(out, ",{},{},{},{}", r.x_c[0], r.x_c[1], r.x_c[2], r.x_c[3])?;
     write!(out, ",{},{},{}", or_empty(r.distance), or_empty(r.threshold), u8::from(r.early))?;
     write!(out, ",{},{},{}", seconds(r.began_ns), seconds(r.ended_ns), seconds(r.decided_ns))?;
-    write!(out, ",{},{},\r\n", r.epoch, r.seq)
+    write!(out, ",{},{},,\r\n", r.epoch, r.seq)
 }
 
-fn write_gap(out: &mut impl Write, gap: &Gap) -> std::io::Result<()> {
+fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
     let last_seq = or_empty(gap.last_seq);
     write!(
         out,
-        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq}\r\n",
+        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq},\r\n",
         utc(gap.utc_ns),
         gap.why,
         gap.epoch,
         gap.first_seq
     )
+}
+
+fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()> {
+    let end = or_empty(blind.ended_utc_ns.map(utc));
+    write!(out, "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,{end}\r\n", utc(blind.began_utc_ns), blind.why)
 }
 
 fn or_empty(value: Option<impl Display>) -> String {

@@ -1,12 +1,14 @@
 //! Reads the journal, also while it is being written.
 
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
-use shm_schemas::{VerdictLevel, VerdictOutcome, verdict_kind};
+use shm_schemas::{Sight, VerdictLevel, VerdictOutcome, verdict_kind};
 
 use super::error::JournalError;
 use super::row::{signed, unsigned};
+use super::{csv, table};
 
 /// Which verdicts to read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,6 +28,8 @@ pub enum Entry {
     Verdict(Box<Record>),
     /// Missing verdicts. Every query returns them, since any verdict may have been among them.
     Gap(Gap),
+    /// A time in which the line did not see its bench. Every query returns them, since anything may have happened in it.
+    NotWatching(NotWatching),
 }
 
 /// A verdict as it was written. Times are source times in nanoseconds, except `decided_utc_ns`.
@@ -84,6 +88,38 @@ pub struct Gap {
     pub last_seq: Option<u64>,
 }
 
+/// A time in which the line did not see its bench, in nanoseconds since 1970 UTC.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotWatching {
+    /// Its begin.
+    pub began_utc_ns: u64,
+    /// Its end; `None` while it lasts, and where nobody saw its end.
+    pub ended_utc_ns: Option<u64>,
+    /// A word of [`Sight`].
+    pub why: String,
+}
+
+impl NotWatching {
+    /// What was wrong, in a sentence; the word itself where this build does not know it.
+    pub(super) fn meaning(&self) -> &str {
+        let sight = Sight::ALL.iter().find(|sight| sight.name() == self.why);
+        sight.map_or(&self.why, |sight| sight.meaning())
+    }
+}
+
+/// How the journal is written as text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// CSV (RFC 4180), for spreadsheets. A value that has no meaning is left empty. A gap has a line of its own, from `seq` to `last_seq`,
+    /// and so has a time without sight, to `ended_utc`.
+    Csv,
+    /// A table for a terminal. Activities and IUs count from 1.
+    Table,
+}
+
+/// Writes the line of an entry.
+type WriteEntry = fn(&Entry, &mut dyn Write) -> io::Result<()>;
+
 /// A reader of the journal.
 #[derive(Debug)]
 pub struct History {
@@ -91,18 +127,24 @@ pub struct History {
     path: PathBuf,
 }
 
-/// Verdicts and gaps in one order: a gap stands before the verdict that revealed it.
+/// Verdicts and the rest in one order: a gap stands before the verdict that revealed it, and a time without sight before the first
+/// verdict after its begin.
 const QUERY: &str = "
-    SELECT id AS position, 1 AS part, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
+    SELECT id AS position, 2 AS part, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
         nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns, decided_utc_ns,
         NULL AS last_seq
     FROM verdict
     WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
     UNION ALL
-    SELECT before_verdict, 0, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
+    SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
         NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq
     FROM gap
     WHERE utc_ns >= ?1
+    UNION ALL
+    SELECT before_verdict, 0, 0, 0, why, '', '', '', '', 0, '', NULL, NULL,
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns
+    FROM not_watching
+    WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
     ORDER BY position, part";
 
 impl History {
@@ -116,6 +158,20 @@ impl History {
         let connection =
             Connection::open_with_flags(path, flags).map_err(|source| JournalError::of(path, 0, source))?;
         Ok(Self { connection, path: path.into() })
+    }
+
+    /// Writes a header and one line per entry that matches the query.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
+    pub fn write(&self, query: &Query, format: Format, out: &mut impl Write) -> Result<(), JournalError> {
+        let (header, write_entry): (_, WriteEntry) = match format {
+            Format::Csv => (csv::HEADER, csv::write),
+            Format::Table => (table::HEADER, table::write),
+        };
+        out.write_all(header.as_bytes())?;
+        self.visit(query, |entry| Ok(write_entry(&entry, out)?))?;
+        Ok(out.flush()?)
     }
 
     /// Calls `visit` with every entry, oldest first. Only one is held in memory, since there may be millions.
@@ -141,7 +197,15 @@ impl History {
 
 fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
     let number = |column: &str| row.get(column).map(unsigned);
-    if row.get::<_, u8>("part")? == 0 {
+    let part: u8 = row.get("part")?;
+    if part == 0 {
+        return Ok(Entry::NotWatching(NotWatching {
+            began_utc_ns: number("decided_utc_ns")?,
+            ended_utc_ns: row.get::<_, Option<i64>>("last_seq")?.map(unsigned),
+            why: row.get("level")?,
+        }));
+    }
+    if part == 1 {
         return Ok(Entry::Gap(Gap {
             utc_ns: number("decided_utc_ns")?,
             why: row.get("level")?,

@@ -11,6 +11,7 @@
 //! When the queue is full, the oldest is dropped and becomes a gap like any other.
 #![forbid(unsafe_code)]
 
+mod account;
 mod csv;
 mod error;
 mod history;
@@ -18,6 +19,7 @@ mod retention;
 mod row;
 mod schema;
 mod table;
+mod watching;
 
 #[cfg(test)]
 mod tests;
@@ -27,10 +29,10 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rusqlite::{Connection, TransactionBehavior};
-use shm_schemas::Verdict;
+use shm_schemas::{Account, Verdict};
 
 pub use error::JournalError;
-pub use history::{Entry, Gap, History, Query, Record};
+pub use history::{Entry, Format, Gap, History, NotWatching, Query, Record};
 pub use retention::Retention;
 
 /// Length of the queue that fills while the disk is full or the database is locked. It is as long as the channel `verdict`, which holds
@@ -50,10 +52,20 @@ pub struct Confirmed {
     pub seq: u64,
 }
 
+/// A verdict and its row, which grows with every verdict that is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Written {
+    /// The row.
+    pub row: u64,
+    /// The verdict.
+    pub verdict: Verdict,
+}
+
 /// The writer of the journal.
 #[derive(Debug)]
 pub struct Journal {
     connection: Connection,
+    identity: u64,
     path: PathBuf,
     retention: Retention,
     newest: Option<Confirmed>,
@@ -74,9 +86,11 @@ impl Journal {
         connection.busy_timeout(LOCK_TIMEOUT).map_err(failed)?;
         schema::prepare(&mut connection, path)?;
         let newest = row::newest(&connection).map_err(failed)?;
+        let identity = account::identity(&connection).map_err(failed)?;
         let waiting = VecDeque::new();
         let mut journal = Self {
             connection,
+            identity,
             path: path.into(),
             retention,
             newest,
@@ -124,6 +138,35 @@ impl Journal {
     /// The newest verdict on disk.
     pub fn newest(&self) -> Option<Confirmed> {
         self.newest
+    }
+
+    /// The random number that this database was given when it was made: rows of another one are others.
+    pub fn identity(&self) -> u64 {
+        self.identity
+    }
+
+    /// The account of the PLC that was kept last. One with `boot` 0 was never kept: it says where the journal ends.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it cannot be read.
+    pub fn account(&self) -> Result<Account, JournalError> {
+        account::read(&self.connection).map_err(|source| self.failed(source))
+    }
+
+    /// Keeps the account of the PLC. It is on disk when this returns `Ok`.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it could not be written.
+    pub fn keep(&mut self, account: &Account) -> Result<(), JournalError> {
+        account::write(&self.connection, account).map_err(|source| self.failed(source))
+    }
+
+    /// The rows after this one, at most `count`, oldest first.
+    ///
+    /// # Errors
+    /// [`JournalError`] when they cannot be read.
+    pub fn rows_after(&self, row: u64, count: usize) -> Result<Vec<Written>, JournalError> {
+        row::after(&self.connection, row, count).map_err(|source| self.failed(source))
     }
 
     /// Number of verdicts in the gaps that this writer has recorded.

@@ -68,6 +68,7 @@ fn remove(connection: &Connection, last: i64) -> rusqlite::Result<usize> {
         "DELETE FROM verdict WHERE id <= ?1 AND id < (SELECT max(id) FROM verdict)",
         params![last],
     )?;
+    connection.execute("DELETE FROM not_watching WHERE before_verdict <= ?1", params![last])?;
     // The new gap includes the gaps between removed verdicts and the gap of earlier removals.
     connection.execute(
         "DELETE FROM gap WHERE before_verdict <= ?1 OR (why = 'retention' AND id < (SELECT max(id) FROM gap WHERE why = 'retention'))",

@@ -1,9 +1,9 @@
 //! Writes a verdict as a row, and the gaps before it.
 
-use rusqlite::{Connection, OptionalExtension, params};
-use shm_schemas::{HandCode, NO_INDEX, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+use rusqlite::{Connection, OptionalExtension, Row, params};
+use shm_schemas::{HandCode, NO_INDEX, Stamp, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
-use super::Confirmed;
+use super::{Confirmed, Written};
 
 /// The newest verdict on disk.
 pub(super) fn newest(connection: &Connection) -> rusqlite::Result<Option<Confirmed>> {
@@ -106,6 +106,61 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
             signed(stamp.sent_ns),
         ])?;
     Ok(())
+}
+
+/// The rows after this one, oldest first.
+pub(super) fn after(connection: &Connection, row: u64, count: usize) -> rusqlite::Result<Vec<Written>> {
+    let mut statement =
+        connection.prepare_cached("SELECT * FROM verdict WHERE id > ?1 ORDER BY id LIMIT ?2")?;
+    let rows = statement.query_map(params![signed(row), count as i64], |row| {
+        Ok(Written { row: unsigned(row.get("id")?), verdict: read_verdict(row)? })
+    })?;
+    rows.collect()
+}
+
+/// The inverse of [`insert_verdict`].
+fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
+    let number = |column: &str| row.get(column).map(unsigned);
+    let index = |column: &str| row.get(column).map(|index: Option<u16>| index.unwrap_or(NO_INDEX));
+    let value = |column: &str| row.get(column).map(|value: Option<f32>| value.unwrap_or(f32::NAN));
+    let text = |column: &str| row.get::<_, String>(column);
+    let mut verdict = Verdict {
+        stamp: Stamp {
+            seq: number("seq")?,
+            epoch: number("epoch")?,
+            frame_seq: number("frame_seq")?,
+            captured_ns: number("captured_ns")?,
+            sent_ns: number("sent_ns")?,
+        },
+        model_hash: u64::from_str_radix(&text("model_hash")?, 16).unwrap_or_default(),
+        began_ns: number("began_ns")?,
+        ended_ns: number("ended_ns")?,
+        decided_ns: number("decided_ns")?,
+        decided_utc_ns: number("decided_utc_ns")?,
+        job_id: row.get("job_id")?,
+        distance: value("distance")?,
+        threshold: value("threshold")?,
+        x_c: [row.get("x_c0")?, row.get("x_c1")?, row.get("x_c2")?, row.get("x_c3")?],
+        activity: index("activity")?,
+        iu: index("iu")?,
+        nearest: index("nearest")?,
+        level: code(VerdictLevel::ALL, VerdictLevel::name, VerdictLevel::code, &text("level")?),
+        outcome: code(VerdictOutcome::ALL, VerdictOutcome::name, VerdictOutcome::code, &text("outcome")?),
+        reason: code(VerdictReason::ALL, VerdictReason::name, VerdictReason::code, &text("reason")?),
+        hand: code(HandCode::ALL, HandCode::name, HandCode::code, &text("hand")?),
+        early: row.get("early")?,
+        ..Verdict::default()
+    };
+    for (to, from) in verdict.station.iter_mut().zip(text("station")?.bytes()) {
+        *to = from;
+    }
+    Ok(verdict)
+}
+
+/// The inverse of [`word`].
+fn code<T: Copy>(all: &[T], name: fn(T) -> &'static str, code: fn(T) -> u8, text: &str) -> u8 {
+    let known = all.iter().find(|&&word| name(word) == text).map(|&word| code(word));
+    known.or_else(|| text.parse().ok()).unwrap_or_default()
 }
 
 /// The name of a code, or its number where this build does not know it.

@@ -60,6 +60,40 @@ pub(super) const MIGRATIONS: &[&str] = &[
     ALTER TABLE verdict DROP COLUMN kind;
     ALTER TABLE verdict DROP COLUMN ok;
 ",
+    "
+    CREATE TABLE not_watching (
+        id             INTEGER PRIMARY KEY,
+        before_verdict INTEGER NOT NULL,     -- id of the first verdict after its begin
+        began_utc_ns   INTEGER NOT NULL,
+        ended_utc_ns   INTEGER,              -- NULL: it lasts, or nobody saw its end
+        why            TEXT    NOT NULL      -- a word of the channel `health`
+    ) STRICT;
+",
+    "
+    CREATE TABLE identity (
+        journal INTEGER NOT NULL             -- random: rows of another database are others
+    ) STRICT;
+    INSERT INTO identity (journal) VALUES (random());
+    CREATE TABLE account (                   -- what the PLC has been told: one row
+        id              INTEGER PRIMARY KEY CHECK (id = 1),
+        boot            INTEGER NOT NULL,    -- counts the starts of the role plc
+        number          INTEGER NOT NULL,    -- counts the changes in one start
+        row             INTEGER NOT NULL,    -- id of the newest verdict that was numbered
+        epoch           INTEGER NOT NULL,    -- and its key
+        seq             INTEGER NOT NULL,
+        sequence        INTEGER NOT NULL,    -- and its number
+        lost            INTEGER NOT NULL,
+        has_overrun     INTEGER NOT NULL,
+        error           INTEGER NOT NULL,
+        error_detail    INTEGER NOT NULL,
+        shown_row       INTEGER NOT NULL,    -- id of the verdict that was offered last
+        shown_sequence  INTEGER NOT NULL,    -- and its number
+        is_acknowledged INTEGER NOT NULL,
+        waiting         TEXT    NOT NULL,    -- ids and numbers of those behind it
+        wanted_job      INTEGER NOT NULL,    -- the job that the PLC has loaded
+        wanted_hash     INTEGER NOT NULL
+    ) STRICT;
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

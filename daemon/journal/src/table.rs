@@ -1,35 +1,23 @@
 //! The journal as a table for a terminal.
 
-use std::io::Write;
+use std::io::{self, Write};
 
 use jiff::Timestamp;
 
-use super::error::JournalError;
-use super::history::{Entry, Gap, History, Query, Record};
+use super::history::{Entry, Gap, NotWatching, Record};
 
-impl History {
-    /// Writes one line per entry that matches the query.
-    ///
-    /// # Errors
-    /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
-    pub fn print_table(&self, query: &Query, out: &mut impl Write) -> Result<(), JournalError> {
-        writeln!(
-            out,
-            "decided (UTC)        what             why           hand   act  iu  context            distance  threshold"
-        )?;
-        self.visit(query, |entry| {
-            match entry {
-                Entry::Verdict(record) => write_record(out, &record)?,
-                Entry::Gap(gap) => write_gap(out, &gap)?,
-            }
-            Ok(())
-        })?;
-        out.flush()?;
-        Ok(())
+pub(super) const HEADER: &str = "decided (UTC)        what             why           hand   act  iu  context            distance  threshold\n";
+
+/// Writes the line of an entry.
+pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
+    match entry {
+        Entry::Verdict(record) => write_record(record, out),
+        Entry::Gap(gap) => write_gap(gap, out),
+        Entry::NotWatching(blind) => write_not_watching(blind, out),
     }
 }
 
-fn write_record(out: &mut impl Write, r: &Record) -> std::io::Result<()> {
+fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     let number = |value: Option<f32>| value.map(|value| format!("{value:.2}")).unwrap_or_default();
     let index = |value: Option<u16>| value.map(|value| (value + 1).to_string()).unwrap_or_default();
     writeln!(
@@ -48,7 +36,7 @@ fn write_record(out: &mut impl Write, r: &Record) -> std::io::Result<()> {
     )
 }
 
-fn write_gap(out: &mut impl Write, gap: &Gap) -> std::io::Result<()> {
+fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
     let last = gap.last_seq.map_or("?".into(), |seq| seq.to_string());
     writeln!(
         out,
@@ -58,6 +46,11 @@ fn write_gap(out: &mut impl Write, gap: &Gap) -> std::io::Result<()> {
         gap.first_seq,
         gap.epoch
     )
+}
+
+fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()> {
+    let end = blind.ended_utc_ns.map_or("?".into(), utc);
+    writeln!(out, "{:20} -- not watching until {end}: {}", utc(blind.began_utc_ns), blind.meaning())
 }
 
 /// The time to the second, which is enough for a reader, or as a number where it is beyond the calendar.

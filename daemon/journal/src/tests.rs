@@ -70,6 +70,9 @@ impl Bench {
             .iter()
             .map(|entry| match entry {
                 Entry::Verdict(record) => format!("v {} {}", record.epoch, record.seq),
+                Entry::NotWatching(blind) => {
+                    format!("blind {} {:?} {}", blind.began_utc_ns, blind.ended_utc_ns, blind.why)
+                }
                 Entry::Gap(gap) => {
                     let last = gap.last_seq.map_or("?".into(), |last| last.to_string());
                     format!("{} {} {}-{last}", gap.why, gap.epoch, gap.first_seq)
@@ -129,7 +132,7 @@ fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome()
         .iter()
         .map(|entry| match entry {
             Entry::Verdict(record) => format!("{} {} {}", record.kind(), record.level, record.outcome),
-            Entry::Gap(gap) => format!("{gap:?}"),
+            other => format!("{other:?}"),
         })
         .collect();
     assert_eq!(
@@ -197,19 +200,19 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     let mut bench = Bench::new();
     bench.send(1, [1, 3]);
     let mut csv = Vec::new();
-    History::open(&bench.path()).unwrap().export_csv(&Query::default(), &mut csv).unwrap();
+    History::open(&bench.path()).unwrap().write(&Query::default(), Format::Csv, &mut csv).unwrap();
     let csv = String::from_utf8(csv).unwrap();
     let lines: Vec<&str> = csv.split("\r\n").collect();
     assert_eq!(
         lines[1],
         "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,0.000000000,\
-         0.000000000,0.000000000,1,1,"
+         0.000000000,0.000000000,1,1,,"
     );
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
-    assert!(lines[2].ends_with(",1,2,2"));
+    assert!(lines[2].ends_with(",1,2,2,"));
     assert_eq!(lines.len(), 5);
     for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 26, "{line}");
+        assert_eq!(line.split(',').count(), 27, "{line}");
     }
 }
 
@@ -313,4 +316,90 @@ fn a_journal_of_a_newer_andon_and_a_file_that_is_no_journal_are_refused_with_a_r
     assert!(error.contains("does its directory exist"), "{error}");
     let error = History::open(&bench.dir.path().join("none")).unwrap_err();
     assert!(matches!(error, JournalError::Open { .. }), "a reader makes no journal: {error}");
+}
+
+#[test]
+fn a_time_without_sight_is_a_row_with_begin_and_end_before_the_verdict_that_follows_it() {
+    let mut bench = Bench::new();
+    bench.send(1, [1]);
+    bench.journal.stops_watching(1_500_000_000, shm_schemas::Sight::Black).unwrap();
+    bench.journal.watches_again(1_900_000_000).unwrap();
+    bench.send(1, [2]);
+    bench.journal.stops_watching(2_500_000_000, shm_schemas::Sight::TooFewFrames).unwrap();
+    assert_eq!(
+        bench.lines(&Query::default()),
+        ["v 1 1", "blind 1500000000 Some(1900000000) Black", "v 1 2", "blind 2500000000 None TooFewFrames"]
+    );
+    let mut table = Vec::new();
+    History::open(&bench.path()).unwrap().write(&Query::default(), Format::Table, &mut table).unwrap();
+    let table = String::from_utf8(table).unwrap();
+    assert!(table.contains("-- not watching until 1970-01-01T00:00:01Z: The picture is black."), "{table}");
+    let mut csv = Vec::new();
+    History::open(&bench.path()).unwrap().write(&Query::default(), Format::Csv, &mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
+    assert!(columns.iter().all(|count| *count == columns[0]), "{csv}");
+    assert!(csv.contains(",1970-01-01T00:00:01.9Z\r\n"), "{csv}");
+}
+
+#[test]
+fn a_row_is_read_back_as_the_verdict_that_was_written() {
+    let mut bench = Bench::new();
+    let mut known = verdict(u64::MAX, 1);
+    known.distance = 1.5;
+    known.reason = VerdictReason::Motion.code();
+    known.hand = 2;
+    known.model_hash = 0xFFFF_0000_0000_0001;
+    known.x_c = [1, 2, 2, 65535];
+    (known.stamp.frame_seq, known.stamp.captured_ns, known.stamp.sent_ns) = (4, 5, 6);
+    (known.began_ns, known.ended_ns, known.decided_ns, known.early) = (7, 8, 9, 1);
+    // Of another build: its numbers are kept as numbers.
+    let foreign =
+        Verdict { level: 77, outcome: 78, reason: 79, hand: 80, distance: 0.25, ..verdict(u64::MAX, 2) };
+    bench.append(&known).unwrap();
+    bench.append(&foreign).unwrap();
+    let rows = bench.journal.rows_after(0, 10).unwrap();
+    assert_eq!(rows, [Written { row: 1, verdict: known }, Written { row: 2, verdict: foreign }]);
+    assert_eq!(bench.journal.rows_after(1, 10).unwrap().len(), 1);
+    assert_eq!(bench.journal.rows_after(0, 1).unwrap().len(), 1);
+}
+
+#[test]
+fn the_account_of_the_plc_is_kept_and_before_the_first_it_says_where_the_journal_ends() {
+    let mut bench = Bench::new();
+    bench.send(4, 1..=3);
+    let none = bench.journal.account().unwrap();
+    assert_eq!((none.boot, none.row, none.epoch, none.seq), (0, 3, 4, 3));
+    let mut account = Account {
+        boot: 2,
+        number: u64::MAX,
+        row: 5,
+        epoch: u64::MAX,
+        seq: 6,
+        sequence: u32::MAX,
+        lost: 7,
+        has_overrun: 1,
+        error: 3,
+        error_detail: 104,
+        shown_row: 1,
+        shown_sequence: 8,
+        is_acknowledged: 1,
+        wanted_job: 12,
+        wanted_hash: u64::MAX,
+        journal: bench.journal.identity(),
+        ..Account::default()
+    };
+    (account.waiting_rows[0], account.waiting_sequences[0]) = (2, 9);
+    (account.waiting_rows[1], account.waiting_sequences[1]) = (4, 11);
+    bench.journal.keep(&account).unwrap();
+    let again = Journal::open(&bench.path(), KEEP).unwrap();
+    assert_eq!(again.account().unwrap(), account);
+    account.number = 1;
+    bench.journal.keep(&account).unwrap();
+    assert_eq!(bench.journal.account().unwrap(), account, "the newest takes the place of the one before");
+}
+
+#[test]
+fn every_database_has_an_identity_of_its_own() {
+    assert_ne!(Bench::new().journal.identity(), Bench::new().journal.identity());
 }

@@ -69,6 +69,7 @@ fn verdicts(path: &Path) -> BTreeSet<(u64, u64)> {
     let mut there = BTreeSet::new();
     let check = |entry| {
         match entry {
+            Entry::NotWatching(_) => {}
             Entry::Gap(_) => explained = true,
             Entry::Verdict(record) => {
                 let follows = match newest {

@@ -1,5 +1,6 @@
 //! The detections of one frame.
 
+use crate::sight::Picture;
 use heapless::Vec;
 
 /// Maximum number of hands in a frame: those of one worker.
@@ -100,6 +101,13 @@ pub struct Detections {
     pub objects: Vec<ObjectDetection, OBJECTS>,
     /// Carried objects whose markers are hidden, placed by the motion of the hand. None of them is in `objects`.
     pub carried: Vec<PlacedObject, OBJECTS>,
+    /// Hands in the picture, wanted or not.
+    pub hands_in_view: usize,
+    /// Markers in the picture that belong to no configured object: of another id, or while none of the configured ones has been
+    /// seen, of another dictionary.
+    pub foreign_markers: usize,
+    /// How well the picture can be seen.
+    pub picture: Picture,
     /// How long it took. The measurement of perception's accuracy reads it.
     pub spent: Spent,
 }

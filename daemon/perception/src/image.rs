@@ -2,6 +2,9 @@
 
 use crate::error::PerceptionError;
 use crate::pixel_format::PixelFormat;
+use opencv::boxed_ref::BoxedRef;
+use opencv::core::{Mat, Rect};
+use opencv::prelude::*;
 
 /// A picture that belongs to someone else. Nothing of it is copied.
 #[derive(Clone, Copy)]
@@ -63,5 +66,18 @@ impl<'a> ImageView<'a> {
     /// The bytes, `height * stride` of them.
     pub(crate) fn data(&self) -> &'a [u8] {
         &self.data[..self.height * self.stride]
+    }
+
+    /// Shows OpenCV the pixels where they lie.
+    pub(crate) fn with_pixels<T>(
+        &self,
+        look: impl FnOnce(&BoxedRef<'_, Mat>) -> opencv::Result<T>,
+    ) -> opencv::Result<T> {
+        // First rows with their padding, then without it, then pixels.
+        let rows = Mat::new_rows_cols_with_data(self.height as i32, self.stride as i32, self.data())?;
+        let row_bytes = (self.width * self.format.bytes()) as i32;
+        let rows = Mat::roi(&rows, Rect::new(0, 0, row_bytes, self.height as i32))?;
+        let pixels = rows.reshape(self.format.bytes() as i32, 0)?;
+        look(&pixels)
     }
 }

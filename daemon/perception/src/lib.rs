@@ -27,6 +27,7 @@ pub mod metric;
 mod perceiver;
 mod pixel_format;
 mod points;
+pub mod sight;
 
 pub use config::PerceptionConfig;
 pub use detections::Detections;

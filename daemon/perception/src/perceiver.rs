@@ -8,6 +8,7 @@ use crate::error::PerceptionError;
 use crate::hands::{OnnxModels, Tracker};
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
+use crate::sight::Picture;
 use std::time::Instant;
 
 /// Frames in, detections out.
@@ -70,6 +71,8 @@ impl Perceiver {
         let found =
             self.markers.find(image, self.bench.min_side_px(), |id| self.bench.side_m(id).is_some())?;
         self.bench.see([image.width(), image.height()], &found, detections.captured_ns)?;
+        detections.foreign_markers = self.markers.foreign();
+        detections.picture = Picture::of(&self.markers.gray(image)?);
         detections.objects = found.iter().filter_map(|marker| placed(&self.bench, marker)).collect();
         detections.spent.markers_ns = began.elapsed().as_nanos() as u64;
         Ok(())
@@ -93,6 +96,7 @@ impl Perceiver {
             // There is room: the tracker follows no more hands than fit.
             let _ = detections.hands.push(hand);
         }
+        detections.hands_in_view = tracker.followed();
         Ok(())
     }
 

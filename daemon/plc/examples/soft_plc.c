@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* One cycle of the PLC: after this long without a verdict it does its other work. */
+/* One cycle of the PLC: after this long without a verdict it does its other work. A PLC that must not wait asks with 0. */
 #define CYCLE_US 10000
 /* The longest time for a station to start. */
 #define PATIENCE_MS 5000
@@ -55,7 +55,8 @@ int main(int argc, char **argv) {
     fflush(stdout);
 
     size_t received = 0;
-    int ready = 1, fault = 0;
+    uint64_t lost = 0;
+    int ready = 0, fault = 0; /* Silence is never ready. */
     while (!fault && (count == 0 || received < count)) {
         AndonVerdict verdict;
         switch (andon_next(reader, CYCLE_US, &verdict)) {
@@ -63,13 +64,11 @@ int main(int argc, char **argv) {
             if (count)
                 latency_ns[received] = monotonic_ns() - verdict.sent_ns;
             received++;
-            ready = 1;
             printf("verdict %llu %s reason %u distance %g station %s\n", (unsigned long long)verdict.seq,
                    word(verdict.outcome), verdict.reason, (double)verdict.distance, verdict.station);
             break;
         case ANDON_RESULT_WRITER_GONE:
-            ready = 0; /* Silence is never OK. */
-            printf("judge gone, ready %d\n", ready);
+            printf("judge gone\n");
             fflush(stdout);
             break;
         case ANDON_RESULT_NOTHING:
@@ -78,10 +77,27 @@ int main(int argc, char **argv) {
             fprintf(stderr, "%s\n", andon_last_error());
             fault = 1;
         }
+        AndonStatus status;
+        if (andon_status(reader, &status) < 0)
+            continue;
+        if (status.ready != ready) {
+            ready = status.ready;
+            printf("ready %d\n", ready);
+            fflush(stdout);
+        }
+        if (status.lost != lost) {
+            printf("lost %llu\n", (unsigned long long)(status.lost - lost));
+            lost = status.lost;
+        }
     }
 
     AndonStatus status;
-    andon_status(reader, &status);
+    if (andon_status(reader, &status) < 0) {
+        fprintf(stderr, "%s\n", andon_last_error());
+        andon_close(reader);
+        free(latency_ns);
+        return 70;
+    }
     printf("received %llu lost %llu\n", (unsigned long long)status.received, (unsigned long long)status.lost);
     if (count && received) {
         qsort(latency_ns, received, sizeof *latency_ns, by_size);

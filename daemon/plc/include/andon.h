@@ -298,9 +298,14 @@ typedef struct AndonStatus {
    */
   uint8_t writer_gone;
   /**
+   * 1 while every role of the line says that it runs, perceive that it sees the bench, and the judge that it watches a job,
+   * otherwise 0. Silence is 0.
+   */
+  uint8_t ready;
+  /**
    * Keeps the size a multiple of 8.
    */
-  uint8_t reserved[3];
+  uint8_t reserved[2];
 } AndonStatus;
 
 #ifdef __cplusplus
@@ -327,7 +332,7 @@ AndonResult andon_open(const char *root,
 /**
  * Writes the next verdict to `*out` and returns ANDON_RESULT_VERDICT. When none is there, waits for at most `timeout_us` and returns
  * ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a
- * verdict is there, the call waits for nobody.
+ * verdict is there, the call waits for nobody; a judge that has gone away is reported all the same.
  *
  * # Safety
  * `reader` is from `andon_open`, not closed, and no other call with it is running; `out` can be written.
@@ -337,12 +342,14 @@ AndonResult andon_next(struct AndonReader *reader,
                        struct AndonVerdict *out);
 
 /**
- * Writes what the reader has received so far to `*out` and returns ANDON_RESULT_NOTHING.
+ * Writes what the reader has received so far, and whether the line is ready, to `*out` and returns ANDON_RESULT_NOTHING. It waits for
+ * nobody: call it in every cycle.
  *
  * # Safety
  * As `andon_next`.
  */
-AndonResult andon_status(const struct AndonReader *reader, struct AndonStatus *out);
+AndonResult andon_status(struct AndonReader *reader,
+                         struct AndonStatus *out);
 
 /**
  * Closes a reader. Null is allowed and does nothing.

@@ -3,8 +3,9 @@
 
 mod station;
 
+use andon_ipc::{Node, Stop, Writer};
 use andon_plc::c_abi::*;
-use shm_schemas::{VerdictLevel, VerdictOutcome};
+use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, VerdictLevel, VerdictOutcome};
 use station::TestStation;
 use std::ffi::{CStr, CString};
 use std::io::{BufRead, BufReader};
@@ -63,7 +64,7 @@ fn a_c_program_reads_every_verdict_as_it_was_written_and_hears_that_the_judge_ha
     let first: Vec<String> = lines.by_ref().take(501).collect();
     assert_eq!(first[0], "verdict 1 ok reason 0 distance 0.5 station plctest");
     assert_eq!(first[2], "verdict 3 nok reason 3 distance 1.5 station plctest");
-    assert_eq!(first[500], "judge gone, ready 0");
+    assert_eq!(first[500], "judge gone");
     let mut judge = station.judge();
     for number in 1..=500 {
         judge.send(number);
@@ -142,6 +143,72 @@ fn a_reader_that_was_opened_in_one_thread_reads_in_another() {
     unsafe {
         assert_eq!(andon_next(reader, 5_000_000, verdict.as_mut_ptr()), AndonResult::Verdict);
         assert_eq!(verdict.assume_init().seq, 1);
+        andon_close(reader);
+    }
+}
+
+/// What the roles of a line say of themselves.
+struct Roles {
+    judging: Writer<Judging>,
+    health: Writer<Health>,
+}
+
+impl Roles {
+    fn of(station: &TestStation) -> Self {
+        let patience = Duration::from_secs(20);
+        let node = Node::open(&station.station, RoleId::Tool, patience, &Stop::new().unwrap()).unwrap();
+        Self { judging: node.writer().unwrap(), health: node.writer().unwrap() }
+    }
+
+    /// The judge watches a job, and every role runs.
+    fn say_ready(&mut self) {
+        let mut judging = self.judging.loan().unwrap();
+        (judging.is_enabled, judging.phase) = (1, JudgePhase::Waiting.code());
+        self.judging.send(judging).unwrap();
+        for role in [RoleId::Perceive, RoleId::Encode, RoleId::Judge, RoleId::Journal] {
+            let mut health = self.health.loan().unwrap();
+            (health.role, health.state) = (role.code(), RoleState::Running.code());
+            self.health.send(health).unwrap();
+        }
+    }
+}
+
+/// A cyclic task asks with a timeout of 0 and must hear it all the same.
+#[test]
+fn a_dead_judge_is_reported_with_a_timeout_of_0_and_ready_is_what_the_line_says() {
+    let station = TestStation::new();
+    let judge = station.judge();
+    let mut roles = Roles::of(&station);
+    let root = CString::new(station.station.root().to_str().unwrap()).unwrap();
+    let name = CString::new("plctest").unwrap();
+    let mut reader = std::ptr::null_mut();
+    let mut verdict = std::mem::MaybeUninit::<AndonVerdict>::uninit();
+    // SAFETY: every pointer lives to the end of this function; the reader is closed once, at the end.
+    unsafe {
+        assert_eq!(andon_open(root.as_ptr(), name.as_ptr(), 5000, &mut reader), AndonResult::Nothing);
+        let ready = || {
+            let mut status = AndonStatus::default();
+            assert_eq!(andon_status(reader, &mut status), AndonResult::Nothing);
+            status.ready
+        };
+        assert_eq!(ready(), 0, "nobody has said anything");
+        let until = std::time::Instant::now() + Duration::from_secs(20);
+        while ready() == 0 {
+            assert!(std::time::Instant::now() < until, "never ready");
+            // One beat of each role is what the channel holds.
+            roles.say_ready();
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        drop(judge);
+        loop {
+            match andon_next(reader, 0, verdict.as_mut_ptr()) {
+                AndonResult::WriterGone => break,
+                other => assert_eq!(other, AndonResult::Nothing),
+            }
+            assert!(std::time::Instant::now() < until, "the judge has gone and nobody says so");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        assert_eq!(ready(), 0);
         andon_close(reader);
     }
 }

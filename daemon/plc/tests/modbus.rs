@@ -119,7 +119,7 @@ fn malformed_requests_are_answered_with_their_exception_and_counted() {
     }
     assert_eq!(count(&server.counters.malformed), 11);
     for (pdu, answer) in [
-        (&[3, 0, 48, 0, 1][..], [0x83, 2]),
+        (&[3, 0, 59, 0, 1][..], [0x83, 2]),
         (&[4, 255, 255, 0, 1], [0x84, 2]),
         (&[6, 0, 0, 0, 1], [0x86, 2]),    // read only
         (&[6, 0, 100, 0, 64], [0x86, 3]), // a bit without a meaning
@@ -138,12 +138,12 @@ fn frames_that_come_in_pieces_or_together_are_answered_in_order() {
     let mut all = [good.as_slice(), &bad, &good].concat();
     let last = all.split_off(all.len() - 3);
     client.send(&all);
-    assert_eq!(client.answer().unwrap(), [3, 2, 0, 2]);
+    assert_eq!(client.answer().unwrap(), [3, 2, 0, 3]);
     assert_eq!(client.answer().unwrap(), [0x83, 3]);
     for byte in last {
         client.send(&[byte]);
     }
-    assert_eq!(client.answer().unwrap(), [3, 2, 0, 2]);
+    assert_eq!(client.answer().unwrap(), [3, 2, 0, 3]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::mem::discriminant;
 use std::time::Duration;
 
-use andon_ipc::{FrameLoan, FrameWriter, MonotonicTime, Node, Port};
+use andon_ipc::{FrameLoan, FrameWriter, MonotonicTime, Node, Port, SourceTime};
 use andond::config::Config;
 use andond::log::{code, log};
 use andond::role::{Cycle, Output, Played, Player, Recording, Role, RoleError, Turn, WAIT, report_camera};
@@ -142,7 +142,8 @@ impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Camera<O> {
         let captured_ns = source.captured_ns().unwrap_or_else(|| MonotonicTime::now().nanoseconds());
         source.describe(frame.header_mut());
         // A camera has no time of its own: its pictures are as old as the machine says.
-        frame.put(&Stamp { captured_ns, ..Stamp::default() }, Duration::from_nanos(captured_ns), 0);
+        let time = SourceTime::from_nanoseconds(captured_ns);
+        frame.put(&Stamp { captured_ns, ..Stamp::default() }, time, 0);
         self.frames.send_loan(cycle, frame)?;
         self.source = Some(source);
         Ok(Turn::Stepped)

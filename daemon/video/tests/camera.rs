@@ -57,6 +57,11 @@ fn replaced(_: &Config) -> Result<Box<dyn Source>, OpenError> {
     }
 }
 
+/// Works, at the rate of its format.
+fn steady(_: &Config) -> Result<Box<dyn Source>, OpenError> {
+    Ok(Box::new(Camera { left: u32::MAX }))
+}
+
 /// In the process under test: runs the role with a scripted camera and does not return. Elsewhere it does nothing.
 fn run_scripted(open: impl Fn(&Config) -> Result<Box<dyn Source>, OpenError>) {
     let Some(path) = std::env::var_os(INSIDE) else { return };
@@ -168,6 +173,24 @@ fn a_camera_that_comes_back_without_the_configured_mode_ends_the_role() {
     assert_eq!(output.status.code(), Some(78));
     let refused = lines(&output, "AND-105");
     assert!(refused.len() == 1 && refused[0].contains("it has no such mode"), "{refused:?}");
+}
+
+#[test]
+fn a_camera_that_sends_fewer_frames_than_configured_is_reported_with_the_rate_that_it_has() {
+    run_scripted(steady);
+    let bench = Bench::new();
+    let mut health = bench.node.reader::<Health>().unwrap();
+    let child = start_scripted(&bench.config("source = \"v4l2\"\nrate_hz = 240.0"));
+    let (mut last_error, until) = (0, Instant::now() + PATIENCE);
+    while last_error != 106 {
+        assert!(Instant::now() < until, "a rate of at most 100 Hz instead of 240 Hz is not reported");
+        bench.node.wait(&mut [&mut health], Duration::from_millis(100)).unwrap();
+        while let Some(health) = health.take().unwrap() {
+            last_error = health.last_error;
+        }
+    }
+    let slow = lines(&stop(child), "AND-106");
+    assert!(slow.len() == 1 && slow[0].contains("Give it more light"), "{slow:?}");
 }
 
 #[test]

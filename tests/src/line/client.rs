@@ -8,7 +8,13 @@ use std::time::{Duration, Instant};
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Addresses of registers, as `REGISTERS.md` lists them.
 const STATUS: u16 = 0;
+const LOST: u16 = 9;
+const SEQUENCE: u16 = 11;
 const EPOCH: u16 = 38;
+const CARRIED_OUT: u16 = 1;
+const BOOT: u16 = 48;
+const REFUSAL: u16 = 51;
+const JOB_IN_FORCE: u16 = 52;
 const CONTROL: u16 = 100;
 
 /// Bits of the status word, as `REGISTERS.md` numbers them.
@@ -24,6 +30,8 @@ pub mod status {
 #[allow(missing_docs)] // their names are their meaning
 pub mod control {
     pub const ENABLE: u16 = 1;
+    pub const LOAD_JOB: u16 = 2;
+    pub const RESET_ERROR: u16 = 32;
     pub const ACKNOWLEDGE: u16 = 16;
 }
 
@@ -86,9 +94,38 @@ impl Modbus {
         self.control(control::ENABLE).unwrap();
     }
 
-    /// Takes over the offered result: sets `acknowledge` and clears it. Panics where that is refused.
+    /// Loads a job and waits for the answer: `None` when it was carried out, otherwise the reason. Panics after a minute.
+    pub fn load_job(&mut self, job_id: u32) -> Option<u16> {
+        let word = control::ENABLE | control::LOAD_JOB;
+        let words = [word, (job_id >> 16) as u16, job_id as u16, 0, 0, 0, 0];
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        let [a, b] = CONTROL.to_be_bytes();
+        let pdu = [&[16, a, b, 0, words.len() as u8, bytes.len() as u8][..], &bytes].concat();
+        assert_eq!(self.request(&pdu).unwrap()[0], 16);
+        let until = Instant::now() + PATIENCE;
+        loop {
+            let [carried_out, refused] = self.read(CARRIED_OUT, 2).unwrap()[..] else {
+                panic!("two registers")
+            };
+            let refusal = self.read(REFUSAL, 1).unwrap()[0];
+            if (carried_out | refused) & control::LOAD_JOB != 0 {
+                self.enable();
+                return (refused & control::LOAD_JOB != 0).then_some(refusal);
+            }
+            assert!(Instant::now() < until, "load_job {job_id} is not answered");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// The job that the judge has.
+    pub fn job_in_force(&mut self) -> u32 {
+        self.long(JOB_IN_FORCE)
+    }
+
+    /// Takes over the offered result: sets `acknowledge`, waits until that counts, and clears it. Panics where it is refused.
     pub fn acknowledge(&mut self) {
         self.control(control::ENABLE | control::ACKNOWLEDGE).unwrap();
+        self.wait_until(|word| word & status::DONE == 0, "an acknowledgement");
         self.enable();
     }
 
@@ -100,6 +137,26 @@ impl Modbus {
         Ok(self.read(STATUS, 1)?[0])
     }
 
+    /// Number of the result on the registers, for the word order "big".
+    pub fn sequence(&mut self) -> u32 {
+        self.long(SEQUENCE)
+    }
+
+    /// Number of results that were lost to the PLC.
+    pub fn lost(&mut self) -> u32 {
+        self.long(LOST)
+    }
+
+    /// Number of this start of the role `plc`.
+    pub fn boot(&mut self) -> u32 {
+        self.long(BOOT)
+    }
+
+    fn long(&mut self, address: u16) -> u32 {
+        let words = self.read(address, 2).unwrap();
+        u32::from(words[0]) << 16 | u32::from(words[1])
+    }
+
     /// Epoch and `seq` of the verdict on the registers, for the word order "big".
     pub fn result(&mut self) -> (u64, u64) {
         let words = self.read(EPOCH, 8).unwrap();
@@ -109,13 +166,17 @@ impl Modbus {
 
     /// Reads until the status word has all these bits; panics after a minute.
     pub fn wait_for(&mut self, bits: u16) {
+        self.wait_until(|word| word & bits == bits, &format!("{bits:#b}"));
+    }
+
+    fn wait_until(&mut self, holds: impl Fn(u16) -> bool, what: &str) {
         let until = Instant::now() + PATIENCE;
         loop {
             let word = self.status().unwrap();
-            if word & bits == bits {
+            if holds(word) {
                 return;
             }
-            assert!(Instant::now() < until, "status {word:#b}, expected {bits:#b}");
+            assert!(Instant::now() < until, "status {word:#b}, expected {what}");
             std::thread::sleep(Duration::from_millis(5));
         }
     }

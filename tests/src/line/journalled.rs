@@ -19,8 +19,11 @@ impl Journalled {
         let [entry, reason, epoch, seq, last] = ["entry", "reason", "epoch", "seq", "last_seq"].map(index_of);
         let row = |line: &str| {
             let fields: Vec<&str> = line.split(',').collect();
+            if fields[entry] == "not_watching" {
+                return None;
+            }
             let (epoch, seq) = (fields[epoch].parse().unwrap(), fields[seq].parse().unwrap());
-            match fields[entry] {
+            Some(match fields[entry] {
                 "verdict" => Row::Verdict { epoch, seq },
                 _ => Row::Gap {
                     restart: fields[reason] == "restart",
@@ -28,9 +31,9 @@ impl Journalled {
                     first: seq,
                     last: fields[last].parse().ok(),
                 },
-            }
+            })
         };
-        Self(lines.map(row).collect())
+        Self(lines.filter_map(row).collect())
     }
 
     /// Epoch and `seq` of every verdict, in the order of the rows.

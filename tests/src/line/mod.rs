@@ -102,6 +102,13 @@ impl Line {
         self.path("station.toml")
     }
 
+    /// Replaces a text of its configuration by another, before a role is started.
+    pub fn reconfigure(&self, from: &str, to: &str) {
+        let text = fs::read_to_string(self.config()).unwrap();
+        assert!(text.contains(from), "{text}");
+        fs::write(self.config(), text.replace(from, to)).unwrap();
+    }
+
     /// The worker's track file.
     pub fn tracks(&self) -> PathBuf {
         self.path("work.tracks.jsonl")

@@ -64,12 +64,31 @@ table! {
     ERROR 208 CALIBRATION_REFUSED: "the calibration cannot be used",
         "Make a new one with `andond calibrate`";
     WARN 210 TRACK_CUT_SHORT: "the track file ends in the middle of a line",
-        "The tracker was stopped while it wrote; everything up to there has been used";
-    WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench yet; nothing is placed until it does",
+        "The tracker was stopped while it wrote; everything up to that line is used";
+    WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench; until it does, nothing has a position",
         "Clear the bench and let the camera look down on it, or calibrate with `andond calibrate`";
+    ERROR 212 PICTURE_FROZEN: "the picture has stopped: the camera sends the same one again and again",
+        "Unplug the camera and plug it in again; if that helps only for a while, give it a USB port and a cable of its own";
+    ERROR 213 PICTURE_BLACK: "the picture is black",
+        "Switch on the light, take the cap off the lens, and look at camera.exposure_us";
+    ERROR 214 PICTURE_WHITE: "the picture is white",
+        "Turn away what shines into the lens, or lower camera.exposure_us";
+    ERROR 215 LENS_COVERED: "something lies over the lens: the picture shows nothing of the bench",
+        "Clear the camera's view";
+    ERROR 216 PICTURE_BLURRED: "the picture is blurred, and markers are lost by it",
+        "Clean the lens, let it dry, and focus it on the bench";
+    ERROR 217 PICTURE_NOISY: "there is so much noise in the picture that nothing is found",
+        "Light the bench better, or give the camera a longer camera.exposure_us";
+    WARN 218 TOO_FEW_FRAMES: "too few of the camera's pictures are looked at",
+        "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz";
+    ERROR 219 MARKERS_FOREIGN: "none of the station's markers has been seen, although there are others or hands at work",
+        "Compare the printed markers with perception.dictionary and with the ids under [[objects]]; they must lie flat, whole and in the light";
+    ERROR 220 HANDS_NOT_FOUND: "parts move, and no hand is found",
+        "Light the hands, take off gloves in the colour of the bench, and let the camera see the whole hand";
+    INFO 221 SIGHT_BACK: "the line sees its bench again", "";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
-    ERROR 302 JOB_REFUSED: "the job file is damaged, has another version or does not fit this station",
+    ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",
         "Select a job that fits, or make one with `andond teach`";
     INFO 303 JOB_STARTED: "a job has begun", "";
     INFO 304 JOB_OK: "the job was done right", "";
@@ -79,8 +98,8 @@ table! {
         "Stop and look at the step that the message names";
     WARN 307 NOT_JUDGED: "a step could not be judged",
         "Look at the product; the reason names what was missing";
-    WARN 308 OVERLOAD: "more happened than the judge has memory for, and a step could not be judged",
-        "Use fewer objects on the bench, or shorter steps in the job";
+    WARN 308 OVERLOAD: "a step lasted longer than can be compared, and could not be judged",
+        "Teach the job in shorter activities: a step of more than 2048 frames, about a minute at 30 Hz, is not compared";
     INFO 309 COMMAND: "the PLC or a person gave a command", "";
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",
         "Check the order of the commands against the register map";
@@ -93,9 +112,9 @@ table! {
     ERROR 402 DISK_FULL: "the journal cannot be written",
         "Make room on the disk or lower journal.keep_mb, and see that the folder of journal.path exists and that the role's user may write there; until then the PLC reads `error`";
     ERROR 403 JOURNAL_LOCKED: "another program holds the journal's lock",
-        "Close the program, which `fuser -v` on the file names; `andond history` reads the journal without a lock";
+        "Close that program: `fuser -v` names it when given the file; `andond history` needs no lock and may run";
     ERROR 404 JOURNAL_DAMAGED: "the journal's database is damaged or of a newer version",
-        "Move the file away: `sqlite3 .recover` may repair it, and the next start makes a new one; a newer version of Andon opens a newer one";
+        "Move the file away, and the next start makes a new one; `sqlite3 .recover` may repair the old one, and a newer one opens in the version of Andon that wrote it";
     WARN 405 JOURNAL_GAP: "verdicts were lost before they could be written; the gap is recorded",
         "Look at the messages before this one for the reason";
     INFO 406 JOURNAL_TRIMMED: "old verdicts were removed by age or size", "";
@@ -126,14 +145,14 @@ table! {
     ERROR 604 STEWARD_TWICE: "another steward runs for this station",
         "Stop it: `systemctl status andon-steward@NAME` shows it, unless a demo still runs";
     ERROR 605 STEWARD_MISSING: "no steward runs for this station",
-        "Start it with `systemctl start andon-steward@NAME`; this role continues when the steward is there";
+        "Start it with `systemctl start andon-steward@NAME` and look at its log; systemd starts this role again until it is there";
     ERROR 606 ROOT_DELETED: "the station's directory was removed while it was in use",
-        "Keep cleaners away from station.root, and restart the target: `systemctl restart andon@NAME.target`";
+        "Keep cleaners of temporary files away from station.root, and restart the target: `systemctl restart andon@NAME.target`";
     ERROR 607 OTHER_VERSION: "a process of another version of Andon is on the same station",
         "Stop everything of the station and start it again from one version";
     WARN 608 ROLE_DIED: "a process has died and was cleaned up",
         "systemd starts it again; look at that role's own messages for the reason";
-    WARN 609 LOSSES: "messages were lost between two roles",
+    WARN 609 LOSSES: "messages or frames were lost between two roles, or between the camera and Andon",
         "The machine is too slow or too busy for this rate: look at `andond status`";
     ERROR 610 DEADLINE_MISSED: "no message came within the deadline",
         "Look at `andond status` for the first role that is not healthy";
@@ -158,9 +177,9 @@ table! {
 #[must_use]
 pub fn index() -> String {
     let mut page = String::from(
-        "# Codes\n\nEvery message that a technician may see has one of these codes and ends with what to do: with the remedy of\n\
-         this page, or with a narrower one where the cause is known. A code never changes its meaning. This page is generated\n\
-         from `src/log/code.rs`.\n",
+        "# Codes\n\nEvery message for a technician has one of these codes. If there is something to do, the message ends with it: with the\n\
+         remedy of this page, or with a narrower one where the cause is known. A code never changes its meaning. This page is\n\
+         generated from `src/log/code.rs`.\n",
     );
     for (first, title) in GROUPS {
         // Writing to a `String` cannot fail.

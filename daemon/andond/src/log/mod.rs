@@ -43,7 +43,23 @@ pub struct Code {
     pub remedy: &'static str,
 }
 
+/// Where an error says what to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// The remedy of its code follows its message.
+    OfCode,
+    /// Its message ends with a remedy of its own.
+    InMessage,
+}
+
 impl Code {
+    /// Logs an error whose code is found at run time. All other messages are logged with [`log!`].
+    pub fn log_error(&'static self, error: &dyn fmt::Display, remedy: Remedy) {
+        let remedy = if remedy == Remedy::OfCode { self.remedy } else { "" };
+        self.note();
+        tracing::error!(code = self.name, "{}", self.text(format_args!("{error}"), remedy));
+    }
+
     /// The text of a message with this code. For [`log!`], which formats it only where the level is on.
     #[doc(hidden)]
     pub fn text<'a>(

@@ -75,7 +75,7 @@ fn because(verdict: &Verdict) -> Option<String> {
         Reason::NotCompleted => "ended before its last part".into(),
         Reason::Unknown => "nothing to compare it with".into(),
         Reason::Blind => "the hand or the part was out of sight for too long".into(),
-        Reason::Overload => "more happened than the judge has memory for".into(),
+        Reason::Overload => "it lasted longer than can be compared".into(),
     })
 }
 

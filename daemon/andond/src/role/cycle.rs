@@ -7,7 +7,7 @@
 use std::time::{Duration, Instant};
 
 use andon_ipc::{FrameReader, FrameSample, MonotonicTime, Node, Paced, Port, Reader, Sample, Wake};
-use shm_schemas::{Confirmed, Couples, Detections, Health, Stamp, Verdict, flag};
+use shm_schemas::{Couples, Detections, Health, Journalled, Stamp, Verdict, flag};
 
 use super::{Liveness, RoleError, WAIT};
 
@@ -248,7 +248,7 @@ pub trait Input {
     /// What a message rests on, and its flags.
     fn head(sample: &Self::Sample) -> (&Stamp, u32);
 
-    /// Messages lost or given up, and restarts of the writer.
+    /// Messages that were lost, here or at the source, or given up; and restarts of the writer.
     fn losses(&self) -> (u64, u32);
 }
 
@@ -281,7 +281,7 @@ impl Input for FrameReader {
     }
 
     fn losses(&self) -> (u64, u32) {
-        (self.lost() + self.skipped(), self.restarts())
+        (self.lost() + self.skipped() + self.lost_by_source(), self.restarts())
     }
 }
 
@@ -306,5 +306,5 @@ impl Flagged for Couples {
 }
 
 impl Flagged for Verdict {}
-impl Flagged for Confirmed {}
+impl Flagged for Journalled {}
 impl Flagged for Health {}

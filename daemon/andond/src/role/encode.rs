@@ -1,7 +1,7 @@
 //! `encode`: detections to feature couples.
 
 use andon_core::couple::{self, Encoder};
-use andon_ipc::{Node, Port, Reader, Writer};
+use andon_ipc::{Node, Port, Reader, SourceTime, Writer};
 use shm_schemas::{Couples, Detections, RoleId, flag};
 
 use super::RoleError;
@@ -19,7 +19,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         couples: Output::new(node.writer()?, &[RoleId::Judge]),
         detections: node.reader()?,
         encoder: encoder(config)?,
-        newest_ns: 0,
+        newest: SourceTime::default(),
         ready: Vec::new(),
         visibility: Visibility::new(config),
     };
@@ -32,8 +32,8 @@ struct Encode<'a> {
     detections: Reader<Detections>,
     couples: Output<Writer<Couples>>,
     encoder: Encoder,
-    /// Source time of the newest frame.
-    newest_ns: u64,
+    /// The time of the newest frame.
+    newest: SourceTime,
     ready: Vec<couple::Couples>,
     visibility: Visibility,
 }
@@ -47,13 +47,14 @@ impl Role for Encode<'_> {
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         let Some(detections) = cycle.take(&mut self.detections)? else { return Ok(Turn::Idle) };
-        // A recording that starts again begins at zero.
-        if cycle.is_at_end() || detections.source_ns < self.newest_ns / 2 {
+        let captured = SourceTime::from_nanoseconds(detections.source_ns);
+        if cycle.is_at_end() || begins_again(captured, self.newest) {
             self.start_over(cycle)?;
         }
         if cycle.is_at_end() {
             self.couples.send(cycle, |message| message.flags = detections.flags)?;
         } else {
+            self.newest = captured;
             self.encode(&detections, cycle)?;
         }
         Ok(Turn::Stepped)
@@ -62,7 +63,6 @@ impl Role for Encode<'_> {
 
 impl Encode<'_> {
     fn encode(&mut self, detections: &Detections, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        self.newest_ns = detections.source_ns;
         let frame = wire::detections::to_core(detections);
         let ready = &mut self.ready;
         if let Err(refused) = self.encoder.step(&frame, &mut |couples| ready.push(couples)) {
@@ -80,7 +80,7 @@ impl Encode<'_> {
         self.send_ready(cycle)?;
         self.encoder = encoder(self.config)?;
         self.visibility = Visibility::new(self.config);
-        self.newest_ns = 0;
+        self.newest = SourceTime::default();
         Ok(())
     }
 
@@ -94,6 +94,11 @@ impl Encode<'_> {
         }
         Ok(())
     }
+}
+
+/// A recording that starts again begins at zero. A frame that is only out of order is not so far back.
+fn begins_again(captured: SourceTime, newest: SourceTime) -> bool {
+    captured.nanoseconds() < newest.nanoseconds() / 2
 }
 
 fn encoder(config: &Config) -> Result<Encoder, RoleError> {

@@ -1,13 +1,19 @@
-//! Why a role cannot go on: the exit code and the code in the log.
+//! Why a role cannot go on, with its code in the log and its exit code.
+
+use std::io;
+use std::path::PathBuf;
 
 use andon_ipc::Error as Ipc;
 use andon_journal::JournalError;
-use andon_learn::job_file::JobFileError;
+use andon_learn::job_file::{JobFault, JobFileError};
 use andon_learn::recording::TrackError;
 use andon_perception::{PerceptionError, RuntimeFile};
 
-use crate::exit::Code;
-use crate::log::{code, log};
+use crate::compatibility::Misfit;
+use crate::exit::Code as Exit;
+use crate::exit::Code::{Configuration, Fault, NoProgress};
+use crate::log::Remedy::{self, InMessage, OfCode};
+use crate::log::{Code, code};
 use crate::perception::SetupError;
 use crate::video::OpenError;
 
@@ -17,158 +23,151 @@ pub enum RoleError {
     /// It was asked to stop in the middle of a step.
     #[error("asked to stop")]
     Stopped,
-    /// The station's shared memory.
+    /// The station's shared memory cannot be used.
     #[error(transparent)]
     Ipc(#[from] Ipc),
-    /// A frame that cannot be looked at.
+    /// A frame cannot be processed.
     #[error(transparent)]
     Perception(#[from] PerceptionError),
-    /// A model, a library or a calibration.
+    /// A model, a library or a calibration is missing or unusable.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The camera or the recording, in the middle of it.
+    /// The camera or the recording has failed after it was opened.
     #[error("{0}")]
     Source(String),
     /// The camera or the recording cannot be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The track file that is played.
+    /// The track file cannot be played.
     #[error(transparent)]
     Tracks(#[from] TrackError),
-    /// The job file.
+    /// A job file is not one, or is damaged.
     #[error(transparent)]
     JobFile(#[from] JobFileError),
     /// A job file that cannot be read.
-    #[error("job {path}: {reason}")]
-    Job {
+    #[error("job {}: {source}", path.display())]
+    UnreadJob {
         /// The file.
-        path: String,
-        /// Why.
-        reason: String,
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
     },
-    /// The database.
+    /// A job that does not fit the station.
+    #[error("job {}: {misfit}", path.display())]
+    UnfitJob {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        misfit: Misfit,
+    },
+    /// The database cannot be opened or written.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// The Modbus server.
+    /// The Modbus server cannot start.
     #[error(transparent)]
     Plc(#[from] andon_plc::modbus::ServeError),
-    /// The constants of the method or the objects.
+    /// The method refuses its constants or the objects.
     #[error("the method cannot work with this configuration: {0}")]
     Method(String),
-    /// A reader that a paced writer waits for does not go on.
+    /// A reader that a paced writer waits for makes no progress.
     #[error("no reader has taken anything for {0:?}")]
     NoProgress(std::time::Duration),
-    /// A program that the role consists of.
+    /// The program that the role consists of cannot be started.
     #[error("cannot start {path}: {source}")]
     Start {
         /// The program.
         path: String,
         /// What the system said.
-        source: std::io::Error,
+        source: io::Error,
     },
 }
 
 impl RoleError {
-    /// Logs it, once, and gives the exit code.
-    pub fn report(&self) -> Code {
-        match self {
-            Self::Stopped => Code::Stopped,
-            Self::Ipc(error) => report_ipc(error),
-            Self::Perception(error) => {
-                log!(code::ROLE_FAILED, "{error}");
-                Code::Fault
-            }
-            Self::Setup(error) => {
-                match error {
-                    SetupError::Calibration(_) => log!(code::CALIBRATION_REFUSED, "{error}"),
-                    SetupError::Perception(cause)
-                        if cause.unusable_file() == Some(RuntimeFile::OnnxRuntime) =>
-                    {
-                        log!(code::ONNXRUNTIME_MISSING, remedied: "{error}");
-                    }
-                    SetupError::Perception(_) => log!(code::MODEL_MISSING, remedied: "{error}"),
-                }
-                Code::Configuration
-            }
-            Self::Source(_) | Self::Open(OpenError::Gone(_)) => {
-                log!(code::RECORDING_DAMAGED, "{self}");
-                Code::Fault
-            }
+    /// Logs the error and returns the exit code. To be called once.
+    pub fn report(&self) -> Exit {
+        let Some((code, remedy, exit)) = self.classify() else { return Exit::Stopped };
+        code.log_error(self, remedy);
+        exit
+    }
+
+    /// The code in the log, where the remedy stands, and the exit code; `None` for a stop on request.
+    fn classify(&self) -> Option<(&'static Code, Remedy, Exit)> {
+        Some(match self {
+            Self::Stopped | Self::Ipc(Ipc::Stopped(_)) => return None,
+            Self::Ipc(error) => classify_ipc(error),
+            Self::Setup(SetupError::Calibration(_)) => (&code::CALIBRATION_REFUSED, OfCode, Configuration),
+            Self::Setup(SetupError::Perception(error)) => match error.unusable_file() {
+                Some(RuntimeFile::OnnxRuntime) => (&code::ONNXRUNTIME_MISSING, InMessage, Configuration),
+                _ => (&code::MODEL_MISSING, InMessage, Configuration),
+            },
+            Self::Source(_) | Self::Open(OpenError::Gone(_)) => (&code::RECORDING_DAMAGED, OfCode, Fault),
+            Self::Tracks(_) => (&code::RECORDING_DAMAGED, OfCode, Configuration),
             Self::Open(error) => {
-                report_camera(error);
-                match error {
-                    OpenError::Refused(_) | OpenError::Unsupported(_) => Code::Configuration,
-                    _ => Code::Fault,
+                let (code, remedy) = classify_camera(error);
+                let is_final = matches!(error, OpenError::Refused(_) | OpenError::Unsupported(_));
+                (code, remedy, if is_final { Configuration } else { Fault })
+            }
+            Self::JobFile(JobFileError { fault, .. }) => match fault {
+                JobFault::Toml(_) | JobFault::Format(_) | JobFault::Invalid { .. } => {
+                    (&code::JOB_REFUSED, OfCode, Configuration)
                 }
-            }
-            Self::Tracks(error) => {
-                log!(code::RECORDING_DAMAGED, "{error}");
-                Code::Configuration
-            }
-            Self::JobFile(_) | Self::Job { .. } => {
-                log!(code::JOB_REFUSED, "{self}");
-                Code::Configuration
-            }
-            Self::Journal(error) => report_journal(error),
-            Self::Plc(_) => {
-                log!(code::PLC_PORT_TAKEN, "{self}");
-                Code::Fault
-            }
-            Self::Method(_) => {
-                log!(code::CONFIGURATION_REFUSED, "{self}");
-                Code::Configuration
-            }
-            Self::NoProgress(_) => {
-                log!(code::NO_PROGRESS, "{self}");
-                Code::NoProgress
-            }
-            Self::Start { .. } => {
-                log!(code::ROLE_FAILED, "{self}");
-                Code::Fault
-            }
-        }
+                _ => (&code::JOB_REFUSED, InMessage, Configuration),
+            },
+            Self::UnreadJob { .. } => (&code::JOB_REFUSED, OfCode, Configuration),
+            Self::UnfitJob { .. } => (&code::JOB_REFUSED, InMessage, Configuration),
+            Self::Journal(error) => classify_journal(error),
+            Self::Plc(_) => (&code::PLC_PORT_TAKEN, OfCode, Fault),
+            Self::Method(_) => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),
+            Self::NoProgress(_) => (&code::NO_PROGRESS, OfCode, NoProgress),
+            Self::Perception(_) | Self::Start { .. } => (&code::ROLE_FAILED, OfCode, Fault),
+        })
     }
 }
 
-/// Logs what is wrong with the camera.
+/// Logs an error of the camera.
 pub fn report_camera(error: &OpenError) {
+    let (code, remedy) = classify_camera(error);
+    code.log_error(error, remedy);
+}
+
+/// Logs an error of the journal.
+pub(super) fn report_journal(error: &JournalError) {
+    let (code, remedy, _) = classify_journal(error);
+    code.log_error(error, remedy);
+}
+
+fn classify_camera(error: &OpenError) -> (&'static Code, Remedy) {
     match error {
-        OpenError::Gone(_) => log!(code::CAMERA_GONE, "{error}"),
-        OpenError::NotAllowed(_) => log!(code::CAMERA_NOT_ALLOWED, "{error}"),
-        OpenError::Refused(_) => log!(code::CAMERA_REFUSED, remedied: "{error}"),
-        OpenError::Unfit(_) | OpenError::Unsupported(_) => log!(code::REALSENSE_UNFIT, remedied: "{error}"),
+        OpenError::Gone(_) => (&code::CAMERA_GONE, OfCode),
+        OpenError::NotAllowed(_) => (&code::CAMERA_NOT_ALLOWED, OfCode),
+        OpenError::Refused(_) => (&code::CAMERA_REFUSED, InMessage),
+        OpenError::Unfit(_) | OpenError::Unsupported(_) => (&code::REALSENSE_UNFIT, InMessage),
     }
 }
 
-/// Logs what is wrong with the journal. What needs a person's hand at the file is not tried again.
-pub(super) fn report_journal(error: &JournalError) -> Code {
+/// Where a person must look at the file, the exit code tells systemd not to try again.
+fn classify_journal(error: &JournalError) -> (&'static Code, Remedy, Exit) {
     match error {
-        JournalError::Locked { .. } => log!(code::JOURNAL_LOCKED, remedied: "{error}"),
+        JournalError::Locked { .. } => (&code::JOURNAL_LOCKED, InMessage, Fault),
         JournalError::Damaged { .. } | JournalError::Newer { .. } => {
-            log!(code::JOURNAL_DAMAGED, remedied: "{error}");
-            return Code::Configuration;
+            (&code::JOURNAL_DAMAGED, InMessage, Configuration)
         }
-        _ => log!(code::DISK_FULL, remedied: "{error}"),
+        _ => (&code::DISK_FULL, InMessage, Fault),
     }
-    Code::Fault
 }
 
-fn report_ipc(error: &Ipc) -> Code {
+fn classify_ipc(error: &Ipc) -> (&'static Code, Remedy, Exit) {
     match error {
         Ipc::StationName { .. }
         | Ipc::RootTooLong { .. }
         | Ipc::RootNotAbsolute { .. }
-        | Ipc::RootNotWritable { .. } => {
-            log!(code::CONFIGURATION_REFUSED, "{error}");
-            return Code::Configuration;
-        }
-        Ipc::RootVanished { .. } => log!(code::ROOT_DELETED, "{error}"),
-        Ipc::NoRoom { .. } | Ipc::SharedMemory(_) => log!(code::SHM_FULL, remedied: "{error}"),
-        Ipc::StewardRunning { .. } => log!(code::STEWARD_TWICE, "{error}"),
-        Ipc::NoSteward { .. } => log!(code::STEWARD_MISSING, "{error}"),
-        Ipc::LayoutMismatch { .. } => log!(code::OTHER_VERSION, remedied: "{error}"),
-        Ipc::ServiceUnreadable { .. } => log!(code::SERVICE_UNUSABLE, remedied: "{error}"),
-        _ => log!(code::SERVICE_UNUSABLE, "{error}"),
+        | Ipc::RootNotWritable { .. } => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),
+        Ipc::RootVanished { .. } => (&code::ROOT_DELETED, InMessage, Fault),
+        Ipc::NoRoom { .. } | Ipc::SharedMemory(_) => (&code::SHM_FULL, InMessage, Fault),
+        Ipc::StewardRunning { .. } => (&code::STEWARD_TWICE, OfCode, Fault),
+        Ipc::NoSteward { .. } => (&code::STEWARD_MISSING, InMessage, Fault),
+        Ipc::LayoutMismatch { .. } => (&code::OTHER_VERSION, InMessage, Fault),
+        Ipc::ServiceUnreadable { .. } => (&code::SERVICE_UNUSABLE, InMessage, Fault),
+        _ => (&code::SERVICE_UNUSABLE, OfCode, Fault),
     }
-    Code::Fault
 }

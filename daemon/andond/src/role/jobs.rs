@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use andon_learn::job_file::JobFile;
+use shm_schemas::Refusal;
 
 use super::RoleError;
 use crate::compatibility;
@@ -21,49 +22,61 @@ pub(super) struct Wanted {
 pub(super) fn load(path: &Path, config: &Config) -> Result<JobFile, RoleError> {
     let file = read(path)?;
     compatibility::station(&file, config)
-        .map_err(|misfit| RoleError::Job { path: path.display().to_string(), reason: misfit.to_string() })?;
+        .map_err(|misfit| RoleError::UnfitJob { path: path.into(), misfit })?;
     Ok(file)
 }
 
 fn read(path: &Path) -> Result<JobFile, RoleError> {
-    let name = path.display().to_string();
-    let bytes = std::fs::read(path)
-        .map_err(|error| RoleError::Job { path: name.clone(), reason: error.to_string() })?;
-    Ok(JobFile::parse(&name, &bytes)?)
+    let bytes = std::fs::read(path).map_err(|source| RoleError::UnreadJob { path: path.into(), source })?;
+    Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
 }
 
-/// The file of the job that a command names; `running` where there is none that can be used.
-pub(super) fn select(config: &Config, wanted: Wanted, running: Option<PathBuf>) -> Option<PathBuf> {
+/// The one file of the job that a command names, and its hash.
+pub(super) fn select(config: &Config, wanted: Wanted) -> Result<Found, Refusal> {
     let folder = &config.station.jobs;
     let Wanted { job_id, .. } = wanted;
     let search = Search::new(config, wanted);
     for reason in &search.skipped {
-        log!(code::JOB_REFUSED, "skipped {reason}");
+        log!(code::JOB_REFUSED, remedied: "skipped {reason}");
     }
     match search.found.as_slice() {
-        [path] => return Some(path.clone()),
-        [] => log!(
-            code::JOB_REFUSED,
-            "no job {job_id} of the wanted version that fits this station in {}",
-            folder.display()
-        ),
-        [first, second, ..] => log!(
-            code::JOB_REFUSED,
-            "the job {job_id} is in {} and in {}: remove one of them, or name the version",
-            first.display(),
-            second.display()
-        ),
+        [found] => Ok(found.clone()),
+        [] => {
+            log!(
+                code::JOB_REFUSED,
+                "no job {job_id} of the wanted version that fits this station in {}",
+                folder.display()
+            );
+            Err(search.refusal.unwrap_or(Refusal::NoSuchJob))
+        }
+        [first, second, ..] => {
+            log!(
+                code::JOB_REFUSED,
+                remedied: "the job {job_id} is in {} and in {}: remove one of them, or name the version",
+                first.path.display(),
+                second.path.display()
+            );
+            Err(Refusal::Ambiguous)
+        }
     }
-    running
+}
+
+/// A job file that a station can use.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Found {
+    pub(super) path: PathBuf,
+    pub(super) model_hash: u64,
 }
 
 /// What the folder of jobs has to offer.
 #[derive(Debug, Default)]
 struct Search {
     /// Files of the wanted job and version that fit the station.
-    found: Vec<PathBuf>,
+    found: Vec<Found>,
     /// File and reason of everything else that might have been meant.
     skipped: Vec<String>,
+    /// Why a file of the wanted job was skipped.
+    refusal: Option<Refusal>,
 }
 
 impl Search {
@@ -90,14 +103,20 @@ impl Search {
         match read(&path) {
             Err(error) => self.skipped.push(error.to_string()),
             Ok(file) if file.id != job_id => {}
-            Ok(file) if model_hash != 0 && file.model_hash() != model_hash => self.skipped.push(format!(
-                "job {}: its version is {:016x}, and {model_hash:016x} is wanted",
-                path.display(),
-                file.model_hash()
-            )),
+            Ok(file) if model_hash != 0 && file.model_hash() != model_hash => {
+                self.refusal = Some(Refusal::OtherVersion);
+                self.skipped.push(format!(
+                    "job {}: its version is {:016x}, and {model_hash:016x} is wanted",
+                    path.display(),
+                    file.model_hash()
+                ));
+            }
             Ok(file) => match compatibility::station(&file, config) {
-                Ok(()) => self.found.push(path),
-                Err(misfit) => self.skipped.push(format!("job {}: {misfit}", path.display())),
+                Ok(()) => self.found.push(Found { path, model_hash: file.model_hash() }),
+                Err(misfit) => {
+                    self.refusal = Some(Refusal::Unfit);
+                    self.skipped.push(format!("job {}: {misfit}", path.display()));
+                }
             },
         }
     }
@@ -146,7 +165,7 @@ mod tests {
     fn two_files_of_the_same_job_are_both_found_so_that_neither_is_taken_by_chance() {
         let wanted = Wanted { job_id: job().id, model_hash: 0 };
         let search = search(&[("b.toml", &job().to_toml()), ("a.toml", &job().to_toml())], wanted);
-        let names: Vec<_> = search.found.iter().filter_map(|path| path.file_name()).collect();
+        let names: Vec<_> = search.found.iter().filter_map(|found| found.path.file_name()).collect();
         assert_eq!(names, ["a.toml", "b.toml"]);
     }
 

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use andon_ipc::{Error, Heartbeat, Node, Wake};
 use sd_notify::NotifyState;
-use shm_schemas::{RoleState, Stamp};
+use shm_schemas::{RoleState, Sight, Stamp};
 
 use crate::log::{code, last_error, log};
 
@@ -85,6 +85,11 @@ impl Liveness {
     /// The role goes on but cannot do its work: the log says why. The next step ends this state.
     pub fn failing(&mut self) {
         self.heartbeat.state(RoleState::Fault);
+    }
+
+    /// What the role can see of its bench, and since when on the monotonic clock.
+    pub(super) fn sees(&mut self, sight: Sight, since_ns: u64) {
+        self.heartbeat.sight(sight, since_ns);
     }
 
     /// Everything that follows from the source has been sent.

@@ -13,6 +13,7 @@ mod output;
 mod perceive;
 mod player;
 mod plc;
+mod sight;
 mod steward;
 mod tracks;
 mod visibility;
@@ -81,7 +82,6 @@ fn finish(outcome: Result<(), RoleError>) -> Code {
             log!(code::ROLE_STOPPING, "stopped");
             Code::Stopped
         }
-        Err(RoleError::Stopped | RoleError::Ipc(andon_ipc::Error::Stopped(_))) => Code::Stopped,
         Err(error) => error.report(),
     }
 }

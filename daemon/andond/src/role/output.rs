@@ -12,12 +12,19 @@ pub struct Output<W> {
     /// The roles that this output waits for when it is paced: the next on the data path, or none.
     followed: &'static [RoleId],
     is_paced: bool,
+    /// Whether it is the role's data channel, whose messages health counts.
+    is_counted: bool,
 }
 
 impl<W: Publish> Output<W> {
     /// `followed` is the next role on the data path; where it is empty, the output never waits.
     pub fn new(writer: W, followed: &'static [RoleId]) -> Self {
-        Self { writer, followed, is_paced: false }
+        Self { writer, followed, is_paced: false, is_counted: true }
+    }
+
+    /// A channel beside the data path: it never waits, and health does not count its messages.
+    pub fn beside(writer: W) -> Self {
+        Self { writer, followed: &[], is_paced: false, is_counted: false }
     }
 
     /// For [`super::Role::ports`].
@@ -47,13 +54,15 @@ impl<W: Publish> Output<W> {
         Ok(self.writer.loan(bytes)?)
     }
 
-    /// Sends what was loaned, and counts it.
+    /// Sends what was loaned.
     ///
     /// # Errors
     /// The station's shared memory.
     pub fn send_loan(&mut self, cycle: &mut Cycle<'_>, loan: W::Loan) -> Result<(), RoleError> {
         self.writer.send(loan)?;
-        cycle.liveness().sent();
+        if self.is_counted {
+            cycle.liveness().sent();
+        }
         Ok(())
     }
 }

@@ -7,6 +7,7 @@ use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId};
 
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
+use super::sight::SightWatch;
 use super::{RoleError, tracks};
 use crate::config::{Config, Source};
 use crate::log::{code, log};
@@ -29,8 +30,9 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         perceiver,
         placer,
         is_without_bench: false,
+        sight: SightWatch::new(config),
         source_epoch: 0,
-        dropped: 0,
+        missed: 0,
     };
     Cycle::new(node)?.run(&mut role)?;
     Ok(())
@@ -45,10 +47,11 @@ struct Perceive<'a> {
     placer: Option<Placer>,
     /// Whether it was logged that the bench is not found.
     is_without_bench: bool,
+    sight: SightWatch,
     /// Of the source that the perceiver has seen; 0 before the first.
     source_epoch: u64,
-    /// Frames lost and skipped up to the newest one.
-    dropped: u64,
+    /// Frames up to the newest one that were not looked at, whoever lost or skipped them.
+    missed: u64,
 }
 
 impl Role for Perceive<'_> {
@@ -62,15 +65,15 @@ impl Role for Perceive<'_> {
         let Some(frame) = cycle.take(&mut self.frames)? else { return Ok(Turn::Idle) };
         let header = frame.header();
         self.follow_source(header.stamp.epoch)?;
-        let dropped = self.frames.lost() + self.frames.skipped();
-        let newly_dropped = dropped - std::mem::replace(&mut self.dropped, dropped);
+        let missed = self.frames.lost() + self.frames.skipped() + self.frames.lost_by_source();
+        let newly_missed = missed - std::mem::replace(&mut self.missed, missed);
         let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
+        if let Some((seen, _)) = &seen {
+            self.sight.look(header, seen, newly_missed as u32, cycle.liveness());
+        }
         self.detections.send(cycle, |message| {
             message.source_ns = header.source_ns;
             message.flags = header.flags;
-            message.dropped = header.dropped.saturating_add(newly_dropped as u32);
-            message.width = header.width;
-            message.height = header.height;
             match seen {
                 Some((seen, Some(scene))) => wire::detections::write_metric(&seen, &scene, message),
                 Some((seen, None)) => wire::detections::write(&seen, message),
@@ -87,6 +90,7 @@ impl Perceive<'_> {
         let known = std::mem::replace(&mut self.source_epoch, epoch);
         if known != 0 && known != epoch {
             self.perceiver = perception::perceiver(self.config)?;
+            self.sight = SightWatch::new(self.config);
             self.placer = Placer::new(self.config).map_err(SetupError::from)?;
         }
         Ok(())

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use andon_ipc::{FrameLoan, Loan, MonotonicTime, Port};
+use andon_ipc::{FrameLoan, Loan, MonotonicTime, Port, SourceTime};
 use shm_schemas::{Detections, Stamp, flag};
 
 use super::cycle::{Cycle, Role, Turn};
@@ -29,30 +29,25 @@ pub trait Recording<L> {
 
 /// A message of a recording, as far as the player writes it.
 pub trait Played {
-    /// Writes what it rests on, its source time, and its flags beside those that it has.
-    fn put(&mut self, stamp: &Stamp, source_time: Duration, flags: u32);
+    /// Writes what it rests on, its time, and its flags beside those that it has.
+    fn put(&mut self, stamp: &Stamp, time: SourceTime, flags: u32);
 }
 
 impl Played for FrameLoan {
-    fn put(&mut self, stamp: &Stamp, source_time: Duration, flags: u32) {
+    fn put(&mut self, stamp: &Stamp, time: SourceTime, flags: u32) {
         let header = self.header_mut();
         header.stamp.captured_ns = stamp.captured_ns;
-        header.source_ns = nanoseconds(source_time);
+        header.source_ns = time.nanoseconds();
         header.flags |= flags;
     }
 }
 
 impl Played for Loan<Detections> {
-    fn put(&mut self, stamp: &Stamp, source_time: Duration, flags: u32) {
+    fn put(&mut self, stamp: &Stamp, time: SourceTime, flags: u32) {
         self.follow(stamp);
-        self.source_ns = nanoseconds(source_time);
+        self.source_ns = time.nanoseconds();
         self.flags |= flags;
     }
-}
-
-fn nanoseconds(source_time: Duration) -> u64 {
-    // 2^64 ns are 584 years.
-    source_time.as_nanos() as u64
 }
 
 /// The role that plays a recording. `open` opens it for every round.
@@ -63,8 +58,8 @@ pub struct Player<W, R, O> {
     /// Of every message: [`flag::PACED`] where the player goes as fast as its readers.
     flags: u32,
     round: Option<Round<R>>,
-    /// Source time that earlier rounds have taken.
-    offset: Duration,
+    /// When the round began.
+    round_began: SourceTime,
     /// Messages played so far.
     played: u64,
     has_ended: bool,
@@ -92,7 +87,7 @@ where
             repeat: camera.repeat,
             flags: if camera.speed == Speed::Max { flag::PACED } else { 0 },
             round: None,
-            offset: Duration::ZERO,
+            round_began: SourceTime::default(),
             played: 0,
             has_ended: false,
         }
@@ -107,7 +102,7 @@ where
         let mut message = self.output.loan(cycle, round.recording.message_bytes())?;
         let Some(time) = round.recording.next(&mut message)? else {
             // Once more from the start, as if the source had gone on.
-            self.offset += round.newest + round.recording.interval();
+            self.round_began = self.round_began + round.newest + round.recording.interval();
             return if self.repeat { Ok(Turn::Idle) } else { self.end(cycle) };
         };
         round.newest = time;
@@ -117,7 +112,7 @@ where
         }
         // A message counts as captured when it is due, so that its latencies compare with those of a camera.
         let captured = if self.is_paced() { MonotonicTime::now() } else { due };
-        self.publish(message, captured, self.offset + time, cycle)?;
+        self.publish(message, captured, self.round_began + time, cycle)?;
         self.round = Some(round);
         Ok(Turn::Stepped)
     }
@@ -126,7 +121,7 @@ where
     fn end(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         self.flags |= flag::END_OF_STREAM;
         let message = self.output.loan(cycle, 0)?;
-        self.publish(message, MonotonicTime::now(), self.offset, cycle)?;
+        self.publish(message, MonotonicTime::now(), self.round_began, cycle)?;
         log!(code::RECORDING_ENDED, "the recording is at its end");
         self.has_ended = true;
         Ok(Turn::Stepped)
@@ -136,14 +131,14 @@ where
         &mut self,
         mut message: W::Loan,
         captured: MonotonicTime,
-        source_time: Duration,
+        time: SourceTime,
         cycle: &mut Cycle<'_>,
     ) -> Result<(), RoleError> {
         self.played += 1;
         let captured_ns = captured.nanoseconds();
         let stamp = Stamp { frame_seq: self.played, captured_ns, ..Stamp::default() };
         cycle.rest_on(stamp, self.flags);
-        message.put(&stamp, source_time, self.flags);
+        message.put(&stamp, time, self.flags);
         self.output.send_loan(cycle, message)
     }
 }

@@ -4,10 +4,9 @@ use std::fs::File;
 use std::io::BufReader;
 use std::time::Duration;
 
-use andon_core::input::Space;
 use andon_ipc::{Loan, Node};
 use andon_learn::recording::TrackReader;
-use shm_schemas::{Detections, RoleId, flag};
+use shm_schemas::{Detections, RoleId};
 
 use super::RoleError;
 use super::cycle::Cycle;
@@ -27,8 +26,6 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
 
 struct Tracks {
     reader: TrackReader<BufReader<File>>,
-    /// [`flag::METRIC`] where the coordinates are.
-    flags: u32,
 }
 
 impl Tracks {
@@ -37,8 +34,7 @@ impl Tracks {
         let path = config.camera.path.clone().unwrap_or_default();
         let file =
             File::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
-        let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
-        Ok(Self { reader, flags: if config.method.space == Space::Metric { flag::METRIC } else { 0 } })
+        Ok(Self { reader: TrackReader::new(&path.display().to_string(), BufReader::new(file))? })
     }
 }
 
@@ -58,7 +54,6 @@ impl Recording<Loan<Detections>> for Tracks {
             }
             return Ok(None);
         };
-        message.flags = self.flags;
         wire::detections::write_frame(&frame, message);
         Ok(Some(Duration::from_nanos(frame.captured_ns)))
     }

@@ -1,93 +1,108 @@
-//! What the line has lost sight of: markers that stay hidden, and a hand that leaves the picture with work in it. It
-//! explains, in a technician's words, why steps are then not judged.
+//! What the line has lost sight of: a marker that stays hidden, or a hand that leaves the picture while it touches something. The log then
+//! says, in a technician's words, why a step is not judged.
 
-use andon_core::couple::{Context, Couples};
+use std::time::Duration;
+
+use andon_core::couple::{Context, Couple, Couples};
 use andon_core::input::{Frame, Side};
+use andon_ipc::SourceTime;
 
 use crate::config::Config;
 use crate::log::{code, log};
 
-/// A marker that no hand works with is covered by arms all the time. None rests on it for so long.
-const UNUSED_NS: u64 = 10_000_000_000;
+/// Arms cover a marker that no hand works with all the time, but none rests on it for this long.
+const UNUSED: Duration = Duration::from_secs(10);
 
-/// What a technician should know.
+/// A change that a technician should know of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
-    Covered { id: u16, hidden_s: f64 },
-    Uncovered { id: u16 },
-    HandLeft { side: Side, object: u16 },
+    MarkerCovered { object: u16, hidden: Duration },
+    MarkerBack { object: u16 },
+    HandLeft { side: Side, touched: u16 },
     HandBack { side: Side },
 }
 
-/// When something was last seen, in nanoseconds of the source; `None` before the first time.
+/// When something was last seen, and whether it is missed.
 #[derive(Clone, Copy, Debug, Default)]
-struct Seen {
-    newest_ns: Option<u64>,
-    missed: bool,
+struct LastSeen {
+    /// `None` before the first time.
+    time: Option<SourceTime>,
+    is_missed: bool,
 }
 
-impl Seen {
-    fn note(&mut self, now_ns: u64) {
-        self.newest_ns = Some(now_ns);
+impl LastSeen {
+    /// How long it has not been seen; zero before the first time.
+    fn hidden(&self, now: SourceTime) -> Duration {
+        self.time.map_or(Duration::ZERO, |time| now.since(time))
     }
 
-    fn hidden_ns(&self, now_ns: u64) -> u64 {
-        self.newest_ns.map_or(0, |newest_ns| now_ns.saturating_sub(newest_ns))
+    /// Counts it as missed. Returns whether it was not before.
+    fn becomes_missed(&mut self) -> bool {
+        !std::mem::replace(&mut self.is_missed, true)
     }
 
-    /// Whether it is missed from now on, which is told once.
-    fn begins_to_be_missed(&mut self, is_missed: bool) -> bool {
-        is_missed && !std::mem::replace(&mut self.missed, true)
+    /// Whether it was missed and is seen now.
+    fn is_back(&mut self, now: SourceTime) -> bool {
+        self.time == Some(now) && std::mem::take(&mut self.is_missed)
     }
+}
 
-    /// Whether it was missed and is there again.
-    fn is_back(&mut self, now_ns: u64) -> bool {
-        self.hidden_ns(now_ns) == 0 && std::mem::take(&mut self.missed)
-    }
+struct Object {
+    id: u16,
+    name: String,
+    seen: LastSeen,
+}
+
+struct Hand {
+    side: Side,
+    seen: LastSeen,
+    /// The object that it touched when it was last seen.
+    touched: Option<u16>,
 }
 
 /// Follows what is seen.
 pub(super) struct Visibility {
-    blind_ns: u64,
-    objects: Vec<(u16, String, Seen)>,
-    /// And what the hand touched when it was last seen.
-    hands: [(Side, Seen, Option<u16>); 2],
+    /// `method.blind_ms`.
+    blind: Duration,
+    objects: Vec<Object>,
+    hands: [Hand; 2],
 }
 
 impl Visibility {
     pub(super) fn new(config: &Config) -> Self {
-        let object = |object: &crate::config::Object| (object.id, object.name.clone(), Seen::default());
+        let object = |object: &crate::config::Object| Object {
+            id: object.id,
+            name: object.name.clone(),
+            seen: LastSeen::default(),
+        };
         Self {
-            blind_ns: u64::from(config.method.blind_ms) * 1_000_000,
+            blind: Duration::from_millis(config.method.blind_ms.into()),
             objects: config.objects.iter().map(object).collect(),
-            hands: Side::ALL.map(|side| (side, Seen::default(), None)),
+            hands: Side::ALL.map(|side| Hand { side, seen: LastSeen::default(), touched: None }),
         }
     }
 
-    /// Takes a frame and the couples that it gave, and logs what has changed.
+    /// Takes a frame and the couples that it led to, and logs what has changed.
     pub(super) fn look(&mut self, frame: &Frame, couples: &[Couples]) {
         for change in self.changes(frame, couples) {
             match change {
-                Change::Covered { id, hidden_s } => {
-                    let name = self.name(id);
+                Change::MarkerCovered { object, hidden } => {
+                    let (name, hidden_s) = (self.name(object), hidden.as_secs_f64());
                     log!(
                         code::MARKER_COVERED,
-                        { object = id },
+                        { object },
                         "the marker of {name} has not been seen for {hidden_s:.1} s"
                     );
                 }
-                Change::Uncovered { id } => {
-                    let name = self.name(id);
-                    log!(code::MARKER_BACK, { object = id }, "the marker of {name} is seen again");
+                Change::MarkerBack { object } => {
+                    log!(code::MARKER_BACK, { object }, "the marker of {} is seen again", self.name(object));
                 }
-                Change::HandLeft { side, object } => {
-                    let name = self.name(object);
-                    log!(
-                        code::HAND_OUT_OF_VIEW,
-                        "the {} hand is out of sight and had touched {name}",
-                        side.name()
-                    );
-                }
+                Change::HandLeft { side, touched } => log!(
+                    code::HAND_OUT_OF_VIEW,
+                    "the {} hand is out of sight, and it touched {} when it was last seen",
+                    side.name(),
+                    self.name(touched)
+                ),
                 Change::HandBack { side } => {
                     log!(code::HAND_BACK, "the {} hand is seen again", side.name());
                 }
@@ -96,59 +111,78 @@ impl Visibility {
     }
 
     fn name(&self, id: u16) -> String {
-        let found = self.objects.iter().find(|(object, ..)| *object == id);
-        found.map_or_else(|| format!("object {id}"), |(_, name, _)| format!("{name} ({id})"))
+        let object = self.objects.iter().find(|object| object.id == id);
+        object.map_or_else(|| format!("object {id}"), |object| format!("{} ({id})", object.name))
     }
 
     fn changes(&mut self, frame: &Frame, couples: &[Couples]) -> Vec<Change> {
-        let now_ns = frame.captured_ns;
-        let mut changes = Vec::new();
-        let touched = |id: u16| {
-            let holds = |context: Context| context.0[1] == id || context.0[3] == id;
-            couples.iter().flat_map(|couples| &couples.hands).any(|couple| holds(couple.context))
-        };
-        for (id, _, seen) in &mut self.objects {
-            if frame.objects.iter().any(|object| object.id == *id) {
-                seen.note(now_ns);
-            }
-            let hidden_ns = seen.hidden_ns(now_ns);
-            let is_missed = hidden_ns > UNUSED_NS || hidden_ns > self.blind_ns && touched(*id);
-            if seen.is_back(now_ns) {
-                changes.push(Change::Uncovered { id: *id });
-            } else if seen.begins_to_be_missed(is_missed) {
-                changes.push(Change::Covered { id: *id, hidden_s: hidden_ns as f64 / 1e9 });
-            }
-        }
-        for (side, seen, held) in &mut self.hands {
-            if frame.hands.iter().any(|hand| hand.side == *side) {
-                seen.note(now_ns);
-            }
-            for couple in couples
-                .iter()
-                .map(|couples| &couples.hands[side.index()])
-                .filter(|couple| couple.is_hand_seen())
-            {
-                *held = Some(couple.context).filter(|context| context.is_touch()).map(|context| context.0[1]);
-            }
-            let object = held.filter(|_| seen.hidden_ns(now_ns) > self.blind_ns);
-            if seen.is_back(now_ns) {
-                changes.push(Change::HandBack { side: *side });
-            } else if seen.begins_to_be_missed(object.is_some())
-                && let Some(object) = object
-            {
-                changes.push(Change::HandLeft { side: *side, object });
-            }
-        }
-        changes
+        let now = SourceTime::from_nanoseconds(frame.captured_ns);
+        let look = Look { now, blind: self.blind, frame, couples };
+        let objects = self.objects.iter_mut().filter_map(|object| object.change(&look));
+        objects.chain(self.hands.iter_mut().filter_map(|hand| hand.change(&look))).collect()
     }
+}
+
+/// What there is to see at one time.
+struct Look<'a> {
+    now: SourceTime,
+    blind: Duration,
+    frame: &'a Frame,
+    couples: &'a [Couples],
+}
+
+impl Look<'_> {
+    /// Whether a hand works with the object.
+    fn is_touched(&self, object: u16) -> bool {
+        let has = |couple: &Couple| couple.context.0[1] == object || couple.context.0[3] == object;
+        self.couples.iter().flat_map(|couples| &couples.hands).any(has)
+    }
+}
+
+impl Object {
+    fn change(&mut self, look: &Look<'_>) -> Option<Change> {
+        let object = self.id;
+        if look.frame.objects.iter().any(|seen| seen.id == object) {
+            self.seen.time = Some(look.now);
+        }
+        let hidden = self.seen.hidden(look.now);
+        let is_missed = hidden > UNUSED || hidden > look.blind && look.is_touched(object);
+        if self.seen.is_back(look.now) {
+            Some(Change::MarkerBack { object })
+        } else {
+            (is_missed && self.seen.becomes_missed()).then_some(Change::MarkerCovered { object, hidden })
+        }
+    }
+}
+
+impl Hand {
+    fn change(&mut self, look: &Look<'_>) -> Option<Change> {
+        let side = self.side;
+        if look.frame.hands.iter().any(|hand| hand.side == side) {
+            self.seen.time = Some(look.now);
+        }
+        let own = look.couples.iter().map(|couples| &couples.hands[side.index()]);
+        if let Some(couple) = own.filter(|couple| couple.is_hand_seen()).last() {
+            self.touched = touched(couple.context);
+        }
+        if self.seen.is_back(look.now) {
+            return Some(Change::HandBack { side });
+        }
+        let touched = self.touched.filter(|_| self.seen.hidden(look.now) > look.blind)?;
+        self.seen.becomes_missed().then_some(Change::HandLeft { side, touched })
+    }
+}
+
+fn touched(context: Context) -> Option<u16> {
+    context.is_touch().then_some(context.0[1])
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use andon_core::couple::{Couple, Sight};
-    use andon_core::input::{Hand, Object};
+    use andon_core::couple::Sight;
+    use andon_core::input;
 
     const S: u64 = 1_000_000_000;
 
@@ -165,20 +199,21 @@ mod tests {
     fn visibility() -> Visibility {
         let object = crate::config::Object { id: 5, name: "cup".into(), ..crate::config::Object::default() };
         let config = Config { objects: vec![object], ..Config::default() };
-        assert!(u64::from(config.method.blind_ms) * 1_000_000 < S, "the times below are longer than that");
-        Visibility::new(&config)
+        let visibility = Visibility::new(&config);
+        assert!(visibility.blind < Duration::from_secs(1), "the times below are longer than that");
+        visibility
     }
 
     fn frame(at_ns: u64, object: bool, hand: bool) -> Frame {
         let mut frame = Frame { captured_ns: at_ns, ..Frame::default() };
         if object {
-            let pose = Object { id: 5, position: [0.0; 3], orientation: [1.0, 0.0, 0.0, 0.0] };
+            let pose = input::Object { id: 5, position: [0.0; 3], orientation: [1.0, 0.0, 0.0, 0.0] };
             frame.objects.push(pose).unwrap();
         }
         if hand {
             let zero = [0.0; 3];
-            let hand =
-                Hand { side: Side::Left, score: 1.0, wrist: zero, middle_knuckle: zero, tips: [zero; 3] };
+            let (side, score, tips) = (Side::Left, 1.0, [zero; 3]);
+            let hand = input::Hand { side, score, wrist: zero, middle_knuckle: zero, tips };
             frame.hands.push(hand).unwrap();
         }
         frame
@@ -191,26 +226,26 @@ mod tests {
     }
 
     #[test]
-    fn a_marker_that_is_hidden_while_a_hand_works_with_it_is_told_once_and_so_is_its_return() {
+    fn a_marker_that_is_hidden_while_a_hand_works_with_it_is_reported_once_and_so_is_its_return() {
         let mut visibility = visibility();
         assert_eq!(visibility.changes(&frame(0, true, true), &touch(0)), []);
         assert_eq!(visibility.changes(&frame(S / 100, false, true), &touch(0)), [], "a moment is normal");
-        let covered = Change::Covered { id: 5, hidden_s: 1.0 };
+        let covered = Change::MarkerCovered { object: 5, hidden: Duration::from_secs(1) };
         assert_eq!(visibility.changes(&frame(S, false, true), &touch(S)), [covered]);
         assert_eq!(visibility.changes(&frame(2 * S, false, true), &touch(2 * S)), []);
         assert_eq!(
             visibility.changes(&frame(3 * S, true, true), &touch(3 * S)),
-            [Change::Uncovered { id: 5 }]
+            [Change::MarkerBack { object: 5 }]
         );
         assert_eq!(visibility.changes(&frame(4 * S, true, true), &touch(4 * S)), []);
     }
 
     #[test]
-    fn a_marker_that_nobody_works_with_is_told_only_when_it_stays_hidden() {
+    fn a_marker_that_nobody_works_with_is_reported_only_when_it_stays_hidden() {
         let mut visibility = visibility();
         assert_eq!(visibility.changes(&frame(0, true, false), &[]), []);
         assert_eq!(visibility.changes(&frame(9 * S, false, false), &[]), [], "an arm over it");
-        let covered = Change::Covered { id: 5, hidden_s: 11.0 };
+        let covered = Change::MarkerCovered { object: 5, hidden: Duration::from_secs(11) };
         assert_eq!(visibility.changes(&frame(11 * S, false, false), &[]), [covered]);
     }
 
@@ -219,7 +254,7 @@ mod tests {
         assert_eq!(visibility().changes(&frame(99 * S, false, false), &touch(S)), []);
     }
 
-    /// The left hand, seen, touches this object, or nothing where it is 0.
+    /// The left hand touches this object; 0 is none.
     fn left(at_ns: u64, seen: bool, object: u16) -> [Couples; 1] {
         let context = if object == 0 { Context::IDLE } else { Context([2, object, 0, 0]) };
         let hand = if seen { Sight::Seen } else { Sight::Unseen };
@@ -229,12 +264,12 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_leaves_with_something_is_told_once_and_so_is_its_return() {
+    fn a_hand_that_leaves_with_something_is_reported_once_and_so_is_its_return() {
         let mut visibility = visibility();
         assert_eq!(visibility.changes(&frame(0, true, true), &left(0, true, 5)), []);
-        // What it carried is seen to go, so the contact ends.
+        // The object stays in view without the hand, so the contact ends.
         assert_eq!(visibility.changes(&frame(S / 100, true, false), &left(S / 100, false, 0)), []);
-        let gone = Change::HandLeft { side: Side::Left, object: 5 };
+        let gone = Change::HandLeft { side: Side::Left, touched: 5 };
         assert_eq!(visibility.changes(&frame(S, true, false), &left(S, false, 0)), [gone]);
         assert_eq!(visibility.changes(&frame(2 * S, true, false), &left(2 * S, false, 0)), []);
         let back = Change::HandBack { side: Side::Left };

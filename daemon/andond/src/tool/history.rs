@@ -3,7 +3,7 @@
 use std::io::{BufWriter, ErrorKind, stdout};
 use std::time::Duration;
 
-use andon_journal::{History, JournalError, Query};
+use andon_journal::{Format, History, JournalError, Query};
 use jiff::Timestamp;
 
 use super::{ToolError, load_config};
@@ -21,12 +21,8 @@ pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let path = load_config(&arguments.config)?.journal_path();
     let history = History::open(&path)?;
     let mut out = BufWriter::new(stdout().lock());
-    let written = if arguments.csv {
-        history.export_csv(&query, &mut out)
-    } else {
-        history.print_table(&query, &mut out)
-    };
-    match written {
+    let format = if arguments.csv { Format::Csv } else { Format::Table };
+    match history.write(&query, format, &mut out) {
         // The reader has seen enough, as `head` does.
         Err(JournalError::Export(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(Code::Stopped),
         outcome => Ok(outcome.map(|()| Code::Stopped)?),

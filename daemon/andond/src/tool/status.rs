@@ -4,12 +4,13 @@ use std::time::{Duration, Instant};
 
 use andon_ipc::{Heartbeat, MonotonicTime, Node, Reader, Wake};
 use serde::Serialize;
-use shm_schemas::{Health, RoleId, RoleState};
+use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Sight};
 
 use super::join::join;
 use super::{ToolError, load_config};
 use crate::cli::Status;
 use crate::log::code;
+use crate::sight;
 
 /// A role that runs is heard within this time: three beats.
 const LISTEN: Duration = Duration::from_millis(3 * Heartbeat::PERIOD.as_millis() as u64);
@@ -24,15 +25,18 @@ const UNHEALTHY: u8 = 1;
 pub fn run(arguments: &Status) -> Result<u8, ToolError> {
     let config = load_config(&arguments.config)?;
     let roles = config.roles();
-    let newest = listen(&join(&config)?, &roles)?;
+    let (newest, judging) = listen(&join(&config)?, &roles)?;
+    let job = judging.as_ref().map(JobLine::new);
     let lines: Vec<RoleLine> =
         roles.into_iter().map(|role| RoleLine::new(role, newest_of(&newest, role))).collect();
     let healthy = lines.iter().all(|line| line.healthy);
     if arguments.json {
-        let station = StationLine { station: &config.station.name, healthy, roles: &lines };
+        let station =
+            StationLine { station: &config.station.name, healthy, job: job.as_ref(), roles: &lines };
         println!("{}", serde_json::to_string(&station).map_err(|error| ToolError::Print(error.into()))?);
     } else {
         print(&lines);
+        print_job(job.as_ref());
     }
     Ok(if healthy { 0 } else { UNHEALTHY })
 }
@@ -41,14 +45,17 @@ fn newest_of(newest: &[Health], role: RoleId) -> Option<&Health> {
     newest.iter().find(|health| health.role == role.code())
 }
 
-/// The newest health of every role that was sent while this listened; ends early once everyone was heard.
-fn listen(node: &Node, roles: &[RoleId]) -> Result<Vec<Health>, ToolError> {
+/// The newest health of every role and state of the judge that were sent while this listened; ends early once everyone was
+/// heard.
+fn listen(node: &Node, roles: &[RoleId]) -> Result<(Vec<Health>, Option<Judging>), ToolError> {
     let mut reader: Reader<Health> = node.reader()?;
+    let mut judge: Reader<Judging> = node.reader()?;
     let mut newest: Vec<Health> = Vec::new();
+    let mut judging: Option<Judging> = None;
     let (began, began_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
     let all = |newest: &[Health]| roles.iter().all(|role| newest_of(newest, *role).is_some());
-    while began.elapsed() < LISTEN && !all(&newest) {
-        if node.wait(&mut [&mut reader], Heartbeat::PERIOD)? == Wake::Stop {
+    while began.elapsed() < LISTEN && !(all(&newest) && judging.is_some()) {
+        if node.wait(&mut [&mut reader, &mut judge], Heartbeat::PERIOD)? == Wake::Stop {
             break;
         }
         while let Some(health) = reader.take()? {
@@ -59,8 +66,11 @@ fn listen(node: &Node, roles: &[RoleId]) -> Result<Vec<Health>, ToolError> {
             newest.retain(|known| known.role != health.role);
             newest.push(*health);
         }
+        while let Some(state) = judge.take()? {
+            judging = (state.stamp.sent_ns >= began_ns).then_some(*state).or(judging);
+        }
     }
-    Ok(newest)
+    Ok((newest, judging))
 }
 
 /// All of it, as JSON. The names are an interface: programs outside read them.
@@ -68,7 +78,33 @@ fn listen(node: &Node, roles: &[RoleId]) -> Result<Vec<Health>, ToolError> {
 struct StationLine<'a> {
     station: &'a str,
     healthy: bool,
+    /// What the judge says; null where it was not heard.
+    job: Option<&'a JobLine>,
     roles: &'a [RoleLine],
+}
+
+/// The job in force, as the judge says it.
+#[derive(Serialize)]
+struct JobLine {
+    /// Its number; null where none is loaded.
+    id: Option<u32>,
+    /// The hash of its file, 16 hexadecimal digits.
+    hash: Option<String>,
+    enabled: bool,
+    /// A word of [`JudgePhase`].
+    phase: &'static str,
+}
+
+impl JobLine {
+    fn new(judging: &Judging) -> Self {
+        let has_job = judging.job_id != 0;
+        Self {
+            id: has_job.then_some(judging.job_id),
+            hash: has_job.then(|| format!("{:016x}", judging.model_hash)),
+            enabled: judging.is_enabled != 0,
+            phase: JudgePhase::try_from(judging.phase).map_or("?", JudgePhase::name),
+        }
+    }
 }
 
 /// One role. What is unknown of a role that was not heard is null.
@@ -88,18 +124,23 @@ struct RoleLine {
     losses: Option<u64>,
     refused: Option<u64>,
     restarts_seen: Option<u32>,
+    /// What the line can see of its bench, a word of [`Sight`]; of the role perceive only.
+    sight: Option<&'static str>,
     /// The last code of level WARN or ERROR, as `AND-104`.
     last_code: Option<&'static str>,
+    #[serde(skip)]
+    trouble: Option<Sight>,
 }
 
 impl RoleLine {
     fn new(role: RoleId, health: Option<&Health>) -> Self {
         let state = health.and_then(|health| RoleState::try_from(health.state).ok());
+        let trouble = health.and_then(sight::trouble_of);
         let number = |of: fn(&Health) -> u64| health.map(of);
         let short = |of: fn(&Health) -> u32| health.map(of);
         Self {
             role: role.name(),
-            healthy: matches!(state, Some(RoleState::Running | RoleState::Finished)),
+            healthy: matches!(state, Some(RoleState::Running | RoleState::Finished)) && trouble.is_none(),
             state: state.map_or("Silent", RoleState::name),
             pid: short(|health| health.pid),
             rate_hz: health.map(|health| health.rate_hz),
@@ -111,6 +152,8 @@ impl RoleLine {
             losses: number(|health| health.losses),
             refused: number(|health| health.refused),
             restarts_seen: short(|health| health.restarts_seen),
+            sight: health.and_then(|health| Sight::try_from(health.sight).ok()).map(Sight::name),
+            trouble,
             last_code: health.and_then(|health| code_name(health.last_error)),
         }
     }
@@ -120,14 +163,26 @@ fn code_name(number: u32) -> Option<&'static str> {
     code::ALL.iter().find(|code| code.number == number).map(|code| code.name)
 }
 
+fn print_job(job: Option<&JobLine>) {
+    match job {
+        None => println!("job       the judge was not heard"),
+        Some(JobLine { id: Some(id), hash: Some(hash), enabled, phase }) => {
+            let watch = if *enabled { "" } else { ", not enabled" };
+            println!("job       {id} of hash {hash}: {phase}{watch}");
+        }
+        Some(_) => println!("job       none is loaded"),
+    }
+}
+
 fn print(lines: &[RoleLine]) {
     println!("role      state         rate      p50        p99   received       sent  losses  last code");
     for line in lines {
         let mark = if line.healthy { "" } else { "  <- look here" };
+        let state = line.trouble.map_or(line.state, sight::word);
         println!(
             "{:9} {:8} {:7.1} Hz {:5.1} ms {:7.1} ms {:10} {:10} {:7}  {}{mark}",
             line.role,
-            line.state,
+            state,
             line.rate_hz.unwrap_or_default(),
             f64::from(line.p50_us.unwrap_or_default()) / 1e3,
             f64::from(line.p99_us.unwrap_or_default()) / 1e3,
@@ -136,5 +191,8 @@ fn print(lines: &[RoleLine]) {
             line.losses.unwrap_or_default(),
             line.last_code.unwrap_or("-"),
         );
+    }
+    for code in lines.iter().filter_map(|line| line.trouble.and_then(sight::code)) {
+        println!("{}: {}. {}", code.name, code.meaning, code.remedy);
     }
 }

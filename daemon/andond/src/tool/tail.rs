@@ -4,8 +4,8 @@ use std::io::{ErrorKind, IsTerminal, Write, stdout};
 use std::time::Duration;
 
 use andon_core::verdict::{Level, Outcome, Verdict};
-use andon_ipc::{Reader, Wake};
-use shm_schemas::Verdict as Message;
+use andon_ipc::{Channel, Reader, Wake};
+use shm_schemas::{Health, RoleId, Sight, Verdict as Message};
 
 use super::join::join;
 use super::{ToolError, load_config};
@@ -13,7 +13,7 @@ use crate::cli::{self, Tail};
 use crate::config::Config;
 use crate::exit::Code;
 use crate::report::{Names, VerdictLine, verdict_sentence};
-use crate::wire;
+use crate::{sight, wire};
 
 /// Nothing is due between two verdicts: this is only how often the wait is repeated.
 const WAIT: Duration = Duration::from_secs(10);
@@ -27,13 +27,20 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
     let config = load_config(&arguments.config)?;
     let node = join(&config)?;
     let mut verdicts: Reader<Message> = node.reader()?;
+    let mut health: Reader<Health> = node.reader()?;
+    let mut blind = None;
     let names = names(&config);
     let mut lost = 0;
     loop {
-        match node.wait(&mut [&mut verdicts], WAIT)? {
+        match node.wait(&mut [&mut verdicts, &mut health], WAIT)? {
             Wake::Stop => return Ok(Code::Stopped),
-            Wake::WriterGone { .. } => eprintln!("the judge has gone; waiting for the next one"),
+            Wake::WriterGone { channel: Channel::Verdict, .. } => {
+                eprintln!("the judge has gone; waiting for the next one")
+            }
             _ => (),
+        }
+        while let Some(health) = health.take()? {
+            tell_sight(&health, &mut blind);
         }
         while let Some(message) = verdicts.take()? {
             if let Err(error) = print(arguments, &message, &names) {
@@ -46,6 +53,21 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
             eprintln!("{} verdicts were not shown; `andond history` has them", verdicts.lost() - lost);
             lost = verdicts.lost();
         }
+    }
+}
+
+/// Says once when the line stops seeing its bench, and once when it sees it again. Not among the verdicts, which programs read.
+fn tell_sight(health: &Health, blind: &mut Option<Sight>) {
+    if health.role != RoleId::Perceive.code() {
+        return;
+    }
+    let now = sight::trouble_of(health);
+    if *blind != now {
+        match now.and_then(sight::code) {
+            Some(code) => eprintln!("not watching: {}. {}", code.meaning, code.remedy),
+            None => eprintln!("watching again"),
+        }
+        *blind = now;
     }
 }
 

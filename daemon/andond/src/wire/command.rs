@@ -1,33 +1,33 @@
-//! Commands out of shared memory.
+//! Commands, from shared memory to the judge.
 
 use shm_schemas::{Command as Message, CommandKind};
 
-/// What the judge is asked.
+/// A command to the judge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
-    /// Watch.
+    /// Judge from now on.
     Enable,
-    /// Do not watch.
+    /// Judge nothing until the next `Enable`.
     Disable,
-    /// Load the job of this number; `model_hash` 0 accepts any version of it.
+    /// Load a job.
     LoadJob {
-        /// The job's number.
+        /// The number of the job.
         job_id: u32,
-        /// The version that is wanted.
+        /// The version of the job; 0 accepts any.
         model_hash: u64,
     },
-    /// The job begins now.
+    /// A job begins now.
     Start,
-    /// The job ends now.
+    /// The open job ends now.
     Abort,
 }
 
-/// A message that is no command.
+/// A message whose kind is no command.
 #[derive(Debug, thiserror::Error)]
 #[error("a message of the kind {0} is no command")]
 pub struct UnknownCommand(u8);
 
-/// What a message asks of the judge.
+/// Reads a command from a message.
 ///
 /// # Errors
 /// A kind that does not exist.

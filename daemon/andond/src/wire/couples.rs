@@ -1,4 +1,4 @@
-//! Feature couples: the method to shared memory and back.
+//! Feature couples, from the method to shared memory and back.
 
 use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::Side;
@@ -24,7 +24,7 @@ pub fn write(couples: &Couples, message: &mut Message) {
     }
 }
 
-/// What the judge takes of a message.
+/// Reads the couples from a message.
 pub fn read(message: &Message) -> Couples {
     let hand = |side: Side, place: &HandCouple| Couple {
         side,

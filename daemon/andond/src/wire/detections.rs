@@ -1,21 +1,21 @@
-//! Detections: perception to shared memory, and either of them to the method.
+//! Detections, from perception or a track file to shared memory, and from there to the method.
 
 use andon_core::input::{Frame, Hand, Object, Side};
 use andon_perception::detections::{self as seen, Detections as Seen, PlacedObject};
 use andon_perception::metric::MetricScene;
 use shm_schemas::{Detections, HANDS, HandCode, OBJECTS, ObjectDetection, flag};
 
-/// What of its confidence is left to a pose where another one fits as well.
+/// The factor on the confidence of a pose where another pose fits as well.
 const AMBIGUOUS: f32 = 0.5;
 
-/// Writes what was seen in the plane of the bench into the loaned message.
+/// Writes what was seen, placed in the plane of the bench, into the loaned message.
 pub fn write(seen: &Seen, message: &mut Detections) {
     write_hands(seen, |hand| seen.hands[hand].landmarks_m.map(|[x, y]| [x, y, 0.0]), message);
     let pose = |object: &seen::ObjectDetection| Some((object.position_m, object.orientation, object.quality));
     write_objects(seen, pose, &seen.carried, message);
 }
 
-/// Writes what was seen, placed in three dimensions, into the loaned message. Without a scene nothing has a place.
+/// Writes what was seen, placed in three dimensions, into the loaned message. What the scene does not have has no position.
 pub fn write_metric(seen: &Seen, scene: &MetricScene, message: &mut Detections) {
     let unplaced = [[f32::NAN; 3]; seen::LANDMARKS];
     write_hands(seen, |hand| scene.hands.get(hand).map_or(unplaced, |hand| hand.landmarks_m), message);
@@ -25,7 +25,6 @@ pub fn write_metric(seen: &Seen, scene: &MetricScene, message: &mut Detections) 
         Some((placed.position_m, placed.orientation, certainty * object.quality))
     };
     write_objects(seen, pose, &scene.carried, message);
-    message.flags |= flag::METRIC;
 }
 
 fn write_hands(
@@ -33,19 +32,19 @@ fn write_hands(
     landmarks_m: impl Fn(usize) -> [[f32; 3]; seen::LANDMARKS],
     message: &mut Detections,
 ) {
-    for (number, (hand, place)) in seen.hands.iter().zip(message.hands.iter_mut()).enumerate() {
-        place.hand = match hand.side {
+    for (index, (hand, slot)) in seen.hands.iter().zip(message.hands.iter_mut()).enumerate() {
+        slot.hand = match hand.side {
             seen::Side::Right => HandCode::Right.code(),
             seen::Side::Left => HandCode::Left.code(),
         };
-        place.score = hand.score;
-        place.landmarks_px = hand.landmarks_px;
-        place.landmarks_m = landmarks_m(number);
+        slot.score = hand.score;
+        slot.landmarks_px = hand.landmarks_px;
+        slot.landmarks_m = landmarks_m(index);
     }
     message.hands_len = seen.hands.len().min(HANDS) as u32;
 }
 
-/// Objects that were seen and have a pose, with its confidence; then those that a hand holds and hides.
+/// Writes the objects that were seen and have a pose, with its confidence; then those that a hand holds and hides.
 fn write_objects(
     seen: &Seen,
     pose: impl Fn(&seen::ObjectDetection) -> Option<([f32; 3], [f32; 4], f32)>,
@@ -65,33 +64,33 @@ fn write_objects(
         ..ObjectDetection::default()
     });
     let mut written = 0;
-    for (object, place) in seen.chain(carried).zip(message.objects.iter_mut()) {
-        *place = object;
+    for (object, slot) in seen.chain(carried).zip(message.objects.iter_mut()) {
+        *slot = object;
         written += 1;
     }
     message.objects_len = written;
 }
 
-/// Writes the frame of a track file, which has no picture and no more landmarks than the method uses.
+/// Writes a frame of a track file, which has no picture and only the landmarks that the method uses.
 pub fn write_frame(frame: &Frame, message: &mut Detections) {
-    for (hand, place) in frame.hands.iter().zip(message.hands.iter_mut()) {
-        place.hand = hand.side as u8;
-        place.score = hand.score;
-        place.landmarks_px = [[f32::NAN; 2]; shm_schemas::LANDMARKS];
-        place.landmarks_m = [[f32::NAN; 3]; shm_schemas::LANDMARKS];
+    for (hand, slot) in frame.hands.iter().zip(message.hands.iter_mut()) {
+        slot.hand = hand.side as u8;
+        slot.score = hand.score;
+        slot.landmarks_px = [[f32::NAN; 2]; shm_schemas::LANDMARKS];
+        slot.landmarks_m = [[f32::NAN; 3]; shm_schemas::LANDMARKS];
         for (landmark, point) in
             USED.into_iter().zip([hand.wrist, hand.tips[0], hand.middle_knuckle, hand.tips[1], hand.tips[2]])
         {
-            place.landmarks_m[landmark] = point;
+            slot.landmarks_m[landmark] = point;
         }
     }
     message.hands_len = frame.hands.len().min(HANDS) as u32;
-    for (object, place) in frame.objects.iter().zip(message.objects.iter_mut()) {
-        place.id = object.id;
-        place.flags = flag::SEEN;
-        place.quality = 1.0;
-        place.position_m = object.position;
-        place.orientation = object.orientation;
+    for (object, slot) in frame.objects.iter().zip(message.objects.iter_mut()) {
+        slot.id = object.id;
+        slot.flags = flag::SEEN;
+        slot.quality = 1.0;
+        slot.position_m = object.position;
+        slot.orientation = object.orientation;
     }
     message.objects_len = frame.objects.len().min(OBJECTS) as u32;
 }
@@ -106,9 +105,8 @@ fn hand(side: Side, score: f32, landmarks: &[[f32; 3]; seen::LANDMARKS]) -> Opti
     placed.then_some(Hand { side, score, wrist, middle_knuckle: knuckle, tips: [index, middle, ring] })
 }
 
-/// What the method takes of a message. A hand that could not be placed on the bench is one that was not seen, and so is an
-/// object whose pose is held: the method itself carries what a hand has hidden, by contact, and counts how long it was
-/// blind.
+/// Reads from a message what the method uses. A hand without a position on the bench counts as not seen, and so does an object whose pose
+/// is held: the method itself carries hidden objects by contact, and counts how long it was blind.
 pub fn to_core(message: &Detections) -> Frame {
     let mut frame = Frame { captured_ns: message.source_ns, ..Frame::default() };
     for detected in message.hands() {
@@ -155,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_that_is_nowhere_on_the_bench_was_not_seen() {
+    fn a_hand_without_a_position_on_the_bench_was_not_seen() {
         let mut message = Detections::default();
         let mut lost = track_frame();
         lost.hands[0].tips[1][0] = f32::NAN;
@@ -208,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_metric_message_has_the_places_of_the_scene_and_says_so() {
+    fn a_metric_message_has_the_positions_of_the_scene() {
         let mut scene = MetricScene::default();
         let placed = MetricHand { side: seen::Side::Right, landmarks_m: [[0.5, 0.6, 0.7]; seen::LANDMARKS] };
         scene.hands.push(placed).unwrap();
@@ -218,7 +216,6 @@ mod tests {
         scene.objects.push(pose).unwrap();
         let mut message = Detections::default();
         write_metric(&seen(), &scene, &mut message);
-        assert_eq!(message.flags, flag::METRIC);
         let [object] = message.objects() else { unreachable!("the scene holds nothing in a hand") };
         assert_eq!((object.position_m, object.orientation), ([0.1, 0.2, 0.3], tilted));
         assert_eq!(object.quality, 0.4, "another pose fits as well");
@@ -226,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn while_the_bench_is_not_found_nothing_has_a_place() {
+    fn while_the_bench_is_not_found_nothing_has_a_position() {
         let mut message = Detections::default();
         write_metric(&seen(), &MetricScene::default(), &mut message);
         assert_eq!(message.hands().len(), 1, "it can be drawn");

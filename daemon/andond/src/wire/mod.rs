@@ -1,7 +1,7 @@
-//! Between what lies in shared memory and what the crates reckon with, one file a message.
+//! Conversions between the messages in shared memory and the types of the crates, one file per message.
 //!
-//! The crates do not know each other: `andon-perception` and `andon-core` have types of their own and
-//! `shm-schemas` has none but wire types. Nothing is computed here.
+//! The crates do not know each other: `andon-perception` and `andon-core` have types of their own, and `shm-schemas` has only wire types.
+//! Nothing is computed here.
 
 pub mod command;
 pub mod couples;

@@ -8,7 +8,7 @@ use shm_schemas::{
     HandCode, NO_INDEX, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome, VerdictReason,
 };
 
-/// What is the same for every verdict of a judge.
+/// What all verdicts of a judge have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Sender {
     /// The job that is watched.
@@ -19,7 +19,7 @@ pub struct Sender {
     pub station: [u8; STATION_BYTES],
 }
 
-/// The name of a station as a message carries it. What does not fit is cut off.
+/// The name of a station as a message carries it, cut off where it does not fit.
 pub fn station_name(name: &str) -> [u8; STATION_BYTES] {
     let mut bytes = [0; STATION_BYTES];
     for (to, from) in bytes.iter_mut().zip(name.bytes()) {
@@ -51,7 +51,7 @@ pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut
     message.early = u8::from(verdict.early);
 }
 
-/// Maps an enum of the method to its twin on the wire and back, by one list of the variants that both have.
+/// Converts an enum of the method to the same enum on the wire and back, by one list of the variants that both have.
 macro_rules! twins {
     ($method:ident as $wire:ident, $to_wire:ident, $to_method:ident: $($variant:ident)+) => {
         /// The value as it travels.
@@ -88,7 +88,7 @@ pub(super) const fn side(hand: HandCode) -> Option<Side> {
     }
 }
 
-/// A verdict out of shared memory; `None` where a code is unknown. Between builds with the same layout hash that does not happen.
+/// Reads a verdict from a message; `None` where a code is unknown, which does not happen between builds with the same layout hash.
 pub fn read(message: &Message) -> Option<Verdict> {
     let index = |value: u16| (value != NO_INDEX).then_some(value);
     let number = |value: f32| (!value.is_nan()).then_some(value);

@@ -4,6 +4,7 @@
 //! found is followed: the landmarks of one frame give the region of the next ([`tracker`]), and palm detection rests.
 
 mod crop;
+mod light;
 mod models;
 mod palm;
 mod region;

@@ -1,6 +1,7 @@
 //! The two hand models on ONNX Runtime.
 
-use super::crop::{Border, crop};
+use super::crop::{Border, Cropper};
+use super::light::brighten;
 use super::palm::{self, PalmDecoder, Palms};
 use super::region::Region;
 use super::runtime;
@@ -42,6 +43,7 @@ pub(crate) struct OnnxModels {
     landmark: Session,
     decoder: PalmDecoder,
     min_palm_score: f32,
+    cropper: Cropper,
     palm_input: Vec<f32>,
     landmark_input: Vec<f32>,
 }
@@ -64,6 +66,7 @@ impl OnnxModels {
             landmark: runtime::session(&environment, folder, landmark, RuntimeFile::LandmarkModel)?,
             decoder: PalmDecoder::new(),
             min_palm_score: config.min_palm_score,
+            cropper: Cropper::default(),
             palm_input: vec![0.0; palm::INPUT * palm::INPUT * 3],
             landmark_input: vec![0.0; INPUT * INPUT * 3],
         })
@@ -73,7 +76,8 @@ impl OnnxModels {
 impl HandModels for OnnxModels {
     fn palms(&mut self, image: &ImageView<'_>) -> Result<Palms, PerceptionError> {
         let whole = Region::whole(image.width(), image.height());
-        crop(image, whole, palm::INPUT, Border::Black, &mut self.palm_input);
+        self.cropper.crop(image, whole, palm::INPUT, Border::Black, &mut self.palm_input)?;
+        brighten(&mut self.palm_input);
         let outputs = run(&mut self.palm, RuntimeFile::PalmModel, palm::INPUT, &self.palm_input)?;
         let candidates = self.decoder.candidates();
         let boxes = output(&outputs, RuntimeFile::PalmModel, "Identity", 18 * candidates)?;
@@ -82,7 +86,8 @@ impl HandModels for OnnxModels {
     }
 
     fn landmarks(&mut self, image: &ImageView<'_>, region: Region) -> Result<Landmarks, PerceptionError> {
-        crop(image, region, INPUT, Border::Nearest, &mut self.landmark_input);
+        self.cropper.crop(image, region, INPUT, Border::Nearest, &mut self.landmark_input)?;
+        brighten(&mut self.landmark_input);
         let outputs = run(&mut self.landmark, RuntimeFile::LandmarkModel, INPUT, &self.landmark_input)?;
         let points = output(&outputs, RuntimeFile::LandmarkModel, "Identity", 3 * LANDMARKS)?;
         let presence = output(&outputs, RuntimeFile::LandmarkModel, "Identity_1", 1)?[0];

@@ -103,6 +103,11 @@ impl<M: HandModels> Tracker<M> {
         Ok(self.found())
     }
 
+    /// Number of hands that are followed, of whatever side.
+    pub(crate) fn followed(&self) -> usize {
+        self.tracks.len()
+    }
+
     /// Searches the whole picture first, because the old regions say little after a gap, and looks into these afterwards.
     fn search_after_gap(
         &mut self,

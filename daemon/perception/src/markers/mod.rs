@@ -2,6 +2,7 @@
 
 mod aruco;
 mod edges;
+mod foreign;
 
 use crate::config::MarkersConfig;
 use crate::detections::OBJECTS;
@@ -10,8 +11,9 @@ use crate::image::ImageView;
 use crate::pixel_format::PixelFormat;
 use crate::points::PixelPoint;
 use aruco::Aruco;
+use foreign::Foreign;
 use heapless::Vec;
-use opencv::core::{Mat, Point2f, Rect, Size, Vector};
+use opencv::core::{Mat, Point2f, Size, Vector};
 use opencv::{imgproc, prelude::*};
 
 /// A marker in the picture.
@@ -39,6 +41,7 @@ pub(crate) struct Markers {
     half: Mat,
     corners: Vector<Vector<Point2f>>,
     ids: Vector<i32>,
+    foreign: Foreign,
 }
 
 impl Markers {
@@ -53,6 +56,7 @@ impl Markers {
             half: Mat::default(),
             corners: Vector::new(),
             ids: Vector::new(),
+            foreign: Foreign::new(config.dictionary),
         })
     }
 
@@ -76,9 +80,11 @@ impl Markers {
         };
 
         let mut found = Found::default();
+        let mut unwanted = 0;
         for (id, corners) in self.ids.iter().zip(self.corners.iter()) {
             let Ok(id) = u16::try_from(id) else { continue };
             if !wanted(id) {
+                unwanted += 1;
                 continue;
             }
             let mut refined = [PixelPoint::default(); 4];
@@ -91,16 +97,26 @@ impl Markers {
             keep(&mut found, Marker { id, corners: refined, quality });
         }
         found.sort_unstable_by_key(|marker| marker.id);
+        self.foreign
+            .look(&gray, unwanted, !found.is_empty())
+            .map_err(while_doing("looking for foreign markers"))?;
         Ok(found)
     }
 
-    fn detect(&mut self, image: &ImageView<'_>, halve: bool) -> opencv::Result<()> {
-        // Views of the caller's bytes: first rows with their padding, then without it, then pixels.
-        let rows = Mat::new_rows_cols_with_data(image.height() as i32, image.stride() as i32, image.data())?;
-        let row_bytes = (image.width() * image.format().bytes()) as i32;
-        let rows = Mat::roi(&rows, Rect::new(0, 0, row_bytes, image.height() as i32))?;
-        let pixels = rows.reshape(image.format().bytes() as i32, 0)?;
+    /// Markers of the newest frame that nobody wants.
+    pub(crate) fn foreign(&self) -> usize {
+        self.foreign.markers()
+    }
 
+    /// The brightness of the newest frame, which is `image`.
+    ///
+    /// # Errors
+    /// [`PerceptionError::OpenCv`].
+    pub(crate) fn gray<'a>(&'a self, image: &ImageView<'a>) -> Result<ImageView<'a>, PerceptionError> {
+        gray_view(image, &self.gray)
+    }
+
+    fn detect(&mut self, image: &ImageView<'_>, halve: bool) -> opencv::Result<()> {
         let code = match image.format() {
             PixelFormat::Gray8 => None,
             PixelFormat::Bgr8 => Some(imgproc::COLOR_BGR2GRAY),
@@ -108,22 +124,24 @@ impl Markers {
             PixelFormat::Bgra8 => Some(imgproc::COLOR_BGRA2GRAY),
             PixelFormat::Rgba8 => Some(imgproc::COLOR_RGBA2GRAY),
         };
-        if let Some(code) = code {
-            imgproc::cvt_color_def(&pixels, &mut self.gray, code)?;
-        }
-        if halve {
-            let size = Size::new((image.width() / 2) as i32, (image.height() / 2) as i32);
-            if code.is_some() {
-                imgproc::resize(&self.gray, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
-            } else {
-                imgproc::resize(&pixels, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+        image.with_pixels(|pixels| {
+            if let Some(code) = code {
+                imgproc::cvt_color_def(pixels, &mut self.gray, code)?;
             }
-            self.aruco.detect(&self.half, &mut self.corners, &mut self.ids)
-        } else if code.is_some() {
-            self.aruco.detect(&self.gray, &mut self.corners, &mut self.ids)
-        } else {
-            self.aruco.detect(&pixels, &mut self.corners, &mut self.ids)
-        }
+            if halve {
+                let size = Size::new((image.width() / 2) as i32, (image.height() / 2) as i32);
+                if code.is_some() {
+                    imgproc::resize(&self.gray, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+                } else {
+                    imgproc::resize(pixels, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
+                }
+                self.aruco.detect(&self.half, &mut self.corners, &mut self.ids)
+            } else if code.is_some() {
+                self.aruco.detect(&self.gray, &mut self.corners, &mut self.ids)
+            } else {
+                self.aruco.detect(pixels, &mut self.corners, &mut self.ids)
+            }
+        })
     }
 }
 

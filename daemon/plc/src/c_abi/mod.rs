@@ -5,6 +5,7 @@
 //! that reads the registers over Modbus.
 #![allow(unsafe_code)]
 
+mod line;
 mod reader;
 mod types;
 
@@ -93,7 +94,7 @@ pub unsafe extern "C" fn andon_open(
 
 /// Writes the next verdict to `*out` and returns ANDON_RESULT_VERDICT. When none is there, waits for at most `timeout_us` and returns
 /// ANDON_RESULT_NOTHING. A judge that goes away ends the wait with ANDON_RESULT_WRITER_GONE. With `timeout_us` 0, or when a
-/// verdict is there, the call waits for nobody.
+/// verdict is there, the call waits for nobody; a judge that has gone away is reported all the same.
 ///
 /// # Safety
 /// `reader` is from `andon_open`, not closed, and no other call with it is running; `out` can be written.
@@ -123,20 +124,22 @@ pub unsafe extern "C" fn andon_next(
     })
 }
 
-/// Writes what the reader has received so far to `*out` and returns ANDON_RESULT_NOTHING.
+/// Writes what the reader has received so far, and whether the line is ready, to `*out` and returns ANDON_RESULT_NOTHING. It waits for
+/// nobody: call it in every cycle.
 ///
 /// # Safety
 /// As `andon_next`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn andon_status(reader: *const AndonReader, out: *mut AndonStatus) -> AndonResult {
+pub unsafe extern "C" fn andon_status(reader: *mut AndonReader, out: *mut AndonStatus) -> AndonResult {
     guarded(|| {
         // SAFETY: null is None; otherwise the caller promises that it is ours and used by nobody else.
-        let reader = unsafe { reader.as_ref() }.ok_or_else(|| argument("reader"))?;
+        let reader = unsafe { reader.as_mut() }.ok_or_else(|| argument("reader"))?;
         if out.is_null() {
             return Err(argument("out"));
         }
+        let status = reader.status().map_err(|e| transport(&e))?;
         // SAFETY: not null, and the caller promises that it can be written.
-        unsafe { out.write(reader.status()) };
+        unsafe { out.write(status) };
         Ok(AndonResult::Nothing)
     })
 }

@@ -3,14 +3,18 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use andon_ipc::{Error, Node, Reader, Station, Stop, Wake};
-use shm_schemas::{RoleId, Verdict};
+use andon_ipc::{Channel, Error, MonotonicTime, Node, Port, Reader, Station, Stop, Wake};
+use shm_schemas::{Health, Judging, RoleId, Verdict};
 
+use super::line::Line;
 use super::types::{AndonResult, AndonStatus};
 
 /// A reader of the verdict channel of one station.
 pub struct AndonReader {
     reader: Reader<Verdict>,
+    judging: Reader<Judging>,
+    health: Reader<Health>,
+    line: Line,
     node: Node,
     writer_gone: bool,
 }
@@ -35,11 +39,11 @@ impl AndonReader {
         // Nobody requests this stop: signals belong to the program, and no handler is installed here.
         let stop = Stop::new()?;
         let node = Node::open(&station, RoleId::Plc, patience, &stop)?;
-        let reader = node.reader()?;
-        Ok(Self { reader, node, writer_gone: false })
+        let (reader, judging, health) = (node.reader()?, node.reader()?, node.reader()?);
+        Ok(Self { reader, judging, health, line: Line::default(), node, writer_gone: false })
     }
 
-    /// Looks first, and waits only when nothing is there.
+    /// Looks first, and waits only when nothing is there. Events are heard with a timeout of 0 too: a cyclic task has no other.
     pub(super) fn next(&mut self, timeout: Duration) -> Result<Next, Error> {
         let until = Instant::now() + timeout;
         loop {
@@ -48,28 +52,39 @@ impl AndonReader {
                 return Ok(Next::Verdict(*sample));
             }
             let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return Ok(Next::Nothing);
-            }
-            match self.node.wait(&mut [&mut self.reader], left)? {
-                Wake::WriterGone { .. } => {
+            let ports = &mut [&mut self.reader as &mut dyn Port, &mut self.judging, &mut self.health];
+            match self.node.wait(ports, left)? {
+                Wake::WriterGone { channel: Channel::Verdict, .. } => {
                     self.writer_gone = true;
                     return Ok(Next::WriterGone);
                 }
                 Wake::DeadlineMissed | Wake::Stop => return Ok(Next::Nothing),
-                Wake::Sample | Wake::Room => {}
+                Wake::Sample | Wake::Room | Wake::WriterGone { .. } => self.hear()?,
             }
         }
     }
 
-    pub(super) fn status(&self) -> AndonStatus {
-        AndonStatus {
+    /// Takes what the judge and the roles say of themselves.
+    fn hear(&mut self) -> Result<(), Error> {
+        while let Some(judging) = self.judging.take()? {
+            self.line.judging(&judging);
+        }
+        while let Some(health) = self.health.take()? {
+            self.line.health(&health);
+        }
+        Ok(())
+    }
+
+    pub(super) fn status(&mut self) -> Result<AndonStatus, Error> {
+        self.hear()?;
+        Ok(AndonStatus {
             received: self.reader.received(),
             lost: self.reader.lost(),
             restarts: self.reader.restarts(),
             writer_gone: self.writer_gone.into(),
+            ready: (!self.writer_gone && self.line.is_ready(MonotonicTime::now())).into(),
             ..Default::default()
-        }
+        })
     }
 }
 
@@ -89,7 +104,6 @@ pub(super) fn code(error: &Error) -> AndonResult {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use andon_ipc::Channel;
 
     #[test]
     fn a_station_of_another_version_and_a_failing_system_have_their_own_numbers() {

@@ -8,9 +8,11 @@ pub enum Fault {
     Camera = 2,
     /// A process of the line is gone.
     Role = 3,
+    /// The line does not see its bench.
+    Sight = 4,
     /// The journal has not confirmed a verdict in time.
     Journal = 5,
-    /// A command could not be sent to the line.
+    /// The judge does not answer, or does not take back the job that the PLC has loaded.
     Command = 6,
     /// A verdict came with a level or an outcome that this build does not know.
     ForeignVerdict = 7,
@@ -18,7 +20,13 @@ pub enum Fault {
 
 impl Fault {
     /// Every fault, in the order of its number.
-    pub const ALL: [Self; 5] = [Self::Camera, Self::Role, Self::Journal, Self::Command, Self::ForeignVerdict];
+    pub const ALL: [Self; 6] =
+        [Self::Camera, Self::Role, Self::Sight, Self::Journal, Self::Command, Self::ForeignVerdict];
+
+    /// The fault of this number.
+    pub fn of_number(number: u16) -> Option<Self> {
+        Self::ALL.into_iter().find(|fault| *fault as u16 == number)
+    }
 
     /// What it means, and the remedy.
     pub const fn meaning(self) -> &'static str {
@@ -27,10 +35,13 @@ impl Fault {
             Self::Role => {
                 "a process of the line is gone or hangs: `andond status` names it, systemd starts it again"
             }
+            Self::Sight => "the line does not see its bench: the code in the detail says why and what to do",
             Self::Journal => {
                 "the journal has not confirmed a verdict in time: check the disk, and `andond status` for the role journal"
             }
-            Self::Command => "a command could not be sent to the line: look at `andond status`, role judge",
+            Self::Command => {
+                "the judge does not answer, or does not take back the job that was loaded: `andond status`, and the log of the role judge"
+            }
             Self::ForeignVerdict => {
                 "a verdict came from another version of the program: install one version on the whole PC"
             }

@@ -1,25 +1,29 @@
 //! The handshake with the PLC: a pure state machine without IO and without a clock.
 //!
-//! Verdicts, confirmations of the journal, the state of the line and what clients write go in, each with its time in
-//! nanoseconds since any moment. What the registers show and the commands for the line come out.
+//! Rows of the journal, what it keeps, verdicts, the state of the line and what clients write go in, each with its time in
+//! nanoseconds since any moment. What the registers show, the account to be kept and the commands for the line come out.
 //!
 //! - `results`: how a result gets to the PLC, and when it gives way to the next one;
+//! - `ledger`: the account with the journal, which outlives this process;
 //! - `commands`: the control block, and the answers to its commands;
 //! - this file: `ready`, `busy`, the latched fault and the heartbeat, which depend on both.
 
 mod commands;
 mod fault;
+mod ledger;
 mod queue;
 mod results;
 
-use shm_schemas::{CommandKind, Verdict, VerdictLevel};
+use shm_schemas::{Account, AccountKept, CommandKind, Journalled, JudgePhase, Judging, Refusal};
 
 pub use commands::LineCommand;
 pub use fault::{Fault, Line};
-pub use queue::QUEUE;
+pub use ledger::Update;
+pub use queue::{QUEUE, Taken};
 
 use crate::registers::{Control, Image, control, status};
-use commands::Commands;
+use commands::{Commands, Job, Trouble};
+use ledger::{Ledger, News};
 use results::{Release, Results};
 
 const MS: u64 = 1_000_000;
@@ -27,8 +31,13 @@ const MS: u64 = 1_000_000;
 const BEAT_NS: u64 = 250 * MS;
 /// A loop that has not turned for this long is dead: it turns every 20 ms.
 const LOOP_DEADLINE_NS: u64 = 500 * MS;
+/// A judge that has said nothing for this long is not heard: it says how it is twice per second.
+const JUDGE_DEADLINE_NS: u64 = 2_000 * MS;
 /// A journal that needs longer than this for one row is broken: a slow disk syncs in 50 ms.
-const CONFIRM_DEADLINE_NS: u64 = 2_000 * MS;
+const JOURNAL_DEADLINE_NS: u64 = 2_000 * MS;
+
+/// The number of AND-302, which says in the judge's log why a job was refused.
+const JOB_REFUSED: u32 = 302;
 
 /// What does not change while the role runs.
 #[derive(Clone, Copy, Debug)]
@@ -39,16 +48,23 @@ pub struct Settings {
     pub hold_ns: u64,
 }
 
+/// What must be kept as soon as it changes: what was acknowledged and lost, the latched fault, the wanted job.
+type Vital = (u32, u32, bool, Option<(Fault, u32)>, Option<Job>);
+
 /// The state machine.
 #[derive(Debug)]
 pub struct Handshake {
     settings: Settings,
     results: Results,
+    ledger: Ledger,
+    /// What the judge has said last, and when.
+    judging: Option<(Judging, u64)>,
+    /// Since when the journal has sent nothing though the judge has judged more.
+    behind_since: Option<u64>,
     commands: Commands,
     line: Line,
     /// The latched fault, and the number of the log's code that belongs to it.
     error: Option<(Fault, u32)>,
-    busy: bool,
     heartbeat: u16,
     beat_ns: u64,
     turned_ns: u64,
@@ -60,32 +76,70 @@ impl Handshake {
         Self {
             settings,
             results: Results::default(),
+            ledger: Ledger::default(),
+            judging: None,
+            behind_since: None,
             commands: Commands::default(),
             line: Line::Starting,
             error: None,
-            busy: false,
             heartbeat: 0,
             beat_ns: now_ns,
             turned_ns: now_ns,
         }
     }
 
-    /// A verdict came from the channel. One that had come before changes nothing.
-    pub fn verdict(&mut self, verdict: &Verdict, now_ns: u64) {
-        if !self.results.push(verdict, now_ns) {
-            return;
-        }
-        self.busy = verdict.level() != Ok(VerdictLevel::Job);
-        if verdict.level().is_err() || verdict.outcome().is_err() {
-            self.latch(Fault::ForeignVerdict, 0);
+    /// The judge has said how it is.
+    pub fn judging(&mut self, judging: &Judging, now_ns: u64) {
+        self.judging = Some((*judging, now_ns));
+        let trouble = self.account_for(|machine| machine.commands.answered(judging, now_ns));
+        self.report(trouble);
+        self.compare(false, now_ns);
+    }
+
+    /// The journal has said which account it keeps. The first one is where this start goes on.
+    pub fn kept(&mut self, kept: &AccountKept, now_ns: u64) {
+        match self.ledger.hear(kept.journal, &kept.account) {
+            News::Resume => self.resume(&kept.account, now_ns),
+            News::OtherJournal => self.results.forget_rows(),
+            News::Acknowledged => {
+                self.results.kept();
+                self.commands.carry_out(control::ACKNOWLEDGE);
+            }
+            News::Nothing => {}
         }
         self.advance(now_ns);
     }
 
-    /// The journal has every verdict of this epoch up to `seq` on disk.
-    pub fn confirmed(&mut self, epoch: u64, seq: u64, now_ns: u64) {
-        self.results.confirm(epoch, seq);
+    /// The journal has started again.
+    pub fn journal_restarted(&mut self) {
+        self.ledger.journal_restarted();
+    }
+
+    /// The journal has sent a row.
+    pub fn journalled(&mut self, row: &Journalled, now_ns: u64) -> Taken {
+        if !self.ledger.is_answer(row) {
+            return Taken::Repeated;
+        }
+        let taken = self.account_for(|machine| machine.results.take(row));
+        match taken {
+            Taken::Early => self.ledger.ask_again(now_ns),
+            Taken::New if row.verdict.level().is_err() || row.verdict.outcome().is_err() => {
+                self.latch(Fault::ForeignVerdict, 0);
+            }
+            Taken::New | Taken::Repeated => {}
+        }
+        self.compare(true, now_ns);
         self.advance(now_ns);
+        taken
+    }
+
+    /// What the journal must be sent now, if anything.
+    pub fn update(&mut self, now_ns: u64) -> Option<Update> {
+        if !self.ledger.is_due(now_ns) {
+            return None;
+        }
+        let asked = self.ledger.sent(now_ns);
+        Some(Update { after_row: self.results.needs_after(), asked, account: self.account() })
     }
 
     /// The loop of the role has turned once and found the line in this state.
@@ -100,12 +154,16 @@ impl Handshake {
         match line {
             Line::Fault { fault, detail } => self.latch(fault, detail),
             // Without writes nobody could reset it. It stays for a beat, so that a client can see it.
-            Line::Ready if !self.settings.writes && (has_changed || is_beat) => self.error = None,
+            Line::Ready if !self.settings.writes && (has_changed || is_beat) => {
+                self.account_for(|machine| machine.error = None);
+            }
             Line::Ready | Line::Starting => {}
         }
-        let unconfirmed_ns = self.results.unconfirmed_since().map(|since_ns| now_ns.saturating_sub(since_ns));
-        if unconfirmed_ns.is_some_and(|waited_ns| waited_ns > CONFIRM_DEADLINE_NS) {
-            self.latch(Fault::Journal, 0);
+        self.expect_rows(now_ns);
+        let trouble = self.commands.expire(now_ns);
+        self.report(trouble);
+        if self.line == Line::Ready && self.judging.is_some() && self.heard(now_ns).is_none() {
+            self.latch(Fault::Command, 0);
         }
         self.advance(now_ns);
     }
@@ -114,46 +172,37 @@ impl Handshake {
     pub fn write(&mut self, written: Control, now_ns: u64) {
         let changed = self.commands.write(written);
         let risen = changed & written.word;
-        if changed & control::ENABLE != 0 {
-            self.busy &= self.is_enabled();
-            self.command(if self.is_enabled() { CommandKind::Enable } else { CommandKind::Disable });
-        }
         // What ends something goes before what begins something.
         if risen & control::RESET_ERROR != 0 {
             self.reset_error();
         }
-        if risen & control::ABORT != 0 {
-            self.command_if(self.is_enabled(), CommandKind::Abort);
-        }
-        if risen & control::LOAD_JOB != 0 {
-            self.command_if(self.is_enabled() && !self.busy, CommandKind::LoadJob);
-        }
-        if risen & control::START != 0 {
-            self.command_if(self.is_ready(now_ns) && !self.busy, CommandKind::Start);
+        let disabled = (!self.is_enabled()).then_some(Refusal::NotEnabled);
+        let busy = self.is_busy(now_ns).then_some(Refusal::Busy);
+        let unready = (!self.is_ready(now_ns)).then_some(Refusal::NotReady);
+        for (bit, kind, refusal) in [
+            (control::ABORT, CommandKind::Abort, disabled),
+            (control::LOAD_JOB, CommandKind::LoadJob, disabled.or(busy)),
+            (control::START, CommandKind::Start, disabled.or(busy).or(unready)),
+        ] {
+            match refusal {
+                _ if risen & bit == 0 => {}
+                Some(refusal) => self.commands.refuse(bit, refusal.code()),
+                None => self.commands.push(kind),
+            }
         }
         if risen & control::ACKNOWLEDGE != 0 {
-            let was_offered = self.results.acknowledge();
-            self.commands.answer(control::ACKNOWLEDGE, was_offered);
+            // It is answered once the journal keeps it.
+            if !self.account_for(|machine| machine.results.acknowledge()) {
+                self.commands.refuse(control::ACKNOWLEDGE, Refusal::NothingOffered.code());
+            }
         }
         self.advance(now_ns);
     }
 
-    /// The next command that the line must be sent. [`Handshake::command_sent`] must follow.
-    pub fn next_command(&mut self) -> Option<LineCommand> {
-        self.commands.pop()
-    }
-
-    /// Whether the command could be sent to the line.
-    pub fn command_sent(&mut self, kind: CommandKind, was_sent: bool) {
-        if !was_sent {
-            self.latch(Fault::Command, 0);
-        }
-        match kind {
-            CommandKind::Start if was_sent => self.busy = true,
-            CommandKind::Abort if was_sent => self.busy = false,
-            _ => {}
-        }
-        self.commands.answer(commands::bit(kind), was_sent);
+    /// The next command that the judge must be sent. It comes again until the judge has answered.
+    pub fn next_command(&mut self, now_ns: u64) -> Option<LineCommand> {
+        let (judging, _) = self.judging.filter(|_| self.ledger.is_open())?;
+        self.commands.next(self.ledger.boot(), self.is_enabled(), &judging, now_ns)
     }
 
     /// What the registers show now.
@@ -163,14 +212,26 @@ impl Handshake {
         let status = offered
             | bit(self.is_online(now_ns), status::ONLINE)
             | bit(self.is_ready(now_ns), status::READY)
-            | bit(self.busy, status::BUSY)
+            | bit(self.is_busy(now_ns), status::BUSY)
             | bit(self.error.is_some(), status::ERROR)
             | bit(self.results.has_overrun(), status::OVERRUN);
         let (carried_out, refused) = self.commands.answers();
+        let judging = self.judging.map(|(judging, _)| judging).unwrap_or_default();
+        let has_enable = self.is_enabled() && judging.is_enabled != 0 && self.settings.writes;
+        let wants_enable = self.commands.is_set(control::ENABLE) && !has_enable;
+        let released = self.results.is_released();
         Image {
+            boot: self.ledger.boot(),
             status,
-            carried_out,
+            carried_out: carried_out | bit(has_enable, control::ENABLE),
             refused,
+            executing: self.commands.executing()
+                | bit(wants_enable, control::ENABLE)
+                | bit(released, control::ACKNOWLEDGE & self.commands.control().word),
+            refusal: self.commands.refusal().into(),
+            job_in_force: judging.job_id,
+            hash_in_force: judging.model_hash,
+            phase: judging.phase.into(),
             heartbeat: self.heartbeat,
             error: self.error.map_or(0, |(fault, _)| fault as u16),
             error_detail: self.error.map_or(0, |(_, detail)| detail),
@@ -189,37 +250,93 @@ impl Handshake {
             }
             Settings { writes: false, hold_ns } => Release::After { hold_ns },
         };
-        self.results.advance(release, now_ns);
+        self.account_for(|machine| machine.results.advance(release, now_ns));
+    }
+
+    fn resume(&mut self, account: &Account, now_ns: u64) {
+        self.results = Results::resume(account, now_ns);
+        self.commands.resume(account);
+        let restored = Fault::of_number(account.error).map(|fault| (fault, account.error_detail));
+        self.error = restored.or(self.error);
+    }
+
+    /// The whole account as it is now.
+    fn account(&self) -> Account {
+        let mut account = Account::default();
+        self.ledger.save(&mut account);
+        self.results.save(&mut account);
+        self.commands.save(&mut account);
+        (account.error, account.error_detail) = self.error.map_or((0, 0), |(fault, n)| (fault as u16, n));
+        account
+    }
+
+    /// What must be kept as soon as it changes. The rest follows again from the journal's rows.
+    fn vital(&self) -> Vital {
+        let results = &self.results;
+        (results.released(), results.lost(), results.has_overrun(), self.error, self.commands.wanted())
+    }
+
+    /// Does something, and notes what it changes in the account.
+    fn account_for<R>(&mut self, act: impl FnOnce(&mut Self) -> R) -> R {
+        let before = self.vital();
+        let done = act(self);
+        let now = self.vital();
+        if now != before {
+            let is_release = now.0 != before.0 && now.0 != 0;
+            self.ledger.change(is_release);
+        }
+        done
+    }
+
+    /// Compares what the judge has sent with what the journal has: `has_progress` when a row has come.
+    fn compare(&mut self, has_progress: bool, now_ns: u64) {
+        let judged = self.judging.map(|(judging, _)| (judging.verdict_epoch, judging.verdict_seq));
+        let is_behind = match (judged, self.results.newest_key()) {
+            (None | Some((_, 0)), _) => false,
+            (Some((judged, seq)), Some((epoch, newest))) => judged != epoch || newest < seq,
+            (Some(_), None) => true,
+        };
+        self.behind_since = match self.behind_since {
+            _ if !is_behind => None,
+            Some(since_ns) if !has_progress => Some(since_ns),
+            _ => Some(now_ns),
+        };
+    }
+
+    /// Asks again for what does not come, and says so when it takes too long.
+    fn expect_rows(&mut self, now_ns: u64) {
+        let waited_ns = self.behind_since.map_or(0, |since_ns| now_ns.saturating_sub(since_ns));
+        if waited_ns > 0 || self.results.is_missing_rows() {
+            self.ledger.ask_again(now_ns);
+        }
+        if waited_ns > JOURNAL_DEADLINE_NS {
+            self.latch(Fault::Journal, 0);
+        }
     }
 
     fn reset_error(&mut self) {
-        self.results.reset_overrun();
-        // A fault that is still there stays.
-        self.error = match self.line {
-            Line::Fault { fault, detail } => Some((fault, detail)),
-            Line::Ready | Line::Starting => None,
-        };
-        self.commands.answer(control::RESET_ERROR, true);
+        self.account_for(|machine| {
+            machine.results.reset_overrun();
+            // A fault that is still there stays.
+            machine.error = match machine.line {
+                Line::Fault { fault, detail } => Some((fault, detail)),
+                Line::Ready | Line::Starting => None,
+            };
+        });
+        self.commands.carry_out(control::RESET_ERROR);
+    }
+
+    fn report(&mut self, trouble: Option<Trouble>) {
+        match trouble {
+            Some(Trouble::Silent) => self.latch(Fault::Command, 0),
+            Some(Trouble::JobRefused) => self.latch(Fault::Command, JOB_REFUSED),
+            None => {}
+        }
     }
 
     /// The first fault stays: it is the cause, the others follow from it.
     fn latch(&mut self, fault: Fault, detail: u32) {
-        self.error.get_or_insert((fault, detail));
-        self.busy = false;
-    }
-
-    fn command_if(&mut self, is_allowed: bool, kind: CommandKind) {
-        if is_allowed {
-            self.command(kind);
-        } else {
-            self.commands.answer(commands::bit(kind), false);
-        }
-    }
-
-    fn command(&mut self, kind: CommandKind) {
-        if !self.commands.push(kind) {
-            self.command_sent(kind, false);
-        }
+        self.account_for(|machine| machine.error.get_or_insert((fault, detail)).0);
     }
 
     fn is_enabled(&self) -> bool {
@@ -231,7 +348,28 @@ impl Handshake {
     }
 
     fn is_ready(&self, now_ns: u64) -> bool {
-        self.is_online(now_ns) && self.is_enabled() && self.line == Line::Ready && self.error.is_none()
+        self.is_online(now_ns)
+            && self.ledger.is_open()
+            && self.is_enabled()
+            && self.line == Line::Ready
+            && self.error.is_none()
+            && self.heard(now_ns).is_some_and(|judging| {
+                judging.is_enabled != 0
+                    && judging.phase != JudgePhase::NoJob.code()
+                    && self.commands.has_job(judging)
+            })
+    }
+
+    fn is_busy(&self, now_ns: u64) -> bool {
+        self.is_enabled()
+            && self.error.is_none()
+            && self.heard(now_ns).is_some_and(|judging| judging.phase == JudgePhase::Running.code())
+    }
+
+    /// What the judge has said, unless that is too long ago.
+    fn heard(&self, now_ns: u64) -> Option<&Judging> {
+        let (judging, heard_ns) = self.judging.as_ref()?;
+        (now_ns.saturating_sub(*heard_ns) <= JUDGE_DEADLINE_NS).then_some(judging)
     }
 }
 

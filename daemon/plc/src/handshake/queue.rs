@@ -1,113 +1,171 @@
-//! The queue of results: numbered in the order in which they come, held back until the journal has them.
+//! The queue of results: the rows of the journal, numbered in their order.
 
 use std::collections::VecDeque;
 
-use shm_schemas::{Verdict, VerdictOutcome};
+use shm_schemas::{Account, Journalled, Verdict, VerdictOutcome, WAITING_RESULTS};
 
 use crate::registers::{ResultBlock, status};
 
 /// The number of results that can wait behind the offered one.
-pub const QUEUE: usize = 8;
+pub const QUEUE: usize = WAITING_RESULTS;
 
-/// A result that waits.
+/// A result that the PLC is owed: its row and its number.
 #[derive(Clone, Copy, Debug)]
-struct Waiting {
-    result: ResultBlock,
-    since_ns: u64,
-    confirmed: bool,
+pub(super) struct Owed {
+    pub(super) row: u64,
+    pub(super) sequence: u32,
+    /// `None` until the journal has sent the row again, after a restart.
+    pub(super) result: Option<ResultBlock>,
 }
 
-/// What became of a verdict.
+impl Owed {
+    /// As an account has it; `None` where there is none.
+    pub(super) fn resume(row: u64, sequence: u32) -> Option<Self> {
+        (sequence != 0).then_some(Self { row, sequence, result: None })
+    }
+
+    /// Takes the row, if it is the one that is missing.
+    pub(super) fn fill(&mut self, row: &Journalled) {
+        if self.result.is_none() && self.row == row.row {
+            self.result = Some(block(self.sequence, &row.verdict));
+        }
+    }
+
+    /// Whether the journal has to send the row again.
+    fn is_missing(&self) -> bool {
+        self.result.is_none()
+    }
+}
+
+/// What became of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Pushed {
-    /// It waits; this many before it were lost.
-    Queued { lost: u64 },
-    /// There was no room: this many were lost, itself included.
-    Full { lost: u64 },
+pub enum Taken {
+    /// It is numbered and waits, or was lost because the queue was full.
+    New,
     /// It had come before.
     Repeated,
+    /// Rows before it have not come: they must be asked for.
+    Early,
 }
 
 /// The queue.
 #[derive(Debug, Default)]
 pub(super) struct Queue {
-    waiting: VecDeque<Waiting>,
+    waiting: VecDeque<Owed>,
+    /// The newest row that was numbered, its number and the key of its verdict.
+    row: u64,
     sequence: u32,
-    /// Epoch and seq of the newest verdict that came.
     newest: Option<(u64, u64)>,
-    /// Epoch and seq of the newest verdict that the journal has.
-    confirmed: Option<(u64, u64)>,
 }
 
 impl Queue {
+    pub(super) fn resume(account: &Account) -> Self {
+        let waiting = account.waiting_rows.iter().zip(account.waiting_sequences);
+        Self {
+            waiting: waiting.filter_map(|(row, sequence)| Owed::resume(*row, sequence)).collect(),
+            row: account.row,
+            sequence: account.sequence,
+            newest: (account.seq != 0).then_some((account.epoch, account.seq)),
+        }
+    }
+
+    /// Writes what [`Queue::resume`] reads.
+    pub(super) fn save(&self, account: &mut Account) {
+        (account.row, account.sequence) = (self.row, self.sequence);
+        (account.epoch, account.seq) = self.newest.unwrap_or_default();
+        for (index, owed) in self.waiting.iter().enumerate() {
+            (account.waiting_rows[index], account.waiting_sequences[index]) = (owed.row, owed.sequence);
+        }
+    }
+
+    /// The rows are those of another journal from now on. What has come stays.
+    pub(super) fn forget_rows(&mut self) {
+        self.row = 0;
+        self.waiting.iter_mut().for_each(|owed| owed.row = 0);
+    }
+
     pub(super) fn len(&self) -> usize {
         self.waiting.len()
     }
 
-    pub(super) fn push(&mut self, verdict: &Verdict, now_ns: u64) -> Pushed {
-        let (epoch, seq) = (verdict.stamp.epoch, verdict.stamp.seq);
-        let lost = match self.newest {
-            // Nothing is lost before the first: what this role did not see was never its to offer.
+    /// The newest row that was numbered.
+    pub(super) fn row(&self) -> u64 {
+        self.row
+    }
+
+    /// The key of the newest verdict that was numbered.
+    pub(super) fn newest(&self) -> Option<(u64, u64)> {
+        self.newest
+    }
+
+    /// The rows after this one are needed.
+    pub(super) fn needs_after(&self) -> u64 {
+        let missing = self.waiting.iter().filter(|owed| owed.is_missing() && owed.row != 0);
+        missing.map(|owed| owed.row - 1).min().unwrap_or(self.row)
+    }
+
+    /// Takes a row, and counts in `lost` what this shows to be lost.
+    pub(super) fn take(&mut self, row: &Journalled, lost: &mut u64) -> Taken {
+        if row.row <= self.row {
+            self.waiting.iter_mut().for_each(|owed| owed.fill(row));
+            return Taken::Repeated;
+        }
+        if row.before > self.row {
+            return Taken::Early;
+        }
+        // What was asked for comes in order: a row that has not come by now is not in the journal any more.
+        let known = self.waiting.len();
+        self.waiting.retain(|owed| !owed.is_missing());
+        *lost += (known - self.waiting.len()) as u64;
+        self.row = row.row;
+        self.number(row, lost)
+    }
+
+    fn number(&mut self, row: &Journalled, lost: &mut u64) -> Taken {
+        let (epoch, seq) = (row.verdict.stamp.epoch, row.verdict.stamp.seq);
+        let missing = match self.newest {
+            // Nothing is lost before the first: what was never numbered was never the PLC's.
             None => 0,
-            Some((known, newest)) if known == epoch && seq <= newest => return Pushed::Repeated,
+            // A journal that was made anew has it a second time.
+            Some((known, newest)) if known == epoch && seq <= newest => return Taken::Repeated,
             Some((known, newest)) if known == epoch => seq - newest - 1,
             // A writer counts from 1 after its start.
             Some(_) => seq.saturating_sub(1),
         };
         self.newest = Some((epoch, seq));
-        self.number(lost);
-        let sequence = self.number(1);
-        if self.waiting.len() >= QUEUE {
-            return Pushed::Full { lost: lost + 1 };
+        *lost += missing;
+        self.advance(missing);
+        let sequence = self.advance(1);
+        if self.waiting.len() < QUEUE {
+            let result = Some(block(sequence, &row.verdict));
+            self.waiting.push_back(Owed { row: row.row, sequence, result });
+        } else {
+            *lost += 1;
         }
-        let result = ResultBlock { sequence, outcome: outcome(verdict), verdict: *verdict };
-        self.waiting.push_back(Waiting { result, since_ns: now_ns, confirmed: false });
-        self.apply_confirmation();
-        Pushed::Queued { lost }
+        Taken::New
     }
 
-    /// The journal has every verdict up to this one.
-    pub(super) fn confirm(&mut self, epoch: u64, seq: u64) {
-        self.confirmed = Some((epoch, seq));
-        self.apply_confirmation();
-    }
-
-    /// Takes the first result out, once the journal has it.
-    pub(super) fn pop(&mut self) -> Option<ResultBlock> {
-        self.waiting.pop_front_if(|first| first.confirmed).map(|first| first.result)
+    /// Takes the first result out.
+    pub(super) fn pop(&mut self) -> Option<Owed> {
+        self.waiting.pop_front_if(|first| !first.is_missing())
     }
 
     /// Whether [`Queue::pop`] would give one.
-    pub(super) fn is_next_confirmed(&self) -> bool {
-        self.waiting.front().is_some_and(|first| first.confirmed)
-    }
-
-    /// Since when the oldest result waits that the journal does not have.
-    pub(super) fn unconfirmed_since(&self) -> Option<u64> {
-        self.waiting.iter().find(|waiting| !waiting.confirmed).map(|waiting| waiting.since_ns)
-    }
-
-    /// The journal reads the same channel in the same order. Once it has a verdict of the newest epoch, it has written every earlier
-    /// epoch: its verdicts, or a row for the gap.
-    fn apply_confirmation(&mut self) {
-        let (Some((epoch, seq)), Some((newest, _))) = (self.confirmed, self.newest) else { return };
-        for waiting in &mut self.waiting {
-            let stamp = &waiting.result.verdict.stamp;
-            waiting.confirmed |= if stamp.epoch == epoch {
-                stamp.seq <= seq
-            } else {
-                epoch == newest && stamp.epoch != newest
-            };
-        }
+    pub(super) fn has_next(&self) -> bool {
+        self.waiting.front().is_some_and(|first| !first.is_missing())
     }
 
     /// Advances the sequence. It never is 0, which stands for no result.
-    fn number(&mut self, by: u64) -> u32 {
+    fn advance(&mut self, by: u64) -> u32 {
         // 2^32 - 1 numbers: 1..=u32::MAX.
         let next = (u64::from(self.sequence) + by).checked_sub(1).map_or(0, |n| n % u64::from(u32::MAX) + 1);
         self.sequence = u32::try_from(next).unwrap_or(1);
         self.sequence
     }
+}
+
+fn block(sequence: u32, verdict: &Verdict) -> ResultBlock {
+    ResultBlock { sequence, outcome: outcome(verdict), verdict: *verdict }
 }
 
 /// The outcome as a bit of the status word. What is not known to be right is never `OK`.

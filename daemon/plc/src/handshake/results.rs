@@ -1,22 +1,21 @@
 //! How a result gets to the PLC.
 //!
 //! ```text
-//!         a confirmed result waits            `acknowledge` set
-//!  Empty ─────────────────────────► Offered ─────────────────────► Acknowledged
-//!    ▲                              ▲    │                              │
-//!    │                              │    │ without writes: held long    │ `acknowledge` cleared
-//!    │                              │    │ enough, and another waits    │
-//!    │                              ├────┘                              │
-//!    │                              └──────── another waits ◄───────────┤
-//!    └─────────────────────────────────────── nothing waits ◄───────────┘
+//!         a result waits             `acknowledge` set           the journal keeps it
+//!  Empty ───────────────► Offered ─────────────────────► Released ───────────────────► Acknowledged
+//!                            ▲    without writes: held long    (`done` is still set)         │
+//!                            │    enough, and another waits                                 │
+//!                            └──────── another waits, and `acknowledge` is clear ────────────┘
 //! ```
 //!
-//! `done`, and one of `ok`, `nok`, `not-judged`, are set in `Offered` and in no other state. A result is offered only once
-//! the journal has it. A result that finds the queue full is lost; the overrun bit and a jump of `sequence` say so.
+//! `done`, and one of `ok`, `nok`, `not-judged`, are set in `Offered` and `Released` and in no other state. All results come from
+//! the journal. An acknowledgement counts once the journal keeps it: whatever ends this process, its next start offers what was
+//! not acknowledged, under the same number, and nothing older. A result that finds the queue full is lost; the overrun bit and
+//! a jump of `sequence` say so.
 
-use shm_schemas::Verdict;
+use shm_schemas::{Account, Journalled};
 
-use super::queue::{Pushed, Queue};
+use super::queue::{Owed, Queue, Taken};
 use crate::registers::ResultBlock;
 
 /// Where the result on the registers is in its life.
@@ -27,6 +26,7 @@ enum Phase {
     Offered {
         since_ns: u64,
     },
+    Released,
     Acknowledged,
 }
 
@@ -44,72 +44,136 @@ pub(super) enum Release {
 pub(super) struct Results {
     phase: Phase,
     queue: Queue,
-    newest: Option<ResultBlock>,
+    shown: Option<Owed>,
     lost: u32,
     has_overrun: bool,
 }
 
 impl Results {
-    /// Takes a verdict; false where it had come before.
-    pub(super) fn push(&mut self, verdict: &Verdict, now_ns: u64) -> bool {
-        let lost = match self.queue.push(verdict, now_ns) {
-            Pushed::Repeated => return false,
-            Pushed::Queued { lost } | Pushed::Full { lost } => lost,
+    /// Goes on where the account ends.
+    pub(super) fn resume(account: &Account, now_ns: u64) -> Self {
+        let shown = Owed::resume(account.shown_row, account.shown_sequence);
+        let phase = match shown {
+            None => Phase::Empty,
+            Some(_) if account.is_acknowledged != 0 => Phase::Acknowledged,
+            Some(_) => Phase::Offered { since_ns: now_ns },
         };
+        let (lost, has_overrun) = (account.lost, account.has_overrun != 0);
+        Self { phase, queue: Queue::resume(account), shown, lost, has_overrun }
+    }
+
+    /// Writes what [`Results::resume`] reads.
+    pub(super) fn save(&self, account: &mut Account) {
+        self.queue.save(account);
+        (account.shown_row, account.shown_sequence) =
+            self.shown.map_or((0, 0), |shown| (shown.row, shown.sequence));
+        account.is_acknowledged = matches!(self.phase, Phase::Released | Phase::Acknowledged).into();
+        (account.lost, account.has_overrun) = (self.lost, self.has_overrun.into());
+    }
+
+    /// The rows are those of another journal from now on.
+    pub(super) fn forget_rows(&mut self) {
+        self.queue.forget_rows();
+        if let Some(shown) = &mut self.shown {
+            shown.row = 0;
+        }
+    }
+
+    /// Takes a row of the journal.
+    pub(super) fn take(&mut self, row: &Journalled) -> Taken {
+        if let Some(shown) = &mut self.shown {
+            shown.fill(row);
+        }
+        let mut lost = 0;
+        let taken = self.queue.take(row, &mut lost);
+        if taken == Taken::New && matches!(self.phase, Phase::Offered { .. }) && self.offered().is_none() {
+            // As in the queue: what has not come by now is not in the journal any more.
+            (self.phase, self.shown) = (Phase::Empty, None);
+            lost += 1;
+        }
         self.lost = self.lost.saturating_add(u32::try_from(lost).unwrap_or(u32::MAX));
         self.has_overrun |= lost > 0;
-        true
+        taken
     }
 
-    /// The journal has every verdict of this epoch up to `seq`.
-    pub(super) fn confirm(&mut self, epoch: u64, seq: u64) {
-        self.queue.confirm(epoch, seq);
-    }
-
-    /// Offers the next result, if the phase and the journal allow it.
+    /// Offers the next result, if the phase allows it.
     pub(super) fn advance(&mut self, release: Release, now_ns: u64) {
         let is_free = match (self.phase, release) {
             (Phase::Empty, _) | (Phase::Acknowledged, Release::After { .. }) => true,
             (Phase::Acknowledged, Release::Acknowledge { is_set }) => !is_set,
-            (Phase::Offered { .. }, Release::Acknowledge { .. }) => false,
             (Phase::Offered { since_ns }, Release::After { hold_ns }) => {
-                self.queue.is_next_confirmed() && now_ns.saturating_sub(since_ns) >= hold_ns
+                let is_over = self.queue.has_next() && now_ns.saturating_sub(since_ns) >= hold_ns;
+                if is_over && self.offered().is_some() {
+                    self.phase = Phase::Released;
+                }
+                false
             }
+            (Phase::Offered { .. }, Release::Acknowledge { .. }) | (Phase::Released, _) => false,
         };
         if !is_free {
             return;
         }
-        self.phase = match self.queue.pop() {
-            Some(result) => {
-                self.newest = Some(result);
-                Phase::Offered { since_ns: now_ns }
-            }
-            None => Phase::Empty,
-        };
+        if let Some(owed) = self.queue.pop() {
+            self.shown = Some(owed);
+            self.phase = Phase::Offered { since_ns: now_ns };
+        }
     }
 
     /// The PLC has read the offered result; false where none is offered.
     pub(super) fn acknowledge(&mut self) -> bool {
         let is_offered = self.offered().is_some();
         if is_offered {
-            self.phase = Phase::Acknowledged;
+            self.phase = Phase::Released;
         }
         is_offered
     }
 
+    /// The number of the result that was acknowledged last, as the journal is to keep it; 0 is none.
+    pub(super) fn released(&self) -> u32 {
+        let is_released = matches!(self.phase, Phase::Released | Phase::Acknowledged);
+        self.shown.filter(|_| is_released).map_or(0, |shown| shown.sequence)
+    }
+
+    /// Whether an acknowledgement waits for the journal.
+    pub(super) fn is_released(&self) -> bool {
+        self.phase == Phase::Released
+    }
+
+    /// The journal keeps the acknowledgement. True where one was waiting for that.
+    pub(super) fn kept(&mut self) -> bool {
+        let was_released = self.phase == Phase::Released;
+        if was_released {
+            self.phase = Phase::Acknowledged;
+        }
+        was_released
+    }
+
     /// The result that is offered.
-    pub(super) fn offered(&self) -> Option<&ResultBlock> {
-        self.newest.as_ref().filter(|_| matches!(self.phase, Phase::Offered { .. }))
+    pub(super) fn offered(&self) -> Option<ResultBlock> {
+        let is_offered = matches!(self.phase, Phase::Offered { .. } | Phase::Released);
+        self.newest().filter(|_| is_offered)
     }
 
     /// The result that was offered last; it stays on the registers.
     pub(super) fn newest(&self) -> Option<ResultBlock> {
-        self.newest
+        self.shown?.result
     }
 
-    /// Since when the oldest result waits that the journal does not have.
-    pub(super) fn unconfirmed_since(&self) -> Option<u64> {
-        self.queue.unconfirmed_since()
+    /// The key of the newest verdict that came from the journal.
+    pub(super) fn newest_key(&self) -> Option<(u64, u64)> {
+        self.queue.newest()
+    }
+
+    /// Whether rows of the account have not come yet.
+    pub(super) fn is_missing_rows(&self) -> bool {
+        self.needs_after() < self.queue.row()
+    }
+
+    /// The rows after this one are needed.
+    pub(super) fn needs_after(&self) -> u64 {
+        let shown = self.shown.filter(|shown| shown.result.is_none() && shown.row != 0);
+        let queued = self.queue.needs_after();
+        shown.map_or(queued, |shown| queued.min(shown.row - 1))
     }
 
     /// Results that wait behind the offered one.
@@ -118,7 +182,7 @@ impl Results {
         self.queue.len() as u16
     }
 
-    /// Results that were lost since the start.
+    /// Results that were lost to the PLC.
     pub(super) fn lost(&self) -> u32 {
         self.lost
     }

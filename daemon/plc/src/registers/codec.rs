@@ -127,6 +127,12 @@ mod tests {
         };
         (verdict.stamp.epoch, verdict.stamp.seq) = (0x2601_2602_2603_2604, 0x2A01_2A02_2A03_2A04);
         Image {
+            boot: 0x3001_3002,
+            executing: 50,
+            refusal: 51,
+            job_in_force: 0x3401_3402,
+            hash_in_force: 0x3601_3602_3603_3604,
+            phase: 58,
             status: 0x0135,
             carried_out: 1,
             refused: 2,
@@ -160,33 +166,47 @@ mod tests {
 
     // Written out by hand: an oracle that shares nothing with the table.
     #[rustfmt::skip]
-    const BIG: [u16; 48] = [
-        0x0135, 1, 2, 3, 4, 0x0501, 0x0502, 2, 8, 0x0901, 0x0902,
+    const BIG: [u16; 59] = [
+        0x0135, 1, 2, 3, 4, 0x0501, 0x0502, 3, 8, 0x0901, 0x0902,
         0x0B01, 0x0B02, 32, 0x0E01, 0x0E02, 0x1001, 0x1002, 0x1003, 0x1004,
         20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30,
         0x3FC0, 0, 0xC000, 0, // 1.5 and -2.0
         0x6553, 0xF100, 123, // 1,700,000,000 s and 123 ms
-        0x2601, 0x2602, 0x2603, 0x2604, 0x2A01, 0x2A02, 0x2A03, 0x2A04, 0x0B01, 0x0B02,
+        0x2601, 0x2602, 0x2603, 0x2604, 0x2A01, 0x2A02, 0x2A03, 0x2A04, 0x0B01, 0x0B02, 0x3001, 0x3002,
+        50, 51, 0x3401, 0x3402, 0x3601, 0x3602, 0x3603, 0x3604, 58,
     ];
     const BIG_CONTROL: [u16; 7] = [5, 0x6501, 0x6502, 0x6701, 0x6702, 0x6703, 0x6704];
 
     #[test]
     fn every_value_lies_where_the_document_says() {
-        assert_eq!(read(&sample(), WordOrder::Big, 0, 48).unwrap(), BIG);
+        assert_eq!(read(&sample(), WordOrder::Big, 0, 59).unwrap(), BIG);
         assert_eq!(read(&sample(), WordOrder::Big, 100, 7).unwrap(), BIG_CONTROL);
     }
 
     #[test]
     fn the_other_word_order_turns_the_registers_of_each_value_around() {
-        let little = read(&sample(), WordOrder::Little, 0, 48).unwrap();
+        let little = read(&sample(), WordOrder::Little, 0, 59).unwrap();
         let turned =
             |from: usize, count: usize| little[from..from + count].iter().rev().copied().collect::<Vec<_>>();
-        for (from, count) in
-            [(5, 2), (9, 2), (11, 2), (14, 2), (16, 4), (31, 2), (33, 2), (35, 2), (38, 4), (42, 4), (46, 2)]
-        {
+        for (from, count) in [
+            (5, 2),
+            (9, 2),
+            (11, 2),
+            (14, 2),
+            (16, 4),
+            (31, 2),
+            (33, 2),
+            (35, 2),
+            (38, 4),
+            (42, 4),
+            (46, 2),
+            (48, 2),
+            (52, 2),
+            (54, 4),
+        ] {
             assert_eq!(turned(from, count), BIG[from..from + count], "{from}");
         }
-        for from in (0..5).chain([7, 8, 13]).chain(20..31).chain([37]) {
+        for from in (0..5).chain([7, 8, 13]).chain(20..31).chain([37, 50, 51, 58]) {
             assert_eq!(little[from], BIG[from], "{from}");
         }
     }
@@ -201,7 +221,7 @@ mod tests {
 
     #[test]
     fn a_read_outside_the_map_is_refused() {
-        for (address, count) in [(48, 1), (47, 2), (99, 2), (107, 1), (65535, 125), (46, 60)] {
+        for (address, count) in [(59, 1), (58, 2), (99, 2), (107, 1), (65535, 125), (46, 60)] {
             assert_eq!(
                 read(&sample(), WordOrder::Big, address, count),
                 Err(RegisterError::Address(address)),

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-use shm_schemas::{VerdictLevel, VerdictReason};
+use shm_schemas::{JudgePhase, Refusal, VerdictLevel, VerdictReason};
 
 use super::image::{control, status};
 use super::map::{Access, CONTROL_BASE, MAP, MAP_VERSION};
@@ -43,6 +43,14 @@ fn write_document(out: &mut String) -> fmt::Result {
     writeln!(out, "\n`reason`\n\n| number | name | meaning |\n|---|---|---|")?;
     for reason in VerdictReason::ALL {
         writeln!(out, "| {} | {} | {} |", reason.code(), reason.name(), reason.meaning())?;
+    }
+    writeln!(out, "\n`refusal`\n\n| number | name | meaning |\n|---|---|---|")?;
+    for refusal in Refusal::ALL {
+        writeln!(out, "| {} | {} | {} |", refusal.code(), refusal.name(), refusal.meaning())?;
+    }
+    writeln!(out, "\n`phase`\n\n| number | name | meaning |\n|---|---|---|")?;
+    for phase in JudgePhase::ALL {
+        writeln!(out, "| {} | {} | {} |", phase.code(), phase.name(), phase.meaning())?;
     }
     writeln!(out, "\n`error`\n\n| number | meaning and remedy |\n|---|---|")?;
     for fault in Fault::ALL {
@@ -85,11 +93,15 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 
 1. Wait for `done`. One of `ok`, `nok`, `not-judged` is set with it. The journal has the result on disk by then.
 2. Read the result block, from `sequence` to `sequence_copy`.
-3. Set `acknowledge`. `done` drops.
+3. Set `acknowledge`. `done` drops once the journal keeps that.
 4. Clear `acknowledge`. If another result waits, `done` rises again with a higher `sequence`.
 
 A result stays until it is acknowledged, and {QUEUE} more can wait behind it. Results that come when the queue is full are lost:
 `overrun` is set, `lost` counts them, and `sequence` jumps by their number. The journal still has them.
+
+**A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
+role `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
+a client that has already taken a result of this number acknowledges it again and does not count it twice.
 
 Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. Watch
 `sequence`: a jump is a loss. `overrun` stays set once it is set.
@@ -107,12 +119,16 @@ stays offered.
 ## Commands
 
 1. Set the bit of the command in `control`. A command acts once, when its bit rises.
-2. Wait until the same bit is set in `carried_out` or in `refused`.
+2. While it is under way, the same bit is set in `executing`. Wait until it is set in `carried_out` or in `refused`; `refusal` then says why.
 3. Clear the bit in `control`. Both answers clear with it.
 
-Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request. `enable`, `load_job`, `start` and `abort` are carried out as
-soon as the judge has been sent them. What became of them there is in the log: AND-301 and AND-302 for `load_job`, AND-310 for a
-command that came at the wrong time.
+`carried_out` means that the judge has done it, and for `acknowledge` that the journal keeps it. A judge that does not answer within 2 s
+has refused. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request; `job_in_force` and `hash_in_force` say
+which job the judge has. A job that is refused changes nothing.
+
+**The judge is reminded.** With `plc.writes` nothing is judged before `enable` is first written. A judge that starts again is given `enable` and the job
+that was loaded last, and until it has both, `ready` is not set. The journal keeps the loaded job over a restart of this role too; the
+control block is 0 then, and nothing is judged until the client writes `enable` again.
 "
     )
 }

@@ -6,7 +6,7 @@ use shm_schemas::Verdict;
 pub mod status {
     /// The role runs and its loop turns.
     pub const ONLINE: u16 = 1;
-    /// Everything from the camera to the journal works, `enable` is set and no error is latched.
+    /// Everything from the camera to the journal works, the judge watches the wanted job, and no error is latched.
     pub const READY: u16 = 1 << 1;
     /// A job is running.
     pub const BUSY: u16 = 1 << 2;
@@ -28,7 +28,7 @@ pub mod status {
         (
             READY,
             "ready",
-            "camera, every process of the line and the journal work, `enable` is set (or `plc.writes` is false), and no error is latched",
+            "camera, every process of the line and the journal work, the judge watches (`enable`, or `plc.writes` is false) and has the job that was loaded, and no error is latched",
         ),
         (BUSY, "busy", "a job is running"),
         (DONE, "done", "a result is offered and not acknowledged"),
@@ -62,7 +62,11 @@ pub mod control {
     pub const ALL: u16 = (1 << 6) - 1;
     /// Every bit in order, with its name and meaning.
     pub const BITS: [(u16, &str, &str); 6] = [
-        (ENABLE, "enable", "the line watches for as long as this bit is set"),
+        (
+            ENABLE,
+            "enable",
+            "the line watches for as long as this bit is set; carried out once the judge says so",
+        ),
         (
             LOAD_JOB,
             "load_job",
@@ -93,7 +97,7 @@ pub struct Control {
 /// The result block: one verdict and its number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ResultBlock {
-    /// Number of this result since the role started, from 1; a jump is a loss.
+    /// Number of this result, from 1; a jump is a loss.
     pub sequence: u32,
     /// [`status::OK`], [`status::NOK`] or [`status::NOT_JUDGED`].
     pub outcome: u16,
@@ -104,12 +108,24 @@ pub struct ResultBlock {
 /// The values of all registers at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Image {
+    /// Counts the starts of the role; 0 until the journal has said what it keeps.
+    pub boot: u32,
     /// Bits of [`status`].
     pub status: u16,
     /// Control bits of the commands that were carried out, until the bit is cleared.
     pub carried_out: u16,
     /// Control bits of the commands that were refused, until the bit is cleared.
     pub refused: u16,
+    /// Control bits of the commands that are under way.
+    pub executing: u16,
+    /// Why the newest refused command was refused: a [`shm_schemas::Refusal`].
+    pub refusal: u16,
+    /// The job that the judge has; 0 none.
+    pub job_in_force: u32,
+    /// The hash of its file.
+    pub hash_in_force: u64,
+    /// A [`shm_schemas::JudgePhase`]; 0 before the judge was heard.
+    pub phase: u16,
     /// Counts up four times per second.
     pub heartbeat: u16,
     /// The latched [`crate::handshake::Fault`] as a number; 0 is none.
@@ -118,7 +134,7 @@ pub struct Image {
     pub error_detail: u32,
     /// Results that wait behind the offered one.
     pub queued: u16,
-    /// Results lost since the role started.
+    /// Results that were lost to the PLC.
     pub lost: u32,
     /// The newest result that was offered; `None` before the first one.
     pub result: Option<ResultBlock>,

@@ -5,7 +5,7 @@ use shm_schemas::{NO_INDEX, Verdict};
 use super::image::{Control, Image, ResultBlock};
 
 /// Changes when an address, a type or a meaning changes.
-pub const MAP_VERSION: u16 = 2;
+pub const MAP_VERSION: u16 = 3;
 /// The first register that can be written. 100 leaves the read block room to grow.
 pub const CONTROL_BASE: u16 = 100;
 
@@ -141,7 +141,12 @@ pub const MAP: &[Register] = &[
     ),
     read(7, "map_version", Get::U16(|_| MAP_VERSION), "version of this map"),
     read(8, "queued", Get::U16(|i| i.queued), "number of results that wait behind the offered one"),
-    read(9, "lost", Get::U32(|i| i.lost), "number of results that were lost since the role started"),
+    read(
+        9,
+        "lost",
+        Get::U32(|i| i.lost),
+        "number of results that were lost to the PLC since the journal was begun",
+    ),
     read(
         11,
         "sequence",
@@ -154,7 +159,7 @@ pub const MAP: &[Register] = &[
         Get::U16(|i| i.result.map_or(0, |r| r.outcome)),
         "the bit `ok`, `nok` or `not-judged` at its place in the status word; stays after `acknowledge`",
     ),
-    read(14, "job_id", Get::U32(|i| of(i).job_id), "the job that is watched"),
+    read(14, "job_id", Get::U32(|i| of(i).job_id), "the job of the result"),
     read(16, "model_hash", Get::U64(|i| of(i).model_hash), "hash of the job file that it was judged by"),
     read(
         20,
@@ -224,6 +229,22 @@ pub const MAP: &[Register] = &[
     read(38, "epoch", Get::U64(|i| of(i).stamp.epoch), "with `seq` the key of the verdict in the journal"),
     read(42, "seq", Get::U64(|i| of(i).stamp.seq), "with `epoch` the key of the verdict in the journal"),
     read(46, "sequence_copy", Get::U32(sequence), "the same as `sequence`"),
+    read(
+        48,
+        "boot",
+        Get::U32(|i| i.boot),
+        "counts the starts of this role; 0 until the journal has said what it keeps, and until then nothing is offered",
+    ),
+    read(
+        50,
+        "executing",
+        Get::U16(|i| i.executing),
+        "control bits of the commands whose answer is still to come",
+    ),
+    read(51, "refusal", Get::U16(|i| i.refusal), "why the newest refused command was refused, see below"),
+    read(52, "job_in_force", Get::U32(|i| i.job_in_force), "the job that the judge has; 0 none"),
+    read(54, "hash_in_force", Get::U64(|i| i.hash_in_force), "hash of its job file"),
+    read(58, "phase", Get::U16(|i| i.phase), "where the judge is, see below; 0 before it was heard"),
     write(
         CONTROL_BASE,
         "control",

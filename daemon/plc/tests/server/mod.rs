@@ -1,8 +1,11 @@
 //! A Modbus server over channels instead of shared memory, and a client of plain bytes.
 
-use andon_plc::handshake::{Fault, Line, LineCommand};
+use andon_plc::handshake::{Fault, Handshake, Line, LineCommand};
 use andon_plc::modbus::{Config, Counters, ModbusServer};
-use shm_schemas::{NO_INDEX, Verdict, VerdictLevel, VerdictOutcome};
+use shm_schemas::{
+    AccountKept, CommandKind, Journalled, JudgePhase, Judging, NO_INDEX, Verdict, VerdictLevel,
+    VerdictOutcome,
+};
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::Arc;
@@ -14,39 +17,82 @@ use std::time::{Duration, Instant};
 /// Longer than anything here takes; a test that waits for this long has failed.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What the role reads from the channels.
-enum Event {
-    Verdict(Verdict),
-    Confirmed { epoch: u64, seq: u64 },
-}
-
 /// The line as the role sees it.
 struct LineEnd {
-    events: Receiver<Event>,
+    verdicts: Receiver<Verdict>,
     commands: Sender<LineCommand>,
     has_camera: Arc<AtomicBool>,
     stop: Arc<AtomicBool>,
+    writes: bool,
+}
+
+/// A journal that keeps everything at once.
+#[derive(Default)]
+struct Journal {
+    kept: AccountKept,
+    asked: u32,
+    row: u64,
+}
+
+impl Journal {
+    fn keep(&mut self, handshake: &mut Handshake, now_ns: u64) {
+        while let Some(update) = handshake.update(now_ns) {
+            (self.kept.account, self.asked) = (update.account, update.asked);
+            handshake.kept(&self.kept, now_ns);
+        }
+    }
+
+    fn write(&mut self, handshake: &mut Handshake, verdict: Verdict, now_ns: u64) {
+        let (before, boot) = (self.row, self.kept.account.boot);
+        self.row += 1;
+        let (journal, row, asked) = (self.kept.journal, self.row, self.asked);
+        let message = Journalled { journal, row, before, boot, asked, verdict, ..Journalled::default() };
+        handshake.journalled(&message, now_ns);
+    }
+}
+
+/// What a judge says after it has done this.
+fn done(mut judging: Judging, command: &LineCommand) -> Judging {
+    judging.command = command.number;
+    match command.kind {
+        CommandKind::Enable => judging.is_enabled = 1,
+        CommandKind::Disable => judging.is_enabled = 0,
+        CommandKind::LoadJob => (judging.job_id, judging.model_hash) = (command.job_id, command.model_hash),
+        CommandKind::Start => judging.phase = JudgePhase::Running.code(),
+        CommandKind::Abort => judging.phase = JudgePhase::Waiting.code(),
+    }
+    judging
 }
 
 /// The loop of the role `plc`, over channels instead of shared memory.
 fn run(server: &ModbusServer, line: &LineEnd) {
+    let mut journal = Journal::default();
+    let mut judging = Judging {
+        phase: JudgePhase::Waiting.code(),
+        is_enabled: (!line.writes).into(),
+        job_id: 7,
+        ..Judging::default()
+    };
+    server.handshake(|handshake, now_ns| handshake.kept(&journal.kept, now_ns));
     while !line.stop.load(Ordering::Relaxed) {
-        let event = line.events.recv_timeout(Duration::from_millis(20)).ok();
+        let verdict = line.verdicts.recv_timeout(Duration::from_millis(20)).ok();
         let state = match line.has_camera.load(Ordering::Relaxed) {
             true => Line::Ready,
             false => Line::Fault { fault: Fault::Camera, detail: 104 },
         };
         server.handshake(|handshake, now_ns| {
-            match event {
-                Some(Event::Verdict(verdict)) => handshake.verdict(&verdict, now_ns),
-                Some(Event::Confirmed { epoch, seq }) => handshake.confirmed(epoch, seq, now_ns),
-                None => {}
+            journal.keep(handshake, now_ns);
+            if let Some(verdict) = verdict {
+                (judging.verdict_epoch, judging.verdict_seq) = (verdict.stamp.epoch, verdict.stamp.seq);
+                journal.write(handshake, verdict, now_ns);
             }
             handshake.tick(state, now_ns);
-            while let Some(command) = handshake.next_command() {
-                let was_sent = line.commands.send(command).is_ok();
-                handshake.command_sent(command.kind, was_sent);
+            if let Some(command) = handshake.next_command(now_ns) {
+                judging = done(judging, &command);
+                line.commands.send(command).unwrap();
             }
+            handshake.judging(&judging, now_ns);
+            journal.keep(handshake, now_ns);
         });
     }
 }
@@ -56,7 +102,7 @@ pub(crate) struct TestServer {
     pub(crate) address: SocketAddr,
     pub(crate) counters: Arc<Counters>,
     pub(crate) commands: Receiver<LineCommand>,
-    events: Sender<Event>,
+    verdicts: Sender<Verdict>,
     has_camera: Arc<AtomicBool>,
     stop: Arc<AtomicBool>,
     role: Option<thread::JoinHandle<()>>,
@@ -70,19 +116,21 @@ pub(crate) fn config() -> Config {
 
 impl TestServer {
     pub(crate) fn start(config: Config) -> Self {
+        let writes = config.writes;
         let server = ModbusServer::start(config).unwrap();
         let (address, counters) = (server.address(), server.counters());
-        let (events, from_line) = channel();
+        let (verdicts, from_line) = channel();
         let (to_line, commands) = channel();
         let (has_camera, stop) = (Arc::new(AtomicBool::new(true)), Arc::new(AtomicBool::new(false)));
         let line = LineEnd {
-            events: from_line,
+            verdicts: from_line,
             commands: to_line,
             has_camera: Arc::clone(&has_camera),
             stop: Arc::clone(&stop),
+            writes,
         };
         let role = Some(thread::spawn(move || run(&server, &line)));
-        Self { address, counters, commands, events, has_camera, stop, role, seq: 0 }
+        Self { address, counters, commands, verdicts, has_camera, stop, role, seq: 0 }
     }
 
     /// Connects or disconnects the camera.
@@ -95,8 +143,7 @@ impl TestServer {
         self.seq += 1;
         let mut verdict = sample(self.seq, outcome);
         verdict.stamp.seq = self.seq;
-        self.events.send(Event::Verdict(verdict)).unwrap();
-        self.events.send(Event::Confirmed { epoch: 1, seq: self.seq }).unwrap();
+        self.verdicts.send(verdict).unwrap();
     }
 
     pub(crate) fn client(&self) -> Client {

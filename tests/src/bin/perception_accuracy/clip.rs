@@ -36,6 +36,8 @@ pub(crate) struct Clip {
 pub(crate) struct Shown<'a> {
     pub(crate) index: usize,
     pub(crate) captured_ns: u64,
+    /// Blue, green, red; no padding.
+    pub(crate) bytes: &'a [u8],
     pub(crate) image: ImageView<'a>,
     pub(crate) truth: &'a TrueFrame,
 }
@@ -76,6 +78,7 @@ impl Clip {
         Ok(Some(Shown {
             index,
             captured_ns: (index as f64 / rate_hz * 1e9) as u64,
+            bytes: &self.picture,
             image: ImageView::new(*width, *height, width * 3, PixelFormat::Bgr8, &self.picture)?,
             truth: frames.get(index).ok_or("the clip is longer than its truth")?,
         }))

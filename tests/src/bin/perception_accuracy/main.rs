@@ -8,6 +8,7 @@ mod clip;
 mod detected;
 mod errors;
 mod metric;
+mod sight;
 mod truth;
 
 use andon_perception::config::{HandsConfig, MarkersConfig};
@@ -37,6 +38,8 @@ enum Measurement {
         #[arg(required = true)]
         clips: Vec<PathBuf>,
     },
+    /// What is said of a picture that something is done to, and after how long: one row per clip and change.
+    Sight(sight::Arguments),
     /// How far landmarks and markers are from the truth in three dimensions.
     Metric(metric::Arguments),
 }
@@ -46,6 +49,7 @@ fn main() -> Result<(), Error> {
     match measurement {
         Measurement::Detected(arguments) => detected::run(&arguments, &runtime),
         Measurement::Carried { clips } => carried::run(&clips, &runtime),
+        Measurement::Sight(arguments) => sight::run(&arguments, &runtime),
         Measurement::Metric(arguments) => metric::run(&arguments, &runtime),
     }
 }

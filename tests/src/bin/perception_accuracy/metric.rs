@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
     let objects = clip.truth.objects.clone();
     let mut metric: Option<Metric> = None;
     let mut score = Score::default();
-    while let Some(Shown { index, captured_ns, image, truth }) = clip.next()? {
+    while let Some(Shown { index, captured_ns, image, truth, .. }) = clip.next()? {
         let depth = pictures.next()?;
         let mut detections = perceiver.perceive(image, captured_ns)?;
         if arguments.true_pixels {

@@ -1,8 +1,8 @@
-//! `plc`: verdicts to the PLC, once the journal has them, and the PLC's commands to the judge.
+//! `plc`: the journal's verdicts to the PLC, and the PLC's commands to the judge.
 //!
-//! A result that was sent before this role started is not offered: the PLC may have acknowledged it then. It is in the
-//! journal.
+//! What the PLC has been told is an account that the journal keeps. Each start of this role goes on where the last one ended.
 
+mod account;
 mod clients;
 mod line;
 
@@ -13,23 +13,19 @@ use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
 use andon_plc::handshake::{Line, LineCommand};
 use andon_plc::modbus::{Config as Server, ModbusServer};
 use andon_plc::registers::{Image, status};
-use shm_schemas::{Command, Confirmed, Health, Verdict};
+use shm_schemas::{Command, Health, Judging};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
 use crate::config::Config;
 use crate::log::{code, log};
+use account::Account;
 use clients::Clients;
-use line::Watch;
+use line::LineHealth;
 
 /// The longest wait: a command of a client waits no longer than this to be passed on.
 const TURN: Duration = Duration::from_millis(20);
-
-/// After this long without a line that is ready, `health` is opened again. Where iceoryx2 0.10.0 fails once to connect a reader
-/// with a writer, as with one that is killed while it comes up, it does not try again before another one comes or goes: a
-/// healthy role would stay unheard. Twice the longest time between two beats.
-const REOPEN_HEALTH_AFTER: Duration = Duration::from_secs(1);
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -64,14 +60,11 @@ struct Plc {
     server: ModbusServer,
     clients: Clients,
     commands: Output<Writer<Command>>,
-    verdicts: Reader<Verdict>,
-    confirmed: Reader<Confirmed>,
+    account: Account,
+    judging: Reader<Judging>,
     health: Reader<Health>,
-    watch: Watch,
+    line_health: LineHealth,
     line: Line,
-    /// When the line was last ready or `health` was opened.
-    health_since: Instant,
-    began: MonotonicTime,
     /// The status word that was last on the registers.
     status: u16,
 }
@@ -80,7 +73,9 @@ impl Role for Plc {
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
-        vec![self.commands.port(), &mut self.verdicts, &mut self.confirmed, &mut self.health]
+        let mut ports: Vec<&mut dyn Port> = self.account.ports().into();
+        ports.extend([self.commands.port(), &mut self.judging as &mut dyn Port, &mut self.health]);
+        ports
     }
 
     fn patience(&self) -> Duration {
@@ -88,16 +83,19 @@ impl Role for Plc {
     }
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        // Its own predecessor may be the one that has gone: that is for `watch` to tell.
+        // It may be its own predecessor that has departed: the health of the roles shows that.
         if let Wake::WriterGone { .. } = cycle.wake() {
-            self.watch.gone(MonotonicTime::now());
+            self.line_health.departed(MonotonicTime::now());
         }
         self.clients.log(cycle.liveness());
-        self.watch_line(cycle)?;
-        let turn = self.tell_verdict(cycle)?;
-        self.tell_confirmed()?;
+        self.watch_line()?;
+        while let Some(judging) = self.judging.take()? {
+            self.server.handshake(|handshake, now_ns| handshake.judging(&judging, now_ns));
+        }
+        let turn = self.account.hear(&self.server, cycle)?;
         self.server.handshake(|handshake, now_ns| handshake.tick(self.line, now_ns));
-        self.pass_commands_on(cycle);
+        self.account.tell(&self.server, cycle)?;
+        self.pass_command_on(cycle)?;
         let image = self.server.handshake(|handshake, now_ns| handshake.image(now_ns));
         self.log_changes(&image);
         Ok(turn)
@@ -113,13 +111,11 @@ impl Plc {
         let role = Self {
             clients: Clients::new(server.counters()),
             commands: Output::new(node.writer()?, &[]),
-            verdicts: node.reader()?,
-            confirmed: node.reader()?,
+            account: Account::open(node)?,
+            judging: node.reader()?,
             health: node.reader()?,
-            watch: Watch::new(config),
+            line_health: LineHealth::new(config),
             line: Line::Starting,
-            health_since: Instant::now(),
-            began: MonotonicTime::now(),
             status: 0,
             server,
         };
@@ -130,46 +126,19 @@ impl Plc {
     }
 
     /// Finds the state of the line by the health of its roles.
-    fn watch_line(&mut self, cycle: &Cycle<'_>) -> Result<(), RoleError> {
+    fn watch_line(&mut self) -> Result<(), RoleError> {
         while let Some(health) = self.health.take()? {
-            self.watch.heard(&health);
+            self.line_health.received(&health);
         }
-        self.line = self.watch.line(MonotonicTime::now());
-        if self.line == Line::Ready {
-            self.health_since = Instant::now();
-        } else if self.health_since.elapsed() > REOPEN_HEALTH_AFTER {
-            self.health = cycle.node().reader()?;
-            self.health_since = Instant::now();
-        }
+        self.line = self.line_health.line(MonotonicTime::now());
         Ok(())
     }
 
-    fn tell_verdict(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        while let Some(verdict) = cycle.take(&mut self.verdicts)? {
-            if MonotonicTime::from_nanoseconds(verdict.stamp.sent_ns) >= self.began {
-                self.server.handshake(|handshake, now_ns| handshake.verdict(&verdict, now_ns));
-                return Ok(Turn::Stepped);
-            }
-        }
-        Ok(Turn::Idle)
-    }
-
-    fn tell_confirmed(&mut self) -> Result<(), RoleError> {
-        while let Some(confirmed) = self.confirmed.take()? {
-            let (epoch, seq) = (confirmed.verdict_epoch, confirmed.verdict_seq);
-            self.server.handshake(|handshake, now_ns| handshake.confirmed(epoch, seq, now_ns));
-        }
-        Ok(())
-    }
-
-    /// Passes on what clients ask for. A command that cannot be sent is one that the PLC is told was refused.
-    fn pass_commands_on(&mut self, cycle: &mut Cycle<'_>) {
-        while let Some(command) = self.server.handshake(|handshake, _| handshake.next_command()) {
-            let sent = self.commands.send(cycle, |message| write_command(&command, message));
-            if let Err(error) = &sent {
-                log!(code::SERVICE_UNUSABLE, "{error}");
-            }
-            self.server.handshake(|handshake, _| handshake.command_sent(command.kind, sent.is_ok()));
+    /// Passes on what clients ask for, and what the judge must be given again.
+    fn pass_command_on(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        match self.server.handshake(|handshake, now_ns| handshake.next_command(now_ns)) {
+            Some(command) => self.commands.send(cycle, |message| write_command(&command, message)),
+            None => Ok(()),
         }
     }
 
@@ -201,6 +170,7 @@ fn server_config(config: &Config) -> Server {
 }
 
 fn write_command(command: &LineCommand, message: &mut Command) {
+    message.number = command.number;
     message.kind = command.kind.code();
     message.job_id = command.job_id;
     message.model_hash = command.model_hash;

@@ -1,6 +1,8 @@
 //! `judge`: feature couples to verdicts, by the taught job.
 
-use std::path::Path;
+mod state;
+
+use std::path::{Path, PathBuf};
 
 use andon_core::anomaly::{self, Event};
 use andon_core::dtw::OnlineDtw;
@@ -8,7 +10,7 @@ use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict as CoreVerdict};
 use andon_ipc::{Node, Port, Reader, UtcTime, Writer};
 use andon_learn::job_file::JobFile;
-use shm_schemas::{Command as CommandMessage, Couples, RoleId, Verdict};
+use shm_schemas::{Command as CommandMessage, Couples, JudgePhase, Refusal, RoleId, Verdict};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
@@ -20,24 +22,30 @@ use crate::report::{Names, verdict_sentence};
 use crate::wire::command::Command;
 use crate::wire::verdict::{Sender, station_name};
 use crate::wire::{self};
+use state::State;
 
 /// Runs until it is asked to stop. Each job that is loaded has a session of its own.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
+    // A PLC that may write decides whether the line watches, and it has not written yet.
+    let is_enabled = !(config.plc.enable && config.plc.writes);
     let mut ports = Ports {
         couples: node.reader()?,
         commands: node.reader()?,
         verdicts: Output::new(node.writer()?, &[RoleId::Journal]),
+        state: State::new(node, is_enabled)?,
     };
     let mut cycle = Cycle::new(node)?;
     let mut job = config.station.job.clone();
     loop {
-        let wanted = match &job {
+        let next = match &job {
             Some(path) => watch(path, config, &mut ports, &mut cycle)?,
-            None => idle(&mut ports, &mut cycle)?,
+            None => idle(config, &mut ports, &mut cycle)?,
         };
         // A session that does not ask for another job was asked to stop.
-        let Some(wanted) = wanted else { return Ok(()) };
-        job = jobs::select(config, wanted, job);
+        if next.is_none() {
+            return Ok(());
+        }
+        job = next;
     }
 }
 
@@ -45,18 +53,26 @@ struct Ports {
     couples: Reader<Couples>,
     commands: Reader<CommandMessage>,
     verdicts: Output<Writer<Verdict>>,
+    state: State,
 }
 
 impl Ports {
     fn all(&mut self) -> Vec<&mut dyn Port> {
-        vec![self.verdicts.port(), &mut self.commands, &mut self.couples]
+        vec![self.verdicts.port(), self.state.port(), &mut self.commands, &mut self.couples]
     }
 
-    /// The next command. What is no command is counted and logged.
-    fn take_command(&mut self, cycle: &mut Cycle<'_>) -> Result<Option<Command>, RoleError> {
+    /// The next command that has not come before, with its number. What is no command is counted and logged.
+    fn take_command(&mut self, cycle: &mut Cycle<'_>) -> Result<Option<(u64, Command)>, RoleError> {
         while let Some(message) = self.commands.take()? {
+            if !self.state.is_new(message.number) {
+                self.state.repeat();
+                continue;
+            }
             match wire::command::read(&message) {
-                Ok(command) => return Ok(Some(command)),
+                Ok(command) => {
+                    log!(code::COMMAND, "{command:?}");
+                    return Ok(Some((message.number, command)));
+                }
                 Err(unknown) => {
                     cycle.liveness().refused();
                     log!(code::COMMAND_REFUSED, "{unknown}");
@@ -68,17 +84,18 @@ impl Ports {
 }
 
 /// Waits for the command that names a job.
-fn idle(ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<Option<Wanted>, RoleError> {
+fn idle(config: &Config, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<Option<PathBuf>, RoleError> {
     log!(code::NO_JOB, "no job is selected");
-    let mut idle = Idle { ports, wanted: None };
+    let mut idle = Idle { config, ports, next: None };
     cycle.run(&mut idle)?;
-    Ok(idle.wanted)
+    Ok(idle.next)
 }
 
 /// Without a job nothing is judged, and the role is not ready; only commands count.
 struct Idle<'p> {
+    config: &'p Config,
     ports: &'p mut Ports,
-    wanted: Option<Wanted>,
+    next: Option<PathBuf>,
 }
 
 impl Role for Idle<'_> {
@@ -90,16 +107,27 @@ impl Role for Idle<'_> {
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         cycle.take(&mut self.ports.couples)?;
-        while let Some(command) = self.ports.take_command(cycle)? {
-            match command {
+        while let Some((number, command)) = self.ports.take_command(cycle)? {
+            let state = &mut self.ports.state;
+            let answer = match command {
                 Command::LoadJob { job_id, model_hash } => {
-                    self.wanted = Some(Wanted { job_id, model_hash });
-                    return Ok(Turn::Left);
+                    jobs::select(self.config, Wanted { job_id, model_hash })
+                        .map(|found| self.next = Some(found.path))
                 }
-                Command::Start => log!(code::COMMAND_REFUSED, "Start: no job is loaded"),
-                Command::Enable | Command::Disable | Command::Abort => (),
+                Command::Start => Err(Refusal::NoJob),
+                Command::Enable | Command::Disable => {
+                    state.enable(command == Command::Enable);
+                    Ok(())
+                }
+                Command::Abort => Ok(()),
+            };
+            state.answer(number, answer);
+            if self.next.is_some() {
+                // The next session tells it, when it has the job.
+                return Ok(Turn::Left);
             }
         }
+        self.ports.state.tell(self.ports.verdicts.writer().newest(), cycle)?;
         Ok(Turn::Idle)
     }
 }
@@ -110,11 +138,14 @@ fn watch(
     config: &Config,
     ports: &mut Ports,
     cycle: &mut Cycle<'_>,
-) -> Result<Option<Wanted>, RoleError> {
+) -> Result<Option<PathBuf>, RoleError> {
     let file = jobs::load(path, config)?;
     log!(code::JOB_LOADED, { job = %path.display() }, "watching the job {:?} ({})", file.name, path.display());
+    ports.state.job(file.id, file.model_hash());
+    ports.state.phase(JudgePhase::Waiting);
     file.with_job(|job| {
         let mut session = Session {
+            config,
             ports,
             job,
             file: &file,
@@ -126,11 +157,10 @@ fn watch(
             names: Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone()))),
             judge: judge(job, &file)?,
             events: Vec::new(),
-            is_enabled: true,
-            wanted: None,
+            next: None,
         };
         cycle.run(&mut session)?;
-        Ok(session.wanted)
+        Ok(session.next)
     })
 }
 
@@ -143,6 +173,7 @@ fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<Judge<'j>, RoleError> {
 
 /// One job that is watched.
 struct Session<'s, 'j> {
+    config: &'s Config,
     ports: &'s mut Ports,
     job: &'j Job<'j>,
     file: &'s JobFile,
@@ -151,9 +182,8 @@ struct Session<'s, 'j> {
     judge: Judge<'j>,
     /// What the judge has said and nobody has heard yet.
     events: Vec<Event>,
-    is_enabled: bool,
     /// The job that a command asks for instead.
-    wanted: Option<Wanted>,
+    next: Option<PathBuf>,
 }
 
 impl Role for Session<'_, '_> {
@@ -165,59 +195,85 @@ impl Role for Session<'_, '_> {
 
     /// Commands first: couples are older by the time that perception takes.
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        while let Some(command) = self.ports.take_command(cycle)? {
-            log!(code::COMMAND, "{command:?}");
-            self.obey(command, cycle)?;
-            if self.wanted.is_some() {
+        while let Some((number, command)) = self.ports.take_command(cycle)? {
+            let answer = self.obey(command, cycle)?;
+            self.ports.state.answer(number, answer);
+            if self.next.is_some() {
+                // The next session tells it, when it has the job.
                 return Ok(Turn::Left);
             }
         }
+        let turn = self.judge_next(cycle)?;
+        self.ports.state.tell(self.ports.verdicts.writer().newest(), cycle)?;
+        Ok(turn)
+    }
+}
+
+impl Session<'_, '_> {
+    fn judge_next(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         let Some(couples) = cycle.take(&mut self.ports.couples)? else { return Ok(Turn::Idle) };
         if cycle.is_at_end() {
             self.finish(cycle)?;
-        } else if self.is_enabled {
+        } else if self.ports.state.is_enabled() {
             let couples = wire::couples::read(&couples);
             self.judge.step(&couples, &mut |event| self.events.push(event));
             self.publish(cycle)?;
         }
         Ok(Turn::Stepped)
     }
-}
 
-impl Session<'_, '_> {
-    fn obey(&mut self, command: Command, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+    fn obey(&mut self, command: Command, cycle: &mut Cycle<'_>) -> Result<Result<(), Refusal>, RoleError> {
         match command {
-            Command::Enable => self.is_enabled = true,
+            Command::Enable => self.ports.state.enable(true),
             Command::Disable => {
                 self.finish(cycle)?;
-                self.is_enabled = false;
+                self.ports.state.enable(false);
+            }
+            Command::Start if !self.ports.state.is_enabled() => {
+                log!(code::COMMAND_REFUSED, "Start: the line is not enabled");
+                return Ok(Err(Refusal::NotEnabled));
             }
             Command::Start => {
                 self.judge.start(&mut |event| self.events.push(event));
                 self.publish(cycle)?;
+                self.ports.state.phase(JudgePhase::Running);
             }
             Command::Abort => self.finish(cycle)?,
             Command::LoadJob { job_id, model_hash } => {
-                self.finish(cycle)?;
-                self.wanted = Some(Wanted { job_id, model_hash });
+                let found = match jobs::select(self.config, Wanted { job_id, model_hash }) {
+                    Ok(found) => found,
+                    Err(refusal) => return Ok(Err(refusal)),
+                };
+                // The one in force goes on as if nothing had been said.
+                if !self.ports.state.has_job(job_id, found.model_hash) {
+                    self.finish(cycle)?;
+                    self.next = Some(found.path);
+                }
             }
         }
-        Ok(())
+        Ok(Ok(()))
     }
 
     /// Ends the job; what comes next belongs to a new one.
     fn finish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         self.judge.finish(&mut |event| self.events.push(event));
         self.judge = judge(self.job, self.file)?;
-        self.publish(cycle)
+        self.publish(cycle)?;
+        self.ports.state.phase(JudgePhase::Waiting);
+        Ok(())
     }
 
     /// Logs and sends what the judge has said.
     fn publish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         for event in self.events.drain(..) {
             match event {
-                Event::JobBegan { .. } => log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name),
+                Event::JobBegan { .. } => {
+                    log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name);
+                    self.ports.state.phase(JudgePhase::Running);
+                }
                 Event::Verdict(verdict) => {
+                    let is_end = verdict.level == Level::Job;
+                    self.ports.state.phase(if is_end { JudgePhase::Waiting } else { JudgePhase::Running });
                     log_verdict(&verdict, &self.names);
                     let sender = &self.sender;
                     self.ports.verdicts.send(cycle, |message| {

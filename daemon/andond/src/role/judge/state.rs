@@ -1,0 +1,81 @@
+//! What the judge says of itself, on a channel of its own: the newest counts.
+
+use std::time::Instant;
+
+use andon_ipc::{Error, Heartbeat, Node, Port, Writer};
+use shm_schemas::{JudgePhase, Judging, Refusal};
+
+use super::super::RoleError;
+use super::super::cycle::Cycle;
+use super::super::output::Output;
+
+/// The state, which outlives the session of a job.
+pub(super) struct State {
+    writer: Output<Writer<Judging>>,
+    now: Judging,
+    told: Option<(Judging, Instant)>,
+}
+
+impl State {
+    /// Without a PLC that may write, nobody could enable the judge: then it is enabled from the start.
+    pub(super) fn new(node: &Node, is_enabled: bool) -> Result<Self, Error> {
+        let now =
+            Judging { phase: JudgePhase::NoJob.code(), is_enabled: is_enabled.into(), ..Judging::default() };
+        Ok(Self { writer: Output::beside(node.writer()?), now, told: None })
+    }
+
+    pub(super) fn port(&mut self) -> &mut dyn Port {
+        self.writer.port()
+    }
+
+    pub(super) fn is_enabled(&self) -> bool {
+        self.now.is_enabled != 0
+    }
+
+    pub(super) fn enable(&mut self, is_enabled: bool) {
+        self.now.is_enabled = is_enabled.into();
+    }
+
+    /// The job in force.
+    pub(super) fn job(&mut self, job_id: u32, model_hash: u64) {
+        (self.now.job_id, self.now.model_hash) = (job_id, model_hash);
+    }
+
+    /// Whether this is the job in force.
+    pub(super) fn has_job(&self, job_id: u32, model_hash: u64) -> bool {
+        (self.now.job_id, self.now.model_hash) == (job_id, model_hash)
+    }
+
+    pub(super) fn phase(&mut self, phase: JudgePhase) {
+        self.now.phase = phase.code();
+    }
+
+    /// Whether the command has not come before: one that is not answered in time is sent again. One without a number is new.
+    pub(super) fn is_new(&self, number: u64) -> bool {
+        number == 0 || number != self.now.command
+    }
+
+    /// The answer to a command.
+    pub(super) fn answer(&mut self, number: u64, answer: Result<(), Refusal>) {
+        (self.now.command, self.now.refusal) = (number, answer.err().unwrap_or(Refusal::None).code());
+    }
+
+    /// An answer may have been lost: it is told again.
+    pub(super) fn repeat(&mut self) {
+        self.told = None;
+    }
+
+    /// Tells what has changed since it was told last, and everything with every beat.
+    pub(super) fn tell(&mut self, newest: (u64, u64), cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        (self.now.verdict_epoch, self.now.verdict_seq) = newest;
+        let now = self.now;
+        let is_known = self.told.is_some_and(|(told, at)| told == now && at.elapsed() < Heartbeat::PERIOD);
+        if !is_known {
+            self.writer.send(cycle, |message| {
+                *message = Judging { stamp: message.stamp, ..now };
+            })?;
+            self.told = Some((now, Instant::now()));
+        }
+        Ok(())
+    }
+}

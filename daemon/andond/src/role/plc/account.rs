@@ -1,0 +1,60 @@
+//! The account with the journal, between the channels and the state machine.
+
+use andon_ipc::{Error, Node, Port, Reader, Writer};
+use andon_plc::modbus::ModbusServer;
+use shm_schemas::{AccountKept, AccountUpdate, Journalled};
+
+use super::super::RoleError;
+use super::super::cycle::{Cycle, Turn};
+use super::super::output::Output;
+
+/// The channels to and from the journal.
+pub(super) struct Account {
+    updates: Output<Writer<AccountUpdate>>,
+    kept: Reader<AccountKept>,
+    rows: Reader<Journalled>,
+    /// The start of the journal that was heard last.
+    journal_epoch: Option<u64>,
+}
+
+impl Account {
+    pub(super) fn open(node: &Node) -> Result<Self, Error> {
+        Ok(Self {
+            updates: Output::beside(node.writer()?),
+            kept: node.reader()?,
+            rows: node.reader()?,
+            journal_epoch: None,
+        })
+    }
+
+    pub(super) fn ports(&mut self) -> [&mut dyn Port; 3] {
+        [self.updates.port(), &mut self.kept, &mut self.rows]
+    }
+
+    /// Tells the state machine what the journal has said: what it keeps, and at most one row.
+    pub(super) fn hear(&mut self, server: &ModbusServer, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        while let Some(kept) = self.kept.take()? {
+            let known = self.journal_epoch.replace(kept.stamp.epoch);
+            server.handshake(|handshake, now_ns| {
+                if known.is_some_and(|known| known != kept.stamp.epoch) {
+                    handshake.journal_restarted();
+                }
+                handshake.kept(&kept, now_ns);
+            });
+        }
+        let Some(row) = cycle.take(&mut self.rows)? else { return Ok(Turn::Idle) };
+        server.handshake(|handshake, now_ns| handshake.journalled(&row, now_ns));
+        Ok(Turn::Stepped)
+    }
+
+    /// Sends the journal what it must keep.
+    pub(super) fn tell(&mut self, server: &ModbusServer, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        let Some(update) = server.handshake(|handshake, now_ns| handshake.update(now_ns)) else {
+            return Ok(());
+        };
+        self.updates.send(cycle, |message| {
+            (message.after_row, message.asked) = (update.after_row, update.asked);
+            message.account = update.account;
+        })
+    }
+}

@@ -1,0 +1,73 @@
+//! Tells what the line's own sight is worth: once in the log, and in the health of `perceive` for as long as it lasts.
+
+use andon_perception::Detections;
+use andon_perception::sight::{Expected, Look, Spell, Trouble};
+use shm_schemas::{FrameHeader, Sight};
+
+use super::Liveness;
+use crate::config::Config;
+use crate::log::{code, log};
+use crate::sight;
+
+/// Follows what `perceive` sees.
+pub(super) struct SightWatch {
+    sight: andon_perception::sight::Sight,
+    newest: Option<Spell>,
+    has_looked: bool,
+}
+
+impl SightWatch {
+    pub(super) fn new(config: &Config) -> Self {
+        let rate_hz = config.camera.source.is_live().then_some(config.camera.rate_hz);
+        let expected = Expected { rate_hz, hands: !config.perception.hands.is_empty() };
+        Self { sight: andon_perception::sight::Sight::new(expected), newest: None, has_looked: false }
+    }
+
+    /// Takes what was seen in a frame. `dropped` are the frames before it that were not looked at.
+    pub(super) fn look(
+        &mut self,
+        header: &FrameHeader,
+        seen: &Detections,
+        dropped: u32,
+        liveness: &mut Liveness,
+    ) {
+        let spell = self.sight.step(&Look::new(seen, dropped));
+        if spell != self.newest || !self.has_looked {
+            // The frame was captured when both clocks showed this.
+            let monotonic_ns =
+                |at_ns: u64| header.stamp.captured_ns.saturating_sub(header.source_ns.saturating_sub(at_ns));
+            match spell {
+                Some(Spell { trouble, since_ns }) => {
+                    liveness.sees(sight::of_trouble(trouble), monotonic_ns(since_ns));
+                    log_trouble(trouble);
+                }
+                None => {
+                    liveness.sees(Sight::Clear, header.stamp.captured_ns);
+                    if let Some(Spell { since_ns, .. }) = self.newest {
+                        let lasted_s = header.source_ns.saturating_sub(since_ns) as f64 / 1e9;
+                        log!(code::SIGHT_BACK, "after {lasted_s:.1} s");
+                    }
+                }
+            }
+            (self.newest, self.has_looked) = (spell, true);
+        }
+    }
+}
+
+fn log_trouble(trouble: Trouble) {
+    match trouble {
+        Trouble::Frozen => log!(code::PICTURE_FROZEN, "the same picture comes again and again"),
+        Trouble::Black => log!(code::PICTURE_BLACK, "the picture is black"),
+        Trouble::White => log!(code::PICTURE_WHITE, "the picture is white"),
+        Trouble::Covered => log!(code::LENS_COVERED, "something lies over the lens"),
+        Trouble::Blurred => log!(code::PICTURE_BLURRED, "the picture is blurred"),
+        Trouble::Noisy => log!(code::PICTURE_NOISY, "there is too much noise in the picture"),
+        Trouble::TooFewFrames => {
+            log!(code::TOO_FEW_FRAMES, "fewer than half of the camera's pictures are looked at")
+        }
+        Trouble::NoMarkers => {
+            log!(code::MARKERS_FOREIGN, "none of the station's markers has been seen so far")
+        }
+        Trouble::NoHands => log!(code::HANDS_NOT_FOUND, "parts move, and no hand is found"),
+    }
+}

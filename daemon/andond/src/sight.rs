@@ -1,0 +1,52 @@
+//! The words for what the line cannot see: the same in the log, in `andond status`, in `andond tail`, in the journal and for the PLC.
+
+use andon_perception::sight::Trouble;
+use shm_schemas::{Health, RoleId, Sight};
+
+use crate::log::{Code, code};
+
+/// What a trouble is called on the channel `health`.
+pub fn of_trouble(trouble: Trouble) -> Sight {
+    match trouble {
+        Trouble::Frozen => Sight::Frozen,
+        Trouble::Black => Sight::Black,
+        Trouble::White => Sight::White,
+        Trouble::Covered => Sight::Covered,
+        Trouble::Blurred => Sight::Blurred,
+        Trouble::Noisy => Sight::Noisy,
+        Trouble::TooFewFrames => Sight::TooFewFrames,
+        Trouble::NoMarkers => Sight::NoMarkers,
+        Trouble::NoHands => Sight::NoHands,
+    }
+}
+
+/// What the health of a role says of the line's sight, where something is wrong with it.
+pub fn trouble_of(health: &Health) -> Option<Sight> {
+    let sight = Sight::try_from(health.sight).ok()?;
+    (health.role == RoleId::Perceive.code() && sight != Sight::Clear).then_some(sight)
+}
+
+/// The code that the log has for it; its meaning is the sentence that people read. `None` where nothing is wrong.
+pub fn code(sight: Sight) -> Option<&'static Code> {
+    Some(match sight {
+        Sight::Clear => return None,
+        Sight::Frozen => &code::PICTURE_FROZEN,
+        Sight::Black => &code::PICTURE_BLACK,
+        Sight::White => &code::PICTURE_WHITE,
+        Sight::Covered => &code::LENS_COVERED,
+        Sight::Blurred => &code::PICTURE_BLURRED,
+        Sight::Noisy => &code::PICTURE_NOISY,
+        Sight::TooFewFrames => &code::TOO_FEW_FRAMES,
+        Sight::NoMarkers => &code::MARKERS_FOREIGN,
+        Sight::NoHands => &code::HANDS_NOT_FOUND,
+    })
+}
+
+/// The one word for it in `andond status`.
+pub fn word(sight: Sight) -> &'static str {
+    match sight {
+        Sight::Clear => "Clear",
+        Sight::TooFewFrames => "SLOW",
+        _ => "BLIND",
+    }
+}

@@ -1,0 +1,456 @@
+//! Follows the measures of the pictures, and what was seen in them.
+
+use super::picture::{CELLS, Picture};
+use crate::detections::{Detections, OBJECTS};
+use std::collections::VecDeque;
+
+/// Nanoseconds of a second.
+const S: f32 = 1e9;
+
+/// What keeps the line from seeing, the most telling first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Trouble {
+    /// The picture does not change at all, not even by noise.
+    Frozen,
+    /// The picture is black.
+    Black,
+    /// The picture is white.
+    White,
+    /// Something lies over the lens.
+    Covered,
+    /// The picture has lost its sharp edges.
+    Blurred,
+    /// There is so much noise that nothing is found any more.
+    Noisy,
+    /// Too few of the camera's pictures are looked at.
+    TooFewFrames,
+    /// The markers in the picture are not those of the station, or hands work and no marker has ever been seen.
+    NoMarkers,
+    /// Parts move, and no hand is found.
+    NoHands,
+}
+
+impl Trouble {
+    /// Every trouble, the most telling first.
+    pub const ALL: [Self; 9] = [
+        Self::Frozen,
+        Self::Black,
+        Self::White,
+        Self::Covered,
+        Self::Blurred,
+        Self::Noisy,
+        Self::TooFewFrames,
+        Self::NoMarkers,
+        Self::NoHands,
+    ];
+
+    /// How long it must last before it is believed. Lamps are switched, exposure settles and arms pass in less.
+    const fn patience(self) -> f32 {
+        match self {
+            // These have measured for so long already.
+            Self::Frozen | Self::NoHands => 0.0,
+            Self::TooFewFrames => 0.4,
+            _ => 1.0,
+        }
+    }
+}
+
+/// A trouble that lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Spell {
+    /// What it is.
+    pub trouble: Trouble,
+    /// Since when, in nanoseconds of the capturing clock.
+    pub since_ns: u64,
+}
+
+/// What a station should see.
+#[derive(Clone, Copy, Debug)]
+pub struct Expected {
+    /// Pictures per second of a camera; `None` for a recording, which has its own rate.
+    pub rate_hz: Option<f32>,
+    /// Whether hands are looked for.
+    pub hands: bool,
+}
+
+/// What was seen in one picture.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// When it was captured, in nanoseconds of the capturing clock.
+    pub at_ns: u64,
+    /// Pictures before this one that nobody looked at.
+    pub dropped: u32,
+    /// Measures of the picture.
+    pub picture: Picture,
+    /// The station's markers: their ids, and their centres in units of their own sides.
+    pub markers: heapless::Vec<(u16, [f32; 2]), OBJECTS>,
+    /// Markers that are not the station's.
+    pub foreign_markers: usize,
+    /// Hands, wanted or not.
+    pub hands: usize,
+}
+
+impl Look {
+    /// What the detections of a frame say. `dropped` are the frames before it that nobody looked at.
+    pub fn new(seen: &Detections, dropped: u32) -> Self {
+        let marker = |object: &crate::detections::ObjectDetection| {
+            let [a, b, c, _] = object.corners_px;
+            let side = (a[0] - b[0]).hypot(a[1] - b[1]).max(1.0);
+            // The diagonal's middle.
+            (object.id, [0, 1].map(|axis| (a[axis] + c[axis]) / 2.0 / side))
+        };
+        Self {
+            at_ns: seen.captured_ns,
+            dropped,
+            picture: seen.picture,
+            markers: seen.objects.iter().map(marker).collect(),
+            foreign_markers: seen.foreign_markers,
+            hands: seen.hands_in_view,
+        }
+    }
+}
+
+/// Follows one camera.
+pub struct Sight {
+    expected: Expected,
+    usual: Usual,
+    stillness: Stillness,
+    rate: Rate,
+    work: Work,
+    /// By trouble, in the order of [`Trouble::ALL`].
+    signs: [Sign; Trouble::ALL.len()],
+    current: Option<Spell>,
+}
+
+impl Sight {
+    /// Nothing has been seen.
+    pub fn new(expected: Expected) -> Self {
+        Self {
+            expected,
+            usual: Usual::default(),
+            stillness: Stillness::default(),
+            rate: Rate::default(),
+            work: Work::default(),
+            signs: [Sign::default(); Trouble::ALL.len()],
+            current: None,
+        }
+    }
+
+    /// Takes the next picture and gives the trouble that lasts, if there is one. The first one stays for as long as it lasts: it is the
+    /// cause, and others follow from it.
+    pub fn step(&mut self, look: &Look) -> Option<Spell> {
+        self.stillness.step(look);
+        self.rate.step(look, self.expected.rate_hz);
+        self.work.step(look);
+        let shows = Trouble::ALL.map(|trouble| self.shows(trouble, look));
+        for ((sign, trouble), since_ns) in self.signs.iter_mut().zip(Trouble::ALL).zip(shows) {
+            sign.step(trouble, since_ns, look.at_ns);
+        }
+        if shows.iter().all(Option::is_none) {
+            self.usual.learn(look);
+        }
+        let spell = |trouble: Trouble| {
+            self.signs[trouble as usize].believed_ns.map(|since_ns| Spell { trouble, since_ns })
+        };
+        let lasts = self.current.and_then(|current| spell(current.trouble));
+        self.current = lasts.or_else(|| Trouble::ALL.into_iter().find_map(spell));
+        self.current
+    }
+
+    /// The trouble that lasts, if there is one.
+    pub fn current(&self) -> Option<Spell> {
+        self.current
+    }
+
+    /// Since when the picture shows this; `None` where it does not.
+    fn shows(&self, trouble: Trouble, look: &Look) -> Option<u64> {
+        let Look { at_ns, picture, .. } = look;
+        let now = |shows: bool| shows.then_some(*at_ns);
+        let is_uniform = picture.black > FULL || picture.white > FULL;
+        let finds_nothing = look.markers.is_empty() && look.hands == 0;
+        match trouble {
+            Trouble::Frozen => self.stillness.frozen_since_ns(),
+            Trouble::Black => now(picture.black > FULL && finds_nothing),
+            Trouble::White => now(picture.white > FULL && finds_nothing),
+            Trouble::Covered => now(!is_uniform && finds_nothing && self.usual.is_gone(picture)),
+            Trouble::Blurred => now(!is_uniform && self.usual.is_blurred(look)),
+            Trouble::Noisy => now(picture.noise > NOISE && look.hands == 0),
+            Trouble::TooFewFrames => self.rate.slow_since_ns(),
+            Trouble::NoMarkers => now(self.work.is_without_markers(look)),
+            Trouble::NoHands => self.work.handless_since_ns().filter(|_| self.expected.hands),
+        }
+    }
+}
+
+/// A picture of which more than this share is black, or white, shows nothing.
+const FULL: f32 = 0.97;
+/// Noise in which neither hands nor small markers are found, in grey levels: twice what a camera has in the light of a lamp at night.
+const NOISE: f32 = 20.0;
+/// A trouble is over when the picture has been free of it for this long, in seconds.
+const RECOVERY_S: f32 = 0.5;
+
+/// Whether a trouble is believed.
+#[derive(Clone, Copy, Default)]
+struct Sign {
+    shown_since_ns: Option<u64>,
+    newest_ns: u64,
+    believed_ns: Option<u64>,
+}
+
+impl Sign {
+    fn step(&mut self, trouble: Trouble, shows_since_ns: Option<u64>, at_ns: u64) {
+        let after = |from_ns: u64| at_ns.saturating_sub(from_ns) as f32 / S;
+        match shows_since_ns {
+            Some(since_ns) => {
+                let since_ns = *self.shown_since_ns.get_or_insert(since_ns);
+                self.newest_ns = at_ns;
+                if after(since_ns) >= trouble.patience() {
+                    self.believed_ns.get_or_insert(since_ns);
+                }
+            }
+            None if self.believed_ns.is_none() || after(self.newest_ns) >= RECOVERY_S => {
+                *self = Self::default()
+            }
+            None => {}
+        }
+    }
+}
+
+/// What this camera shows when all is well.
+#[derive(Default)]
+struct Usual {
+    pictures: u32,
+    edges: f32,
+    sharpness: Option<f32>,
+    markers: f32,
+    cells: [f32; CELLS],
+}
+
+/// Pictures before anything is held against what is usual: a third of a second.
+const KNOWN: u32 = 10;
+/// How much a picture counts beside what is usual: 150 pictures are some seconds, longer than any trouble takes to be believed.
+const LEARNING: f32 = 1.0 / 150.0;
+/// A bench where fewer of the points than this lie on edges has none that it could lose.
+const MIN_EDGES: f32 = 0.002;
+/// A picture with less than this share of the usual edges has lost them.
+const EDGES_LEFT: f32 = 0.1;
+/// A cell has changed when it is brighter or darker by this, in grey levels. The mean of its pixels is steady to less than one, while
+/// skin or cloth over the lens may be about as bright as the bench.
+const CELL_CHANGE: f32 = 4.0;
+/// Share of the cells that a cover changes, and that no worker who leans over the bench does while their own edges are seen.
+const CELLS_CHANGED: f32 = 0.6;
+/// Share of the cells that a hand changes which comes or goes. Parts change more of them.
+const CELLS_ALIKE: f32 = 0.13;
+/// A picture with less than this share of the usual sharpness is blurred if it lost markers as well...
+const BLUR: f32 = 0.6;
+/// ... that is, if less than this share of the usual markers is found.
+const MARKERS_LEFT: f32 = 0.5;
+
+impl Usual {
+    fn learn(&mut self, look: &Look) {
+        let has_lost_edges = self.has_lost_edges(&look.picture);
+        self.pictures = self.pictures.saturating_add(1);
+        // The first pictures count alike.
+        let weight = LEARNING.max(1.0 / self.pictures as f32);
+        let blend = |usual: &mut f32, now: f32| *usual += weight * (now - *usual);
+        blend(&mut self.edges, look.picture.edges);
+        blend(&mut self.markers, look.markers.len() as f32);
+        if let Some(sharpness) = look.picture.sharpness {
+            blend(self.sharpness.get_or_insert(sharpness), sharpness);
+        }
+        // Of a bench that was cleared it is learnt first that it has no edges, and only then how bright it is without its parts.
+        if !has_lost_edges {
+            for (usual, now) in self.cells.iter_mut().zip(look.picture.cells) {
+                blend(usual, f32::from(now));
+            }
+        }
+    }
+
+    fn is_known(&self) -> bool {
+        self.pictures >= KNOWN
+    }
+
+    /// Share of the cells that are brighter or darker than usual.
+    fn changed(&self, picture: &Picture) -> f32 {
+        let cells = self.cells.iter().zip(picture.cells);
+        cells.filter(|(usual, now)| (*usual - f32::from(*now)).abs() > CELL_CHANGE).count() as f32
+            / CELLS as f32
+    }
+
+    fn has_lost_edges(&self, picture: &Picture) -> bool {
+        self.is_known() && self.edges > MIN_EDGES && picture.edges < EDGES_LEFT * self.edges
+    }
+
+    /// Whether what is usual is not there any more: no edges, and another brightness nearly everywhere. On a bench that was cleared the
+    /// table is as bright as before.
+    fn is_gone(&self, picture: &Picture) -> bool {
+        self.has_lost_edges(picture) && self.changed(picture) > CELLS_CHANGED
+    }
+
+    /// Whether markers are lost because edges are wider than usual; or, where no edge is left at all, because all is as bright as ever and
+    /// has no edges. On a bench that was cleared it is not as bright where the parts lay.
+    fn is_blurred(&self, look: &Look) -> bool {
+        let has_lost_markers = (look.markers.len() as f32) < MARKERS_LEFT * self.markers;
+        let is_wider = match (self.sharpness, look.picture.sharpness) {
+            (Some(usual), Some(now)) => now < BLUR * usual,
+            (Some(_), None) => {
+                self.has_lost_edges(&look.picture) && self.changed(&look.picture) < CELLS_ALIKE
+            }
+            (None, _) => false,
+        };
+        self.is_known() && has_lost_markers && is_wider
+    }
+}
+
+/// How long the same picture comes again and again.
+#[derive(Default)]
+struct Stillness {
+    fingerprint: Option<u64>,
+    since_ns: u64,
+    still_s: f32,
+    /// Pictures that were not the one before.
+    changes: u32,
+    /// The longest time for which this source has shown one picture and gone on by itself.
+    usual_s: f32,
+}
+
+/// A camera has noise: it never shows the same picture twice, let alone for so long.
+const FROZEN_S: f32 = 1.5;
+/// Rendered films stand still now and then: the same again, this many times as long as ever before, is no pause.
+const STILL_FACTOR: f32 = 4.0;
+
+impl Stillness {
+    fn step(&mut self, look: &Look) {
+        let fingerprint = Some(look.picture.fingerprint);
+        if self.fingerprint != fingerprint {
+            // A picture that was frozen is no example.
+            if self.frozen_since_ns().is_none() {
+                self.usual_s = self.usual_s.max(self.still_s);
+            }
+            (self.fingerprint, self.since_ns) = (fingerprint, look.at_ns);
+            self.changes = self.changes.saturating_add(1);
+        }
+        self.still_s = look.at_ns.saturating_sub(self.since_ns) as f32 / S;
+    }
+
+    fn frozen_since_ns(&self) -> Option<u64> {
+        let is_moving_source = self.changes > KNOWN;
+        let is_frozen = is_moving_source && self.still_s > FROZEN_S.max(STILL_FACTOR * self.usual_s);
+        is_frozen.then_some(self.since_ns)
+    }
+}
+
+/// How many pictures are looked at.
+#[derive(Default)]
+struct Rate {
+    began_ns: Option<u64>,
+    /// Time, and pictures that nobody looked at before it.
+    recent: VecDeque<(u64, u32)>,
+    slow_since_ns: Option<u64>,
+}
+
+/// The time over which pictures are counted, in seconds.
+const RATE_OVER_S: f32 = 1.0;
+/// A line that comes up leaves out the pictures that came before it was ready.
+const SETTLING_S: f32 = 3.0;
+/// With less than this share of the pictures, motion is not measured any more.
+const ENOUGH: f32 = 0.5;
+
+impl Rate {
+    fn step(&mut self, look: &Look, rate_hz: Option<f32>) {
+        let began_ns = *self.began_ns.get_or_insert(look.at_ns);
+        let seconds = |from_ns: u64| look.at_ns.saturating_sub(from_ns) as f32 / S;
+        self.recent.push_back((look.at_ns, look.dropped));
+        while self.recent.front().is_some_and(|(at_ns, _)| seconds(*at_ns) > RATE_OVER_S) {
+            self.recent.pop_front();
+        }
+        let looked_at = self.recent.len() as f32;
+        let dropped: u32 = self.recent.iter().map(|(_, dropped)| dropped).sum();
+        let expected = rate_hz.map_or(0.0, |rate_hz| RATE_OVER_S * rate_hz).max(looked_at + dropped as f32);
+        let is_slow = seconds(began_ns) > SETTLING_S && looked_at < ENOUGH * expected;
+        self.slow_since_ns = is_slow.then(|| self.slow_since_ns.unwrap_or(look.at_ns));
+    }
+
+    fn slow_since_ns(&self) -> Option<u64> {
+        self.slow_since_ns
+    }
+}
+
+/// Whether markers and hands come together.
+#[derive(Default)]
+struct Work {
+    has_seen_markers: bool,
+    previous_ns: Option<u64>,
+    /// Time with hands and without any marker so far, in seconds.
+    hands_alone_s: f32,
+    /// Where each marker came to be some time ago, and when.
+    rest: Vec<(u16, [f32; 2], u64)>,
+    /// Time for which parts have moved since a hand was last seen, in seconds, and since when.
+    moving_s: f32,
+    moving_since_ns: Option<u64>,
+    newest_move_ns: u64,
+}
+
+/// Hands that have worked for so long without a marker work at a bench whose markers cannot be seen, in seconds.
+const HANDS_ALONE_S: f32 = 5.0;
+/// A part has moved when its marker is this far from where it was, in sides of the marker...
+const MOVED: f32 = 0.12;
+/// ... within this time, in seconds.
+const MOVE_S: f32 = 0.25;
+/// Parts that move for so long without a hand are moved by one that is not found, in seconds.
+const HANDLESS_S: f32 = 1.2;
+/// And nothing that moved longer ago than this counts, in seconds.
+const FORGET_S: f32 = 5.0;
+/// The longest step in time that counts, in seconds: nothing is known of a gap.
+const MAX_STEP_S: f32 = 0.1;
+
+impl Work {
+    fn step(&mut self, look: &Look) {
+        let since = |from_ns: u64| look.at_ns.saturating_sub(from_ns) as f32 / S;
+        let step_s = self.previous_ns.map_or(0.0, since).min(MAX_STEP_S);
+        self.previous_ns = Some(look.at_ns);
+        self.has_seen_markers |= !look.markers.is_empty();
+        if look.hands > 0 {
+            self.hands_alone_s += step_s;
+            self.moving_s = 0.0;
+        }
+        let moving = self.moving(look);
+        // One or two parts: where all move at once, the camera or the bench does.
+        if look.hands == 0 && moving > 0 && (moving < look.markers.len() || moving == 1) {
+            if self.moving_s == 0.0 {
+                self.moving_since_ns = Some(look.at_ns);
+            }
+            self.moving_s += step_s;
+            self.newest_move_ns = look.at_ns;
+        } else if since(self.newest_move_ns) > FORGET_S {
+            self.moving_s = 0.0;
+        }
+    }
+
+    /// Number of markers that have moved lately.
+    fn moving(&mut self, look: &Look) -> usize {
+        let mut moving = 0;
+        for &(id, place) in &look.markers {
+            let Some((_, rest, since_ns)) = self.rest.iter_mut().find(|(known, ..)| *known == id) else {
+                self.rest.push((id, place, look.at_ns));
+                continue;
+            };
+            let is_away = (place[0] - rest[0]).hypot(place[1] - rest[1]) > MOVED;
+            let age_s = look.at_ns.saturating_sub(*since_ns) as f32 / S;
+            // One that was out of sight for long was moved when nobody saw.
+            moving += usize::from(is_away && age_s <= 2.0 * MOVE_S);
+            if age_s > MOVE_S {
+                (*rest, *since_ns) = (place, look.at_ns);
+            }
+        }
+        moving
+    }
+
+    fn is_without_markers(&self, look: &Look) -> bool {
+        !self.has_seen_markers && (look.foreign_markers > 0 || self.hands_alone_s > HANDS_ALONE_S)
+    }
+
+    fn handless_since_ns(&self) -> Option<u64> {
+        self.moving_since_ns.filter(|_| self.moving_s > HANDLESS_S)
+    }
+}

@@ -1,0 +1,120 @@
+//! Whether the line could judge a part now, by what its roles say of themselves.
+
+use std::time::Duration;
+
+use andon_ipc::MonotonicTime;
+use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Sight};
+
+/// What was said longer ago than this says nothing: everybody speaks twice per second, and every deadline of the default
+/// configuration is as long.
+const DEADLINE: Duration = Duration::from_secs(3);
+
+/// Without one of these nothing is judged, or nothing is kept.
+const NEEDED: [RoleId; 4] = [RoleId::Perceive, RoleId::Encode, RoleId::Judge, RoleId::Journal];
+
+/// The newest word of everybody.
+#[derive(Debug, Default)]
+pub(super) struct Line {
+    judging: Option<Judging>,
+    healths: Vec<Health>,
+}
+
+impl Line {
+    pub(super) fn judging(&mut self, judging: &Judging) {
+        self.judging = Some(*judging);
+    }
+
+    pub(super) fn health(&mut self, health: &Health) {
+        self.healths.retain(|known| known.role != health.role);
+        self.healths.push(*health);
+    }
+
+    /// Every role that is needed, and the camera where there is one, runs, the line sees its bench, and the judge watches a job.
+    /// Silence is never ready.
+    pub(super) fn is_ready(&self, now: MonotonicTime) -> bool {
+        let is_new = |sent_ns| now.since(MonotonicTime::from_nanoseconds(sent_ns)) <= DEADLINE;
+        let runs = |health: &Health| {
+            health.state == RoleState::Running.code() && is_new(health.stamp.sent_ns) && sees(health)
+        };
+        let of = |role: RoleId| self.healths.iter().find(|health| health.role == role.code());
+        let watches = |judging: &Judging| {
+            judging.is_enabled != 0
+                && judging.phase != JudgePhase::NoJob.code()
+                && is_new(judging.stamp.sent_ns)
+        };
+        NEEDED.into_iter().all(|role| of(role).is_some_and(runs))
+            && of(RoleId::Capture).is_none_or(runs)
+            && self.judging.as_ref().is_some_and(watches)
+    }
+}
+
+/// Whether the role reports no trouble with the line's sight: only perceive says anything of it, and 0 before it has looked.
+fn sees(health: &Health) -> bool {
+    health.sight == 0 || health.sight == Sight::Clear.code()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: u64 = 1_000_000_000;
+
+    fn at(nanoseconds: u64) -> MonotonicTime {
+        MonotonicTime::from_nanoseconds(nanoseconds)
+    }
+
+    fn health(role: RoleId, state: RoleState) -> Health {
+        let mut health = Health { role: role.code(), state: state.code(), ..Health::default() };
+        health.stamp.sent_ns = 10 * S;
+        health
+    }
+
+    fn watching() -> Judging {
+        let mut judging =
+            Judging { phase: JudgePhase::Waiting.code(), is_enabled: 1, job_id: 1, ..Judging::default() };
+        judging.stamp.sent_ns = 10 * S;
+        judging
+    }
+
+    fn well() -> Line {
+        let mut line = Line::default();
+        NEEDED.into_iter().for_each(|role| line.health(&health(role, RoleState::Running)));
+        line.judging(&watching());
+        line
+    }
+
+    #[test]
+    fn a_line_is_ready_when_everyone_has_said_so_lately() {
+        assert!(!Line::default().is_ready(at(0)));
+        assert!(well().is_ready(at(11 * S)));
+        assert!(!well().is_ready(at(14 * S)), "silence");
+    }
+
+    #[test]
+    fn a_role_that_does_not_run_and_a_judge_that_does_not_watch_are_not_ready() {
+        for role in NEEDED.into_iter().chain([RoleId::Capture]) {
+            let mut line = well();
+            line.health(&health(role, RoleState::Waiting));
+            assert!(!line.is_ready(at(10 * S)), "{role:?}");
+        }
+        for judging in [
+            Judging { is_enabled: 0, ..watching() },
+            Judging { phase: JudgePhase::NoJob.code(), ..watching() },
+        ] {
+            let mut line = well();
+            line.judging(&judging);
+            assert!(!line.is_ready(at(10 * S)));
+        }
+    }
+
+    #[test]
+    fn a_line_that_does_not_see_its_bench_is_not_ready_until_it_sees_again() {
+        let mut line = well();
+        for sight in Sight::ALL.iter().filter(|sight| **sight != Sight::Clear) {
+            line.health(&Health { sight: sight.code(), ..health(RoleId::Perceive, RoleState::Running) });
+            assert!(!line.is_ready(at(10 * S)), "{sight:?}");
+        }
+        line.health(&Health { sight: Sight::Clear.code(), ..health(RoleId::Perceive, RoleState::Running) });
+        assert!(line.is_ready(at(10 * S)));
+    }
+}

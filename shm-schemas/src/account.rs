@@ -1,0 +1,103 @@
+//! Channels `account`, `kept` and `journalled`: the PLC's account, which the journal keeps on disk, and the rows that it is owed.
+
+use crate::layout::{message, wire};
+use crate::stamp::Stamp;
+use crate::verdict::Verdict;
+
+/// Results that can wait behind the offered one.
+pub const WAITING_RESULTS: usize = 8;
+
+wire! { "andon.Account", 184;
+    /// What the PLC has been told and what it is owed. From it a new start of the role `plc` goes on where the last one ended.
+    struct Account {
+        /// The identity of the journal that the rows are of.
+        journal: u64,
+        /// Counts the changes that must be kept, from 1 in every start of the role.
+        number: u64,
+        /// Every row of the journal up to this one has been numbered.
+        row: u64,
+        /// The epoch of the newest verdict that has been numbered.
+        epoch: u64,
+        /// Its `seq`.
+        seq: u64,
+        /// The row of the result that was offered last; 0 is none.
+        shown_row: u64,
+        /// The hash of the job that the PLC has loaded; 0 accepts any.
+        wanted_hash: u64,
+        /// The rows of the results that wait behind it, oldest first; 0 where none waits.
+        waiting_rows: [u64; WAITING_RESULTS],
+        /// Their numbers; 0 where none waits.
+        waiting_sequences: [u32; WAITING_RESULTS],
+        /// Counts the starts of the role; 0 says that none was ever kept.
+        boot: u32,
+        /// The newest number that was given to a result.
+        sequence: u32,
+        /// Results that were lost to the PLC.
+        lost: u32,
+        /// The number of the result that was offered last; 0 is none.
+        shown_sequence: u32,
+        /// The number of the log's code that belongs to `error`.
+        error_detail: u32,
+        /// The job that the PLC has loaded; 0 where it has loaded none.
+        wanted_job: u32,
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
+        /// The latched fault as its number on the registers; 0 is none.
+        error: u16,
+        /// 1 when the result that was offered last has been acknowledged, else 0.
+        is_acknowledged: u8,
+        /// 1 when a result was lost and nobody has reset it, else 0.
+        has_overrun: u8,
+    }
+}
+
+wire! { "andon.AccountUpdate", 240;
+    /// From plc to the journal: keep this account, and send the rows after `after_row`.
+    struct AccountUpdate {
+        /// The stamp. It belongs to no frame.
+        stamp: Stamp,
+        /// The rows after this one are asked for.
+        after_row: u64,
+        /// Counts the times that rows were asked for. A new number asks for all of them again.
+        asked: u32,
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
+        /// The account.
+        account: Account,
+    }
+}
+message!(AccountUpdate);
+
+wire! { "andon.AccountKept", 232;
+    /// From the journal to plc: this account is on disk.
+    struct AccountKept {
+        /// The stamp. It belongs to no frame.
+        stamp: Stamp,
+        /// The identity of this journal.
+        journal: u64,
+        /// The account. One with `boot` 0 was never kept: it says where the journal ends.
+        account: Account,
+    }
+}
+message!(AccountKept);
+
+wire! { "andon.Journalled", 200;
+    /// From the journal to plc: one row, which is on disk.
+    struct Journalled {
+        /// The stamp, as that of the verdict.
+        stamp: Stamp,
+        /// The identity of this journal.
+        journal: u64,
+        /// The row.
+        row: u64,
+        /// The row before it; what is between the two is not in the journal.
+        before: u64,
+        /// The start of the role that asked for it.
+        boot: u32,
+        /// The newest [`AccountUpdate::asked`].
+        asked: u32,
+        /// The verdict, with its own stamp.
+        verdict: Verdict,
+    }
+}
+message!(Journalled);

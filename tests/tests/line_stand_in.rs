@@ -1,0 +1,198 @@
+//! The codes of inputs that no simulated worker gives. Each test takes the place of one role and feeds those after it by hand.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_core::job::Bounds;
+use andon_ipc::{ChannelMessage, Node, Stop, UtcTime, Wake, Writer};
+use andon_learn::job_file::JobFile;
+use andon_tests::line::{Line, Modbus, Settings, Watcher};
+use rustix::process::Signal;
+use shm_schemas::{
+    ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Intrinsics, RoleId, Verdict,
+    VerdictLevel, VerdictOutcome, flag,
+};
+use std::path::Path;
+use std::time::Duration;
+
+/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// From one frame to the next.
+const INTERVAL_NS: u64 = 33_333_333;
+
+/// Takes the place of a role that does not run.
+fn stand_in(line: &Line, role: RoleId) -> Node {
+    Node::open(&line.station, role, PATIENCE, &Stop::new().unwrap()).unwrap()
+}
+
+/// A writer in the place of a role.
+struct Sender<T: ChannelMessage> {
+    node: Node,
+    writer: Writer<T>,
+}
+
+impl<T: ChannelMessage> Sender<T> {
+    /// It waits for these readers, so that nothing is lost, not even before they are there.
+    fn new(line: &Line, role: RoleId, readers: &[RoleId]) -> Self {
+        let node = stand_in(line, role);
+        let mut writer = node.writer().unwrap();
+        writer.follow(readers);
+        Self { node, writer }
+    }
+
+    fn send(&mut self, fill: impl FnOnce(&mut T)) {
+        assert_eq!(self.node.wait_for_room(&mut self.writer, PATIENCE).unwrap(), Wake::Room);
+        let mut message = self.writer.loan().unwrap();
+        fill(&mut message);
+        self.writer.send(message).unwrap();
+    }
+}
+
+/// Makes it the verdict on a job that was done right.
+fn job_done(verdict: &mut Verdict) {
+    verdict.level = VerdictLevel::Job.code();
+    verdict.outcome = VerdictOutcome::Ok.code();
+    verdict.decided_utc_ns = UtcTime::now().nanoseconds();
+}
+
+#[test]
+fn a_frame_that_is_older_than_the_one_before_it_is_refused_and_reported() {
+    let mut line = Line::new(Settings::default());
+    line.start("steward");
+    line.start("encode");
+    let mut perceive = Sender::<Detections>::new(&line, RoleId::Perceive, &[RoleId::Encode]);
+    for frame in [10, 9] {
+        perceive.send(|message| message.source_ns = frame * INTERVAL_NS);
+    }
+    line.wait_for_log("encode", "AND-312", "look at the camera's driver");
+}
+
+#[test]
+fn a_step_that_lasts_longer_than_can_be_compared_is_reported_and_not_judged() {
+    let mut line = Line::new(Settings::default());
+    // Any length and any motion of the step is right, so that nothing but its length can end the comparison.
+    let mut job = JobFile::parse("job", &std::fs::read(line.path("job.toml")).unwrap()).unwrap();
+    for iu in job.activities.iter_mut().flat_map(|activity| &mut activity.ius) {
+        let any = Bounds { min: 0, max: u32::MAX };
+        (iu.frames, iu.reversals, iu.threshold) = (any, any, f32::MAX);
+    }
+    std::fs::write(line.path("job.toml"), job.to_toml()).unwrap();
+    let x_c = job.activities[0].ius[0].context.0;
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start("judge");
+    let mut encode = Sender::<Couples>::new(&line, RoleId::Encode, &[RoleId::Judge]);
+    let mut frame = 0;
+    while watcher.verdicts.is_empty() {
+        assert!(frame < 10_000, "nothing is judged:\n{}", line.log("judge"));
+        encode.send(|message| {
+            (message.described_ns, message.known_ns) = (frame * INTERVAL_NS, frame * INTERVAL_NS);
+            message.hands = [HandCouple { flags: flag::MEASURED | flag::CLEAR, ..HandCouple::default() }; 2];
+            message.hands[usize::from(x_c[0]) - 1].x_c = x_c;
+        });
+        frame += 1;
+        watcher.listen(Duration::ZERO);
+    }
+    assert_eq!(watcher.verdicts[0].outcome(), Ok(VerdictOutcome::NotJudged));
+    line.wait_for_log("judge", "AND-308", "shorter activities");
+}
+
+#[test]
+fn verdicts_that_a_journal_misses_are_reported_and_leave_a_gap() {
+    let mut line = Line::new(Settings::default());
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start("journal");
+    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[RoleId::Journal]);
+    judge.send(job_done);
+    // What was sent before a reader was there is no loss to it.
+    watcher.until("the first verdict", |watcher| {
+        watcher.health(RoleId::Journal).is_some_and(|health| health.received == 1)
+    });
+    line.role("journal").signal(Signal::STOP);
+    // More than wait on the channel, and without waiting for the reader.
+    judge.writer.follow(&[]);
+    (0..1100).for_each(|_| judge.send(job_done));
+    line.role("journal").signal(Signal::CONT);
+    line.wait_for_log("journal", "AND-609", "andond status");
+    line.wait_for_log("journal", "AND-405", "Look at the messages before this one");
+    line.stop();
+    assert_eq!(line.journal().gaps(), 1);
+}
+
+#[test]
+fn verdicts_that_are_older_than_the_journal_keeps_are_removed_and_that_is_reported() {
+    let mut line = Line::new(Settings::default());
+    line.reconfigure("[journal]\n", "[journal]\nkeep_days = 1\n");
+    line.start("steward");
+    line.start("journal");
+    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[RoleId::Journal]);
+    let two_days_ns = 2 * 24 * 3600 * 1_000_000_000;
+    judge.send(|verdict| {
+        job_done(verdict);
+        verdict.decided_utc_ns -= two_days_ns;
+    });
+    judge.send(job_done);
+    // It writes what has come before it ends, and removes at its next start.
+    line.role("journal").signal(Signal::TERM);
+    assert!(line.role("journal").wait().success());
+    line.start("journal");
+    line.wait_for_log("journal", "AND-406", "1 verdicts were removed");
+}
+
+#[test]
+fn results_that_a_plc_does_not_acknowledge_are_lost_to_it_and_that_is_reported() {
+    let mut line = Line::new(Settings { writes: true, ..Settings::default() });
+    line.start("steward");
+    line.start("journal");
+    line.start("plc");
+    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[RoleId::Journal, RoleId::Plc]);
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
+    // One is offered, eight wait behind it, and there is no room for the last.
+    (0..10).for_each(|_| judge.send(job_done));
+    line.wait_for_log("plc", "AND-507", "must acknowledge every result");
+}
+
+/// A station in metric mode without a calibration, so that the bench must be found in the depth pictures.
+fn metric(folder: &Path) -> String {
+    let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let models = repository.join("target/runtime").canonicalize().unwrap();
+    format!(
+        "[station]\nname = \"line\"\nroot = {folder:?}\n\n[camera]\nsource = \"realsense\"\nwidth = 640\nheight = 480\n\n\
+         [bench]\nspace = \"metric\"\n\n[perception]\nmodels = {models:?}\n\n\
+         [[objects]]\nid = 1\nname = \"cup\"\nmarker_side_m = 0.03\ninteraction_points = [[0.0, 0.0, 0.0]]\n"
+    )
+}
+
+/// A camera that looks into the dark, and lost three frames before this one.
+fn dark(header: &mut FrameHeader) {
+    let optics = Intrinsics { fx: 600.0, fy: 600.0, cx: 320.0, cy: 240.0, ..Intrinsics::default() };
+    (header.width, header.height, header.stride) = (640, 480, 1920);
+    header.colour_format = ColourFormat::Rgb8.code();
+    (header.depth_width, header.depth_height, header.depth_stride) = (640, 480, 1280);
+    header.depth_format = DepthFormat::Z16.code();
+    header.depth_unit_m = 0.001;
+    (header.colour, header.depth) = (optics, optics);
+    header.colour_from_depth.rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    header.dropped = 3;
+}
+
+#[test]
+fn a_bench_that_the_depth_does_not_show_and_frames_that_the_camera_lost_are_reported() {
+    let mut line = Line::configured(|folder, _| metric(folder));
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start("perceive");
+    let node = stand_in(&line, RoleId::Capture);
+    let mut capture = node.frame_writer().unwrap();
+    capture.follow(&[RoleId::Perceive]);
+    assert_eq!(node.wait_for_room(&mut capture, PATIENCE).unwrap(), Wake::Room);
+    let mut frame = capture.loan(640 * 480 * (3 + 2)).unwrap();
+    frame.bytes_mut().fill(0);
+    dark(frame.header_mut());
+    capture.send(frame).unwrap();
+    line.wait_for_log("perceive", "AND-211", "clear the bench");
+    line.wait_for_log("perceive", "AND-609", "3 messages were lost");
+    watcher.until("the losses", |watcher| {
+        watcher.health(RoleId::Perceive).is_some_and(|health| health.losses == 3)
+    });
+}
