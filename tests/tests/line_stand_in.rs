@@ -144,7 +144,7 @@ fn results_that_a_plc_does_not_acknowledge_are_lost_to_it_and_that_is_reported()
     line.start("steward");
     line.start("journal");
     line.start("plc");
-    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[RoleId::Journal, RoleId::Plc]);
+    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[RoleId::Journal]);
     let mut plc = Modbus::connect_when_up(line.port);
     plc.enable();
     // One is offered, eight wait behind it, and there is no room for the last.
