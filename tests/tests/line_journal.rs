@@ -77,7 +77,7 @@ fn tail_prints_byte_for_byte_what_a_replay_of_the_same_tracks_and_of_the_line_s_
 
 /// Returns false, and has compared nothing, where the recorder lost frames.
 fn tail_and_recording_agree_with_replay() -> bool {
-    let mut line = Line::new(Settings { flaw: Flaw::CutShort, ..Settings::default() });
+    let mut line = Line::new(Settings { flaw: Flaw::WrongObject, ..Settings::default() });
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     let recording = line.path("recorded.tracks.jsonl");

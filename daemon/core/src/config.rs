@@ -35,7 +35,7 @@ pub struct Method {
     pub filter_frames: u8,
     /// A hand or object that has not been seen for longer than this is out of sight, in milliseconds.
     pub blind_ms: u32,
-    /// When no hand has been seen for this long, the job ends, in milliseconds.
+    /// A pause: no hand has been seen for this long, in milliseconds. See [`JobSegmenter`](crate::segment::JobSegmenter).
     pub idle_end_ms: u32,
 }
 

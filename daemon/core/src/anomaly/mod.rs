@@ -18,12 +18,31 @@
 //! - *Out of order*: an activity that was done already, or before which another one must come.
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
+//! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]). What may be explained
+//!   by something unseen is not judged.
+//! - *Places*: the numbers of IUs of a nominal activity that may have come, with what may have happened unseen. An activity is *astray*
+//!   when it fits no candidate as it was seen, but may fit one with what was not.
+//! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
 //!   before the end.
 //!
 //! What the paper leaves open: `C`, `L` and `i` start again with every activity; an IU is wrong as soon as the minimum of the newest
 //! DTW row is above the thresholds of all comparisons, because that minimum never falls; lengths and reversals have taught bounds,
-//! because DTW forgives a repeated motion that is cut short; an IU that was out of sight is not judged, and never right.
+//! because DTW forgives a repeated motion that is cut short.
+//!
+//! # Doubt
+//!
+//! A verdict accuses only what was seen. Whatever observations are deleted from a recording, its verdicts stay or become not judged:
+//!
+//! - A frame whose motion was not measured costs nothing in the alignment, whatever it is paired with, so a distance over a gap is the least
+//!   that any motion there could have led to. An IU of which less than half was measured is never right.
+//! - An IU that may have begun or ended unseen may be a part of one: it is not too short. What would be right only with what was not seen
+//!   is not judged.
+//! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen.
+//! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
+//!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
+//!
+//! [`Couple::is_doubtful`]: crate::couple::Couple::is_doubtful
 
 mod activity;
 mod algorithm;
@@ -139,8 +158,8 @@ impl Event {
 ///   at its end. A release state gets it when it begins.
 /// - An activity gets it with its first wrong IU, or as soon as all its candidates are out of order, or when it has matched a
 ///   candidate and no longer one can go on; else when the next activity begins.
-/// - A job gets it when all its activities are done, or at its end. The reason is that of its first fault. A wrong activity may be
-///   done again until all are done right, but the job remains an anomaly.
+/// - A job gets it when all its activities have come, right or wrong, or at its end. The reason is that of its first fault. A wrong
+///   activity may be done again before that, but the job remains an anomaly.
 #[derive(Clone, Debug)]
 pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
     segmenter: JobSegmenter,
