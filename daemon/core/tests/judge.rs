@@ -378,6 +378,19 @@ fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearran
 }
 
 #[test]
+fn a_job_in_which_objects_moved_without_a_hand_is_not_right() {
+    let right = [polish(6), measure()].concat();
+    let mut couples = stream(&right, &[]);
+    couples[170].has_moved_unseen = true;
+    let verdicts = judged(&polish_and_measure(), &couples);
+    assert_eq!(short(verdicts.last().unwrap()), "NotJudged Blind");
+    couples[170].has_moved_unseen = false;
+    couples.last_mut().unwrap().has_moved_unseen = true;
+    let verdicts = judged(&polish_and_measure(), &couples);
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk", "the next piece is put in place");
+}
+
+#[test]
 fn a_judge_that_was_started_in_the_middle_of_a_job_accuses_nothing_that_came_before() {
     let job = Job { order_matters: true, ..polish_and_measure() };
     let right = [polish(6), measure(), polish(6), measure()].concat();
@@ -426,7 +439,9 @@ fn after_a_fault_the_next_job_is_right() {
             assert_eq!(jobs[0], Outcome::Ok, "{name}, {order_matters}");
             assert_eq!(jobs[jobs.len() - 2..], [Outcome::Ok; 2], "{name}, {order_matters}: {jobs:?}");
             let is_fault = *name != "reversed" || order_matters;
-            assert_eq!(jobs.contains(&Outcome::Anomaly), is_fault, "{name}, {order_matters}: {jobs:?}");
+            // What is missing may have been done by a hand that was overlooked while the parts moved.
+            let is_right = jobs.iter().all(|outcome| *outcome == Outcome::Ok);
+            assert_eq!(is_right, !is_fault, "{name}, {order_matters}: {jobs:?}");
         }
     }
 }

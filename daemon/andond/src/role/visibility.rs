@@ -161,8 +161,8 @@ impl Hand {
         if look.frame.hands.iter().any(|hand| hand.side == side) {
             self.seen.time = Some(look.now);
         }
-        let own = look.couples.iter().map(|couples| &couples.hands[side.index()]);
-        if let Some(couple) = own.filter(|couple| couple.is_hand_seen()).last() {
+        let mut own = look.couples.iter().map(|couples| &couples.hands[side.index()]);
+        if let Some(couple) = own.rfind(|couple| couple.is_hand_seen()) {
             self.touched = touched(couple.context);
         }
         if self.seen.is_back(look.now) {

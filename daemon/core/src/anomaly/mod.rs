@@ -38,6 +38,7 @@
 //!   that any motion there could have led to. An IU of which less than half was measured is never right.
 //! - An IU that may have begun or ended unseen may be a part of one: it is not too short. What would be right only with what was not seen
 //!   is not judged.
+//! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen.
 //! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
 //!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
@@ -222,6 +223,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         bench.progress.known_ns = couples.known_ns;
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
             hand.observe(couple, &mut bench.progress);
+        }
+        if couples.has_moved_unseen {
+            bench.progress.set_moved_unseen();
         }
         let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
         let begins_next_job = couples.hands.iter().any(|couple| {

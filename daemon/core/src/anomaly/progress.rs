@@ -81,6 +81,13 @@ impl<'a> Progress<'a> {
         };
     }
 
+    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece.
+    pub(super) fn set_moved_unseen(&mut self) {
+        if self.is_open && self.activities > 0 && !self.is_matched() {
+            self.unjudged_reason = self.unjudged_reason.or(Some(Reason::Blind));
+        }
+    }
+
     /// The next touch is the first one of a job.
     pub(super) fn expect_start(&mut self) {
         self.is_start_expected = true;

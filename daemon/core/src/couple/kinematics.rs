@@ -166,8 +166,8 @@ mod tests {
         // p = 3 - 0.5 t + 2 t²: at 0 the velocity is -0.5 and, as it slows down, the tangential acceleration -4.
         let times = [-0.17, -0.09, -0.06, 0.011, 0.04, 0.13];
         let motion =
-            kinematics(times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])), 4)
-                .unwrap();
+            kinematics(times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])), 4);
+        let motion = motion.unwrap_or_default();
         assert!((motion.velocity[1] + 0.5).abs() < 1e-4, "{motion:?}");
         assert!((motion.tangential + 4.0).abs() < 1e-3, "{motion:?}");
         assert!(motion.velocity[2].abs() < 1e-6, "{motion:?}");
