@@ -53,13 +53,13 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
         "blind_ms",
         &mut method.blind_ms,
         within(50, 10_000, "ms"),
-        "When a hand or an object is hidden for longer than this, the running IU is not judged. It is never OK.",
+        "When a hand or an object is hidden for longer than this, it is out of sight: the running IU is not judged, and is never OK. Shorter gaps are bridged where what is seen afterwards fits.",
     );
     k.key(
         "idle_end_ms",
         &mut method.idle_end_ms,
         within(500, 600_000, "ms"),
-        "The job ends when no hand has been seen for this long.",
+        "A pause: no hand has been seen for this long. The job ends with it if all of it was done, or if something on the bench was moved meanwhile; otherwise it goes on when the worker is back.",
     );
 }
 
