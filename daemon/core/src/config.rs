@@ -77,6 +77,12 @@ impl core::fmt::Display for MethodFault {
 impl core::error::Error for MethodFault {}
 
 impl Method {
+    /// The time from one frame of the grid to the next, in nanoseconds.
+    pub fn period_ns(&self) -> u64 {
+        // The rate is at least 1 Hz.
+        libm::round(1e9 / f64::from(self.rate_hz)) as u64
+    }
+
     /// Checks that every constant is in its range.
     ///
     /// # Errors

@@ -196,8 +196,8 @@ fn what_was_not_measured_is_unknown_and_not_rest() {
     }
     let couples = encode(&bench.ids(), &bench.frames);
     let unknown: Vec<usize> = (0..80).filter(|frame| couples[*frame].hands[0].motion.is_none()).collect();
-    // Before and after the gap there are positions on one side only; four are too few from two frames into it on.
-    assert_eq!(unknown, (30..50).collect::<Vec<_>>());
+    // Up to three frames from the gap, and from the ends of the recording, most positions are on one side: that is too imprecise.
+    assert_eq!(unknown, (0..3).chain(27..53).chain(77..80).collect::<Vec<_>>());
 }
 
 #[test]

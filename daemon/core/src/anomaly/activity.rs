@@ -9,6 +9,7 @@ use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::verdict::Reason;
+use heapless::Vec;
 
 /// What the IUs of an activity are judged against.
 ///
@@ -49,6 +50,10 @@ pub(super) struct OpenActivity {
     pub(super) unjudged_reason: Option<Reason>,
     /// For each nominal activity, where in it the activity may be.
     places: [Places; ACTIVITIES],
+    /// The same before the newest IU.
+    places_before: [Places; ACTIVITIES],
+    /// How the newest IU began.
+    newest: (Context, Junction),
     /// What was not seen since the newest IU began.
     junction: Junction,
     /// It has its verdict.
@@ -56,14 +61,12 @@ pub(super) struct OpenActivity {
 }
 
 impl OpenActivity {
-    /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity.
-    pub(super) fn new(
-        number: u16,
-        context: Context,
-        began_ns: u64,
-        is_beginning_seen: bool,
-        job: &Job<'_>,
-    ) -> Self {
+    /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier.
+    pub(super) fn new(number: u16, context: Context, began_ns: u64, hidden: u32, job: &Job<'_>) -> Self {
+        let places = core::array::from_fn(|nominal| {
+            let nominal = job.activities.get(nominal);
+            nominal.map_or(Places::NONE, |nominal| Places::new(hidden, nominal.ius))
+        });
         Self {
             number,
             context,
@@ -77,19 +80,21 @@ impl OpenActivity {
             alignments: [Alignment::new(); ACTIVITIES],
             aligned: [None; ACTIVITIES],
             unjudged_reason: None,
-            places: core::array::from_fn(|nominal| {
-                let nominal = job.activities.get(nominal);
-                nominal.map_or(Places::NONE, |nominal| Places::new(is_beginning_seen, nominal.ius))
-            }),
+            places,
+            places_before: places,
+            newest: (context, Junction::default()),
             junction: Junction::default(),
             is_concluded: false,
         }
     }
 
-    /// Takes the context of the next IU, and whether its beginning is doubtful, and returns the number of that IU.
-    pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context, is_doubtful: bool) -> u16 {
-        let junction =
-            Junction { is_doubtful, is_hidden: self.junction.is_hidden || is_doubtful, ..self.junction };
+    /// Takes the context of the next IU and returns the number of that IU. Its beginning is in doubt if something may have come and gone in
+    /// some `hidden` frames before it.
+    pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context, hidden: u32) -> u16 {
+        let is_doubtful = hidden > 0;
+        let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
+        self.places_before = self.places;
+        self.newest = (context, junction);
         for (places, nominal) in self.places.iter_mut().zip(job.activities) {
             *places = places.step(nominal.ius, context, junction);
         }
@@ -104,6 +109,20 @@ impl OpenActivity {
         number
     }
 
+    /// The newest IU began in doubt, and it is certain now that it has happened.
+    pub(super) fn confirm_iu(&mut self, job: &Job<'_>) {
+        let (context, junction) = self.newest;
+        let junction = Junction { is_doubtful: false, ..junction };
+        for ((places, before), nominal) in self.places.iter_mut().zip(self.places_before).zip(job.activities)
+        {
+            if !places.is_empty() {
+                *places = before.step(nominal.ius, context, junction);
+            }
+        }
+        // What was not seen so far lies before it.
+        self.junction = Junction::default();
+    }
+
     /// `J \ L`; empty after a fault.
     pub(super) fn candidates(&self) -> ActivitySet {
         match self.against {
@@ -112,9 +131,20 @@ impl OpenActivity {
         }
     }
 
-    /// Something may have happened unseen since the newest IU began.
-    pub(super) fn set_hidden(&mut self) {
-        self.junction.is_hidden = true;
+    /// Something may have happened unseen in as many more frames since the newest IU began.
+    pub(super) fn add_hidden(&mut self, frames: u32) {
+        self.junction.hidden = self.junction.hidden.saturating_add(frames);
+    }
+
+    /// What was not seen for a while is seen again in this context.
+    pub(super) fn resume(&mut self, job: &Job<'_>, context: Context) {
+        let is_same = context == Context::IDLE || context == self.newest.0;
+        if self.junction.hidden > 0 && is_same {
+            let hidden = core::mem::take(&mut self.junction.hidden);
+            for (places, nominal) in self.places.iter_mut().zip(job.activities) {
+                *places = places.resume(hidden, nominal.ius, context);
+            }
+        }
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.
@@ -124,9 +154,24 @@ impl OpenActivity {
 
     /// Whether what is missing may have happened unseen.
     pub(super) fn may_be_complete(&self, job: &Job<'_>) -> bool {
-        let is_hidden = self.junction.is_hidden;
+        let hidden = self.junction.hidden;
         let mut all = self.places.iter().zip(job.activities);
-        all.any(|(places, nominal)| places.may_be_complete(nominal.ius, is_hidden))
+        all.any(|(places, nominal)| places.may_be_complete(nominal.ius, hidden))
+    }
+
+    /// The contexts with which a nominal activity would go on that it may be.
+    pub(super) fn possible_continuations(&self, job: &Job<'_>) -> Vec<Context, ACTIVITIES> {
+        let all = self.places.iter().zip(job.activities);
+        all.flat_map(|(places, nominal)| places.next_ius(nominal.ius))
+            .map(|iu| iu.context)
+            .take(ACTIVITIES)
+            .collect()
+    }
+
+    /// Whether its first IU is the first of a nominal activity.
+    pub(super) fn is_beginning_seen(&self, job: &Job<'_>) -> bool {
+        let mut all = self.places.iter().zip(job.activities);
+        self.ius == 0 && all.all(|(places, _)| places.is_certainly(0))
     }
 
     /// Whether it is certain which IUs of its candidates have come.

@@ -13,12 +13,12 @@ use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
-        let is_beginning_seen = !(self.watch.may_be_rest || self.watch.is_doubtful());
+        let hidden = self.watch.hidden_before_activity(context);
         let number = progress.next_activity();
-        if is_beginning_seen {
+        let activity = OpenActivity::new(number, context, began_ns, hidden, progress.job);
+        if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(context);
         }
-        let activity = OpenActivity::new(number, context, began_ns, is_beginning_seen, progress.job);
         self.activity = Some(activity);
     }
 
@@ -26,12 +26,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn observe(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
         progress.set_hidden(self.watch.hidden_frames());
-        if let Some(activity) = self.activity.as_mut().filter(|_| couple.is_doubtful) {
-            activity.set_hidden();
+        if let Some(activity) = &mut self.activity {
+            activity.add_hidden(self.watch.newly_hidden());
+            // An IU that began in doubt is confirmed elsewhere.
+            if self.watch.is_certain() && self.iu.is_none_or(|iu| iu.is_certain) {
+                activity.resume(progress.job, couple.context);
+            }
         }
     }
 
-    /// An IU begins with `couple`. Everything that its context alone decides is decided at once.
+    /// An IU begins with `couple`. Everything that its context alone decides is decided at once, or once it is certain.
     pub(super) fn begin_iu(
         &mut self,
         couple: &Couple,
@@ -41,28 +45,52 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
-        let number = activity.next_iu(job, context, self.watch.is_doubtful());
+        let is_certain = !self.watch.is_doubtful();
+        let number = activity.next_iu(job, context, self.watch.hidden_before());
+        let may_be_rest = number == 0 && self.watch.may_be_rest;
+        self.watch.may_be_rest = false;
         self.iu = Some(OpenIu {
             number,
             context,
             began_ns: couple.captured_ns,
             extent: Extent {
                 gap_before: self.watch.gap(),
-                may_be_part: self.watch.is_doubtful() || number == 0 && self.watch.may_be_rest,
+                may_be_part: may_be_rest || !is_certain,
                 ..Extent::default()
             },
             captured: 0,
+            is_certain,
+            may_be_rest: may_be_rest || !is_certain && self.watch.may_go_on(context),
             is_concluded: false,
         });
-        self.watch.may_be_rest = false;
+        self.judge_context(couple, progress, emit);
+    }
+
+    /// The open IU began in doubt. Once it is certain that it has happened, its context is judged.
+    fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+        let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
+        iu.is_certain = true;
+        iu.extent.may_be_part = iu.may_be_rest;
+        activity.confirm_iu(progress.job);
+        if self.comparisons.is_empty() && iu.context.is_touch() {
+            self.judge_context(couple, progress, emit);
+        }
+    }
+
+    /// Compares the open IU with the nominal IUs that it can be, or gives its verdict where there is none.
+    fn judge_context(
+        &mut self,
+        couple: &Couple,
+        progress: &mut Progress<'a>,
+        emit: &mut impl FnMut(Verdict),
+    ) {
+        let Some(activity) = &self.activity else { return };
         match activity.against {
             Against::Candidates(_) => self.begin_with_candidates(couple, progress, emit),
             Against::Following(nominal) => self.begin_following(nominal, couple, progress, emit),
         }
-        progress.set_underway(
-            self.side,
-            self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates),
-        );
+        let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
+        progress.set_underway(self.side, candidates);
     }
 
     fn begin_with_candidates(
@@ -78,8 +106,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let nominal = activity.nearest_elsewhere(job, context);
             let reason = context_reason(job, activity.candidates(), context);
             activity.follow(nominal);
-            let is_certain = couple.is_in_sight() && !activity.may_be_right();
-            self.conclude_context(is_certain, reason, nominal, progress, emit);
+            self.conclude_context(couple, reason, nominal, progress, emit);
             return;
         }
         activity.against = Against::Candidates(agreeing);
@@ -105,7 +132,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let nominal = activity.nearest_by_context(job, nominal);
         activity.follow(nominal);
         if activity.is_astray() && activity.may_be_right() {
-            self.conclude_unjudged(Reason::Blind, progress, emit);
+            let reason = context_reason(job, ActivitySet::first(ACTIVITIES), context);
+            self.conclude_context(couple, reason, nominal, progress, emit);
             return;
         }
         match nominal.and_then(|nominal| Some((nominal, activity.aligned[nominal]?))) {
@@ -117,28 +145,28 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => {
                 let among = nominal.map_or(ActivitySet::first(ACTIVITIES), ActivitySet::of);
                 let reason = context_reason(job, among, context);
-                let is_certain = couple.is_in_sight() && !activity.may_be_right();
-                self.conclude_context(is_certain, reason, nominal, progress, emit);
+                self.conclude_context(couple, reason, nominal, progress, emit);
             }
         }
     }
 
-    /// Gives the verdict on an IU whose context is wrong, if that is certain.
+    /// Gives the verdict on an IU whose context is wrong, as soon as it is certain that the IU has happened.
     fn conclude_context(
         &mut self,
-        is_certain: bool,
+        couple: &Couple,
         reason: Reason,
         nominal: Option<usize>,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        if is_certain {
+        let may_be_right = self.activity.as_ref().is_some_and(OpenActivity::may_be_right);
+        if couple.is_in_sight() && !may_be_right {
             self.conclude_iu(
                 Finding { outcome: Outcome::Anomaly, reason, nominal, result: None, early: true },
                 progress,
                 emit,
             );
-        } else {
+        } else if !couple.is_in_sight() || self.iu.is_some_and(|iu| iu.is_certain) {
             self.conclude_unjudged(Reason::Blind, progress, emit);
         }
     }
@@ -180,16 +208,28 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         iu.extent.is_doubtful |= couple.is_doubtful;
         // While the hand is hidden, the IU may have ended already.
         iu.extent.gap_after = if couple.is_clear { 0 } else { self.watch.gap() };
-        let extent = iu.extent;
+        if !iu.is_certain && !self.watch.is_doubtful() {
+            self.confirm_iu(couple, progress, emit);
+        }
+        let Some(iu) = self.iu.filter(|iu| !iu.is_concluded) else { return };
+        let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
             self.conclude_unjudged(Reason::Blind, progress, emit);
-        } else if iu.context.is_release() {
+        } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
-            let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
             self.conclude_right(candidates, None, true, progress, emit);
-        } else if self.comparisons.all_lost(extent) {
-            self.decide_by_motion(extent, progress, emit);
+        } else if iu.is_certain && self.is_certainly_wrong(iu.extent) {
+            self.decide_by_motion(iu.extent, progress, emit);
         }
+    }
+
+    /// Whether the open IU fits no nominal IU any more, whatever comes and whatever was not seen.
+    fn is_certainly_wrong(&mut self, extent: Extent) -> bool {
+        let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
+        let is_lost = self.comparisons.all_lost(extent);
+        is_lost
+            && is_place_certain
+            && self.comparisons.nearest(extent).is_none_or(|nearest| !nearest.is_doubtful)
     }
 
     /// The IU has ended.
@@ -225,7 +265,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let Some(nearest) = self.comparisons.nearest(extent) else {
-            self.conclude_unjudged(Reason::Unknown, progress, emit);
+            let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
+            let reason = if is_certain { Reason::Unknown } else { Reason::Blind };
+            self.conclude_unjudged(reason, progress, emit);
             return;
         };
         let early = !extent.ended;
@@ -294,8 +336,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else { return };
         let job = progress.job;
         if activity.is_followed_to_its_end(job) {
-            // It has its verdict. If it is done again at once, that is another activity.
-            segmenter.activity_matched(&[]);
+            // If it is done again at once, that is another activity, unless a longer one may go on so.
+            segmenter.activity_matched(&activity.possible_continuations(job));
             if activity.is_astray() {
                 let (nearest, reason) = (activity.nearest, activity.unjudged_reason.unwrap_or(Reason::Blind));
                 self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);

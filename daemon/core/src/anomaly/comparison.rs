@@ -140,6 +140,10 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         self.comparisons.clear();
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.comparisons.is_empty()
+    }
+
     /// Adds a nominal IU that has the context of the open one. There is room for one of each nominal activity.
     pub(super) fn add(&mut self, job: &'a Job<'a>, nominal: usize, index: usize) {
         let ius = job.activities[nominal].ius;

@@ -14,8 +14,8 @@ pub(super) struct Places(u64);
 /// How the IUs before a change of context are known.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Junction {
-    /// IUs may have come and gone unseen since the newest IU began.
-    pub(super) is_hidden: bool,
+    /// For how many frames IUs may have come and gone unseen since the newest IU began.
+    pub(super) hidden: u32,
     /// The newest IU itself may not have happened.
     pub(super) was_doubtful: bool,
     /// The IU that begins may not happen.
@@ -25,15 +25,14 @@ pub(super) struct Junction {
 impl Places {
     pub(super) const NONE: Self = Self(0);
 
-    /// Before the first IU: at the beginning, or anywhere if the beginning was not seen.
-    pub(super) fn new(is_beginning_seen: bool, nominal: &[NominalIu<'_>]) -> Self {
-        let begin = Self(1);
-        if is_beginning_seen { begin } else { begin.or_later(nominal) }
+    /// Before the first IU: at the beginning, or after what may have come in as many frames that were not seen.
+    pub(super) fn new(hidden: u32, nominal: &[NominalIu<'_>]) -> Self {
+        Self(1).or_later(hidden, nominal)
     }
 
     /// The places after an IU with this context has begun.
     pub(super) fn step(self, nominal: &[NominalIu<'_>], context: Context, junction: Junction) -> Self {
-        let before = if junction.is_hidden { self.or_later(nominal) } else { self };
+        let before = self.or_later(junction.hidden, nominal);
         if junction.is_doubtful {
             return before;
         }
@@ -45,10 +44,28 @@ impl Places {
         Self(next.chain(same).fold(0, |places, index| places | 1 << (index + 1)))
     }
 
-    /// These places, and any after them.
-    fn or_later(self, nominal: &[NominalIu<'_>]) -> Self {
-        let all = (2 << nominal.len()) - 1;
-        if self.0 == 0 { self } else { Self(all & !((1 << self.0.trailing_zeros()) - 1)) }
+    /// The places after as many hidden frames in an IU with this context, or between two IUs.
+    pub(super) fn resume(self, hidden: u32, nominal: &[NominalIu<'_>], context: Context) -> Self {
+        let places = self.or_later(hidden, nominal);
+        let has_context = |ius: usize| ius > 0 && nominal[ius - 1].context == context;
+        let stay = (0..=nominal.len()).filter(|ius| places.contains(*ius));
+        let stay = stay.filter(|ius| context == Context::IDLE || self.contains(*ius) || has_context(*ius));
+        Self(stay.fold(0, |places, ius| places | 1 << ius))
+    }
+
+    /// These places, and any after them that IUs may have led to in as many hidden frames. An IU of which more than half is seen is not
+    /// overlooked.
+    fn or_later(self, hidden: u32, nominal: &[NominalIu<'_>]) -> Self {
+        let mut places = self;
+        // For how many frames the IUs that led to the place last at least.
+        let mut frames: Option<u32> = None;
+        for (index, iu) in nominal.iter().enumerate().filter(|_| hidden > 0) {
+            let before = if self.contains(index) { Some(0) } else { frames };
+            let min = if iu.context.is_touch() { iu.frames.min } else { 0 };
+            frames = before.map(|before| before.saturating_add(min)).filter(|frames| frames / 2 <= hidden);
+            places.0 |= u64::from(frames.is_some()) << (index + 1);
+        }
+        places
     }
 
     pub(super) fn is_empty(self) -> bool {
@@ -60,15 +77,22 @@ impl Places {
         self.0 >> ius & 1 == 1
     }
 
+    /// The IUs that may come next.
+    pub(super) fn next_ius<'a>(
+        self,
+        nominal: &'a [NominalIu<'a>],
+    ) -> impl Iterator<Item = &'a NominalIu<'a>> {
+        nominal.iter().enumerate().filter(move |(index, _)| self.contains(*index)).map(|(_, iu)| iu)
+    }
+
     /// Whether so many IUs have come, and not any other number.
     pub(super) fn is_certainly(self, ius: usize) -> bool {
         self.0 == 1 << ius
     }
 
-    /// Whether all IUs may have come, if some may have been hidden since the newest began.
-    pub(super) fn may_be_complete(self, nominal: &[NominalIu<'_>], is_hidden: bool) -> bool {
-        let places = if is_hidden { self.or_later(nominal) } else { self };
-        places.contains(nominal.len())
+    /// Whether all IUs may have come, if some may have in as many frames that were hidden since the newest began.
+    pub(super) fn may_be_complete(self, nominal: &[NominalIu<'_>], hidden: u32) -> bool {
+        self.or_later(hidden, nominal).contains(nominal.len())
     }
 }
 
@@ -78,8 +102,8 @@ mod tests {
     use crate::job::Bounds;
     use std::vec::Vec;
 
-    const SEEN: Junction = Junction { is_hidden: false, was_doubtful: false, is_doubtful: false };
-    const HIDDEN: Junction = Junction { is_hidden: true, ..SEEN };
+    const SEEN: Junction = Junction { hidden: 0, was_doubtful: false, is_doubtful: false };
+    const HIDDEN: Junction = Junction { hidden: u32::MAX, ..SEEN };
 
     fn context(letter: char) -> Context {
         Context([1, letter as u16, 0, 0])
@@ -98,9 +122,9 @@ mod tests {
     }
 
     /// The places after these IUs of `gpgr`.
-    fn after(is_beginning_seen: bool, ius: &[(char, Junction)]) -> u64 {
+    fn after(hidden: u32, ius: &[(char, Junction)]) -> u64 {
         let nominal = nominal("gpgr");
-        let begin = Places::new(is_beginning_seen, &nominal);
+        let begin = Places::new(hidden, &nominal);
         ius.iter()
             .fold(begin, |places, (letter, junction)| places.step(&nominal, context(*letter), *junction))
             .0
@@ -108,32 +132,32 @@ mod tests {
 
     #[test]
     fn what_is_seen_has_one_place_and_what_does_not_fit_has_none() {
-        assert_eq!(after(true, &[('g', SEEN), ('p', SEEN), ('g', SEEN)]), 1 << 3);
-        assert_eq!(after(true, &[('g', SEEN), ('r', SEEN)]), 0);
-        assert_eq!(after(true, &[('g', SEEN), ('p', SEEN), ('g', SEEN), ('p', HIDDEN)]), 0);
+        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('g', SEEN)]), 1 << 3);
+        assert_eq!(after(0, &[('g', SEEN), ('r', SEEN)]), 0);
+        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('g', SEEN), ('p', HIDDEN)]), 0);
     }
 
     #[test]
     fn hidden_ius_leave_a_place_only_to_what_may_come_after_them() {
-        assert_eq!(after(true, &[('g', SEEN), ('r', HIDDEN)]), 1 << 4);
-        assert_eq!(after(true, &[('g', HIDDEN)]), 1 << 1 | 1 << 3);
-        assert_eq!(after(false, &[('g', SEEN)]), 1 << 1 | 1 << 3);
-        assert_eq!(after(false, &[('g', SEEN), ('p', SEEN)]), 1 << 2);
+        assert_eq!(after(0, &[('g', SEEN), ('r', HIDDEN)]), 1 << 4);
+        assert_eq!(after(0, &[('g', HIDDEN)]), 1 << 1 | 1 << 3);
+        assert_eq!(after(u32::MAX, &[('g', SEEN)]), 1 << 1 | 1 << 3);
+        assert_eq!(after(u32::MAX, &[('g', SEEN), ('p', SEEN)]), 1 << 2);
     }
 
     #[test]
     fn an_iu_that_may_not_have_happened_changes_nothing_for_certain() {
         let doubtful = Junction { is_doubtful: true, ..HIDDEN };
         let behind = Junction { was_doubtful: true, ..SEEN };
-        assert_eq!(after(true, &[('g', SEEN), ('p', SEEN), ('x', doubtful), ('p', behind)]), 1 << 2);
-        assert_eq!(after(true, &[('g', SEEN), ('x', doubtful), ('y', behind)]), 0);
+        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('x', doubtful), ('p', behind)]), 1 << 2);
+        assert_eq!(after(0, &[('g', SEEN), ('x', doubtful), ('y', behind)]), 0);
     }
 
     #[test]
     fn an_activity_may_be_complete_if_what_is_missing_may_have_been_hidden() {
         let nominal = nominal("gpgr");
-        assert!(!Places(1 << 2).may_be_complete(&nominal, false));
-        assert!(Places(1 << 2).may_be_complete(&nominal, true));
-        assert!(!Places(0).may_be_complete(&nominal, true));
+        assert!(!Places(1 << 2).may_be_complete(&nominal, 0));
+        assert!(Places(1 << 2).may_be_complete(&nominal, u32::MAX));
+        assert!(!Places(0).may_be_complete(&nominal, u32::MAX));
     }
 }

@@ -4,7 +4,7 @@ use super::set::ActivitySet;
 use crate::capacity::HANDS;
 use crate::couple::Context;
 use crate::input::Side;
-use crate::job::Job;
+use crate::job::{Job, NominalIu};
 use crate::verdict::{Level, Outcome, Reason, Verdict};
 
 /// The progress of the open job, and the time.
@@ -105,22 +105,22 @@ impl<'a> Progress<'a> {
 
     /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is the job's first.
     pub(super) fn set_start_seen(&mut self, context: Context) {
-        let is_first = self.activities == 1 && (self.opens_first(context) || !self.job.order_matters);
-        self.is_start_seen |= is_first;
+        let is_first = !self.job.order_matters || self.opening(context).intersects(self.first());
+        self.is_start_seen |= is_first && self.activities == 1;
     }
 
-    /// Whether the first activity of the job begins with the hand and object of this context.
-    fn opens_first(&self, context: Context) -> bool {
-        self.opens(context, |number| number == 0)
-    }
-
-    /// Whether an activity among these begins with the hand and object of this context.
-    fn opens(&self, context: Context, among: impl Fn(u16) -> bool) -> bool {
+    /// The activities that begin with the hand and object of this context.
+    fn opening(&self, context: Context) -> ActivitySet {
         let opening = |context: Context| [context.0[0], context.0[1]];
-        self.job.activities.iter().any(|nominal| {
-            let first = nominal.ius.first().map(|iu| opening(iu.context));
-            among(nominal.activity) && first == Some(opening(context))
-        })
+        let opens =
+            |ius: &[NominalIu<'_>]| ius.first().map(|iu| opening(iu.context)) == Some(opening(context));
+        let all = self.job.activities.iter().enumerate();
+        self.first_variants(all.filter(|(_, nominal)| opens(nominal.ius)).map(|(index, _)| index))
+    }
+
+    /// The first activity of the job.
+    fn first(&self) -> ActivitySet {
+        self.all().iter().filter(|index| self.number(*index) == Some(0)).collect()
     }
 
     /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
@@ -128,26 +128,21 @@ impl<'a> Progress<'a> {
     /// bench was rearranged; else it is done twice. A job whose start was not seen ends wherever the first activity begins. A job with a
     /// fault also ends where the bench is rearranged: there is no other sign of its end if something was done instead of an activity.
     pub(super) fn begins_next_job(&self, side: Side, context: Context, is_disturbed: bool) -> bool {
-        let number_is_in = |number: u16, set: ActivitySet| {
-            let same = |index: usize| self.number(index) == Some(number);
-            set.iter().any(same)
-        };
-        let came = self.done | self.unjudged;
-        let is_left = |number: u16| !number_is_in(number, self.tried());
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
         if is_disturbed && self.fault.is_some() {
             return true;
         }
+        let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
+        let is_left = !opening.without(self.tried()).is_empty();
         if !self.job.order_matters {
-            return self.opens(context, |number| number_is_in(number, came)) && !self.opens(context, is_left);
+            return opening.intersects(came) && !is_left;
         }
-        let begun = self.tried() | self.underway[side.index()];
-        let others_came = begun.iter().any(|index| self.number(index).is_some_and(|number| number > 0));
-        let first_came = number_is_in(0, came) && (others_came || is_disturbed)
-            || number_is_in(0, self.wrong) && others_came;
-        self.opens_first(context) && (!self.is_start_seen || first_came && !self.opens(context, is_left))
+        let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
+        let first_came = first.intersects(came) && (others_came || is_disturbed)
+            || first.intersects(self.wrong) && others_came;
+        opening.intersects(first) && (!self.is_start_seen || first_came && !is_left)
     }
 
     /// Whether the other hand is in the middle of an activity that may still come out right.

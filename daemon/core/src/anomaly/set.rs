@@ -31,6 +31,11 @@ impl ActivitySet {
         self.0 >> nominal & 1 == 1
     }
 
+    /// Whether the two sets have a member in common.
+    pub(super) fn intersects(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
     /// The members of this set that are not in the other.
     pub(super) fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)

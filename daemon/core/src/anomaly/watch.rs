@@ -14,8 +14,13 @@ pub(super) struct Watch {
     hidden_frames: u32,
     /// How many frames up to the newest one were not clear, or up to the one before if the newest is clear.
     gap: u32,
+    /// In how many frames since the couple before something may have come and gone.
+    newly_hidden: u32,
     /// Frames since the newest doubtful couple.
     since_doubt: u32,
+    /// The newest context that was certain, and how many frames ago it was so last.
+    certain: Option<Context>,
+    since_certain: u32,
     /// `o_j`, or 0.
     held: u16,
     /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
@@ -31,12 +36,14 @@ impl Watch {
     pub(super) fn new(method: &Method) -> Self {
         Self {
             persist_frames: method.persist_frames.into(),
-            // The rate is at least 1 Hz.
-            period_ns: libm::round(1e9 / f64::from(method.rate_hz)) as u64,
+            period_ns: method.period_ns(),
             newest_ns: u64::MAX,
             hidden_frames: 0,
             gap: 0,
+            newly_hidden: 0,
             since_doubt: 0,
+            certain: None,
+            since_certain: 0,
             held: 0,
             is_held_doubtful: false,
             has_been_clear: false,
@@ -47,6 +54,7 @@ impl Watch {
     /// What follows is the beginning of a job, so nothing that was not seen before matters.
     pub(super) fn begin(&mut self) {
         (self.hidden_frames, self.gap, self.since_doubt) = (0, 0, u32::MAX);
+        (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
         (self.has_been_clear, self.may_be_rest) = (false, false);
         self.is_held_doubtful = false;
     }
@@ -55,9 +63,10 @@ impl Watch {
     pub(super) fn observe(&mut self, couple: &Couple) {
         // Of a long gap, not all frames of the grid have a couple.
         let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
-        let missing = (frames / self.period_ns).saturating_sub(1);
+        let frames = u32::try_from(frames / self.period_ns).unwrap_or(u32::MAX).max(1);
         self.newest_ns = couple.captured_ns;
-        self.hidden_frames = self.hidden_frames.saturating_add(u32::try_from(missing).unwrap_or(u32::MAX));
+        let missing = frames - 1;
+        self.hidden_frames = self.hidden_frames.saturating_add(missing);
         if couple.is_clear {
             self.gap = core::mem::take(&mut self.hidden_frames);
             self.has_been_clear = true;
@@ -65,23 +74,63 @@ impl Watch {
             self.hidden_frames = self.hidden_frames.saturating_add(1);
             self.gap = self.hidden_frames;
         }
-        let is_doubtful = couple.is_doubtful || missing >= u64::from(self.persist_frames);
+        let is_doubtful = couple.is_doubtful || missing >= self.persist_frames;
+        // What began before may have been overlooked for as long as a change takes to be believed.
+        let before = self.since_doubt.min(self.persist_frames);
+        self.newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(1) };
-        self.observe_held(couple.context);
+        self.observe_held(couple);
+        if couple.is_clear && !self.is_doubtful() {
+            (self.certain, self.since_certain) = (Some(couple.context), 0);
+        } else {
+            self.since_certain = self.since_certain.saturating_add(frames);
+        }
     }
 
-    fn observe_held(&mut self, context: Context) {
+    fn observe_held(&mut self, couple: &Couple) {
+        let context = couple.context;
         // A hand that has let go may still be told of the same object.
         let held = if context.is_release() { context.0[2] } else { context.0[1] };
         let before = core::mem::replace(&mut self.held, held);
         if held != before && held != 0 {
             self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
         }
+        self.is_held_doubtful &= couple.is_rivalled;
     }
 
     /// Where the context changed with the newest couple, it may have changed as many frames before.
     pub(super) fn gap(&self) -> u32 {
-        self.gap
+        if self.is_doubtful() { self.gap.max(self.since_certain) } else { self.gap }
+    }
+
+    /// The newest couple is certain.
+    pub(super) fn is_certain(&self) -> bool {
+        self.since_certain == 0
+    }
+
+    /// In how many frames since the couple before the newest one something may have come and gone.
+    pub(super) fn newly_hidden(&self) -> u32 {
+        self.newly_hidden
+    }
+
+    /// In how many frames something may have come and gone before what begins with the newest couple.
+    pub(super) fn hidden_before(&self) -> u32 {
+        match self.certain {
+            _ if !self.is_doubtful() => 0,
+            Some(_) => self.since_certain.saturating_add(self.persist_frames),
+            None => u32::MAX,
+        }
+    }
+
+    /// The same for an activity: it may be the rest of one with the same object.
+    pub(super) fn hidden_before_activity(&self, context: Context) -> u32 {
+        let is_same = self.certain.is_some_and(|certain| certain.0[2].max(certain.0[1]) == context.0[1]);
+        if self.may_be_rest || is_same && self.is_doubtful() { u32::MAX } else { self.hidden_before() }
+    }
+
+    /// Whether an IU that begins in doubt with this context may go on from before the doubt.
+    pub(super) fn may_go_on(&self, context: Context) -> bool {
+        self.certain.is_none_or(|certain| certain == context)
     }
 
     /// How long the hand has been hidden; 0 for a hand that has never been seen, because the bench may be worked at with one hand.

@@ -70,11 +70,16 @@ impl Edge {
         self.believed
     }
 
-    /// Whether it is near from the frame `age` frames before the newest on, for `persist` frames or as long as is known.
+    /// Whether it is near in all frames of the window [`ahead`] of this age.
     pub(super) fn is_lasting(self, age: usize, persist: u8) -> bool {
-        let frames = (age + 1).min(persist.into());
-        let frames = window(frames as u8, age + 1 - frames);
+        let frames = ahead(age, persist);
         self.near & frames == frames
+    }
+
+    /// Whether enough frames of the window [`ahead`] of this age show that the two are apart, and none that they are near.
+    pub(super) fn is_apart(self, age: usize, persist: u8) -> bool {
+        let frames = ahead(age, persist);
+        self.near & frames == 0 && (self.known & frames).count_ones() >= MIN_KNOWN.min(frames.count_ones())
     }
 
     /// Whether there is a contact in the frame that [`believe`](Self::believe) last asked for.
@@ -83,8 +88,14 @@ impl Edge {
     }
 }
 
+/// The bits of the frame `age` frames before the newest and of those after it, for `persist` frames or as long as is known.
+pub(super) fn ahead(age: usize, persist: u8) -> u32 {
+    let frames = (age + 1).min(persist.into());
+    window(frames as u8, age + 1 - frames)
+}
+
 /// `frames` set bits from bit `from` on.
-pub(super) fn window(frames: u8, from: usize) -> u32 {
+fn window(frames: u8, from: usize) -> u32 {
     (u32::MAX >> (32 - u32::from(frames.clamp(1, 32)))) << from
 }
 

@@ -125,7 +125,7 @@ impl Encoder {
             }
         }
         Ok(Self {
-            grid: Grid::new(method.rate_hz),
+            grid: Grid::new(method.period_ns()),
             scene: Scene::new(method, shapes),
             delay: method.persist_frames.into(),
             pending: 0,

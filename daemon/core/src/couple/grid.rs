@@ -29,8 +29,8 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    pub(super) fn new(rate_hz: f32) -> Self {
-        Self { period_ns: libm::round(1e9 / f64::from(rate_hz)) as i128, instant_ns: 0, newest_ns: None }
+    pub(super) fn new(period_ns: u64) -> Self {
+        Self { period_ns: period_ns.into(), instant_ns: 0, newest_ns: None }
     }
 
     pub(super) fn period_ns(&self) -> u64 {
@@ -76,9 +76,14 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Method;
+
+    fn grid(rate_hz: f32) -> Grid {
+        Grid::new(Method { rate_hz, ..Method::default() }.period_ns())
+    }
 
     fn locations(rate_hz: f32, times: impl IntoIterator<Item = u64>) -> (u32, u32, u32) {
-        let mut grid = Grid::new(rate_hz);
+        let mut grid = grid(rate_hz);
         let (mut single, mut surplus, mut skipping) = (0, 0, 0);
         for time in times {
             match grid.locate(time) {
@@ -122,14 +127,14 @@ mod tests {
 
     #[test]
     fn a_missing_frame_is_a_step_of_two() {
-        let mut grid = Grid::new(30.0);
+        let mut grid = grid(30.0);
         assert_eq!(grid.locate(0), Ok(Location::First));
         assert_eq!(grid.locate(66_666_667), Ok(Location::Steps(2)));
     }
 
     #[test]
     fn no_time_stamp_overflows() {
-        let mut grid = Grid::new(240.0);
+        let mut grid = grid(240.0);
         assert_eq!(grid.locate(0), Ok(Location::First));
         assert!(matches!(grid.locate(u64::MAX), Ok(Location::Steps(_))));
         assert_eq!(grid.locate(u64::MAX), Err(Refused::Repeated));

@@ -14,9 +14,33 @@ pub(super) struct Kinematics {
     pub(super) tangential: f32,
 }
 
-/// How many positions a motion must rest on, where the window has as many. A parabola has three unknowns: through three positions it
-/// passes exactly, and the noise of each is multiplied.
-pub(super) const MIN_SAMPLES: usize = 4;
+/// How many times the error of a motion that every frame of the window shows may be exceeded.
+const MAX_ERROR: f64 = 2.5;
+
+/// The maximum variances of a velocity and an acceleration that count as measured, as multiples of the variance of a position: in
+/// 1/s² and 1/s⁴. Few positions, or positions mostly on one side of the frame, multiply the noise of each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Precision {
+    velocity: f64,
+    acceleration: f64,
+}
+
+impl Precision {
+    /// The variances with all positions of the window, `persist_frames` before and after the frame, and what is allowed beyond.
+    pub(super) fn new(method: &Method) -> Self {
+        let (half, rate) = (f64::from(method.persist_frames), f64::from(method.rate_hz));
+        let count = 2.0 * half + 1.0;
+        // The sums of the second and fourth powers of -half..=half.
+        let s2 = half * (half + 1.0) * count / 3.0;
+        let s4 = s2 * (3.0 * half * half + 3.0 * half - 1.0) / 5.0;
+        let rate_squared = rate * rate;
+        let max = MAX_ERROR * MAX_ERROR;
+        Self {
+            velocity: max * rate_squared / s2,
+            acceleration: max * 4.0 * rate_squared * rate_squared / (s4 - s2 * s2 / count),
+        }
+    }
+}
 
 /// A time in seconds from the frame that is asked for, and the position then.
 pub(super) type Sample = (f64, Point);
@@ -24,11 +48,11 @@ pub(super) type Sample = (f64, Point);
 /// Fits a parabola to the positions around a frame and takes its derivatives in that frame: a Savitzky-Golay filter that uses
 /// the time stamps as they are and skips frames without a position. The window is centred, so there is no phase lag.
 ///
-/// `None` if there are fewer than `min_samples` positions, or if they all lie on one side of the frame: what was not measured is not
-/// known, and is not rest.
+/// `None` if the positions are too few, or too unevenly spread, for the precision, or all lie on one side of the frame: what was not
+/// measured is not known, and is not rest.
 pub(super) fn kinematics(
     samples: impl Iterator<Item = Sample> + Clone,
-    min_samples: usize,
+    precision: &Precision,
 ) -> Option<Kinematics> {
     // Times are scaled to the window, so that the sums of their powers have similar magnitudes.
     let scale = samples.clone().map(|(t, _)| t.abs()).reduce(f64::max).filter(|scale| *scale > 0.0)?;
@@ -50,10 +74,10 @@ pub(super) fn kinematics(
             power *= t;
         }
     }
-    if !(before && after) || powers[0] < min_samples as f64 {
+    let curve = Parabola::fit(powers)?;
+    if !(before && after && curve.is_precise(scale, precision)) {
         return None;
     }
-    let curve = Parabola::fit(powers)?;
     let [velocity, acceleration]: [Point; 2] = [(1, scale), (2, scale * scale / 2.0)].map(|(row, unit)| {
         [0, 1, 2].map(|axis| (curve.coefficient(row, moments.map(|moment| moment[axis])) / unit) as f32)
     });
@@ -77,6 +101,13 @@ impl Parabola {
         let determinant = s0 * cofactors[0][0] + s1 * cofactors[0][1] + s2 * cofactors[0][2];
         // Times are scaled to at most 1: three times one frame apart give far more than rounding does.
         (determinant > 1e-9).then(|| Self(cofactors.map(|row| row.map(|value| value / determinant))))
+    }
+
+    /// Whether the first and second derivatives at time 0 are precise enough, with times in units of `scale` seconds.
+    fn is_precise(&self, scale: f64, precision: &Precision) -> bool {
+        let scale_squared = scale * scale;
+        self.0[1][1] <= precision.velocity * scale_squared
+            && 4.0 * self.0[2][2] <= precision.acceleration * scale_squared * scale_squared
     }
 
     fn coefficient(&self, row: usize, moments: [f64; 3]) -> f64 {
@@ -157,6 +188,10 @@ mod tests {
         Quantiser::new(&Method { space, ..Method::default() })
     }
 
+    fn precision() -> Precision {
+        Precision::new(&Method::default())
+    }
+
     fn moving(velocity: Point) -> Kinematics {
         Kinematics { velocity, tangential: 0.0 }
     }
@@ -165,8 +200,10 @@ mod tests {
     fn a_parabola_is_differentiated_exactly_at_uneven_times_with_frames_missing() {
         // p = 3 - 0.5 t + 2 t²: at 0 the velocity is -0.5 and, as it slows down, the tangential acceleration -4.
         let times = [-0.17, -0.09, -0.06, 0.011, 0.04, 0.13];
-        let motion =
-            kinematics(times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])), 4);
+        let motion = kinematics(
+            times.into_iter().map(|t| (t, [0.0, (3.0 - 0.5 * t + 2.0 * t * t) as f32, 1.0])),
+            &precision(),
+        );
         let motion = motion.unwrap_or_default();
         assert!((motion.velocity[1] + 0.5).abs() < 1e-4, "{motion:?}");
         assert!((motion.tangential + 4.0).abs() < 1e-3, "{motion:?}");
@@ -175,10 +212,18 @@ mod tests {
 
     #[test]
     fn positions_on_one_side_only_and_too_few_positions_are_no_measurement() {
-        let motion = |times: &[f64]| kinematics(times.iter().map(|t| (*t, [*t as f32, 0.0, 0.0])), 4);
-        assert_eq!(motion(&[-0.4, -0.3, -0.2, -0.1]), None);
-        assert_eq!(motion(&[-0.1, 0.0, 0.1]), None);
-        assert!(motion(&[-0.1, 0.0, 0.1, 0.2]).is_some());
+        // In frames of the grid, of which the window has 5 before and 5 after.
+        let is_measured = |frames: &[i32]| {
+            let samples =
+                frames.iter().map(|frame| f64::from(*frame) / 30.0).map(|t| (t, [t as f32, 0.0, 0.0]));
+            kinematics(samples, &precision()).is_some()
+        };
+        assert!(is_measured(&[-5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5]));
+        assert!(is_measured(&[-4, -2, 0, 2, 4]), "every second frame");
+        assert!(is_measured(&[-5, -3, -1, 1, 3, 5]), "the other frames");
+        assert!(!is_measured(&[-1, 0, 1]), "three positions near the frame");
+        assert!(!is_measured(&[-5, -4, -3, -2, -1]), "all before the frame");
+        assert!(!is_measured(&[-5, -4, -3, -2, -1, 0]), "the frame is the last one");
     }
 
     #[test]

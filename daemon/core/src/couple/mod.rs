@@ -75,6 +75,8 @@ pub struct Couple {
     pub is_clear: bool,
     /// So few frames here were clear that a context may have come and gone unseen, or may be another one.
     pub is_doubtful: bool,
+    /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
+    pub is_rivalled: bool,
 }
 
 impl Couple {
@@ -89,6 +91,7 @@ impl Couple {
             sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
             is_clear: false,
             is_doubtful: true,
+            is_rivalled: false,
         }
     }
 

@@ -6,7 +6,7 @@ use super::geometry::{
 use crate::capacity::PERSIST_FRAMES;
 use crate::input::{Hand, Object, Point, Space};
 
-/// How far from its middle knuckle or finger tips a hand hides things, in metres: the length of a palm.
+/// How far from its landmarks a hand hides things, in metres: the length of a palm.
 const COVERED_M: f32 = 0.12;
 
 /// Frames that are remembered: `persist_frames` before and after the one whose couple is made.
@@ -64,6 +64,7 @@ pub(super) struct HandPose {
     /// Frames since it was seen.
     pub(super) unseen: u32,
     pub(super) middle_knuckle: Point,
+    wrist: Point,
     pub(super) tips: [Point; 3],
     /// Direction from the wrist to the middle knuckle about z, in radians.
     pub(super) yaw: f32,
@@ -74,6 +75,7 @@ impl HandPose {
         source: Source::Never,
         unseen: u32::MAX,
         middle_knuckle: [0.0; 3],
+        wrist: [0.0; 3],
         tips: [[0.0; 3]; 3],
         yaw: 0.0,
     };
@@ -88,7 +90,7 @@ impl HandPose {
         let [wrist, middle_knuckle, tips @ ..] = points;
         let along = subtract(middle_knuckle, wrist);
         let yaw = libm::atan2f(along[1], along[0]);
-        Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, tips, yaw })
+        Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, wrist, tips, yaw })
     }
 
     /// The pose in the next frame if the hand is not seen in it.
@@ -104,11 +106,19 @@ impl HandPose {
         Cloud::new(&self.tips)
     }
 
-    /// Whether the hand may hide what is within `radius_m` of this point of the bench.
+    /// Whether the hand may be at what is within `radius_m` of this point of the bench.
     pub(super) fn is_over(&self, point: Point, radius_m: f32) -> bool {
         let mut parts = self.tips.iter().chain(core::iter::once(&self.middle_knuckle));
         let is_near = |part: &Point| norm(subtract(*part, point)) < COVERED_M + radius_m;
         self.source != Source::Never && parts.any(is_near)
+    }
+
+    /// Whether the hand or the forearm may hide this point of the bench.
+    pub(super) fn covers(&self, point: Point) -> bool {
+        // The forearm goes on from the wrist in the direction of the palm.
+        let forearm = add(self.wrist, subtract(self.wrist, self.middle_knuckle));
+        let hides = |part: Point| norm(subtract(part, point)) < COVERED_M;
+        self.source == Source::Seen && (self.is_over(point, 0.0) || hides(self.wrist) || hides(forearm))
     }
 
     /// The centre of the finger tips, where an object is held.

@@ -48,8 +48,7 @@ impl JobSegmenter {
     pub fn new(method: &Method) -> Result<Self, MethodFault> {
         Ok(Self {
             hands: [Segmenter::new(Side::Right, method)?, Segmenter::new(Side::Left, method)?],
-            // The rate is at least 1 Hz.
-            period_ns: libm::round(1e9 / f64::from(method.rate_hz)) as u64,
+            period_ns: method.period_ns(),
             idle_end_ns: u64::from(method.idle_end_ms) * 1_000_000,
             newest_ns: 0,
             handless_ns: 0,

@@ -1,9 +1,11 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
+mod sight;
+
 use super::contact::Edge;
 use super::geometry::Cloud;
 use super::interaction::{self, Interaction};
-use super::kinematics::{Kinematics, MIN_SAMPLES, Quantiser, Sample, kinematics};
+use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Sight};
 use crate::capacity::{HANDS, OBJECTS};
@@ -23,6 +25,10 @@ struct Node {
     grip: Option<Grip>,
     /// For each hand, whether it has been at the object or out of the picture since the object was last seen, and may have taken it.
     may_be_taken: [bool; HANDS],
+    /// For each hand, whether it may have been near the object since that was last seen.
+    may_be_touched: [bool; HANDS],
+    /// For each hand, whether it may act on this object instead of its `o_j`.
+    is_rival: [bool; HANDS],
     /// Where it was when a hand was last seen anywhere.
     attended: Option<Point>,
 }
@@ -36,6 +42,8 @@ impl Node {
             poses: Recent::new(ObjectPose::NEVER),
             grip: None,
             may_be_taken: [false; HANDS],
+            may_be_touched: [false; HANDS],
+            is_rival: [false; HANDS],
             attended: None,
         }
     }
@@ -50,6 +58,7 @@ pub(super) struct Scene {
     blind_frames: u32,
     /// Motion is measured by positions within this time of the frame, in seconds.
     window_s: f64,
+    precision: Precision,
     times_ns: Recent<u64>,
     /// Bit k: there was a frame k frames before the newest.
     captured: u32,
@@ -82,6 +91,7 @@ impl Scene {
             quantiser: Quantiser::new(&method),
             // At most a minute of 240 Hz, see `Method::check`.
             blind_frames: libm::ceil(f64::from(method.blind_ms) * f64::from(method.rate_hz) / 1000.0) as u32,
+            precision: Precision::new(&method),
             window_s: 1.5 * f64::from(method.persist_frames) / f64::from(method.rate_hz),
             times_ns: Recent::new(0),
             captured: 0,
@@ -98,15 +108,8 @@ impl Scene {
 
     /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
-        for node in &mut self.objects {
-            *node = Node::new(node.id, node.points);
-        }
-        (self.captured, self.clear, self.moved_unseen) = (0, [0; HANDS], 0);
-        self.handless_frames = 0;
-        self.hands = core::array::from_fn(|_| Recent::new(HandPose::NEVER));
-        self.touches = [[Edge::default(); OBJECTS]; HANDS];
-        self.adjacent = [[Edge::default(); OBJECTS]; OBJECTS];
-        self.interactions = [Interaction::Idle; HANDS];
+        let objects = self.objects.iter().map(|node| Node::new(node.id, node.points)).collect();
+        *self = Self { objects, ..Self::new(self.method, &[]) };
     }
 
     /// After how many frames a hand or object that is not seen is out of sight.
@@ -129,6 +132,7 @@ impl Scene {
         self.update_grips();
         self.push_moved_unseen();
         self.push_clear();
+        self.push_rivals();
     }
 
     fn push_hands(&mut self, frame: Option<&Frame>) {
@@ -152,9 +156,7 @@ impl Scene {
         for (node, seen) in self.objects.iter_mut().zip(seen) {
             let before = node.poses.ago(0);
             let carrier = node.grip.map(|grip| (grip, self.hands[grip.hand].ago(0)));
-            let covers = |hand: &Recent<HandPose>| {
-                hand.ago(0).source == Source::Seen && hand.ago(0).is_over(before.position, 0.0)
-            };
+            let covers = |hand: &Recent<HandPose>| hand.ago(0).covers(before.position);
             let pose = match (seen, carrier) {
                 (Some(pose), _) => pose,
                 (None, Some((grip, hand))) if hand.source == Source::Seen => grip.carried(hand, before),
@@ -225,59 +227,6 @@ impl Scene {
         }
     }
 
-    /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand held when it was last seen.
-    fn push_moved_unseen(&mut self) {
-        let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
-        let was_handless = self.handless_frames >= self.method.persist_frames.into();
-        self.handless_frames = if is_hand_seen { 0 } else { self.handless_frames.saturating_add(1) };
-        // Far above the noise of a marker that lies still, and below the strokes of a tool.
-        let moved_m = self.method.object_contact.on_m / 2.0;
-        let mut has_moved = false;
-        for (index, node) in self.objects.iter_mut().enumerate() {
-            let pose = node.poses.ago(0);
-            if pose.source != Source::Seen {
-                continue;
-            }
-            let is_held = self.touches.iter().any(|edges| edges[index].is_near());
-            let lay = *node.attended.get_or_insert(pose.position);
-            let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
-            let has_moved_unseen = was_handless && is_elsewhere && !is_held;
-            has_moved |= has_moved_unseen;
-            if is_hand_seen || has_moved_unseen || is_held {
-                node.attended = Some(pose.position);
-            }
-        }
-        self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
-    }
-
-    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, and whether
-    /// they touch.
-    fn push_clear(&mut self) {
-        for (index, hand) in self.hands.iter().enumerate() {
-            let hand = hand.ago(0);
-            let (interaction, touches) = (self.interactions[index], &self.touches[index]);
-            let mut is_clear = hand.source == Source::Seen;
-            for (object, node) in self.objects.iter_mut().enumerate() {
-                let pose = node.poses.ago(0);
-                let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
-                let taken = &mut node.may_be_taken[index];
-                let may_have_come = hand.source != Source::Seen || hand.is_over(pose.position, node.radius_m);
-                *taken = is_hidden && (*taken || may_have_come);
-                let is_in_doubt = match pose.source {
-                    Source::Never => false,
-                    Source::Seen => {
-                        let edge = |j: usize| self.adjacent[j.min(object)][j.max(object)];
-                        let held = interaction.held().filter(|j| *j != object);
-                        !touches[object].is_known() || held.is_some_and(|j| !edge(j).is_known())
-                    }
-                    _ => *taken || interaction.involves(object),
-                };
-                is_clear &= !is_in_doubt;
-            }
-            self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
-        }
-    }
-
     /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
     pub(super) fn couples(&mut self, age: usize, known_ns: u64) -> Couples {
         let persist = self.method.persist_frames;
@@ -287,7 +236,8 @@ impl Scene {
         let hands = core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
             let interaction = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
-            self.interactions[hand] = interaction;
+            let before = core::mem::replace(&mut self.interactions[hand], interaction).held();
+            self.update_rivals(hand, before, interaction.held(), age);
             self.couple(hand, interaction, age)
         });
         Couples {
@@ -297,13 +247,6 @@ impl Scene {
             has_moved_unseen: self.moved_unseen >> age & 1 == 1,
             hands,
         }
-    }
-
-    /// Whether fewer than half of the frames in which a change would be believed were clear.
-    fn is_doubtful(&self, hand: usize, age: usize) -> bool {
-        let frames = usize::from(self.method.persist_frames).min(age + 1);
-        let clear = (self.clear[hand] & super::contact::window(frames as u8, age + 1 - frames)).count_ones();
-        2 * clear + 1 < frames as u32
     }
 
     /// The edges from a hand to the objects that it touches: the one that it acts on, and others that it will touch long enough to act
@@ -367,19 +310,12 @@ impl Scene {
             sight: [self.sight(pose.unseen), sight(j), sight(l)],
             is_clear: self.clear[hand] >> age & 1 == 1,
             is_doubtful: self.is_doubtful(hand, age),
+            is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
         };
         // Only now it is known which objects the context rests on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
-    }
-
-    fn sight(&self, unseen: u32) -> Sight {
-        match unseen {
-            0 => Sight::Seen,
-            unseen if unseen <= self.blind_frames => Sight::Assumed,
-            _ => Sight::Unseen,
-        }
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.
@@ -435,7 +371,7 @@ impl Scene {
             let apart = time.abs_diff(now) as f64 * 1e-9;
             (apart < self.window_s).then_some((if time < now { -apart } else { apart }, position))
         };
-        kinematics(ages.filter_map(sample), MIN_SAMPLES.min(2 * half + 1))
+        kinematics(ages.filter_map(sample), &self.precision)
     }
 }
 

@@ -1,0 +1,128 @@
+//! What the newest frames show, and what may have happened unseen.
+
+use super::super::Sight;
+use super::super::contact;
+use super::super::poses::Source;
+use super::{Scene, squared_distance};
+
+impl Scene {
+    /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand held when it was last seen.
+    pub(super) fn push_moved_unseen(&mut self) {
+        let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
+        let was_handless = self.handless_frames >= self.method.persist_frames.into();
+        self.handless_frames = if is_hand_seen { 0 } else { self.handless_frames.saturating_add(1) };
+        let moved_m = self.moved_m();
+        let mut has_moved = false;
+        for (index, node) in self.objects.iter_mut().enumerate() {
+            let pose = node.poses.ago(0);
+            if pose.source != Source::Seen {
+                continue;
+            }
+            let is_held = self.touches.iter().any(|edges| edges[index].is_near());
+            let lay = *node.attended.get_or_insert(pose.position);
+            let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
+            let has_moved_unseen = was_handless && is_elsewhere && !is_held;
+            has_moved |= has_moved_unseen;
+            if is_hand_seen || has_moved_unseen || is_held {
+                node.attended = Some(pose.position);
+            }
+        }
+        self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
+    }
+
+    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, and whether
+    /// they touch.
+    pub(super) fn push_clear(&mut self) {
+        for (index, hand) in self.hands.iter().enumerate() {
+            let hand = hand.ago(0);
+            let (interaction, touches) = (self.interactions[index], &self.touches[index]);
+            let mut is_clear = hand.source == Source::Seen;
+            for (object, node) in self.objects.iter_mut().enumerate() {
+                let pose = node.poses.ago(0);
+                let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
+                let taken = &mut node.may_be_taken[index];
+                let may_have_come = hand.source != Source::Seen || hand.is_over(pose.position, node.radius_m);
+                *taken = is_hidden && (*taken || may_have_come);
+                let is_in_doubt = match pose.source {
+                    Source::Never => false,
+                    Source::Seen => {
+                        let edge = |j: usize| self.adjacent[j.min(object)][j.max(object)];
+                        let held = interaction.held().filter(|j| *j != object);
+                        !touches[object].is_known() || held.is_some_and(|j| !edge(j).is_known())
+                    }
+                    _ => *taken || interaction.involves(object),
+                };
+                is_clear &= !is_in_doubt;
+            }
+            self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
+        }
+    }
+
+    /// An object that was hidden, lies where it lay, and that the hand was not near meanwhile, was not taken. One that is seen in the
+    /// hand was.
+    pub(super) fn push_rivals(&mut self) {
+        let moved_m = self.moved_m();
+        for (object, node) in self.objects.iter_mut().enumerate() {
+            let [pose, before] = [0, 1].map(|age| *node.poses.ago(age));
+            let is_back = pose.source == Source::Seen
+                && before.source == Source::Covered
+                && squared_distance(pose.position, before.position) <= moved_m * moved_m;
+            for (hand, touches) in self.touches.iter().enumerate() {
+                let edge = touches[object];
+                let touched = &mut node.may_be_touched[hand];
+                *touched |= !edge.is_known() || edge.is_near();
+                node.is_rival[hand] &= if self.interactions[hand].held() == Some(object) {
+                    pose.source != Source::Seen || !edge.is_known() || !edge.is_near()
+                } else {
+                    !is_back || *touched
+                };
+                // What it was when it was seen again is decided once and for all.
+                *touched = if pose.source == Source::Seen { node.is_rival[hand] } else { *touched };
+            }
+        }
+    }
+
+    /// The hand begins to act on `held`: finds whether it was seen to, and the other objects at which it may be, for all that is seen.
+    pub(super) fn update_rivals(
+        &mut self,
+        hand: usize,
+        before: Option<usize>,
+        held: Option<usize>,
+        age: usize,
+    ) {
+        let persist = self.method.persist_frames;
+        for (object, node) in self.objects.iter_mut().enumerate() {
+            let is_taken = held.is_some() && held != before;
+            let touch = self.touches[hand][object];
+            let is_in_doubt = match node.poses.ago(0).source {
+                Source::Never => false,
+                Source::Seen if held == Some(object) => !touch.is_known(),
+                Source::Seen => !touch.is_apart(age, persist),
+                _ => held == Some(object) || node.may_be_taken[hand],
+            };
+            let is_new = is_taken && is_in_doubt;
+            node.is_rival[hand] = held.is_some() && (node.is_rival[hand] || is_new);
+            node.may_be_touched[hand] |= is_new && node.poses.ago(0).source == Source::Seen;
+        }
+    }
+
+    /// Whether fewer than half of the frames in which a change would be believed were clear.
+    pub(super) fn is_doubtful(&self, hand: usize, age: usize) -> bool {
+        let frames = contact::ahead(age, self.method.persist_frames);
+        2 * (self.clear[hand] & frames).count_ones() + 1 < frames.count_ones()
+    }
+
+    pub(super) fn sight(&self, unseen: u32) -> Sight {
+        match unseen {
+            0 => Sight::Seen,
+            unseen if unseen <= self.blind_frames => Sight::Assumed,
+            _ => Sight::Unseen,
+        }
+    }
+
+    /// An object that lies as far from where it lay has been moved, in metres. Far above the noise of a marker that lies still, and below
+    /// the strokes of a tool.
+    fn moved_m(&self) -> f32 {
+        self.method.object_contact.on_m / 2.0
+    }
+}
