@@ -71,6 +71,8 @@ pub mod flag {
     pub const CLEAR: u8 = 1 << 1;
     /// So little was seen that the context may be another one.
     pub const DOUBTFUL: u8 = 1 << 2;
+    /// Flag of a couple: the hand may have taken another object than `o_j`.
+    pub const RIVALLED: u8 = 1 << 3;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
     /// The object was hidden, and its pose is held by the hand that carries it.

@@ -1,7 +1,11 @@
 //! Observations deleted from a recording: what a camera, a detector or a busy machine may miss.
 
 use crate::simulator::Random;
+use andon_core::anomaly::Judge;
+use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
+use andon_learn::run::Run;
 
 /// What is deleted in a stretch of time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +34,8 @@ pub enum Deletion {
 }
 
 impl Deletion {
-    /// Any deletion that a recording of this length in seconds and with so many objects can have.
+    /// Any deletion that a recording of this length in seconds and with so many objects can have. Its last second stays: the end of a
+    /// recording is the end of the work, and what is missing then is missing.
     pub fn any(random: &mut Random, length_s: f64, objects: usize) -> Self {
         let hidden = match random.index(4) {
             0 => Hidden::Hands,
@@ -41,8 +46,11 @@ impl Deletion {
         match random.index(8) {
             0 => Self::Every(2 + random.index(7)),
             1 => Self::Lost(random.between(0.05, 0.95)),
-            2 => Self::Late(random.between(0.0, length_s)),
-            _ => Self::Stretch(hidden, random.between(0.0, length_s), random.between(0.03, 4.0)),
+            2 => Self::Late(random.between(0.0, length_s - 1.0)),
+            _ => {
+                let from_s = random.between(0.0, length_s - 1.0);
+                Self::Stretch(hidden, from_s, random.between(0.03, 4.0).min(length_s - 1.0 - from_s))
+            }
         }
     }
 
@@ -99,4 +107,71 @@ pub fn one_after_the_other(recordings: &[&Recording], pause_s: f64) -> Recording
         }
     }
     all
+}
+
+/// The verdicts of a judge that does not know whether the recording begins with a job.
+///
+/// # Panics
+/// If the recording cannot be judged against the job.
+pub fn judged(job: &JobFile, recording: &Recording) -> Vec<Verdict> {
+    let run = Run::new("run", "", recording, &job.method).expect("the recording can be encoded");
+    job.with_job(|lent| {
+        let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method).expect("the job was taught");
+        let mut verdicts = Vec::new();
+        for couples in &run.couples {
+            judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
+        }
+        judge.finish(&mut |event| verdicts.extend(event.verdict()));
+        verdicts
+    })
+}
+
+/// The outcomes of the jobs.
+pub fn jobs(verdicts: &[Verdict]) -> Vec<Outcome> {
+    verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(|verdict| verdict.outcome).collect()
+}
+
+/// How long a recording is, in seconds.
+pub fn length_s(recording: &Recording) -> f64 {
+    let times = || recording.frames.iter().map(|frame| frame.captured_ns);
+    times().max().unwrap_or(0).saturating_sub(times().min().unwrap_or(0)) as f64 * 1e-9
+}
+
+/// What became of the recordings from which something was deleted.
+#[derive(Debug, Default)]
+pub struct Tried {
+    /// The cases in which something was called an anomaly, with what was deleted.
+    pub accused: Vec<(u64, Vec<Deletion>)>,
+    /// How many cases were right all the same.
+    pub right: u64,
+}
+
+/// Deletes one or two things from any of these correct recordings, as often as `cases` says.
+pub fn try_deletions(job: &JobFile, correct: &[&Recording], seed: u64, cases: u64) -> Tried {
+    let mut tried = Tried::default();
+    for case in 0..cases {
+        let mut random = Random::new(seed, &[99, case]);
+        let whole = correct[random.index(correct.len())];
+        let mut left = whole.clone();
+        let deletions: Vec<Deletion> = (0..1 + random.index(2))
+            .map(|_| Deletion::any(&mut random, length_s(whole), whole.header.objects.len()))
+            .collect();
+        for deletion in &deletions {
+            left = deletion.of(&left, &mut random);
+        }
+        let verdicts = judged(job, &left);
+        tried.right += u64::from(jobs(&verdicts) == [Outcome::Ok]);
+        if verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly) {
+            tried.accused.push((case, deletions));
+        }
+    }
+    tried
+}
+
+/// A number from the environment, with which a test can be run longer or with another seed.
+///
+/// # Panics
+/// If it is not a number.
+pub fn from_environment(name: &str, default: u64) -> u64 {
+    std::env::var(name).map_or(default, |value| value.parse().expect("a number"))
 }

@@ -4,19 +4,14 @@
 //! The people and the deletions follow from a seed. `ANDON_SEED` and `ANDON_CASES` choose others.
 #![allow(clippy::unwrap_used)]
 
-use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_core::verdict::Outcome;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{Deletion, one_after_the_other};
+use andon_tests::deletion::{from_environment, jobs, judged, length_s, one_after_the_other, try_deletions};
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
-
-fn from_environment(name: &str, default: u64) -> u64 {
-    std::env::var(name).map_or(default, |value| value.parse().unwrap())
-}
 
 fn seed() -> u64 {
     from_environment("ANDON_SEED", 71)
@@ -36,32 +31,6 @@ fn taught() -> JobFile {
     teach(&runs, &TeachOptions::new("polish and measure", "", Method::default())).unwrap().0
 }
 
-/// The verdicts of a judge that does not know whether the recording begins with a job.
-fn judged(job: &JobFile, recording: &Recording) -> Vec<Verdict> {
-    job.with_job(|lent| {
-        let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method).unwrap();
-        let mut verdicts = Vec::new();
-        for couples in &run(recording).couples {
-            judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
-        }
-        judge.finish(&mut |event| verdicts.extend(event.verdict()));
-        verdicts
-    })
-}
-
-fn jobs(verdicts: &[Verdict]) -> Vec<Outcome> {
-    verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(|verdict| verdict.outcome).collect()
-}
-
-fn is_accused(verdicts: &[Verdict]) -> bool {
-    verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly)
-}
-
-fn length_s(recording: &Recording) -> f64 {
-    let times = || recording.frames.iter().map(|frame| frame.captured_ns);
-    (times().max().unwrap() - times().min().unwrap()) as f64 * 1e-9
-}
-
 #[test]
 fn nothing_is_accused_for_what_was_not_seen() {
     let (job, cases) = (taught(), from_environment("ANDON_CASES", 120));
@@ -70,25 +39,9 @@ fn nothing_is_accused_for_what_was_not_seen() {
     let accepted: Vec<&Recording> =
         whole.iter().filter(|whole| jobs(&judged(&job, whole)) == [Outcome::Ok]).collect();
     assert!(accepted.len() >= 4, "only {} of 6 correct jobs are right", accepted.len());
-    let (mut accused, mut right) = (Vec::new(), 0);
-    for case in 0..cases {
-        let mut random = Random::new(seed(), &[99, case]);
-        let whole = accepted[random.index(accepted.len())];
-        let mut left = whole.clone();
-        let deletions: Vec<Deletion> = (0..1 + random.index(2))
-            .map(|_| Deletion::any(&mut random, length_s(whole), whole.header.objects.len()))
-            .collect();
-        for deletion in &deletions {
-            left = deletion.of(&left, &mut random);
-        }
-        let verdicts = judged(&job, &left);
-        right += u32::from(jobs(&verdicts) == [Outcome::Ok]);
-        if is_accused(&verdicts) {
-            accused.push((case, deletions));
-        }
-    }
-    println!("{} of {cases} accused, {right} right", accused.len());
-    assert!(accused.is_empty(), "{accused:?}");
+    let tried = try_deletions(&job, &accepted, seed(), cases);
+    println!("{} of {cases} accused, {} right", tried.accused.len(), tried.right);
+    assert!(tried.accused.is_empty(), "{:?}", tried.accused);
 }
 
 #[test]

@@ -36,7 +36,7 @@ pub enum Command {
     Segment(Segment),
     /// Find the bench in a picture of four markers at known positions
     Calibrate(Calibrate),
-    /// Write what a running station sees to a track file
+    /// Write what a running station sees, or a film shows, to a track file
     Record(Record),
     /// Run one role of a station in this process
     Run(Run),
@@ -194,6 +194,8 @@ pub struct Record {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
+    /// A film or a folder of pictures, to be looked at once for all that is done with it later [default: the running station]
+    pub recording: Option<PathBuf>,
     /// The track file to write
     #[arg(short, long)]
     pub out: PathBuf,

@@ -11,6 +11,7 @@ use andon_core::verdict::{Level, Outcome};
 use andon_learn::job_file::JobFile;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
+use andon_tests::deletion::{from_environment, jobs, judged, try_deletions};
 use capture::{BOX, Capture, RATE_HZ, SHELF, TABLE};
 use std::sync::LazyLock;
 
@@ -107,4 +108,16 @@ fn halves_in_reverse_order_are_an_anomaly() {
 #[test]
 fn a_way_back_that_is_cut_short_is_an_anomaly() {
     assert_eq!(judged_ok(Capture::cut_short), none());
+}
+
+/// `ANDON_SEED` and `ANDON_CASES` choose other deletions.
+#[test]
+fn nothing_is_accused_for_what_was_not_seen() {
+    let (seed, cases) = (from_environment("ANDON_SEED", 72), from_environment("ANDON_CASES", 90));
+    for (number, job) in TAUGHT_BY_OTHERS.iter() {
+        let whole = Capture::read(*number).recording();
+        assert!(!jobs(&judged(job, &whole)).contains(&Outcome::Anomaly), "run {number} as it was recorded");
+        let tried = try_deletions(job, &[&whole], seed + u64::from(*number), cases / 9);
+        assert!(tried.accused.is_empty(), "run {number}: {:?}", tried.accused);
+    }
 }

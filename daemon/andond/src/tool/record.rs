@@ -1,4 +1,4 @@
-//! `andond record`: writes what a running station sees to a track file, whose replay gives the verdicts of the live run.
+//! `andond record`: writes what a running station sees, or a film shows, to a track file, whose replay gives the same verdicts.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -11,10 +11,11 @@ use andon_learn::recording::{Header, Landmarks, NamedObject, TrackWriter};
 use shm_schemas::{Detections, flag};
 
 use super::join::join;
-use super::{ToolError, cannot_write, load_config};
+use super::{ToolError, cannot_write, check_writable, load_config, progress};
 use crate::cli::Record;
 use crate::config::Config;
 use crate::exit::Code;
+use crate::recording::Recording;
 use crate::wire;
 
 /// Nothing is due between two frames: this is only how often the wait is repeated.
@@ -27,14 +28,37 @@ const WAIT: Duration = Duration::from_secs(10);
 /// would not give the same verdicts.
 pub fn run(arguments: &Record) -> Result<Code, ToolError> {
     let config = load_config(&arguments.config)?;
-    let node = join(&config)?;
-    let mut recorder = Recorder::create(&arguments.out, &config)?;
+    match &arguments.recording {
+        Some(film) => record_film(film, &arguments.out, &config),
+        None => record_station(&arguments.out, &config),
+    }
+}
+
+fn record_film(film: &Path, out: &Path, config: &Config) -> Result<Code, ToolError> {
+    check_writable(out)?;
+    let mut recording = Recording::open(film, config)?;
+    let mut recorder =
+        Recorder::create(out, Header { landmarks: Landmarks::Five, ..recording.header().clone() })?;
+    let bar = progress(recording.count(), film);
+    while let Some(frame) = recording.next_frame()? {
+        bar.inc(1);
+        recorder.write(frame)?;
+    }
+    bar.finish_and_clear();
+    recorder.finish()?;
+    Ok(Code::Stopped)
+}
+
+fn record_station(out: &Path, config: &Config) -> Result<Code, ToolError> {
+    let node = join(config)?;
+    let mut recorder = Recorder::create(out, header(config))?;
     let mut detections: Reader<Detections> = node.reader()?;
-    eprintln!("recording to {}; stop with Ctrl-C", arguments.out.display());
+    eprintln!("recording to {}; stop with Ctrl-C", out.display());
     let mut ended = false;
     while !ended && node.wait(&mut [&mut detections], WAIT)? != Wake::Stop {
         while let Some(message) = detections.take()? {
-            ended = !recorder.write(&message)?;
+            ended = message.flags & flag::END_OF_STREAM != 0
+                || !recorder.write(wire::detections::to_core(&message))?;
             if ended {
                 break;
             }
@@ -59,19 +83,15 @@ struct Recorder<'a> {
 }
 
 impl<'a> Recorder<'a> {
-    fn create(path: &'a Path, config: &Config) -> Result<Self, ToolError> {
+    fn create(path: &'a Path, header: Header) -> Result<Self, ToolError> {
         let file = File::create(path).map_err(cannot_write(path))?;
-        let tracks = TrackWriter::new(BufWriter::new(file), &header(config)).map_err(cannot_write(path))?;
-        let objects = config.objects.iter().map(|object| object.id).collect();
+        let tracks = TrackWriter::new(BufWriter::new(file), &header).map_err(cannot_write(path))?;
+        let objects = header.objects.iter().map(|object| object.shape.id).collect();
         Ok(Self { tracks, path, objects, first_ns: None, newest_ns: 0, frames: 0 })
     }
 
-    /// Adds a frame. False where the recording is complete: at the end of the source, or where it starts again.
-    fn write(&mut self, message: &Detections) -> Result<bool, ToolError> {
-        if message.flags & flag::END_OF_STREAM != 0 {
-            return Ok(false);
-        }
-        let mut frame = wire::detections::to_core(message);
+    /// Adds a frame. False where the recording is complete, because it starts again.
+    fn write(&mut self, mut frame: Frame) -> Result<bool, ToolError> {
         let first_ns = *self.first_ns.get_or_insert(frame.captured_ns);
         let is_repeated = self.frames > 0 && frame.captured_ns <= self.newest_ns;
         if is_repeated {

@@ -17,7 +17,8 @@ pub fn write(couples: &Couples, message: &mut Message) {
             x_m: couple.motion.unwrap_or_default().0,
             flags: bit(couple.motion.is_some(), flag::MEASURED)
                 | bit(couple.is_clear, flag::CLEAR)
-                | bit(couple.is_doubtful, flag::DOUBTFUL),
+                | bit(couple.is_doubtful, flag::DOUBTFUL)
+                | bit(couple.is_rivalled, flag::RIVALLED),
             sight: couple.sight.map(|sight| sight as u8),
             reserved: 0,
         };
@@ -35,6 +36,7 @@ pub fn read(message: &Message) -> Couples {
         sight: place.sight.map(sight),
         is_clear: place.flags & flag::CLEAR != 0,
         is_doubtful: place.flags & flag::DOUBTFUL != 0,
+        is_rivalled: place.flags & flag::RIVALLED != 0,
     };
     Couples {
         captured_ns: message.described_ns,
@@ -72,6 +74,7 @@ mod tests {
             sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
             is_clear: true,
             is_doubtful: false,
+            is_rivalled: true,
             ..Couple::idle(Side::Right, 9)
         };
         let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };
