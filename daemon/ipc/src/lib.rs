@@ -59,11 +59,13 @@ mod leftovers;
 mod loss;
 mod node;
 mod pace;
+mod publication;
 mod reader;
 mod service;
 mod station;
 mod steward;
 mod stop;
+mod subscription;
 mod wait;
 mod writer;
 
