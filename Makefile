@@ -76,6 +76,7 @@ DEBIAN_DEB := dpkg-dev lintian
 ifeq ($(FORM),--short)
 PROGRAMS := target/debug
 BUILD_PROGRAMS = cargo build $(REALSENSE) --all-targets
+COMPRESSION := --fast
 else
 PROGRAMS := target/release
 BUILD_PROGRAMS = cargo build --release --locked -p andond -p andon-video -p andon-plc --features andon-video/realsense $(OBJDETECT)
@@ -90,7 +91,7 @@ deb: setup
 	strip -o target/deb/andond-video $(PROGRAMS)/andond-video
 	strip --strip-unneeded -o target/deb/libandon_plc.so.0 $(PROGRAMS)/libandon_plc.so
 	ln -s libandon_plc.so.0 target/deb/libandon_plc.so
-	cargo deb --no-build --no-strip -p andond --output target/deb/
+	cargo deb --no-build --no-strip $(COMPRESSION) -p andond --output target/deb/
 	lintian --fail-on error target/deb/*.deb
 
 # Installs the package on a bare Debian in a container, boots it and checks it there; writes target/nspawn/report.json.
