@@ -1,4 +1,4 @@
-"""What an administrator, a technician and a PLC expect of the installed package, one sentence a check.
+"""What an administrator, a technician and a PLC expect of the installed package, one sentence per check.
 
 Each takes the running machine and `seen`, where it leaves the figures for the report. They run in this order.
 """

@@ -1,4 +1,4 @@
-//! What all readers share: a subscriber that is made anew when a connection could not be made, losses and events.
+//! What all readers share: a subscriber that is recreated when a connection could not be made, losses and events.
 
 use crate::channel::Channel;
 use crate::connection::Alarm;
@@ -26,7 +26,7 @@ where
     P: Debug + IceoryxSend + ?Sized + 'static,
     H: Debug + ZeroCopySend,
 {
-    /// `None` while it could not be made anew.
+    /// `None` while it could not be recreated.
     subscriber: Option<Subscriber<Transport, P, H>>,
     inbound: Inbound,
     alarm: Alarm,
@@ -81,7 +81,7 @@ where
         &self.inbound.losses
     }
 
-    /// Makes the subscriber anew after a connection could not be made. What the others had delivered has been taken by then.
+    /// Recreates the subscriber after a connection could not be made. What the others had delivered has been taken by then.
     fn repair(&mut self) -> Result<(), Error> {
         if !self.alarm.is_due() {
             return Ok(());
@@ -209,7 +209,7 @@ impl Inbound {
         })
     }
 
-    /// The subscriber was made anew: the writer hands its history to those that come up.
+    /// The subscriber was recreated: the writer hands its history to those that come up.
     fn announce_again(&mut self) -> Result<(), Error> {
         self.owes_caught_up = true;
         event::notify(&self.notifier, self.channel, event::UP)
