@@ -5,13 +5,12 @@
 //! port therefore has an alarm that iceoryx2 raises. Then the list is changed: a reader is recreated, and a writer, which must keep its
 //! history and its other readers, lets a reader come and go.
 
-use crate::service::Services;
+use crate::service::{PublishSubscribe, Services};
 use crate::station::Transport;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{DegradationAction, DegradationCause, DegradationInfo};
 use iceoryx2::prelude::{IceoryxSend, ZeroCopySend};
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use std::fmt::Debug;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -59,7 +58,7 @@ impl Alarm {
     pub(crate) fn reconnect<P, H>(
         &mut self,
         publisher: &Publisher<Transport, P, H>,
-        services: &Services<PortFactory<Transport, P, H>>,
+        services: &Services<PublishSubscribe<P, H>>,
     ) -> bool
     where
         P: Debug + IceoryxSend + ?Sized,

@@ -3,7 +3,7 @@
 use crate::channel::Channel;
 use crate::error::Error;
 use crate::publication::Publication;
-use crate::service::{Attempt, Frames, Services, frame_bytes};
+use crate::service::{Attempt, Frames, Refused, Services, frame_bytes};
 use crate::station::Transport;
 use crate::subscription::Subscription;
 use crate::wait::{Wake, sealed};
@@ -39,7 +39,7 @@ impl FrameLoan {
 
 impl FrameWriter {
     /// Makes a writer; gives the services back where that must be tried again.
-    pub(crate) fn new(services: Services<Frames>) -> Result<Self, (Services<Frames>, Attempt)> {
+    pub(crate) fn new(services: Services<Frames>) -> Result<Self, Refused<Frames>> {
         let Some(max_bytes) = frame_bytes(&services.messages) else {
             let error = Error::transport(CHANNEL, "opening", "no frame size");
             return Err((services, Attempt::Failed(error)));
@@ -167,7 +167,7 @@ impl FrameSample {
 
 impl FrameReader {
     /// Makes a reader; gives the services back where that must be tried again.
-    pub(crate) fn new(services: Services<Frames>, role: RoleId) -> Result<Self, (Services<Frames>, Attempt)> {
+    pub(crate) fn new(services: Services<Frames>, role: RoleId) -> Result<Self, Refused<Frames>> {
         let subscription = Subscription::new(services, CHANNEL, role)?;
         Ok(Self { subscription, skipped: 0, lost_by_source: 0 })
     }

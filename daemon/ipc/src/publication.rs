@@ -6,7 +6,7 @@ use crate::connection::Alarm;
 use crate::error::Error;
 use crate::event;
 use crate::pace::Pace;
-use crate::service::{Attempt, Services};
+use crate::service::{Attempt, PublishSubscribe, Refused, Services};
 use crate::station::Transport;
 use crate::wait::{Wake, sealed};
 use iceoryx2::port::listener::Listener;
@@ -15,7 +15,6 @@ use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::sample_mut::SampleMut;
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use iceoryx2::service::port_factory::publisher::PortFactoryPublisher;
 use shm_schemas::{RoleId, Stamp};
 use std::fmt::Debug;
@@ -32,7 +31,7 @@ where
     publisher: Publisher<Transport, P, H>,
     outbound: Outbound,
     alarm: Alarm,
-    services: Services<PortFactory<Transport, P, H>>,
+    services: Services<PublishSubscribe<P, H>>,
 }
 
 impl<P, H> Publication<P, H>
@@ -42,12 +41,12 @@ where
 {
     /// Publishes; gives the services back where that must be tried again. `configure` sets what only this kind of payload has.
     pub(crate) fn new(
-        services: Services<PortFactory<Transport, P, H>>,
+        services: Services<PublishSubscribe<P, H>>,
         channel: Channel,
         configure: impl FnOnce(
             PortFactoryPublisher<'_, Transport, P, H>,
         ) -> PortFactoryPublisher<'_, Transport, P, H>,
-    ) -> Result<Self, (Services<PortFactory<Transport, P, H>>, Attempt)> {
+    ) -> Result<Self, Refused<PublishSubscribe<P, H>>> {
         let alarm = Alarm::default();
         let make = || {
             let builder = configure(services.messages.publisher_builder());

@@ -2,7 +2,7 @@
 
 use crate::channel::ChannelMessage;
 use crate::error::Error;
-use crate::service::{Attempt, Messages, Services};
+use crate::service::{Messages, Refused, Services};
 use crate::station::Transport;
 use crate::subscription::Subscription;
 use crate::wait::{Wake, sealed};
@@ -29,10 +29,7 @@ impl<T: ChannelMessage> Deref for Sample<T> {
 
 impl<T: ChannelMessage> Reader<T> {
     /// Makes a reader; gives the services back where that must be tried again.
-    pub(crate) fn new(
-        services: Services<Messages<T>>,
-        role: RoleId,
-    ) -> Result<Self, (Services<Messages<T>>, Attempt)> {
+    pub(crate) fn new(services: Services<Messages<T>>, role: RoleId) -> Result<Self, Refused<Messages<T>>> {
         Subscription::new(services, T::CHANNEL, role).map(Self)
     }
 

@@ -26,8 +26,10 @@ const EVENT_PORTS: usize = 32;
 const LAYOUT_KEY: &str = "andon.layout";
 const FRAME_BYTES_KEY: &str = "andon.frame_bytes";
 
-pub(crate) type Messages<T> = publish_subscribe::PortFactory<Transport, T, ()>;
-pub(crate) type Frames = publish_subscribe::PortFactory<Transport, [u8], FrameHeader>;
+/// The service for messages of payload `P` with header `H`.
+pub(crate) type PublishSubscribe<P, H> = publish_subscribe::PortFactory<Transport, P, H>;
+pub(crate) type Messages<T> = PublishSubscribe<T, ()>;
+pub(crate) type Frames = PublishSubscribe<[u8], FrameHeader>;
 type Events = event_factory::PortFactory<Transport>;
 
 /// How an attempt to open something ended.
@@ -47,6 +49,9 @@ pub(crate) struct Services<M> {
     /// From the readers to the writer.
     pub(crate) back: Events,
 }
+
+/// Why a port could not be made, with the services for the next attempt.
+pub(crate) type Refused<M> = (Services<M>, Attempt);
 
 /// Why a service could not be opened or created.
 #[derive(Debug)]

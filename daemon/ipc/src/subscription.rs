@@ -5,7 +5,7 @@ use crate::connection::Alarm;
 use crate::error::Error;
 use crate::event;
 use crate::loss::{Arrival, LossCounter};
-use crate::service::{Attempt, Services};
+use crate::service::{Attempt, PublishSubscribe, Refused, Services};
 use crate::station::Transport;
 use crate::wait::{Departure, Wake, sealed};
 use iceoryx2::port::ReceiveError;
@@ -14,7 +14,6 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::prelude::{IceoryxSend, ZeroCopySend};
 use iceoryx2::sample::Sample;
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use shm_schemas::{RoleId, Stamp};
 use std::fmt::Debug;
 use std::os::fd::BorrowedFd;
@@ -30,7 +29,7 @@ where
     subscriber: Option<Subscriber<Transport, P, H>>,
     inbound: Inbound,
     alarm: Alarm,
-    services: Services<PortFactory<Transport, P, H>>,
+    services: Services<PublishSubscribe<P, H>>,
 }
 
 impl<P, H> Subscription<P, H>
@@ -40,10 +39,10 @@ where
 {
     /// Subscribes; gives the services back where that must be tried again.
     pub(crate) fn new(
-        services: Services<PortFactory<Transport, P, H>>,
+        services: Services<PublishSubscribe<P, H>>,
         channel: Channel,
         role: RoleId,
-    ) -> Result<Self, (Services<PortFactory<Transport, P, H>>, Attempt)> {
+    ) -> Result<Self, Refused<PublishSubscribe<P, H>>> {
         let alarm = Alarm::default();
         let make = || {
             let listener = listen(&services, channel)?;
@@ -124,7 +123,7 @@ where
 }
 
 fn subscribe<P, H>(
-    services: &Services<PortFactory<Transport, P, H>>,
+    services: &Services<PublishSubscribe<P, H>>,
     channel: Channel,
     alarm: &Alarm,
 ) -> Result<Subscriber<Transport, P, H>, Attempt>

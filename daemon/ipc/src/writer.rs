@@ -3,7 +3,7 @@
 use crate::channel::ChannelMessage;
 use crate::error::Error;
 use crate::publication::Publication;
-use crate::service::{Attempt, Messages, Services};
+use crate::service::{Messages, Refused, Services};
 use crate::station::Transport;
 use crate::wait::{Wake, sealed};
 use iceoryx2::sample_mut::SampleMut;
@@ -44,7 +44,7 @@ impl<T: ChannelMessage> DerefMut for Loan<T> {
 
 impl<T: ChannelMessage> Writer<T> {
     /// Makes a writer; gives the services back where that must be tried again.
-    pub(crate) fn new(services: Services<Messages<T>>) -> Result<Self, (Services<Messages<T>>, Attempt)> {
+    pub(crate) fn new(services: Services<Messages<T>>) -> Result<Self, Refused<Messages<T>>> {
         Publication::new(services, T::CHANNEL, |builder| builder).map(Self)
     }
 
