@@ -5,13 +5,11 @@
 //! port therefore has an alarm that iceoryx2 raises. Then the list is changed: a reader is recreated, and a writer, which must keep its
 //! history and its other readers, lets a reader come and go.
 
-use crate::service::{PublishSubscribe, Services};
+use crate::service::{Header, Payload, PublishSubscribe, Services};
 use crate::station::Transport;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{DegradationAction, DegradationCause, DegradationInfo};
-use iceoryx2::prelude::{IceoryxSend, ZeroCopySend};
-use std::fmt::Debug;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -55,15 +53,11 @@ impl Alarm {
     }
 
     /// Lets a writer try again to connect the readers that it could not reach. They get its history. True when it has tried.
-    pub(crate) fn reconnect<P, H>(
+    pub(crate) fn reconnect<P: Payload + ?Sized, H: Header>(
         &mut self,
         publisher: &Publisher<Transport, P, H>,
         services: &Services<PublishSubscribe<P, H>>,
-    ) -> bool
-    where
-        P: Debug + IceoryxSend + ?Sized,
-        H: Debug + ZeroCopySend,
-    {
+    ) -> bool {
         if !self.is_due() {
             return false;
         }

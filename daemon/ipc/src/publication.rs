@@ -6,7 +6,7 @@ use crate::connection::Alarm;
 use crate::error::Error;
 use crate::event;
 use crate::pace::Pace;
-use crate::service::{Attempt, PublishSubscribe, Refused, Services};
+use crate::service::{Attempt, Header, Payload, PublishSubscribe, Refused, Services};
 use crate::station::Transport;
 use crate::wait::{Wake, sealed};
 use iceoryx2::port::listener::Listener;
@@ -22,11 +22,7 @@ use std::os::fd::BorrowedFd;
 
 /// The sending end of a channel: payload `P` with header `H`.
 #[derive(Debug)]
-pub(crate) struct Publication<P, H>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+pub(crate) struct Publication<P: Payload + ?Sized, H: Header> {
     // The publisher is dropped before the notifier, whose departure the readers hear.
     publisher: Publisher<Transport, P, H>,
     outbound: Outbound,
@@ -34,11 +30,7 @@ where
     services: Services<PublishSubscribe<P, H>>,
 }
 
-impl<P, H> Publication<P, H>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+impl<P: Payload + ?Sized, H: Header> Publication<P, H> {
     /// Publishes; gives the services back where that must be tried again. `configure` sets what only this kind of payload has.
     pub(crate) fn new(
         services: Services<PublishSubscribe<P, H>>,
@@ -105,11 +97,7 @@ where
     }
 }
 
-impl<P, H> sealed::Poll for Publication<P, H>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+impl<P: Payload + ?Sized, H: Header> sealed::Poll for Publication<P, H> {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
         let (publisher, channel) = (&self.publisher, self.outbound.channel);
         self.outbound.poll(|| {
@@ -124,11 +112,7 @@ where
     }
 }
 
-impl<P, H> sealed::Room for Publication<P, H>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+impl<P: Payload + ?Sized, H: Header> sealed::Room for Publication<P, H> {
     fn make_room(&mut self) -> Result<bool, Error> {
         sealed::Poll::poll(self)?;
         Ok(self.outbound.make_room())

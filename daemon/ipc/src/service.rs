@@ -26,6 +26,14 @@ const EVENT_PORTS: usize = 32;
 const LAYOUT_KEY: &str = "andon.layout";
 const FRAME_BYTES_KEY: &str = "andon.frame_bytes";
 
+/// What iceoryx2 asks of the payload of a message.
+pub(crate) trait Payload: Debug + IceoryxSend + 'static {}
+impl<P: Debug + IceoryxSend + ?Sized + 'static> Payload for P {}
+
+/// What iceoryx2 asks of the header of a message.
+pub(crate) trait Header: Debug + ZeroCopySend {}
+impl<H: Debug + ZeroCopySend> Header for H {}
+
 /// The service for messages of payload `P` with header `H`.
 pub(crate) type PublishSubscribe<P, H> = publish_subscribe::PortFactory<Transport, P, H>;
 pub(crate) type Messages<T> = PublishSubscribe<T, ()>;

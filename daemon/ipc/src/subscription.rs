@@ -5,26 +5,20 @@ use crate::connection::Alarm;
 use crate::error::Error;
 use crate::event;
 use crate::loss::{Arrival, LossCounter};
-use crate::service::{Attempt, PublishSubscribe, Refused, Services};
+use crate::service::{Attempt, Header, Payload, PublishSubscribe, Refused, Services};
 use crate::station::Transport;
 use crate::wait::{Departure, Wake, sealed};
 use iceoryx2::port::ReceiveError;
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
-use iceoryx2::prelude::{IceoryxSend, ZeroCopySend};
 use iceoryx2::sample::Sample;
 use shm_schemas::{RoleId, Stamp};
-use std::fmt::Debug;
 use std::os::fd::BorrowedFd;
 
 /// The receiving end of a channel: payload `P` with header `H`.
 #[derive(Debug)]
-pub(crate) struct Subscription<P, H>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+pub(crate) struct Subscription<P: Payload + ?Sized, H: Header> {
     /// `None` while it could not be recreated.
     subscriber: Option<Subscriber<Transport, P, H>>,
     inbound: Inbound,
@@ -32,11 +26,7 @@ where
     services: Services<PublishSubscribe<P, H>>,
 }
 
-impl<P, H> Subscription<P, H>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+impl<P: Payload + ?Sized, H: Header> Subscription<P, H> {
     /// Subscribes; gives the services back where that must be tried again.
     pub(crate) fn new(
         services: Services<PublishSubscribe<P, H>>,
@@ -100,11 +90,7 @@ where
     }
 }
 
-impl<P, H> sealed::Poll for Subscription<P, H>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+impl<P: Payload + ?Sized, H: Header> sealed::Poll for Subscription<P, H> {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
         // Events first: a message that is sent after this look raises another event.
         self.inbound.hear()?;
@@ -122,15 +108,11 @@ where
     }
 }
 
-fn subscribe<P, H>(
+fn subscribe<P: Payload + ?Sized, H: Header>(
     services: &Services<PublishSubscribe<P, H>>,
     channel: Channel,
     alarm: &Alarm,
-) -> Result<Subscriber<Transport, P, H>, Attempt>
-where
-    P: Debug + IceoryxSend + ?Sized + 'static,
-    H: Debug + ZeroCopySend,
-{
+) -> Result<Subscriber<Transport, P, H>, Attempt> {
     let builder = services.messages.subscriber_builder().set_degradation_handler(alarm.handler());
     builder.create().map_err(|e| subscriber_refused(channel, e))
 }
