@@ -39,13 +39,12 @@ deny:
 	cargo deny --offline --locked check bans licenses sources
 
 # Everything is built and run once, with RealSense; then the one test that needs a build without it. Tests of the line start the
-# programs in the target folder, so these are built first. Always the whole workspace: a selection of tests would ask for other
-# features of the dependencies, which would then be compiled twice.
+# programs in the target folder, so these are built first.
 test: setup test-packages lint
 	python3 daemon/realsense/provision.py $(RUNTIME) --recorder
 	cargo build $(REALSENSE) --all-targets
 	cargo test $(REALSENSE)
-	cargo test --locked --workspace $(OBJDETECT) a_camera_that_this_build_does_not_support
+	cargo test --locked --workspace $(OBJDETECT) --test camera a_camera_that_this_build_does_not_support
 
 # Prints one table and writes target/bench/report.json. The Python peers are fetched once, into target/bench/venv.
 bench: test-packages
@@ -71,17 +70,28 @@ plc-latency: line
 	cargo build --release --locked -p andon-plc
 	target/release/plc_latency
 
-# One Debian package with all that a cell controller needs, in target/deb; RealSense is on in it.
+# One Debian package with all that a cell controller needs, in target/deb; RealSense is on in it. With FORM=--short it holds the programs
+# that `make test` has built, so that nothing is compiled twice: such a package is for tests alone.
 DEBIAN_DEB := dpkg-dev lintian
+ifeq ($(FORM),--short)
+PROGRAMS := target/debug
+BUILD_PROGRAMS = cargo build $(REALSENSE) --all-targets
+COMPRESSION := --fast
+else
+PROGRAMS := target/release
+BUILD_PROGRAMS = cargo build --release --locked -p andond -p andon-video -p andon-plc --features andon-video/realsense $(OBJDETECT)
+endif
 deb: setup
 	@dpkg -s $(DEBIAN_DEB) >/dev/null 2>&1 || tests/setup/apt.sh $(DEBIAN_DEB)
 	@command -v cargo-deb >/dev/null || CARGO_PROFILE_DEV_DEBUG=0 CARGO_PROFILE_DEV_OPT_LEVEL=1 cargo install --locked --debug cargo-deb
 	python3 daemon/realsense/provision.py $(RUNTIME)
-	cargo build --release --locked -p andond -p andon-video -p andon-plc --features andon-video/realsense $(OBJDETECT)
+	$(BUILD_PROGRAMS)
 	rm -rf target/deb && mkdir -p target/deb
-	strip --strip-unneeded -o target/deb/libandon_plc.so.0 target/release/libandon_plc.so
+	strip -o target/deb/andond $(PROGRAMS)/andond
+	strip -o target/deb/andond-video $(PROGRAMS)/andond-video
+	strip --strip-unneeded -o target/deb/libandon_plc.so.0 $(PROGRAMS)/libandon_plc.so
 	ln -s libandon_plc.so.0 target/deb/libandon_plc.so
-	cargo deb --no-build --strip -p andond --output target/deb/
+	cargo deb --no-build --no-strip $(COMPRESSION) -p andond --output target/deb/
 	lintian --fail-on error target/deb/*.deb
 
 # Installs the package on a bare Debian in a container, boots it and checks it there; writes target/nspawn/report.json.

@@ -14,7 +14,7 @@ class Unusable(Exception):
 
 
 def make(folder, package):
-    """The root of the base for this package; it is made anew when the package depends on something else."""
+    """The root of the base for this package; it is made again when the package depends on something else."""
     fields = subprocess.run(["dpkg-deb", "--field", package, "Depends"], check=True, capture_output=True, text=True)
     names = sorted({alternatives.split("|")[0].split("(")[0].strip() for alternatives in fields.stdout.split(",")})
     root, made_for = folder / "base", folder / "base.packages"

@@ -103,10 +103,10 @@ pub struct Teach {
     /// Name of the job [default: the name of the job file]
     #[arg(long)]
     pub name: Option<String>,
-    /// Rule for the thresholds
+    /// Rule for the thresholds [default: leave-one-out]
     #[arg(long, value_enum)]
     pub rule: Option<ThresholdRule>,
-    /// How motions are compared
+    /// How motions are compared [default: circular]
     #[arg(long, value_enum)]
     pub cost: Option<Cost>,
     /// Whether the order of the activities matters [default: where all runs agree on one]
@@ -215,7 +215,7 @@ pub struct Run {
 /// A role of the line, one process each, in the order of the data path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Role {
-    /// Owns every service and removes dead nodes
+    /// Owns every channel and removes what dead processes leave behind
     Steward,
     /// Takes frames from the camera or the recording
     Capture,
@@ -227,7 +227,7 @@ pub enum Role {
     Judge,
     /// Writes verdicts to the database
     Journal,
-    /// Gives verdicts to the PLC
+    /// Passes verdicts to the PLC, and its commands to the judge
     Plc,
 }
 
@@ -298,7 +298,7 @@ pub struct History {
     /// Show only what was decided after this time (RFC 3339) or within this span before now (`90m`, `8h`, `7d`)
     #[arg(long)]
     pub since: Option<String>,
-    /// Show only this job
+    /// Show only the job with this number
     #[arg(long)]
     pub job: Option<u32>,
     /// Show only anomalies and what could not be judged
@@ -322,7 +322,7 @@ pub struct Analyze {
 /// `andond experiment`
 #[derive(Debug, Args)]
 pub struct Experiment {
-    /// Which experiment of the paper
+    /// Which experiment of the paper: 1 or 2
     #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
     pub number: u8,
     /// Folder of recordings (track files)

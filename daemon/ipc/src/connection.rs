@@ -2,17 +2,14 @@
 //!
 //! iceoryx2 0.10.0 tries once to connect a reader with a writer, and again only when the list of readers or writers changes. Where that
 //! one try fails, as when a process has no file descriptor left for a moment, the two stay deaf to each other, in silence. Each
-//! port therefore has an alarm that iceoryx2 raises. Then the list is changed: a reader is made anew, and a writer, which must keep its
+//! port therefore has an alarm that iceoryx2 raises. Then the list is changed: a reader is recreated, and a writer, which must keep its
 //! history and its other readers, lets a reader come and go.
 
-use crate::service::Services;
+use crate::service::{Header, Payload, PublishSubscribe, Services};
 use crate::station::Transport;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{DegradationAction, DegradationCause, DegradationInfo};
-use iceoryx2::prelude::{IceoryxSend, ZeroCopySend};
-use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
-use std::fmt::Debug;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -56,15 +53,11 @@ impl Alarm {
     }
 
     /// Lets a writer try again to connect the readers that it could not reach. They get its history. True when it has tried.
-    pub(crate) fn reconnect<P, H>(
+    pub(crate) fn reconnect<P: Payload + ?Sized, H: Header>(
         &mut self,
         publisher: &Publisher<Transport, P, H>,
-        services: &Services<PortFactory<Transport, P, H>>,
-    ) -> bool
-    where
-        P: Debug + IceoryxSend + ?Sized,
-        H: Debug + ZeroCopySend,
-    {
+        services: &Services<PublishSubscribe<P, H>>,
+    ) -> bool {
         if !self.is_due() {
             return false;
         }

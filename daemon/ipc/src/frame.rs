@@ -1,16 +1,12 @@
 //! Writing and reading frames: bytes of any length with a [`FrameHeader`], which are written once and read in place.
 
 use crate::channel::Channel;
-use crate::connection::Alarm;
 use crate::error::Error;
-use crate::reader::{Inbound, listen, subscriber_refused};
-use crate::service::{Attempt, Frames, Services, frame_bytes};
+use crate::publication::Publication;
+use crate::service::{Attempt, Frames, Refused, Services, frame_bytes};
 use crate::station::Transport;
+use crate::subscription::Subscription;
 use crate::wait::{Wake, sealed};
-use crate::writer::{Outbound, publisher_refused};
-use iceoryx2::port::publisher::Publisher;
-use iceoryx2::port::subscriber::Subscriber;
-use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut::SampleMut;
 use shm_schemas::{FrameHeader, RoleId};
@@ -21,11 +17,7 @@ const CHANNEL: Channel = Channel::Frame;
 /// Writes frames.
 #[derive(Debug)]
 pub struct FrameWriter {
-    // The publisher is dropped before the notifier, whose departure the readers hear.
-    publisher: Publisher<Transport, [u8], FrameHeader>,
-    outbound: Outbound,
-    alarm: Alarm,
-    services: Services<Frames>,
+    publication: Publication<[u8], FrameHeader>,
     max_bytes: usize,
 }
 
@@ -47,31 +39,14 @@ impl FrameLoan {
 
 impl FrameWriter {
     /// Makes a writer; gives the services back where that must be tried again.
-    pub(crate) fn new(services: Services<Frames>) -> Result<Self, (Services<Frames>, Attempt)> {
-        let alarm = Alarm::default();
-        let make = || {
-            let max_bytes = frame_bytes(&services.messages)
-                .ok_or_else(|| Attempt::Failed(Error::transport(CHANNEL, "opening", "no frame size")))?;
-            let builder = services.messages.publisher_builder().initial_max_slice_len(max_bytes);
-            let builder = builder.max_loaned_samples(CHANNEL.qos().loans);
-            let publisher = builder.set_degradation_handler(alarm.handler()).create();
-            let publisher = publisher.map_err(|e| publisher_refused(CHANNEL, e))?;
-            Ok((publisher, Outbound::new(&services, CHANNEL)?, max_bytes))
+    pub(crate) fn new(services: Services<Frames>) -> Result<Self, Refused<Frames>> {
+        let Some(max_bytes) = frame_bytes(&services.messages) else {
+            let error = Error::transport(CHANNEL, "opening", "no frame size");
+            return Err((services, Attempt::Failed(error)));
         };
-        match make() {
-            Ok((publisher, outbound, max_bytes)) => {
-                Ok(Self { publisher, outbound, alarm, services, max_bytes })
-            }
-            Err(attempt) => Err((services, attempt)),
-        }
-    }
-
-    fn reconnect(&mut self) -> Result<(), Error> {
-        if self.alarm.reconnect(&self.publisher, &self.services) {
-            self.outbound.wake_readers()
-        } else {
-            Ok(())
-        }
+        let publication =
+            Publication::new(services, CHANNEL, |builder| builder.initial_max_slice_len(max_bytes))?;
+        Ok(Self { publication, max_bytes })
     }
 
     /// Touches the memory that frames of this size will use, so that the first ones are not late: the kernel clears
@@ -92,7 +67,7 @@ impl FrameWriter {
 
     /// From now on this writer waits for the readers of these roles, as with [`crate::Writer::follow`].
     pub fn follow(&mut self, readers: &[RoleId]) {
-        self.outbound.follow(readers);
+        self.publication.follow(readers);
     }
 
     /// A place for a frame of this many bytes in shared memory.
@@ -103,8 +78,8 @@ impl FrameWriter {
         if bytes > self.max_bytes {
             return Err(Error::FrameTooLarge { bytes, max: self.max_bytes });
         }
-        let sample =
-            self.publisher.loan_slice_uninit(bytes).map_err(|e| self.outbound.error("loaning", e))?;
+        let sample = self.publication.publisher().loan_slice_uninit(bytes);
+        let sample = sample.map_err(|e| self.publication.error("loaning", e))?;
         // SAFETY: the bytes belong to a mapped file, so each has a value whether or not this program has written it, and every
         // value is a valid u8.
         #[allow(unsafe_code)]
@@ -117,47 +92,33 @@ impl FrameWriter {
     /// # Errors
     /// [`Error::NoRoomYet`] when the writer is paced and nobody waited for room; [`Error::Transport`].
     pub fn send(&mut self, mut loan: FrameLoan) -> Result<u64, Error> {
-        self.outbound.check_room()?;
         let stamp = &mut loan.header_mut().stamp;
-        self.outbound.stamp(stamp);
+        self.publication.number(stamp)?;
         stamp.frame_seq = stamp.seq;
-        loan.0.send().map_err(|e| self.outbound.error("sending", e))?;
-        self.outbound.sent()?;
-        self.reconnect()?;
-        Ok(self.outbound.seq())
+        self.publication.send(loan.0)
     }
 }
 
 impl sealed::Poll for FrameWriter {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
-        let publisher = &self.publisher;
-        self.outbound.poll(|| {
-            publisher.update_connections().map_err(|e| Error::transport(CHANNEL, "connecting a reader", e))
-        })?;
-        self.reconnect()?;
-        Ok(None)
+        self.publication.poll()
     }
 
     fn fd(&self) -> BorrowedFd<'_> {
-        self.outbound.fd()
+        self.publication.fd()
     }
 }
 
 impl sealed::Room for FrameWriter {
     fn make_room(&mut self) -> Result<bool, Error> {
-        sealed::Poll::poll(self)?;
-        Ok(self.outbound.make_room())
+        self.publication.make_room()
     }
 }
 
 /// Reads frames.
 #[derive(Debug)]
 pub struct FrameReader {
-    /// `None` while it could not be made anew.
-    subscriber: Option<Subscriber<Transport, [u8], FrameHeader>>,
-    inbound: Inbound,
-    alarm: Alarm,
-    services: Services<Frames>,
+    subscription: Subscription<[u8], FrameHeader>,
     skipped: u64,
     lost_by_source: u64,
 }
@@ -206,51 +167,9 @@ impl FrameSample {
 
 impl FrameReader {
     /// Makes a reader; gives the services back where that must be tried again.
-    pub(crate) fn new(services: Services<Frames>, role: RoleId) -> Result<Self, (Services<Frames>, Attempt)> {
-        let alarm = Alarm::default();
-        let make = || {
-            let listener = listen(&services, CHANNEL)?;
-            let subscriber = Self::subscribe(&services, &alarm)?;
-            Ok((subscriber, Inbound::announce(&services, CHANNEL, role, listener)?))
-        };
-        match make() {
-            Ok((subscriber, inbound)) => Ok(Self {
-                subscriber: Some(subscriber),
-                inbound,
-                alarm,
-                services,
-                skipped: 0,
-                lost_by_source: 0,
-            }),
-            Err(attempt) => Err((services, attempt)),
-        }
-    }
-
-    fn subscribe(
-        services: &Services<Frames>,
-        alarm: &Alarm,
-    ) -> Result<Subscriber<Transport, [u8], FrameHeader>, Attempt> {
-        let builder = services.messages.subscriber_builder().set_degradation_handler(alarm.handler());
-        builder.create().map_err(|e| subscriber_refused(CHANNEL, e))
-    }
-
-    /// Makes the subscriber anew after a connection could not be made.
-    fn repair(&mut self) -> Result<(), Error> {
-        if !self.alarm.is_due() {
-            return Ok(());
-        }
-        // The old one first: the channel may have no place for both.
-        self.subscriber = None;
-        match Self::subscribe(&self.services, &self.alarm) {
-            Ok(subscriber) => {
-                self.subscriber = Some(subscriber);
-                self.inbound.announce_again()
-            }
-            Err(_) => {
-                self.alarm.raise();
-                Ok(())
-            }
-        }
+    pub(crate) fn new(services: Services<Frames>, role: RoleId) -> Result<Self, Refused<Frames>> {
+        let subscription = Subscription::new(services, CHANNEL, role)?;
+        Ok(Self { subscription, skipped: 0, lost_by_source: 0 })
     }
 
     /// The oldest frame that waits. For paced sources, where every frame counts.
@@ -258,19 +177,12 @@ impl FrameReader {
     /// # Errors
     /// [`Error::Transport`] when too many samples are held.
     pub fn take(&mut self) -> Result<Option<FrameSample>, Error> {
-        loop {
-            let sample = self.subscriber.as_ref().map_or(Ok(None), |subscriber| subscriber.receive());
-            let sample = sample.map_err(|e| Error::transport(CHANNEL, "receiving", e))?;
-            let Some(sample) = sample else {
-                self.inbound.found_empty()?;
-                self.repair()?;
-                return Ok(None);
-            };
-            if self.inbound.took(&sample.user_header().stamp)? {
-                self.lost_by_source += u64::from(sample.user_header().dropped);
-                return Ok(Some(FrameSample(sample)));
-            }
-        }
+        let sample = self
+            .subscription
+            .take(|subscriber| subscriber.receive(), |sample| &sample.user_header().stamp)?
+            .map(FrameSample);
+        self.lost_by_source += sample.as_ref().map_or(0, |sample| u64::from(sample.header().dropped));
+        Ok(sample)
     }
 
     /// The newest frame; older ones that wait are skipped and counted by [`FrameReader::skipped`]. For live sources,
@@ -289,12 +201,12 @@ impl FrameReader {
 
     /// Frames received, including those that were skipped.
     pub fn received(&self) -> u64 {
-        self.inbound.losses.received
+        self.subscription.losses().received
     }
 
     /// Frames that were sent while this reader was there and that it did not get in time.
     pub fn lost(&self) -> u64 {
-        self.inbound.losses.lost
+        self.subscription.losses().lost
     }
 
     /// Frames that [`FrameReader::take_newest`] skipped for a newer one.
@@ -309,23 +221,16 @@ impl FrameReader {
 
     /// How often the writer has started again since the first frame.
     pub fn restarts(&self) -> u32 {
-        self.inbound.losses.restarts
+        self.subscription.losses().restarts
     }
 }
 
 impl sealed::Poll for FrameReader {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
-        // Events first: a message that is sent after this look raises another event.
-        self.inbound.hear()?;
-        let pending = self.subscriber.as_ref().map_or(Ok(false), Subscriber::has_samples);
-        let pending = pending.map_err(|e| Error::transport(CHANNEL, "looking for messages", e))?;
-        if !pending {
-            self.repair()?;
-        }
-        self.inbound.poll(pending)
+        self.subscription.poll()
     }
 
     fn fd(&self) -> BorrowedFd<'_> {
-        self.inbound.fd()
+        self.subscription.fd()
     }
 }

@@ -43,7 +43,7 @@
 //! | a writer stops or is killed | its readers | [`Wake::WriterGone`], within [`POLL_PERIOD`] |
 //! | a writer hangs | its readers | [`Wake::DeadlineMissed`] |
 //! | a reader hangs | the reader, when it goes on | [`Reader::lost`]; nobody waits for it, unless the writer is paced |
-//! | a connection cannot be made | the port at its end | it is made anew with its history, until that works |
+//! | a connection cannot be made | the port at its end | it is recreated with its history, until that works |
 //! | two builds meet | the process that opens a port | [`Error::LayoutMismatch`] |
 //! | the root directory vanishes | the steward | [`Error::RootVanished`] |
 #![deny(unsafe_code)]
@@ -59,11 +59,13 @@ mod leftovers;
 mod loss;
 mod node;
 mod pace;
+mod publication;
 mod reader;
 mod service;
 mod station;
 mod steward;
 mod stop;
+mod subscription;
 mod wait;
 mod writer;
 

@@ -26,8 +26,18 @@ const EVENT_PORTS: usize = 32;
 const LAYOUT_KEY: &str = "andon.layout";
 const FRAME_BYTES_KEY: &str = "andon.frame_bytes";
 
-pub(crate) type Messages<T> = publish_subscribe::PortFactory<Transport, T, ()>;
-pub(crate) type Frames = publish_subscribe::PortFactory<Transport, [u8], FrameHeader>;
+/// What iceoryx2 asks of the payload of a message.
+pub(crate) trait Payload: Debug + IceoryxSend + 'static {}
+impl<P: Debug + IceoryxSend + ?Sized + 'static> Payload for P {}
+
+/// What iceoryx2 asks of the header of a message.
+pub(crate) trait Header: Debug + ZeroCopySend {}
+impl<H: Debug + ZeroCopySend> Header for H {}
+
+/// The service for messages of payload `P` with header `H`.
+pub(crate) type PublishSubscribe<P, H> = publish_subscribe::PortFactory<Transport, P, H>;
+pub(crate) type Messages<T> = PublishSubscribe<T, ()>;
+pub(crate) type Frames = PublishSubscribe<[u8], FrameHeader>;
 type Events = event_factory::PortFactory<Transport>;
 
 /// How an attempt to open something ended.
@@ -47,6 +57,9 @@ pub(crate) struct Services<M> {
     /// From the readers to the writer.
     pub(crate) back: Events,
 }
+
+/// Why a port could not be made, with the services for the next attempt.
+pub(crate) type Refused<M> = (Services<M>, Attempt);
 
 /// Why a service could not be opened or created.
 #[derive(Debug)]

@@ -1,142 +1,19 @@
 //! Writing messages of fixed size, in place.
 
-use crate::channel::{Channel, ChannelMessage};
-use crate::clock::MonotonicTime;
-use crate::connection::Alarm;
+use crate::channel::ChannelMessage;
 use crate::error::Error;
-use crate::event;
-use crate::pace::Pace;
-use crate::service::{Attempt, Messages, Services};
+use crate::publication::Publication;
+use crate::service::{Messages, Refused, Services};
 use crate::station::Transport;
 use crate::wait::{Wake, sealed};
-use iceoryx2::port::listener::Listener;
-use iceoryx2::port::notifier::Notifier;
-use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
-use iceoryx2::port::update_connections::UpdateConnections;
-use iceoryx2::prelude::*;
 use iceoryx2::sample_mut::SampleMut;
 use shm_schemas::{RoleId, Stamp};
 use std::ops::{Deref, DerefMut};
 use std::os::fd::BorrowedFd;
 
-/// What every writer has besides its publisher: numbers, events and pace.
-#[derive(Debug)]
-pub(crate) struct Outbound {
-    channel: Channel,
-    notifier: Notifier<Transport>,
-    listener: Listener<Transport>,
-    pace: Pace,
-    epoch: u64,
-    seq: u64,
-}
-
-impl Outbound {
-    pub(crate) fn new<M>(services: &Services<M>, channel: Channel) -> Result<Self, Attempt> {
-        let failed = |what, why: String| Attempt::Failed(Error::Transport { channel, what, why });
-        // The listener first: readers answer at once when they hear that the notifier came up.
-        let listener = services.back.listener_builder().create();
-        let listener = listener.map_err(|e| failed("creating a listener", format!("{e:?}")))?;
-        let notifier =
-            services.forward.notifier_builder().default_event_id(EventId::new(event::SAMPLE)).create();
-        let notifier = notifier.map_err(|e| failed("creating a notifier", format!("{e:?}")))?;
-        Ok(Self {
-            channel,
-            notifier,
-            listener,
-            pace: Pace::live(),
-            epoch: MonotonicTime::now().nanoseconds(),
-            seq: 0,
-        })
-    }
-
-    pub(crate) fn follow(&mut self, readers: &[RoleId]) {
-        self.pace.follow(readers, self.channel.qos().burst);
-    }
-
-    /// Numbers the next message.
-    pub(crate) fn stamp(&self, stamp: &mut Stamp) {
-        stamp.epoch = self.epoch;
-        stamp.seq = self.seq + 1;
-        stamp.sent_ns = MonotonicTime::now().nanoseconds();
-    }
-
-    /// Refuses to send a message that a paced reader might lose.
-    pub(crate) fn check_room(&self) -> Result<(), Error> {
-        if self.pace.has_room() { Ok(()) } else { Err(Error::NoRoomYet { channel: self.channel }) }
-    }
-
-    /// Counts a message that was sent and wakes the readers.
-    pub(crate) fn sent(&mut self) -> Result<(), Error> {
-        self.seq += 1;
-        self.pace.sent();
-        event::notify(&self.notifier, self.channel, event::SAMPLE)
-    }
-
-    /// Readers may have something that they were not woken for.
-    pub(crate) fn wake_readers(&self) -> Result<(), Error> {
-        event::notify(&self.notifier, self.channel, event::SAMPLE)
-    }
-
-    /// Handles what readers have said. `connect` hands the history to those that came up.
-    pub(crate) fn poll(&mut self, connect: impl FnOnce() -> Result<(), Error>) -> Result<(), Error> {
-        let mut came_up = false;
-        let pace = &mut self.pace;
-        event::drain(&self.listener, self.channel, |id| match event::caught_up_by(id) {
-            Some(role) => pace.caught_up(role),
-            None => came_up |= id == event::UP,
-        })?;
-        if came_up {
-            connect()?;
-            // Those that came up may have the history now.
-            self.wake_readers()?;
-        }
-        Ok(())
-    }
-
-    /// After `poll`: whether one more message may be sent. `poll` has drained the events that must be forgotten: those that were
-    /// raised before the burst that may begin now.
-    pub(crate) fn make_room(&mut self) -> bool {
-        if self.pace.may_begin() {
-            self.pace.begin();
-        }
-        self.pace.has_room()
-    }
-
-    pub(crate) fn fd(&self) -> BorrowedFd<'_> {
-        event::fd(&self.listener)
-    }
-
-    pub(crate) fn error(&self, what: &'static str, why: impl std::fmt::Debug) -> Error {
-        Error::transport(self.channel, what, why)
-    }
-
-    pub(crate) fn seq(&self) -> u64 {
-        self.seq
-    }
-
-    pub(crate) fn epoch(&self) -> u64 {
-        self.epoch
-    }
-}
-
-/// Tells whether to try again after iceoryx2 has refused a publisher.
-pub(crate) fn publisher_refused(channel: Channel, error: PublisherCreateError) -> Attempt {
-    match error {
-        // One of them may be dead, and the steward has not removed it yet.
-        PublisherCreateError::ExceedsMaxSupportedPublishers => Attempt::Again(Some("writers")),
-        other => Attempt::Failed(Error::transport(channel, "creating a writer", other)),
-    }
-}
-
 /// Writes messages of type `T` on its channel.
 #[derive(Debug)]
-pub struct Writer<T: ChannelMessage> {
-    // The publisher is dropped before the notifier, whose departure the readers hear.
-    publisher: Publisher<Transport, T, ()>,
-    outbound: Outbound,
-    alarm: Alarm,
-    services: Services<Messages<T>>,
-}
+pub struct Writer<T: ChannelMessage>(Publication<T, ()>);
 
 /// A message being filled in the place where its readers will read it. At first it is `T::default()`. If it is dropped, it was never
 /// sent.
@@ -167,32 +44,14 @@ impl<T: ChannelMessage> DerefMut for Loan<T> {
 
 impl<T: ChannelMessage> Writer<T> {
     /// Makes a writer; gives the services back where that must be tried again.
-    pub(crate) fn new(services: Services<Messages<T>>) -> Result<Self, (Services<Messages<T>>, Attempt)> {
-        let alarm = Alarm::default();
-        let make = || {
-            let builder = services.messages.publisher_builder().max_loaned_samples(T::CHANNEL.qos().loans);
-            let publisher = builder.set_degradation_handler(alarm.handler()).create();
-            let publisher = publisher.map_err(|e| publisher_refused(T::CHANNEL, e))?;
-            Ok((publisher, Outbound::new(&services, T::CHANNEL)?))
-        };
-        match make() {
-            Ok((publisher, outbound)) => Ok(Self { publisher, outbound, alarm, services }),
-            Err(attempt) => Err((services, attempt)),
-        }
-    }
-
-    fn reconnect(&mut self) -> Result<(), Error> {
-        if self.alarm.reconnect(&self.publisher, &self.services) {
-            self.outbound.wake_readers()
-        } else {
-            Ok(())
-        }
+    pub(crate) fn new(services: Services<Messages<T>>) -> Result<Self, Refused<Messages<T>>> {
+        Publication::new(services, T::CHANNEL, |builder| builder).map(Self)
     }
 
     /// From now on this writer waits for the readers of these roles: before each [`Writer::send`], [`crate::Node::wait_for_room`]
     /// must have returned [`Wake::Room`]. Only for sources that can wait; `pace` tells why. No roles make it live again.
     pub fn follow(&mut self, readers: &[RoleId]) {
-        self.outbound.follow(readers);
+        self.0.follow(readers);
     }
 
     /// A place for one message in shared memory.
@@ -200,13 +59,13 @@ impl<T: ChannelMessage> Writer<T> {
     /// # Errors
     /// [`Error::Transport`] when more loans are open than the channel has.
     pub fn loan(&self) -> Result<Loan<T>, Error> {
-        let sample = self.publisher.loan_uninit().map_err(|e| self.outbound.error("loaning", e))?;
+        let sample = self.0.publisher().loan_uninit().map_err(|e| self.0.error("loaning", e))?;
         Ok(Loan(sample.write_payload(T::default())))
     }
 
     /// Epoch and `seq` of the newest message that was sent; `seq` is 0 before the first.
     pub fn newest(&self) -> (u64, u64) {
-        (self.outbound.epoch(), self.outbound.seq())
+        self.0.newest()
     }
 
     /// Numbers the message, sends it and wakes the readers. Returns its `seq`.
@@ -214,33 +73,23 @@ impl<T: ChannelMessage> Writer<T> {
     /// # Errors
     /// [`Error::NoRoomYet`] when the writer is paced and nobody waited for room; [`Error::Transport`].
     pub fn send(&mut self, mut loan: Loan<T>) -> Result<u64, Error> {
-        self.outbound.check_room()?;
-        self.outbound.stamp(loan.stamp_mut());
-        loan.0.send().map_err(|e| self.outbound.error("sending", e))?;
-        self.outbound.sent()?;
-        self.reconnect()?;
-        Ok(self.outbound.seq())
+        self.0.number(loan.stamp_mut())?;
+        self.0.send(loan.0)
     }
 }
 
 impl<T: ChannelMessage> sealed::Poll for Writer<T> {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
-        let publisher = &self.publisher;
-        self.outbound.poll(|| {
-            publisher.update_connections().map_err(|e| Error::transport(T::CHANNEL, "connecting a reader", e))
-        })?;
-        self.reconnect()?;
-        Ok(None)
+        self.0.poll()
     }
 
     fn fd(&self) -> BorrowedFd<'_> {
-        self.outbound.fd()
+        self.0.fd()
     }
 }
 
 impl<T: ChannelMessage> sealed::Room for Writer<T> {
     fn make_room(&mut self) -> Result<bool, Error> {
-        sealed::Poll::poll(self)?;
-        Ok(self.outbound.make_room())
+        self.0.make_room()
     }
 }

@@ -6,11 +6,10 @@ mod station;
 use andon_ipc::{Node, Stop, Writer};
 use andon_plc::c_abi::*;
 use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, VerdictLevel, VerdictOutcome};
-use station::TestStation;
+use station::{TestStation, start_reader};
 use std::ffi::{CStr, CString};
-use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command};
 use std::time::Duration;
 
 /// Where cargo puts `libandon_plc.so` of this build: beside this test.
@@ -38,15 +37,7 @@ fn compiled(out: &Path) -> PathBuf {
 }
 
 fn started(program: &Path, station: &TestStation, count: &str) -> (Child, impl Iterator<Item = String>) {
-    let mut child = Command::new(program)
-        .args(["plctest", count])
-        .arg(station.station.root())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
-    assert_eq!(lines.next().as_deref(), Some("open"));
-    (child, lines)
+    start_reader(Command::new(program).args(["plctest", count]).arg(station.station.root()))
 }
 
 #[test]

@@ -5,9 +5,8 @@ mod python;
 mod station;
 
 use shm_schemas::{Layout, Verdict};
-use station::TestStation;
-use std::io::{BufRead, BufReader};
-use std::process::{Command, Stdio};
+use station::{TestStation, start_reader};
+use std::process::Command;
 use std::time::Duration;
 
 fn example() -> String {
@@ -26,15 +25,9 @@ fn a_python_program_reads_every_verdict_as_it_was_written() {
     let python = python::python();
     let station = TestStation::new();
     let mut judge = station.judge();
-    let mut child = Command::new(python)
-        .arg(example())
-        .args(["plctest", "--count", "300", "--root"])
-        .arg(station.station.root())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
-    assert_eq!(lines.next().as_deref(), Some("open"));
+    let mut program = Command::new(python);
+    program.arg(example()).args(["plctest", "--count", "300", "--root"]).arg(station.station.root());
+    let (mut child, lines) = start_reader(&mut program);
     for number in 1..=300 {
         judge.send(number);
         judge.idle(Duration::from_millis(1));

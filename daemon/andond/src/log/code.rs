@@ -100,7 +100,7 @@ table! {
         "Look at the product; the reason names what was missing";
     WARN 308 OVERLOAD: "a step lasted longer than can be compared, and could not be judged",
         "Teach the job in shorter activities: a step of more than 2048 frames, about a minute at 30 Hz, is not compared";
-    INFO 309 COMMAND: "the PLC or a person gave a command", "";
+    INFO 309 COMMAND: "the PLC gave a command", "";
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",
         "Check the order of the commands against the register map";
     WARN 311 NO_JOB: "no job is selected: nothing is judged",
@@ -112,7 +112,7 @@ table! {
     ERROR 402 DISK_FULL: "the journal cannot be written",
         "Make room on the disk or lower journal.keep_mb, and see that the folder of journal.path exists and that the role's user may write there; until then the PLC reads `error`";
     ERROR 403 JOURNAL_LOCKED: "another program holds the journal's lock",
-        "Close that program: `fuser -v` names it when given the file; `andond history` needs no lock and may run";
+        "Close that program: `fuser -v FILE` names it; `andond history` needs no lock and may run";
     ERROR 404 JOURNAL_DAMAGED: "the journal's database is damaged or of a newer version",
         "Move the file away, and the next start makes a new one; `sqlite3 .recover` may repair the old one, and a newer one opens in the version of Andon that wrote it";
     WARN 405 JOURNAL_GAP: "verdicts were lost before they could be written; the gap is recorded",

@@ -7,7 +7,7 @@
 use std::time::{Duration, Instant};
 
 use andon_ipc::{FrameReader, FrameSample, MonotonicTime, Node, Paced, Port, Reader, Sample, Wake};
-use shm_schemas::{Couples, Detections, Health, Journalled, Stamp, Verdict, flag};
+use shm_schemas::{Couples, Detections, Journalled, Stamp, Verdict, flag};
 
 use super::{Liveness, RoleError, WAIT};
 
@@ -307,4 +307,3 @@ impl Flagged for Couples {
 
 impl Flagged for Verdict {}
 impl Flagged for Journalled {}
-impl Flagged for Health {}

@@ -178,6 +178,7 @@ mod tests {
         let wanted = Wanted { job_id: job().id, model_hash: 0 };
         let search = search(&[("broken.toml", "no job"), ("unfit.toml", &unfit.to_toml())], wanted);
         assert!(search.found.is_empty(), "{search:?}");
+        assert_eq!(search.refusal, Some(Refusal::Unfit));
         let [broken, unfit] = search.skipped.as_slice() else { unreachable!("{search:?}") };
         assert!(broken.contains("broken.toml"), "{broken}");
         assert!(unfit.contains("unfit.toml") && unfit.contains("no object 999"), "{unfit}");
@@ -187,6 +188,7 @@ mod tests {
     fn another_version_is_skipped_and_both_versions_are_named() {
         let wanted = Wanted { job_id: job().id, model_hash: 1 };
         let search = search(&[("one.toml", &job().to_toml())], wanted);
+        assert_eq!(search.refusal, Some(Refusal::OtherVersion));
         let reason = search.skipped.concat();
         assert!(reason.contains(&format!("{:016x}", job().model_hash())), "{reason}");
         assert!(reason.contains("0000000000000001 is wanted"), "{reason}");

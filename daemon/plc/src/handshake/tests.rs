@@ -482,6 +482,7 @@ fn start_needs_ready_and_makes_busy_and_load_waits_for_the_end() {
     lost.tick(Line::Fault { fault: Fault::Camera, detail: 0 }, 0);
     set(&mut lost, control::START);
     assert_eq!((lost.image(0).refused, lost.next_command(0)), (control::START, None));
+    assert_eq!(lost.image(0).refusal, u16::from(Refusal::NotReady.code()));
 }
 
 #[test]
@@ -497,6 +498,22 @@ fn before_enable_is_written_the_judge_is_told_not_to_watch_and_commands_are_refu
     let refused = control::LOAD_JOB | control::START | control::ABORT;
     machine.write(Control { word: refused, ..ENABLED }, 0);
     assert_eq!((machine.image(0).refused, machine.next_command(0)), (refused, None));
+    assert_eq!(machine.image(0).refusal, u16::from(Refusal::NotEnabled.code()));
+}
+
+#[test]
+fn an_acknowledgement_of_nothing_and_a_command_too_many_are_refused() {
+    let (mut machine, _) = ready_with_journal(WRITES);
+    set(&mut machine, control::ACKNOWLEDGE);
+    let image = machine.image(0);
+    let nothing_offered = u16::from(Refusal::NothingOffered.code());
+    assert_eq!((image.refused, image.refusal), (control::ACKNOWLEDGE, nothing_offered));
+    for _ in 0..100 {
+        set(&mut machine, 0);
+        set(&mut machine, control::ABORT);
+    }
+    let image = machine.image(0);
+    assert_eq!((image.refused, image.refusal), (control::ABORT, u16::from(Refusal::TooMany.code())));
 }
 
 #[test]

@@ -2,6 +2,8 @@
 
 use andon_ipc::{Limits, Node, POLL_PERIOD, Station, Steward, Stop, Writer};
 use shm_schemas::{RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+use std::io::{BufRead as _, BufReader};
+use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -37,6 +39,14 @@ impl TestStation {
         let node = Node::open(&self.station, RoleId::Judge, PATIENCE, &Stop::new().unwrap()).unwrap();
         Judge { verdicts: node.writer().unwrap(), node }
     }
+}
+
+/// Starts a program that reads verdicts. Returns it when it has opened the station, with the lines that it will print.
+pub(crate) fn start_reader(program: &mut Command) -> (Child, impl Iterator<Item = String> + use<>) {
+    let mut child = program.stdout(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
+    assert_eq!(lines.next().as_deref(), Some("open"));
+    (child, lines)
 }
 
 impl Drop for TestStation {

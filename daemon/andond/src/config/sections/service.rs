@@ -226,3 +226,22 @@ impl Log {
         );
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_role_has_the_deadline_of_its_own_key() {
+        let mut health = Health::default();
+        for (index, (_, deadline_ms)) in (0..).zip(health.deadlines()) {
+            *deadline_ms = 100 + index;
+        }
+        let keys = health.deadlines().map(|(key, _)| key);
+        for (index, key) in (0..).zip(keys) {
+            let role = RoleId::ALL.iter().find(|role| key == format!("{}_deadline_ms", role.name()));
+            let deadline = role.and_then(|role| health.deadline(*role));
+            assert_eq!(deadline, Some(Duration::from_millis(100 + index)), "{key}");
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Track files and job files come from outside: what cannot be trusted is refused, with its place and the reason.
+
+#![allow(clippy::unwrap_used)]
+
+use andon_learn::job_file::{JobFault, JobFile};
+use andon_learn::recording;
+
+/// A track file with these parts of its header, and one frame.
+fn tracks(hands: &str, objects: &str, frame: &str) -> String {
+    format!(
+        "{{\"format\":\"andon.tracks\",\"version\":1,\"rate_hz\":30,\"space\":\"plane\",\"landmarks\":5,\
+         \"hands\":[{hands}],\"objects\":[{objects}]}}\n{frame}\n"
+    )
+}
+
+/// A frame of a track file with one object and the right hand.
+fn frame(frame: &str) -> String {
+    tracks("\"right\"", r#"{"id":5,"interaction_points":[[0,0,0]]}"#, frame)
+}
+
+fn hand(entry: &str) -> String {
+    frame(&format!("{{\"t\":0,\"hands\":[{entry}]}}"))
+}
+
+fn object(entry: &str) -> String {
+    frame(&format!("{{\"t\":0,\"objects\":[{entry}]}}"))
+}
+
+#[test]
+fn a_track_file_that_cannot_be_trusted_is_refused_with_its_line_and_the_reason() {
+    const OBJECT: &str = r#"{"id":5,"p":[0,0,0],"q":[1,0,0,0]}"#;
+    const HAND: &str = r#"{"id":"right","landmarks":[[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0]]}"#;
+    recording::read("good", object(OBJECT).as_bytes()).unwrap();
+    recording::read("good", hand(HAND).as_bytes()).unwrap();
+
+    let nine_points = format!("{{\"id\":5,\"interaction_points\":[{}]}}", ["[0,0,0]"; 9].join(","));
+    let thirty_three: Vec<_> =
+        (1..=33).map(|id| format!("{{\"id\":{id},\"interaction_points\":[[0,0,0]]}}")).collect();
+    let cases = [
+        (String::new(), 1, "the header is missing"),
+        ("{\"form".into(), 1, "the header is missing"),
+        (frame("").replace("andon.tracks", "other"), 1, "the format is \"other\""),
+        (frame("").replace("\"version\":1", "\"version\":2"), 1, "version 2 of the track format is unknown"),
+        (frame("").replace("30", "0"), 1, "rate_hz is 0; it must be in greater than 0"),
+        (frame("").replace(":5,\"hands\"", ":6,\"hands\""), 1, "\"landmarks\" is 6"),
+        (tracks("\"right\",\"right\"", "", ""), 1, "the right hand occurs twice"),
+        (tracks("", r#"{"id":0,"interaction_points":[[0,0,0]]}"#, ""), 1, "an object has id 0"),
+        (tracks("", r#"{"id":5,"interaction_points":[]}"#, ""), 1, "object 5 has 0 interaction points"),
+        (tracks("", &nine_points, ""), 1, "object 5 has 9 interaction points"),
+        (tracks("", &thirty_three.join(","), ""), 1, "there are 33 objects"),
+        (tracks("", r#"{"id":5,"interaction_points":[[0,0,1e9]]}"#, ""), 1, "an interaction point is"),
+        (frame("{\"t\":0}\n{\"t\":0}"), 3, "t is 0 s after 0 s"),
+        (frame("{\"t\":-1}"), 2, "t is -1; it must be in 0 to 1e9 seconds"),
+        (frame("{\"t\":\"now\"}"), 2, "invalid type"),
+        (frame(&" ".repeat((1 << 20) + 1)), 2, "the line is longer than"),
+        (hand(&HAND.replace("right", "left")), 2, "the left hand is not in the header"),
+        (hand(&HAND.replace("\"id\"", "\"score\":2,\"id\"")), 2, "score is 2"),
+        (hand(&HAND.replacen("[0,0,0],", "", 1)), 2, "a hand has 4 landmarks"),
+        (hand(&HAND.replacen("[0,0,0]", "[0,0,1e9]", 1)), 2, "a landmark is"),
+        (hand(&[HAND; 2].join(",")), 2, "the right hand occurs twice"),
+        (object(&OBJECT.replace('5', "6")), 2, "object 6 is not in the header"),
+        (object(&OBJECT.replace("[1,", "[2,")), 2, "q of object 5 has length 2"),
+        (object(&[OBJECT; 2].join(",")), 2, "object 5 occurs twice"),
+    ];
+    for (text, line, reason) in cases {
+        let error = recording::read("bad", text.as_bytes()).unwrap_err();
+        assert_eq!(error.line, line, "{error}");
+        assert!(error.to_string().contains(reason), "{error}: not {reason:?}");
+    }
+}
+
+#[test]
+fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+    let good = std::fs::read_to_string(path).unwrap();
+    let invalid = JobFile { max_slowdown: 0.5, ..JobFile::parse(path, good.as_bytes()).unwrap() };
+    let refused = |bytes: &[u8]| JobFile::parse("job.toml", bytes).unwrap_err().fault;
+    assert!(matches!(refused(b"a\xff"), JobFault::NotText(1)));
+    assert!(matches!(refused(b"format = "), JobFault::Toml(_)));
+    assert!(matches!(refused(good.replace("andon.job", "other").as_bytes()), JobFault::Format(_)));
+    assert!(matches!(
+        refused(good.replacen("version = 1", "version = 99", 1).as_bytes()),
+        JobFault::Version(99)
+    ));
+    assert!(matches!(refused(invalid.to_toml().as_bytes()), JobFault::Invalid { .. }));
+}
