@@ -1,5 +1,5 @@
-//! A connection that fails once leaves no role deaf: the failure is injected into every file of shared memory that a role of the line makes or opens,
-//! one after the other, so on every channel and at both of its ends.
+//! A connection that fails once leaves no role deaf: the failure is injected into every connection that a role of the line makes, of
+//! messages and of events, one after the other, so on every channel and at both of its ends.
 //!
 //! `tests/ipc_deaf.rs` does the same to single ports; here the roles themselves must come through, and the journal and the PLC must have
 //! every verdict, or a gap that stands for it.
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A library in which one call of `shm_open` fails as when a process has no file descriptor left for a moment. It leaves a note.
+/// A library in which one call of `shm_open` for a connection fails as when a process has no file descriptor left for a moment. It leaves a note.
 const SHIM: &str = r#"
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -22,13 +22,15 @@ const SHIM: &str = r#"
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/types.h>
 static atomic_int calls;
 int shm_open(const char *name, int flags, mode_t mode) {
     static int (*real)(const char *, int, mode_t);
     if (!real) *(void **)&real = dlsym(RTLD_NEXT, "shm_open");
     const char *fails = getenv("SHIM_FAILS"), *note = getenv("SHIM_NOTE");
-    if (fails && note && atomic_fetch_add(&calls, 1) + 1 == atoi(fails)) {
+    int connects = strstr(name, ".connection") || strstr(name, ".data") || strstr(name, ".event_mgmt");
+    if (fails && note && connects && atomic_fetch_add(&calls, 1) + 1 == atoi(fails)) {
         FILE *file = fopen(note, "w");
         if (file) {
             fputs(name, file);
@@ -115,7 +117,8 @@ impl Bench {
     fn until_whole(&mut self, role: &'static str, fails: usize) {
         let what = |line: &Line, what: &str, watcher: &Watcher| {
             let health = watcher.describe_health();
-            panic!("{role}, call {fails}: {what}; {health:?}\n{}\n{}", line.log(role), line.log("plc"))
+            let hit = std::fs::read_to_string(line.path("note")).unwrap_or_default();
+            panic!("{role}, call {fails}, {hit}: {what}; {health:?}\n{}\n{}", line.log(role), line.log("plc"))
         };
         let until = Instant::now() + PATIENCE;
         if role == "plc" {

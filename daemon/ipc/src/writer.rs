@@ -8,7 +8,7 @@ use crate::event;
 use crate::pace::Pace;
 use crate::service::{Attempt, Messages, Services};
 use crate::station::Transport;
-use crate::wait::{Wake, sealed};
+use crate::wait::{LOOK_AGAIN, Wake, sealed};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
@@ -18,6 +18,7 @@ use iceoryx2::sample_mut::SampleMut;
 use shm_schemas::{RoleId, Stamp};
 use std::ops::{Deref, DerefMut};
 use std::os::fd::BorrowedFd;
+use std::time::Instant;
 
 /// What every writer has besides its publisher: numbers, events and pace.
 #[derive(Debug)]
@@ -28,6 +29,8 @@ pub(crate) struct Outbound {
     pace: Pace,
     epoch: u64,
     seq: u64,
+    /// When readers that came up were looked for.
+    looked: Instant,
 }
 
 impl Outbound {
@@ -46,6 +49,7 @@ impl Outbound {
             pace: Pace::live(),
             epoch: MonotonicTime::now().nanoseconds(),
             seq: 0,
+            looked: Instant::now(),
         })
     }
 
@@ -85,8 +89,12 @@ impl Outbound {
             Some(role) => pace.caught_up(role),
             None => came_up |= id == event::UP,
         })?;
-        if came_up {
+        // A reader whose event could not be delivered gets the history all the same. It looks by itself as often.
+        if came_up || self.looked.elapsed() >= LOOK_AGAIN {
+            self.looked = Instant::now();
             connect()?;
+        }
+        if came_up {
             // Those that came up may have the history now.
             self.wake_readers()?;
         }
