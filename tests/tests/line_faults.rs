@@ -68,10 +68,10 @@ fn a_disk_that_is_full_is_logged_and_what_was_confirmed_stays() {
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     line.start_all_but(&["steward", "journal"]);
-    // No file may grow over 200 blocks. The signal is ignored, so that the write fails as it does on a full disk.
+    // No file may grow over 400 blocks. The signal is ignored, so that the write fails as it does on a full disk.
     let log = std::fs::File::create(line.path("journal.log")).unwrap();
     let mut journal = Command::new("sh")
-        .args(["-c", "trap '' XFSZ; ulimit -f 200; exec \"$0\" run journal -c \"$1\" 2>&1"])
+        .args(["-c", "trap '' XFSZ; ulimit -f 400; exec \"$0\" run journal -c \"$1\" 2>&1"])
         .arg(andond())
         .arg(line.config())
         .stdout(log)

@@ -179,6 +179,8 @@ table! {
         "Correct what is listed; `andond check -c FILE` checks a file without starting anything";
     WARN 802 CONFIGURATION_CHANGED: "the configuration files have changed since the line started, and do not count yet",
         "Check them with `andond check -c FILE`, then restart the station's target when no job is running: `systemctl restart andon@NAME.target`";
+    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration cannot be kept: a role that starts again reads the files as they are then",
+        "Make room in the file system of station.root, and restart the station's target";
 }
 
 /// The index page, `daemon/andond/CODES.md`. The test that holds the page against the table is its only caller.

@@ -15,20 +15,21 @@ use crate::taken;
 
 /// Runs until it is asked to stop.
 pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(), RoleError> {
-    let steward = Steward::create(station, limits(config))?;
+    // Dropped last: it cleans up when nobody else is in the station, and its own node is somebody.
+    let mut steward = Steward::create(station, limits(config))?;
     if let Err(error) = taken::keep(config) {
-        // The line runs all the same; a role that starts again then reads the files.
-        log!(code::CONFIGURATION_CHANGED, "no copy of the configuration can be kept: {error}");
+        log!(code::CONFIGURATION_NOT_KEPT, "{}: {error}", station.root().display());
     }
     // Its own predecessor may still be in the list of the writers: the others wait for that as well.
     let node = Node::open(station, RoleId::Steward, PATIENCE, stop)?.with_configuration(config.hash());
-    let mut role = Reaper { steward, config, auditor: Auditor::open(&node)?, unreaped: Vec::new() };
+    let mut role =
+        Reaper { steward: &mut steward, config, auditor: Auditor::open(&node)?, unreaped: Vec::new() };
     Cycle::new(&node)?.run(&mut role)?;
     Ok(())
 }
 
 struct Reaper<'c> {
-    steward: Steward,
+    steward: &'c mut Steward,
     config: &'c Config,
     auditor: Auditor,
     /// What is still there is found again at every look, and logged once.
