@@ -68,19 +68,24 @@ codes! {
     }
 }
 
-wire! { "andon.Health", 120;
+wire! { "andon.Health", 136;
     /// How a role is doing. Counts are since its start.
     struct Health {
         /// The stamp, with the newest frame that the role has processed.
         stamp: Stamp,
         /// Messages sent on the role's data channel.
         sent: u64,
+        /// The epoch of the writer of that channel; 0 where it has sent nothing. With `sent`, which is then the newest `seq`,
+        /// a reader knows what must have come.
+        sent_epoch: u64,
         /// Messages received on the role's data channel.
         received: u64,
         /// Messages that it did not get or skipped, by the gaps in `seq`, and frames that their source itself lost.
         losses: u64,
         /// Messages that it received and could not use.
         refused: u64,
+        /// A hash of the configuration that the role runs with.
+        configuration: u64,
         /// CLOCK_MONOTONIC since when `sight` is what it is; 0 where it says nothing.
         sight_since_ns: u64,
         /// Steps per second in the last period.

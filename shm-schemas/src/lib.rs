@@ -12,6 +12,7 @@
 //! | `health` | [`Health`] |
 //! | `command` | [`Command`] |
 //! | `judging` | [`Judging`] |
+//! | `audit` | [`Audit`] |
 //!
 //! Every message begins with a [`Stamp`]. Every type has a [`Layout`]: a hash of the names, types and offsets of its fields.
 //! It is an attribute of the service, so that two builds which disagree never exchange messages.
@@ -24,6 +25,7 @@
 #![no_std]
 
 mod account;
+mod audit;
 mod code;
 mod command;
 mod couples;
@@ -36,6 +38,7 @@ mod stamp;
 mod verdict;
 
 pub use account::{Account, AccountKept, AccountUpdate, Journalled, WAITING_RESULTS};
+pub use audit::{Audit, AuditKind};
 pub use code::UnknownCode;
 pub use command::{Command, CommandKind};
 pub use couples::{Couples, HandCouple};

@@ -170,7 +170,8 @@ def an_upgrade_keeps_what_was_changed_and_the_line_comes_back(machine, seen):
         machine.must(*install, timeout=300)
         assert config.read_text() == changed, f"{package} has overwritten the configuration"
         restarted = lambda: all_active(machine) and all(machine.unit(unit(role))["MainPID"] != before[role] for role in ROLES)
-        until(restarted, f"the line does not come back after {package}", 60)
+        # It waits for the end of the job that runs.
+        until(restarted, f"the line does not come back after {package}", 120)
         verdicts_go_on(machine)
     assert machine.must("dpkg-query", "-W", "-f", "${Version}", "andon") == seen["newer"]
 

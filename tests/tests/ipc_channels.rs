@@ -316,7 +316,7 @@ fn health_is_sent_when_the_state_changes_and_carries_the_counts() {
     let mut heartbeat = Heartbeat::new(&node).unwrap();
     assert!(heartbeat.beat().unwrap());
     heartbeat.received(&Stamp { seq: 1, frame_seq: 9, captured_ns: 8, sent_ns: 7, epoch: 6 });
-    heartbeat.sent();
+    heartbeat.sent((7, 1));
     heartbeat.refused();
     heartbeat.losses(5, 1);
     (1..=100).for_each(|millis| heartbeat.stepped(Duration::from_millis(millis)));
@@ -332,4 +332,44 @@ fn health_is_sent_when_the_state_changes_and_carries_the_counts() {
     // The histogram is accurate to 1 %.
     assert!(health.p50_us.abs_diff(50_000) <= 500, "{}", health.p50_us);
     assert!(health.p99_us.abs_diff(99_000) <= 990, "{}", health.p99_us);
+}
+
+#[test]
+fn a_member_notices_that_the_root_was_removed_or_replaced() {
+    let bench = Bench::new("rootless");
+    let _steward = bench.steward();
+    let node = bench.node(RoleId::Encode);
+    node.check_root().unwrap();
+    std::fs::rename(bench.station.root(), bench.station.root().with_extension("old")).unwrap();
+    assert!(matches!(node.check_root(), Err(Error::RootVanished { .. })));
+    std::fs::create_dir(bench.station.root()).unwrap();
+    assert!(matches!(node.check_root(), Err(Error::RootVanished { .. })), "another one of the same name");
+    std::fs::remove_dir(bench.station.root()).unwrap();
+    std::fs::rename(bench.station.root().with_extension("old"), bench.station.root()).unwrap();
+    node.check_root().unwrap();
+}
+
+#[test]
+fn the_memory_of_every_port_is_there_before_its_first_message() {
+    let bench = Bench::new("reserved");
+    let _steward = bench.steward();
+    let node = bench.node(RoleId::Judge);
+    let _reader = node.reader::<Verdict>().unwrap();
+    let _writer = node.writer::<Verdict>().unwrap();
+    let _frames = node.frame_writer().unwrap();
+    for name in bench.shared_files() {
+        let meta = std::fs::metadata(format!("/dev/shm/{name}")).unwrap();
+        let held = std::os::unix::fs::MetadataExt::blocks(&meta) * 512;
+        assert!(held >= meta.len(), "{name}: {held} of {} bytes; the rest may be a SIGBUS", meta.len());
+    }
+}
+
+#[test]
+fn a_station_is_in_use_while_anybody_is_in_it() {
+    let bench = Bench::new("in-use");
+    assert!(!bench.station.is_in_use());
+    let steward = bench.steward();
+    assert!(bench.station.is_in_use());
+    drop(steward);
+    assert!(!bench.station.is_in_use());
 }

@@ -35,14 +35,6 @@ fn a_role_without_a_steward_logs_that_and_ends_with_the_code_that_systemd_restar
 }
 
 #[test]
-fn a_root_that_is_deleted_ends_the_steward_and_the_log_has_the_remedy() {
-    let (mut line, _watcher) = up(Settings::live());
-    std::fs::remove_dir_all(line.station.root()).unwrap();
-    assert_eq!(line.role("steward").wait().code(), Some(70));
-    line.wait_for_log("steward", "AND-606", "keep cleaners of temporary files away");
-}
-
-#[test]
 fn a_journal_whose_database_is_locked_waits_and_loses_nothing() {
     let (mut line, mut watcher) = up(Settings::live());
     // As when somebody opens the database by hand and leaves a transaction open.
@@ -76,10 +68,10 @@ fn a_disk_that_is_full_is_logged_and_what_was_confirmed_stays() {
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     line.start_all_but(&["steward", "journal"]);
-    // No file may grow over 200 blocks. The signal is ignored, so that the write fails as it does on a full disk.
+    // No file may grow over 400 blocks. The signal is ignored, so that the write fails as it does on a full disk.
     let log = std::fs::File::create(line.path("journal.log")).unwrap();
     let mut journal = Command::new("sh")
-        .args(["-c", "trap '' XFSZ; ulimit -f 200; exec \"$0\" run journal -c \"$1\" 2>&1"])
+        .args(["-c", "trap '' XFSZ; ulimit -f 400; exec \"$0\" run journal -c \"$1\" 2>&1"])
         .arg(andond())
         .arg(line.config())
         .stdout(log)
@@ -99,26 +91,6 @@ fn a_disk_that_is_full_is_logged_and_what_was_confirmed_stays() {
     watcher.listen(Duration::ZERO);
     assert_eq!(line.journal().unexplained(&[sent]), []);
     assert!(line.journal().verdicts().starts_with(&rows));
-}
-
-#[test]
-fn a_file_that_is_no_journal_is_refused_and_not_touched() {
-    let mut line = Line::new(Settings::default());
-    let path = line.path("journal.sqlite");
-    std::fs::write(&path, vec![b'x'; 4096]).unwrap();
-    line.start("steward");
-    assert_eq!(line.start("journal").wait().code(), Some(78));
-    line.wait_for_log("journal", "AND-404", "move it away");
-    assert_eq!(std::fs::read(&path).unwrap(), vec![b'x'; 4096]);
-}
-
-#[test]
-fn a_modbus_port_that_is_taken_is_logged_with_the_remedy() {
-    let mut line = Line::new(Settings::default());
-    let _taken = std::net::TcpListener::bind(("127.0.0.1", line.port)).unwrap();
-    line.start("steward");
-    assert_eq!(line.start("plc").wait().code(), Some(70));
-    line.wait_for_log("plc", "AND-506", "Another program has it");
 }
 
 #[test]

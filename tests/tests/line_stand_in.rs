@@ -7,8 +7,8 @@ use andon_learn::job_file::JobFile;
 use andon_tests::line::{Line, Modbus, Settings, Watcher};
 use rustix::process::Signal;
 use shm_schemas::{
-    ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Intrinsics, RoleId, Verdict,
-    VerdictLevel, VerdictOutcome, flag,
+    ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
+    RoleState, Verdict, VerdictLevel, VerdictOutcome, flag,
 };
 use std::path::Path;
 use std::time::Duration;
@@ -195,4 +195,57 @@ fn a_bench_that_the_depth_does_not_show_and_frames_that_the_camera_lost_are_repo
     watcher.until("the losses", |watcher| {
         watcher.health(RoleId::Perceive).is_some_and(|health| health.losses == 3)
     });
+}
+
+/// Says that a role has sent this many messages, of which its reader must know.
+fn claim(line: &Line, role: RoleId, epoch: u64, sent: u64, until: impl Fn() -> bool) {
+    let node = stand_in(line, role);
+    let mut health = node.writer::<Health>().unwrap();
+    let end = std::time::Instant::now() + PATIENCE;
+    while !until() {
+        assert!(std::time::Instant::now() < end, "nobody notices:\n{}", line.log("judge"));
+        let mut message = health.loan().unwrap();
+        (message.role, message.state) = (role.code(), RoleState::Running.code());
+        (message.sent_epoch, message.sent) = (epoch, sent);
+        health.send(message).unwrap();
+        node.wait(&mut [&mut health], Duration::from_millis(100)).unwrap();
+    }
+}
+
+#[test]
+fn a_judge_that_does_not_hear_encode_says_so_and_opens_its_channel_again() {
+    let mut line = Line::new(Settings::default());
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start("judge");
+    claim(&line, RoleId::Encode, 7, 40, || line.log("judge").contains("AND-616"));
+    line.wait_for_log("judge", "AND-616", "40 messages of encode have not come");
+    watcher.until("the judge's state", |watcher| watcher.is(RoleId::Judge, RoleState::Fault));
+    // What is sent then comes, through the connection that was made anew.
+    let mut encode = Sender::<Couples>::new(&line, RoleId::Encode, &[RoleId::Judge]);
+    encode.send(|message| message.described_ns = INTERVAL_NS);
+    watcher.until("the judge", |watcher| watcher.is(RoleId::Judge, RoleState::Running));
+}
+
+#[test]
+fn a_journal_that_does_not_hear_the_judge_is_not_healthy_and_hears_it_again() {
+    let mut line = Line::new(Settings::default());
+    line.start("steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start("journal");
+    claim(&line, RoleId::Judge, 7, 3, || line.log("journal").contains("AND-616"));
+    watcher.until("the journal's fault", |watcher| watcher.is(RoleId::Journal, RoleState::Fault));
+    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[RoleId::Journal]);
+    judge.send(job_done);
+    watcher.until("the journal", |watcher| watcher.is(RoleId::Journal, RoleState::Running));
+    line.stop();
+    assert_eq!(line.journal().verdicts().len(), 1);
+}
+
+#[test]
+fn a_role_whose_first_message_never_comes_says_so() {
+    let mut line = Line::new(Settings::default());
+    line.start("steward");
+    line.start("judge");
+    line.wait_for_log("judge", "AND-610", "nothing has come since the start");
 }

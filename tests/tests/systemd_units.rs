@@ -120,6 +120,25 @@ fn only_capture_sees_devices_and_only_plc_sees_the_network() {
 }
 
 #[test]
+fn a_role_that_ends_by_itself_is_always_started_again_unless_that_cannot_help() {
+    let common = std::fs::read_to_string(shipped().join("andon-@.service.d/10-common.conf")).unwrap();
+    for line in ["Restart=always", "RestartPreventExitStatus=64 78", "StartLimitIntervalSec=0"] {
+        assert!(common.lines().any(|found| found == line), "{line}");
+    }
+}
+
+#[test]
+fn every_setting_of_processor_and_memory_has_its_reason_before_it() {
+    let common = std::fs::read_to_string(shipped().join("andon-@.service.d/10-common.conf")).unwrap();
+    let lines: Vec<&str> = common.lines().collect();
+    for setting in ["CPUWeight=", "MemoryHigh=", "OOMPolicy=", "OOMScoreAdjust="] {
+        let at = lines.iter().position(|line| line.starts_with(setting));
+        let at = at.unwrap_or_else(|| panic!("{setting} is not set"));
+        assert!(lines[at - 1].starts_with("# "), "{setting} has no reason");
+    }
+}
+
+#[test]
 fn sysusers_makes_the_user_that_the_units_run_as() {
     let root = tempfile::tempdir().unwrap();
     std::fs::create_dir(root.path().join("etc")).unwrap();

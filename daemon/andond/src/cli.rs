@@ -50,6 +50,12 @@ pub enum Command {
     Status(Status),
     /// Query the journal
     History(History),
+    /// Write jobs, configuration and journal of a station to one file, also while it runs
+    Backup(Backup),
+    /// Put back what `andond backup` wrote; the station must not run
+    Restore(Restore),
+    /// Wait until no job is running; exit 0: none is, 1: one still is
+    Idle(Idle),
     /// Compare and cluster the IUs of a folder of recordings; write a report
     Analyze(Analyze),
     /// Repeat an experiment of the paper on a folder of recordings
@@ -207,6 +213,9 @@ pub struct Run {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
+    /// Take the files as they are, also where the running line has taken others
+    #[arg(long)]
+    pub as_given: bool,
     /// The role
     #[arg(value_enum)]
     pub role: Role,
@@ -304,9 +313,49 @@ pub struct History {
     /// Show only anomalies and what could not be judged
     #[arg(long)]
     pub nok: bool,
+    /// Show who has changed what instead: commands, job loads, configuration, program
+    #[arg(long, conflicts_with_all = ["job", "nok"])]
+    pub audit: bool,
     /// Print comma-separated values instead of a table
     #[arg(long)]
     pub csv: bool,
+}
+
+/// `andond backup`
+#[derive(Debug, Args)]
+pub struct Backup {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The archive to write (tar)
+    pub archive: PathBuf,
+}
+
+/// `andond restore`
+#[derive(Debug, Args)]
+pub struct Restore {
+    /// The archive that `andond backup` wrote
+    pub archive: PathBuf,
+    /// Only show what is in it, and check it
+    #[arg(long)]
+    pub list: bool,
+    /// Replace files that are there and differ
+    #[arg(long)]
+    pub replace: bool,
+    /// Put the files under this folder instead of where they were
+    #[arg(long, value_name = "FOLDER")]
+    pub into: Option<PathBuf>,
+}
+
+/// `andond idle`
+#[derive(Debug, Args)]
+pub struct Idle {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// How long to wait, in seconds
+    #[arg(long, default_value_t = 300)]
+    pub timeout: u32,
 }
 
 /// `andond analyze`

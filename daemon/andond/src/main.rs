@@ -36,7 +36,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Teach(arguments) => tool::teach::run(&arguments)?.into(),
         Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
         Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),
-        Command::Run(arguments) => role::run(arguments.role, &tool::load_config(&arguments.config)?).into(),
+        Command::Run(arguments) => role::run(arguments.role, &tool::take_config(&arguments)?).into(),
         Command::Calibrate(arguments) => tool::calibrate::run(&arguments)?.into(),
         Command::Record(arguments) => tool::record::run(&arguments)?.into(),
         Command::Check(arguments) => tool::check::run(&arguments)?.into(),
@@ -44,6 +44,9 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Tail(arguments) => tool::tail::run(&arguments)?.into(),
         Command::Status(arguments) => tool::status::run(&arguments)?.into(),
         Command::History(arguments) => tool::history::run(&arguments)?.into(),
+        Command::Backup(arguments) => tool::backup::run(&arguments)?.into(),
+        Command::Restore(arguments) => tool::restore::run(&arguments)?.into(),
+        Command::Idle(arguments) => tool::idle::run(&arguments)?.into(),
         Command::Analyze(arguments) => tool::analyze::run(&arguments)?.into(),
         Command::Experiment(arguments) => tool::experiment::run(&arguments)?.into(),
     };

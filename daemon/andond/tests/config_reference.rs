@@ -35,7 +35,8 @@ fn the_reference_changes_no_default() {
     let demo = shipped("config/stations/demo.toml");
     let alone = Config::load(&[&demo]).unwrap();
     let over_reference = Config::load(&[&shipped("config/andon.toml"), &demo]).unwrap();
-    assert_eq!(alone, over_reference);
+    assert_eq!(alone.hash(), over_reference.hash());
+    assert_eq!(alone, Config { files: alone.files.clone(), ..over_reference });
 }
 
 #[test]

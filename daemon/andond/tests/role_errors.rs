@@ -45,10 +45,11 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
     let station = || "bench1".to_owned();
     let (root, lock) = (PathBuf::new(), PathBuf::new());
     let address = ([127, 0, 0, 1], 502).into();
-    let errors: [(RoleError, u32, Code); 26] = [
+    let errors: [(RoleError, u32, Code); 29] = [
         (open(OpenError::Refused), 105, Code::Configuration),
         (open(OpenError::NotAllowed), 107, Code::Fault),
         (open(OpenError::Gone), 108, Code::Fault),
+        (open(OpenError::NoRecording), 108, Code::Configuration),
         (RoleError::Source(String::new()), 108, Code::Fault),
         (TrackReader::new("empty.tracks.jsonl", &b""[..]).err().unwrap().into(), 108, Code::Configuration),
         (open(OpenError::Unfit), 109, Code::Fault),
@@ -67,6 +68,8 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
         (JournalError::Export(io()).into(), 402, Code::Fault),
         (JournalError::Locked { path: PathBuf::new(), waiting: 0 }.into(), 403, Code::Fault),
         (JournalError::Newer { path: PathBuf::new(), found: 2, known: 1 }.into(), 404, Code::Configuration),
+        (JournalError::Removed { path: PathBuf::new() }.into(), 407, Code::Fault),
+        (JournalError::PutAside { path: PathBuf::new(), source: io() }.into(), 408, Code::Fault),
         (andon_plc::modbus::ServeError::Bind { address, source: io() }.into(), 506, Code::Fault),
         (Ipc::NoRoom { free_mib: 1, needed_mib: 2 }.into(), 603, Code::Fault),
         (Ipc::StewardRunning { station: station(), lock }.into(), 604, Code::Fault),

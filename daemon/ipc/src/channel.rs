@@ -1,8 +1,8 @@
 //! The channels of a station and their quality of service.
 
 use shm_schemas::{
-    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Judging,
-    Layout, Message, Verdict,
+    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FrameHeader, Health, Journalled,
+    Judging, Layout, Message, Verdict,
 };
 use std::fmt;
 
@@ -29,11 +29,13 @@ pub enum Channel {
     Command,
     /// From judge to plc and the tools: what it is doing, and what became of the last command.
     Judging,
+    /// From the roles to journal: who has changed what.
+    Audit,
 }
 
 impl Channel {
     /// Every channel.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Frame,
         Self::Detections,
         Self::Couple,
@@ -44,6 +46,7 @@ impl Channel {
         Self::Health,
         Self::Command,
         Self::Judging,
+        Self::Audit,
     ];
 
     /// The name in service names and logs.
@@ -59,6 +62,7 @@ impl Channel {
             Self::Health => "health",
             Self::Command => "command",
             Self::Judging => "judging",
+            Self::Audit => "audit",
         }
     }
 
@@ -99,6 +103,10 @@ impl Channel {
             // Only the newest counts. A history of 1, for a reader that starts later: plc, the tools and programs in C.
             Self::Judging => {
                 Qos { buffer: 4, history: 1, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
+            }
+            // Each writer keeps what was done while the journal was away; a person does less than that in such a time.
+            Self::Audit => {
+                Qos { buffer: 64, history: 32, borrowed: 2, readers: 2, writers: 8, loans: 2, burst: 31 }
             }
             // No history: a judge that starts must not obey a command from before its start.
             Self::Command => {
@@ -176,6 +184,10 @@ impl ChannelMessage for Command {
     const CHANNEL: Channel = Channel::Command;
 }
 
+impl ChannelMessage for Audit {
+    const CHANNEL: Channel = Channel::Audit;
+}
+
 /// Bytes of one message of a channel; for frames the maximum.
 pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
     match channel {
@@ -189,6 +201,7 @@ pub(crate) fn message_bytes(channel: Channel, frame_bytes: usize) -> usize {
         Channel::Health => size_of::<Health>(),
         Channel::Command => size_of::<Command>(),
         Channel::Judging => size_of::<Judging>(),
+        Channel::Audit => size_of::<Audit>(),
     }
 }
 

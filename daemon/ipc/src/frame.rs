@@ -65,6 +65,11 @@ impl FrameWriter {
         Ok(())
     }
 
+    /// Epoch and `seq` of the newest frame that was sent; `seq` is 0 before the first.
+    pub fn newest(&self) -> (u64, u64) {
+        self.publication.newest()
+    }
+
     /// From now on this writer waits for the readers of these roles, as with [`crate::Writer::follow`].
     pub fn follow(&mut self, readers: &[RoleId]) {
         self.publication.follow(readers);
@@ -197,6 +202,17 @@ impl FrameReader {
             newest = Some(sample);
         }
         Ok(newest)
+    }
+
+    /// The newest `seq` of this epoch of the writer that has come; 0 where none has.
+    pub fn newest_of(&self, epoch: u64) -> u64 {
+        self.subscription.losses().newest_of(epoch)
+    }
+
+    /// Makes the connection anew with the next look, although iceoryx2 has not said that one could not be made. What was lost
+    /// meanwhile is counted, and what the writer still has comes.
+    pub fn make_anew(&mut self) {
+        self.subscription.recreate();
     }
 
     /// Frames received, including those that were skipped.

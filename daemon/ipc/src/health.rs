@@ -37,6 +37,7 @@ impl Heartbeat {
             role: node.role().code(),
             state: RoleState::Starting.code(),
             pid: std::process::id(),
+            configuration: node.configuration(),
             ..Health::default()
         };
         // Two digits: 1 % is finer than any decision that depends on it.
@@ -60,9 +61,9 @@ impl Heartbeat {
         self.steps.saturating_record(micros.clamp(1, MAX_STEP_US));
     }
 
-    /// A message was sent on the role's data channel.
-    pub fn sent(&mut self) {
-        self.counts.sent += 1;
+    /// This is the newest message that was sent on the role's data channel: epoch and `seq`.
+    pub fn sent(&mut self, (epoch, seq): (u64, u64)) {
+        (self.counts.sent_epoch, self.counts.sent) = (epoch, seq);
     }
 
     /// The losses and restarts so far, as the reader counts them.

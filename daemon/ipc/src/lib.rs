@@ -45,7 +45,8 @@
 //! | a reader hangs | the reader, when it goes on | [`Reader::lost`]; nobody waits for it, unless the writer is paced |
 //! | a connection cannot be made | the port at its end | it is recreated with its history, until that works |
 //! | two builds meet | the process that opens a port | [`Error::LayoutMismatch`] |
-//! | the root directory vanishes | the steward | [`Error::RootVanished`] |
+//! | the root directory vanishes | the steward, and everybody who asks | [`Error::RootVanished`], [`Node::check_root`] |
+//! | /dev/shm fills up | the process that makes a port | [`Error::NoRoom`]: what a port may use is reserved when it is made |
 #![deny(unsafe_code)]
 
 mod channel;

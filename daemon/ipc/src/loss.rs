@@ -34,6 +34,12 @@ impl LossCounter {
         self.newest.iter().any(|&(known, seq)| known == epoch && seq != 0)
     }
 
+    /// The newest `seq` of this epoch; 0 where nothing of it has come.
+    pub(crate) fn newest_of(&self, epoch: u64) -> u64 {
+        let known = self.newest.iter().find(|(known, seq)| *known == epoch && *seq != 0);
+        known.map_or(0, |(_, seq)| *seq)
+    }
+
     /// Notes a message. `from_start`: if its epoch is new, this reader was there for every message of it.
     pub(crate) fn note(&mut self, stamp: &Stamp, from_start: bool) -> Arrival {
         let known = self.newest.iter_mut().find(|(epoch, seq)| *epoch == stamp.epoch && *seq != 0);

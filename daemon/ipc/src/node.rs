@@ -27,6 +27,8 @@ pub struct Node {
     role: RoleId,
     patience: Duration,
     stop: Stop,
+    configuration: u64,
+    root_identity: (u64, u64),
     _members_lock: File,
 }
 
@@ -48,7 +50,41 @@ impl Node {
         let members_lock = enter(station, |_| Ok(()))?;
         let node = join(station, role.name())?;
         let (station, stop) = (station.clone(), stop.clone());
-        Ok(Self { node, station, role, patience, stop, _members_lock: members_lock })
+        let root_identity = station
+            .root_identity()
+            .map_err(|source| Error::RootNotWritable { root: station.root().into(), source })?;
+        Ok(Self {
+            node,
+            station,
+            role,
+            patience,
+            stop,
+            configuration: 0,
+            root_identity,
+            _members_lock: members_lock,
+        })
+    }
+
+    /// Says with which configuration this process runs, as a hash, for its health.
+    #[must_use]
+    pub fn with_configuration(self, configuration: u64) -> Self {
+        Self { configuration, ..self }
+    }
+
+    /// The hash of the configuration; 0 where it was not said.
+    pub fn configuration(&self) -> u64 {
+        self.configuration
+    }
+
+    /// Whether the station is still the one that was joined. A process that starts after its directory was removed is in another.
+    ///
+    /// # Errors
+    /// [`Error::RootVanished`] when the root is no longer the directory that was joined.
+    pub fn check_root(&self) -> Result<(), Error> {
+        if self.station.root_identity().ok() == Some(self.root_identity) {
+            return Ok(());
+        }
+        Err(Error::RootVanished { root: self.station.root().into() })
     }
 
     /// The station.
@@ -70,7 +106,7 @@ impl Node {
     ///
     /// # Errors
     /// [`Error::NoSteward`], [`Error::LayoutMismatch`], [`Error::TooManyPorts`], [`Error::Stopped`],
-    /// [`Error::Transport`].
+    /// [`Error::NoRoom`], [`Error::Transport`].
     pub fn reader<T: ChannelMessage>(&self) -> Result<Reader<T>, Error> {
         let services = self.services::<_, T>(T::CHANNEL)?;
         self.make(T::CHANNEL, services, |services| Reader::new(services, self.role))
@@ -129,14 +165,16 @@ impl Node {
         make: impl Fn(S) -> Result<P, (S, Attempt)>,
     ) -> Result<P, Error> {
         let mut services = Some(services);
-        self.retry(channel, || {
+        let port = self.retry(channel, || {
             // It is there: each attempt that failed has given it back.
             let taken = services.take().ok_or(Attempt::Again(None))?;
             make(taken).map_err(|(given_back, attempt)| {
                 services = Some(given_back);
                 attempt
             })
-        })
+        })?;
+        self.station.reserve()?;
+        Ok(port)
     }
 
     fn services<S: Provide, T: Layout>(&self, channel: Channel) -> Result<S, Error> {

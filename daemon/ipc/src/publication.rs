@@ -8,7 +8,7 @@ use crate::event;
 use crate::pace::Pace;
 use crate::service::{Attempt, Header, Payload, PublishSubscribe, Refused, Services};
 use crate::station::Transport;
-use crate::wait::{Wake, sealed};
+use crate::wait::{LOOK_AGAIN, Wake, sealed};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
@@ -19,6 +19,7 @@ use iceoryx2::service::port_factory::publisher::PortFactoryPublisher;
 use shm_schemas::{RoleId, Stamp};
 use std::fmt::Debug;
 use std::os::fd::BorrowedFd;
+use std::time::Instant;
 
 /// The sending end of a channel: payload `P` with header `H`.
 #[derive(Debug)]
@@ -128,6 +129,8 @@ struct Outbound {
     pace: Pace,
     epoch: u64,
     seq: u64,
+    /// When readers that came up were looked for.
+    looked: Instant,
 }
 
 impl Outbound {
@@ -146,6 +149,7 @@ impl Outbound {
             pace: Pace::live(),
             epoch: MonotonicTime::now().nanoseconds(),
             seq: 0,
+            looked: Instant::now(),
         })
     }
 
@@ -185,8 +189,12 @@ impl Outbound {
             Some(role) => pace.caught_up(role),
             None => came_up |= id == event::UP,
         })?;
-        if came_up {
+        // A reader whose event could not be delivered gets the history all the same. It looks by itself as often.
+        if came_up || self.looked.elapsed() >= LOOK_AGAIN {
+            self.looked = Instant::now();
             connect()?;
+        }
+        if came_up {
             // Those that came up may have the history now.
             self.wake_readers()?;
         }

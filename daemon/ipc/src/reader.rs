@@ -42,6 +42,17 @@ impl<T: ChannelMessage> Reader<T> {
         Ok(sample.map(Sample))
     }
 
+    /// The newest `seq` of this epoch of the writer that has come; 0 where none has.
+    pub fn newest_of(&self, epoch: u64) -> u64 {
+        self.0.losses().newest_of(epoch)
+    }
+
+    /// Makes the connection anew with the next look, although iceoryx2 has not said that one could not be made. What was lost
+    /// meanwhile is counted, and what the writer still has comes.
+    pub fn make_anew(&mut self) {
+        self.0.recreate();
+    }
+
     /// Messages received.
     pub fn received(&self) -> u64 {
         self.0.losses().received

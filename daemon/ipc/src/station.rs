@@ -4,7 +4,7 @@ use crate::channel::{Channel, message_bytes};
 use crate::error::Error;
 use iceoryx2::node::{Node as IceNode, NodeState, NodeView};
 use iceoryx2::prelude::*;
-use rustix::fs::statvfs;
+use rustix::fs::{FallocateFlags, fallocate, statvfs};
 use shm_schemas::STATION_BYTES;
 use std::fs;
 use std::io;
@@ -18,6 +18,9 @@ const MAX_ROOT_BYTES: usize = 59;
 
 /// Where Linux keeps shared memory.
 const SHM: &str = "/dev/shm";
+
+/// Every member holds it shared. A process that gets it exclusively is alone in the station.
+pub(crate) const MEMBERS_LOCK: &str = "members.lock";
 
 /// What queues, services and events take besides the messages: 11 MiB were measured with every port in use; rounded up.
 const MANAGEMENT_BYTES: u64 = 16 << 20;
@@ -166,6 +169,12 @@ impl Station {
         Ok(config)
     }
 
+    /// Whether any process has joined, dead ones that nobody has removed not counted.
+    pub fn is_in_use(&self) -> bool {
+        let lock = fs::File::options().read(true).open(self.root.join(MEMBERS_LOCK));
+        lock.is_ok_and(|lock| lock.try_lock().is_err())
+    }
+
     /// Makes the root and checks that this user can write to it.
     pub(crate) fn make_root(&self) -> Result<(), Error> {
         let probe = self.root.join(format!(".write-probe-{}", std::process::id()));
@@ -191,6 +200,32 @@ impl Station {
         let held = self.held_bytes().map_err(Error::SharedMemory)?;
         if free.saturating_add(held) < needed {
             return Err(Error::NoRoom { free_mib: free >> 20, needed_mib: needed >> 20 });
+        }
+        Ok(())
+    }
+
+    /// Takes the memory of every file of this station in /dev/shm for good. Otherwise the kernel takes it at the first write, and ends the
+    /// process with SIGBUS where there is none left.
+    ///
+    /// # Errors
+    /// [`Error::NoRoom`] when /dev/shm is full.
+    pub(crate) fn reserve(&self) -> Result<(), Error> {
+        let prefix = self.shm_prefix();
+        // What cannot be listed or opened now belongs to somebody who is making or removing it.
+        for entry in fs::read_dir(SHM).map_err(Error::SharedMemory)?.flatten() {
+            if !entry.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
+                continue;
+            }
+            let is_whole = |meta: &fs::Metadata| meta.blocks() * 512 >= meta.len();
+            let Some(bytes) = entry.metadata().ok().filter(|meta| !is_whole(meta)).map(|meta| meta.len())
+            else {
+                continue;
+            };
+            let Ok(file) = fs::File::options().read(true).write(true).open(entry.path()) else { continue };
+            if fallocate(&file, FallocateFlags::empty(), 0, bytes) == Err(rustix::io::Errno::NOSPC) {
+                let free = statvfs(SHM).map_or(0, |stat| stat.f_bavail.saturating_mul(stat.f_frsize));
+                return Err(Error::NoRoom { free_mib: free >> 20, needed_mib: (bytes >> 20).max(1) });
+            }
         }
         Ok(())
     }

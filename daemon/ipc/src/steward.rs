@@ -4,12 +4,12 @@ use crate::channel::{Channel, ChannelMessage, layout_text};
 use crate::error::Error;
 use crate::leftovers::{self, Death};
 use crate::service::{Frames, Messages, Provide, Refusal, Services, other_build};
-use crate::station::{Limits, Station, Transport};
+use crate::station::{Limits, MEMBERS_LOCK, Station, Transport};
 use iceoryx2::node::Node as IceNode;
 use iceoryx2::prelude::*;
 use shm_schemas::{
-    AccountKept, AccountUpdate, Command, Couples, Detections, FrameHeader, Health, Journalled, Judging,
-    Layout, Verdict,
+    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FrameHeader, Health, Journalled,
+    Judging, Layout, Verdict,
 };
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -19,11 +19,11 @@ use std::time::Duration;
 /// The period of [`Steward::poll`]: the longest time until a reader hears that its writer was killed.
 pub const POLL_PERIOD: Duration = Duration::from_millis(100);
 
+/// Once per second.
+const POLLS_PER_RESERVATION: u32 = 10;
+
 /// The steward holds it exclusively.
 const STEWARD_LOCK: &str = "steward.lock";
-
-/// Every member holds it shared. A process that gets it exclusively is alone in the station.
-const MEMBERS_LOCK: &str = "members.lock";
 
 /// Attempts to create a channel. Each removes one leftover, and a channel has three services.
 const ATTEMPTS: u32 = 8;
@@ -37,6 +37,7 @@ pub struct Steward {
     node: IceNode<Transport>,
     station: Station,
     root_identity: (u64, u64),
+    polls: u32,
     _last_one_out: LastOneOut,
     _steward_lock: File,
 }
@@ -69,6 +70,7 @@ struct AllServices {
     _health: Services<Messages<Health>>,
     _command: Services<Messages<Command>>,
     _judging: Services<Messages<Judging>>,
+    _audit: Services<Messages<Audit>>,
 }
 
 impl Steward {
@@ -99,12 +101,15 @@ impl Steward {
             _health: create_messages(&node, station, limits)?,
             _command: create_messages(&node, station, limits)?,
             _judging: create_messages(&node, station, limits)?,
+            _audit: create_messages(&node, station, limits)?,
         };
+        station.reserve()?;
         Ok(Self {
             _services: services,
             node,
             station: station.clone(),
             root_identity,
+            polls: 0,
             _last_one_out: last_one_out,
             _steward_lock: steward_lock,
         })
@@ -118,6 +123,11 @@ impl Steward {
     pub fn poll(&mut self) -> Result<Vec<Death>, Error> {
         if self.station.root_identity().ok() != Some(self.root_identity) {
             return Err(Error::RootVanished { root: self.station.root().into() });
+        }
+        self.polls = self.polls.wrapping_add(1);
+        if self.polls.is_multiple_of(POLLS_PER_RESERVATION) {
+            // Of connections that were made since: each port has reserved its own. Where there is no room now, there may be later.
+            let _ = self.station.reserve();
         }
         Ok(leftovers::reap(&self.node))
     }

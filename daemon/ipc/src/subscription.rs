@@ -70,6 +70,11 @@ impl<P: Payload + ?Sized, H: Header> Subscription<P, H> {
         &self.inbound.losses
     }
 
+    /// Recreates the subscriber with the next look, although iceoryx2 has not said that a connection could not be made.
+    pub(crate) fn recreate(&mut self) {
+        self.alarm.raise();
+    }
+
     /// Recreates the subscriber after a connection could not be made. What the others had delivered has been taken by then.
     fn repair(&mut self) -> Result<(), Error> {
         if !self.alarm.is_due() {

@@ -13,7 +13,7 @@ const MAX_PORTS: usize = 8;
 
 /// A wait that has blocked for this long looks at its ports again. It finds nothing unless two notifiers of one listener met in
 /// the one interleaving that `event::drain` cannot repair; then a message is late by this much, once, instead of lost.
-const LOOK_AGAIN: Duration = Duration::from_millis(250);
+pub(crate) const LOOK_AGAIN: Duration = Duration::from_millis(250);
 
 /// Why a wait ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,10 +5,19 @@ use std::io::{self, Write};
 
 use jiff::Timestamp;
 
+use super::audit::Deed;
 use super::history::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
                       threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc\r\n";
+
+pub(super) const DEEDS_HEADER: &str = "utc,kind,who,what\r\n";
+
+/// Writes the line of what was done. These are words of people, so they are quoted.
+pub(super) fn write_deed(deed: &Deed, out: &mut dyn Write) -> io::Result<()> {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    write!(out, "{},{},{},{}\r\n", utc(deed.utc_ns), deed.kind, quoted(&deed.who), quoted(&deed.what))
+}
 
 /// Writes the line of an entry.
 pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
@@ -19,7 +28,7 @@ pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     }
 }
 
-// No field needs quoting: they are numbers, names of codes, and the station's name, which consists of a-z, 0-9 and -.
+// No field of these needs quoting: they are numbers, names of codes, and the station's name, which consists of a-z, 0-9 and -.
 fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     write!(
         out,

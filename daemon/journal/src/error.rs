@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 use rusqlite::ErrorCode;
 use thiserror::Error;
 
+/// `SQLITE_READONLY_DBMOVED`.
+const READONLY_DBMOVED: i32 = rusqlite::ffi::SQLITE_READONLY_DBMOVED;
+
 /// A fault of the journal. Its message ends with the remedy.
 #[derive(Debug, Error)]
 pub enum JournalError {
@@ -21,6 +24,24 @@ pub enum JournalError {
         waiting: usize,
         /// The cause that SQLite gives.
         source: rusqlite::Error,
+    },
+    /// It was removed or replaced while it was open.
+    #[error(
+        "the journal {path} was removed while it was in use: what was in it is gone, and a new one begins"
+    )]
+    Removed {
+        /// The database.
+        path: PathBuf,
+    },
+    /// A damaged one cannot be put aside.
+    #[error(
+        "the journal {path} is damaged and cannot be put aside: {source}; let the role's user write in its folder"
+    )]
+    PutAside {
+        /// The database.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
     },
     /// Another process holds its lock.
     #[error(
@@ -44,9 +65,7 @@ pub enum JournalError {
         source: rusqlite::Error,
     },
     /// The file is damaged, or is no journal.
-    #[error(
-        "{path} is damaged or no journal: {source}; move it away (`sqlite3 .recover` may repair it), and the next start creates a new one"
-    )]
+    #[error("{path} is damaged or no journal: {source}; `sqlite3 .recover` may repair a copy of it")]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -85,6 +104,12 @@ impl JournalError {
             // A quota, a file size limit and a broken disk are reported as I/O errors and have the same remedy.
             Some(ErrorCode::DiskFull | ErrorCode::SystemIoFailure) => Self::Full { path, waiting, source },
             Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => Self::Locked { path, waiting },
+            // The file was deleted or renamed under the connection, and SQLite has noticed it.
+            Some(ErrorCode::ReadOnly)
+                if source.sqlite_error().is_some_and(|error| error.extended_code == READONLY_DBMOVED) =>
+            {
+                Self::Removed { path }
+            }
             Some(ErrorCode::CannotOpen | ErrorCode::ReadOnly | ErrorCode::PermissionDenied) => {
                 Self::Open { path, source }
             }

@@ -4,8 +4,9 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
-use shm_schemas::{Sight, VerdictLevel, VerdictOutcome, verdict_kind};
+use shm_schemas::{RoleId, Sight, VerdictLevel, VerdictOutcome, verdict_kind};
 
+use super::audit::Deed;
 use super::error::JournalError;
 use super::row::{signed, unsigned};
 use super::{csv, table};
@@ -78,28 +79,36 @@ pub struct Gap {
     /// When the first verdict after it was decided, nanoseconds since 1970 UTC.
     pub utc_ns: u64,
     /// `lost`: they never arrived, or the queue was full. `restart`: the judge has restarted, and verdicts from before may be
-    /// missing. `retention`: they were removed because of their age or number.
+    /// missing. `retention`: they were removed because of their age or number. `removed`: the database was removed under its
+    /// writer. `damaged`: it was damaged and put aside.
     pub why: String,
     /// Their epoch; for `retention` that of the newest.
     pub epoch: u64,
     /// Number of the first.
     pub first_seq: u64,
-    /// Number of the last; `None` where it is unknown whether any is missing.
+    /// Number of the last; `None` where it is unknown whether any is missing, or which.
     pub last_seq: Option<u64>,
 }
 
-/// A time in which the line did not see its bench, in nanoseconds since 1970 UTC.
+/// A time in which the line did not watch, in nanoseconds since 1970 UTC.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotWatching {
     /// Its begin.
     pub began_utc_ns: u64,
     /// Its end; `None` while it lasts, and where nobody saw its end.
     pub ended_utc_ns: Option<u64>,
-    /// A word of [`Sight`].
+    /// A word of [`Sight`], or what was down.
     pub why: String,
 }
 
 impl NotWatching {
+    /// Whether the line watched all the same: only a process beside the data path was down.
+    pub(super) fn is_beside(&self) -> bool {
+        [RoleId::Steward, RoleId::Journal, RoleId::Plc]
+            .iter()
+            .any(|role| self.why.strip_suffix(" was down") == Some(role.name()))
+    }
+
     /// What was wrong, in a sentence; the word itself where this build does not know it.
     pub(super) fn meaning(&self) -> &str {
         let sight = Sight::ALL.iter().find(|sight| sight.name() == self.why);
@@ -119,6 +128,9 @@ pub enum Format {
 
 /// Writes the line of an entry.
 type WriteEntry = fn(&Entry, &mut dyn Write) -> io::Result<()>;
+
+/// Writes the line of what was done.
+type WriteDeed = fn(&Deed, &mut dyn Write) -> io::Result<()>;
 
 /// A reader of the journal.
 #[derive(Debug)]
@@ -172,6 +184,58 @@ impl History {
         out.write_all(header.as_bytes())?;
         self.visit(query, |entry| Ok(write_entry(&entry, out)?))?;
         Ok(out.flush()?)
+    }
+
+    /// Calls `visit` with everything that was done since this time, nanoseconds since 1970 UTC, oldest first.
+    ///
+    /// # Errors
+    /// As [`History::visit`].
+    pub fn visit_deeds(
+        &self,
+        since_utc_ns: Option<u64>,
+        mut visit: impl FnMut(Deed) -> Result<(), JournalError>,
+    ) -> Result<(), JournalError> {
+        let failed = |source| JournalError::of(&self.path, 0, source);
+        let query = "SELECT utc_ns, kind, who, what FROM audit WHERE utc_ns >= ?1 ORDER BY id";
+        let mut statement = self.connection.prepare(query).map_err(failed)?;
+        let mut rows = statement.query(params![since_utc_ns.map_or(0, signed)]).map_err(failed)?;
+        while let Some(row) = rows.next().map_err(failed)? {
+            let deed = || -> rusqlite::Result<Deed> {
+                let utc_ns = row.get("utc_ns").map(unsigned)?;
+                Ok(Deed { utc_ns, kind: row.get("kind")?, who: row.get("who")?, what: row.get("what")? })
+            };
+            visit(deed().map_err(failed)?)?;
+        }
+        Ok(())
+    }
+
+    /// Writes everything that was done since this time.
+    ///
+    /// # Errors
+    /// As [`History::write`].
+    pub fn write_deeds(
+        &self,
+        since_utc_ns: Option<u64>,
+        format: Format,
+        out: &mut impl Write,
+    ) -> Result<(), JournalError> {
+        let (header, write_deed): (_, WriteDeed) = match format {
+            Format::Csv => (csv::DEEDS_HEADER, csv::write_deed),
+            Format::Table => (table::DEEDS_HEADER, table::write_deed),
+        };
+        out.write_all(header.as_bytes())?;
+        self.visit_deeds(since_utc_ns, |deed| Ok(write_deed(&deed, out)?))?;
+        Ok(out.flush()?)
+    }
+
+    /// Writes a copy of the whole journal as it is at this moment, also while it is being written, to a file that does not exist.
+    ///
+    /// # Errors
+    /// [`JournalError`] of the database, or why the copy cannot be written.
+    pub fn copy_to(&self, copy: &Path) -> Result<(), JournalError> {
+        let failed = |source| JournalError::of(&self.path, 0, source);
+        self.connection.execute("VACUUM INTO ?1", params![copy.to_string_lossy()]).map_err(failed)?;
+        Ok(())
     }
 
     /// Calls `visit` with every entry, oldest first. Only one is held in memory, since there may be millions.

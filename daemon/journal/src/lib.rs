@@ -12,9 +12,11 @@
 #![forbid(unsafe_code)]
 
 mod account;
+mod audit;
 mod csv;
 mod error;
 mod history;
+mod place;
 mod retention;
 mod row;
 mod schema;
@@ -26,11 +28,12 @@ mod tests;
 
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use rusqlite::{Connection, TransactionBehavior};
 use shm_schemas::{Account, Verdict};
 
+pub use audit::Deed;
 pub use error::JournalError;
 pub use history::{Entry, Format, Gap, History, NotWatching, Query, Record};
 pub use retention::Retention;
@@ -67,6 +70,8 @@ pub struct Journal {
     connection: Connection,
     identity: u64,
     path: PathBuf,
+    /// Device and inode of the database that is open.
+    file: Option<(u64, u64)>,
     retention: Retention,
     newest: Option<Confirmed>,
     waiting: VecDeque<Verdict>,
@@ -92,6 +97,7 @@ impl Journal {
             connection,
             identity,
             path: path.into(),
+            file: place::identity(path),
             retention,
             newest,
             waiting,
@@ -101,6 +107,79 @@ impl Journal {
         };
         journal.retain();
         Ok(journal)
+    }
+
+    /// Opens the database as [`Journal::open`] does. A damaged one, and a file that is no database, is put aside under a name with the
+    /// time, a new one begins, and a gap stands for what was in the old one. Returns the name, if there is one.
+    ///
+    /// # Errors
+    /// As [`Journal::open`], and where the file cannot be renamed.
+    pub fn open_or_replace(
+        path: &Path,
+        retention: Retention,
+    ) -> Result<(Self, Option<PathBuf>), JournalError> {
+        match Self::open(path, retention) {
+            Err(JournalError::Damaged { .. }) => {
+                let (journal, aside) = Self::replace(path, retention, None)?;
+                Ok((journal, Some(aside)))
+            }
+            opened => Ok((opened?, None)),
+        }
+    }
+
+    fn replace(
+        path: &Path,
+        retention: Retention,
+        newest: Option<Confirmed>,
+    ) -> Result<(Self, PathBuf), JournalError> {
+        let moved = place::put_aside(path, &stamp());
+        let aside = moved.map_err(|source| JournalError::PutAside { path: path.into(), source })?;
+        let mut journal = Self::open(path, retention)?;
+        journal.insert_missing("damaged", newest)?;
+        Ok((journal, aside))
+    }
+
+    /// Begins a new database in place of one that was removed or is damaged. The queue is kept, and with it everything that the PLC
+    /// has not been told of; a gap stands for the rest. Returns the name under which a damaged one was put aside.
+    ///
+    /// # Errors
+    /// As [`Journal::open_or_replace`]; the next call tries again.
+    pub fn begin_anew(&mut self) -> Result<Option<PathBuf>, JournalError> {
+        let was_removed = !self.is_in_place();
+        // The old connection is closed first. Where only the log was removed, SQLite then saves what is in it.
+        self.connection = Connection::open_in_memory().map_err(|source| self.failed(source))?;
+        self.file = None;
+        let (mut fresh, aside) = if was_removed {
+            if place::identity(&self.path).is_none() {
+                place::remove_companions(&self.path);
+            }
+            Self::open_or_replace(&self.path, self.retention)?
+        } else {
+            let (fresh, aside) = Self::replace(&self.path, self.retention, self.newest)?;
+            (fresh, Some(aside))
+        };
+        let holds = |newest: Confirmed| {
+            fresh.newest.is_some_and(|fresh| fresh.epoch == newest.epoch && fresh.seq >= newest.seq)
+        };
+        if was_removed && aside.is_none() && self.newest.is_some_and(|newest| !holds(newest)) {
+            fresh.insert_missing("removed", self.newest)?;
+        }
+        // What was on disk is behind the gap: it is neither lost nor written again.
+        fresh.newest = fresh.newest.or(self.newest);
+        (fresh.lost, fresh.removed) = (self.lost, self.removed);
+        std::mem::swap(&mut fresh.waiting, &mut self.waiting);
+        *self = fresh;
+        Ok(aside)
+    }
+
+    /// Whether the database that is open is the one under its path: what is written to another is lost.
+    pub fn is_in_place(&self) -> bool {
+        self.file.is_some() && place::identity(&self.path) == self.file
+    }
+
+    fn insert_missing(&mut self, why: &str, newest: Option<Confirmed>) -> Result<(), JournalError> {
+        let written = row::insert_missing(&self.connection, why, now_utc_ns(), newest);
+        written.map_err(|source| self.failed(source))
     }
 
     /// Queues a verdict for the next [`Journal::flush`]: verdicts that are written together cost one sync. When the queue is full, the
@@ -120,9 +199,16 @@ impl Journal {
     /// Writes the queue. It is on disk when this returns `Ok`. A verdict that was on disk before is not written twice.
     ///
     /// # Errors
-    /// [`JournalError`] when nothing could be written; the queue is kept for the next call.
+    /// [`JournalError`] when nothing could be written; the queue is kept for the next call. [`JournalError::Removed`] when the database has
+    /// gone from its place: [`Journal::begin_anew`] makes another one.
     pub fn flush(&mut self) -> Result<(), JournalError> {
         let (newest, lost) = self.write_waiting().map_err(|source| self.failed(source))?;
+        // After the commit: what was removed before it has taken the rows with it.
+        let has_written = !self.waiting.is_empty();
+        if !self.is_in_place() || has_written && !place::has_log(&self.path) {
+            self.file = None;
+            return Err(JournalError::Removed { path: self.path.clone() });
+        }
         self.newest = newest;
         self.lost += lost;
         // The queue holds at most MAX_WAITING verdicts.
@@ -213,4 +299,17 @@ impl Journal {
     fn failed(&self, source: rusqlite::Error) -> JournalError {
         JournalError::of(&self.path, self.waiting.len(), source)
     }
+}
+
+/// The time as a part of a file's name.
+fn stamp() -> String {
+    let seconds = i64::try_from(now_utc_ns() / 1_000_000_000).unwrap_or_default();
+    jiff::Timestamp::from_second(seconds)
+        .map_or_else(|_| seconds.to_string(), |time| time.strftime("%Y%m%dT%H%M%SZ").to_string())
+}
+
+fn now_utc_ns() -> u64 {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    // 2^64 ns are 584 years.
+    since_1970.as_nanos() as u64
 }

@@ -69,6 +69,10 @@ fn remove(connection: &Connection, last: i64) -> rusqlite::Result<usize> {
         params![last],
     )?;
     connection.execute("DELETE FROM not_watching WHERE before_verdict <= ?1", params![last])?;
+    connection.execute(
+        "DELETE FROM audit WHERE utc_ns < (SELECT decided_utc_ns FROM verdict ORDER BY id LIMIT 1)",
+        params![],
+    )?;
     // The new gap includes the gaps between removed verdicts and the gap of earlier removals.
     connection.execute(
         "DELETE FROM gap WHERE before_verdict <= ?1 OR (why = 'retention' AND id < (SELECT max(id) FROM gap WHERE why = 'retention'))",

@@ -66,6 +66,26 @@ fn insert_gap(
     Ok(())
 }
 
+/// Writes that everything before the next verdict is in no file under this name, up to `newest` where that is known.
+pub(super) fn insert_missing(
+    connection: &Connection,
+    why: &str,
+    utc_ns: u64,
+    newest: Option<Confirmed>,
+) -> rusqlite::Result<()> {
+    connection.execute(
+        "INSERT INTO gap (before_verdict, utc_ns, why, epoch, first_seq, last_seq)
+         VALUES ((SELECT coalesce(max(id), 0) + 1 FROM verdict), ?1, ?2, ?3, 1, ?4)",
+        params![
+            signed(utc_ns),
+            why,
+            signed(newest.map_or(0, |newest| newest.epoch)),
+            newest.map(|newest| signed(newest.seq))
+        ],
+    )?;
+    Ok(())
+}
+
 fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Result<()> {
     let stamp = &verdict.stamp;
     let station = verdict.station.split(|&byte| byte == 0).next().unwrap_or_default();

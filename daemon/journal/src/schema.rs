@@ -94,6 +94,35 @@ pub(super) const MIGRATIONS: &[&str] = &[
         wanted_hash     INTEGER NOT NULL
     ) STRICT;
 ",
+    "
+    -- A gap has more reasons than the three that were known at first.
+    CREATE TABLE new_gap (
+        id             INTEGER PRIMARY KEY,
+        before_verdict INTEGER NOT NULL,     -- id of the first verdict after the gap
+        utc_ns         INTEGER NOT NULL,     -- when that verdict was decided, or the gap was found
+        why            TEXT    NOT NULL,     -- lost, restart, retention, removed, damaged
+        epoch          INTEGER NOT NULL,
+        first_seq      INTEGER NOT NULL,     -- first missing number
+        last_seq       INTEGER               -- last missing number, NULL: unknown whether any is missing
+    ) STRICT;
+    INSERT INTO new_gap SELECT id, before_verdict, utc_ns, why, epoch, first_seq, last_seq FROM gap;
+    DROP TABLE gap;
+    ALTER TABLE new_gap RENAME TO gap;
+    CREATE TABLE audit (                     -- who has changed what
+        id     INTEGER PRIMARY KEY,
+        utc_ns INTEGER NOT NULL,
+        kind   TEXT    NOT NULL,
+        who    TEXT    NOT NULL,
+        what   TEXT    NOT NULL,
+        epoch  INTEGER NOT NULL,             -- of the message that told it: it may come twice
+        seq    INTEGER NOT NULL,
+        UNIQUE (epoch, seq)
+    ) STRICT;
+    CREATE TABLE known (                     -- what the line ran with last
+        kind TEXT PRIMARY KEY,
+        what TEXT NOT NULL
+    ) STRICT;
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

@@ -4,9 +4,17 @@ use std::io::{self, Write};
 
 use jiff::Timestamp;
 
+use super::audit::Deed;
 use super::history::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided (UTC)        what             why           hand   act  iu  context            distance  threshold\n";
+
+pub(super) const DEEDS_HEADER: &str = "when (UTC)           what           who                  said\n";
+
+/// Writes the line of what was done.
+pub(super) fn write_deed(deed: &Deed, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "{:20} {:14} {:20} {}", utc(deed.utc_ns), deed.kind, deed.who, deed.what)
+}
 
 /// Writes the line of an entry.
 pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
@@ -50,7 +58,8 @@ fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
 
 fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()> {
     let end = blind.ended_utc_ns.map_or("?".into(), utc);
-    writeln!(out, "{:20} -- not watching until {end}: {}", utc(blind.began_utc_ns), blind.meaning())
+    let what = if blind.is_beside() { "" } else { "not watching " };
+    writeln!(out, "{:20} -- {what}until {end}: {}", utc(blind.began_utc_ns), blind.meaning())
 }
 
 /// The time to the second, which is enough for a reader, or as a number where it is beyond the calendar.

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use shm_schemas::{NO_INDEX, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{AuditKind, NO_INDEX, VerdictLevel, VerdictOutcome, VerdictReason};
 
 const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
 const DAY_NS: u64 = 86_400_000_000_000;
@@ -311,7 +311,7 @@ fn a_journal_of_a_newer_andon_and_a_file_that_is_no_journal_are_refused_with_a_r
     let other = bench.dir.path().join("other");
     std::fs::write(&other, [b'x'; 5000]).unwrap();
     let error = Journal::open(&other, KEEP).unwrap_err().to_string();
-    assert!(error.contains("no journal") && error.contains("move it away"), "{error}");
+    assert!(error.contains("no journal") && error.contains("sqlite3 .recover"), "{error}");
     let error = Journal::open(&bench.dir.path().join("no/dir"), KEEP).unwrap_err().to_string();
     assert!(error.contains("does its directory exist"), "{error}");
     let error = History::open(&bench.dir.path().join("none")).unwrap_err();
@@ -322,10 +322,10 @@ fn a_journal_of_a_newer_andon_and_a_file_that_is_no_journal_are_refused_with_a_r
 fn a_time_without_sight_is_a_row_with_begin_and_end_before_the_verdict_that_follows_it() {
     let mut bench = Bench::new();
     bench.send(1, [1]);
-    bench.journal.stops_watching(1_500_000_000, shm_schemas::Sight::Black).unwrap();
-    bench.journal.watches_again(1_900_000_000).unwrap();
+    let row = bench.journal.stops_watching(1_500_000_000, shm_schemas::Sight::Black.name()).unwrap();
+    bench.journal.watches_again(row, 1_900_000_000).unwrap();
     bench.send(1, [2]);
-    bench.journal.stops_watching(2_500_000_000, shm_schemas::Sight::TooFewFrames).unwrap();
+    bench.journal.stops_watching(2_500_000_000, shm_schemas::Sight::TooFewFrames.name()).unwrap();
     assert_eq!(
         bench.lines(&Query::default()),
         ["v 1 1", "blind 1500000000 Some(1900000000) Black", "v 1 2", "blind 2500000000 None TooFewFrames"]
@@ -402,4 +402,133 @@ fn the_account_of_the_plc_is_kept_and_before_the_first_it_says_where_the_journal
 #[test]
 fn every_database_has_an_identity_of_its_own() {
     assert_ne!(Bench::new().journal.identity(), Bench::new().journal.identity());
+}
+
+#[test]
+fn a_database_that_is_removed_under_its_writer_confirms_nothing_more_and_a_new_one_begins_with_a_gap() {
+    let mut bench = Bench::new();
+    bench.send(1, 1..=3);
+    for name in ["j.sqlite", "j.sqlite-wal", "j.sqlite-shm"] {
+        let _ = std::fs::remove_file(bench.dir.path().join(name));
+    }
+    let error = bench.append(&verdict(1, 4)).unwrap_err();
+    assert!(matches!(error, JournalError::Removed { .. }), "{error}");
+    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: 3 }), "4 is not confirmed");
+    let identity = bench.journal.identity();
+    assert_eq!(bench.journal.begin_anew().unwrap(), None);
+    assert_ne!(bench.journal.identity(), identity, "its rows are others");
+    bench.journal.flush().unwrap();
+    bench.send(1, [5]);
+    assert_eq!(bench.lines(&Query::default()), ["removed 1 1-3", "v 1 4", "v 1 5"]);
+    assert_eq!(bench.journal.lost(), 0, "what was on disk was not lost on its way");
+}
+
+#[test]
+fn a_database_that_is_replaced_by_another_is_noticed_before_anything_more_is_confirmed() {
+    let mut bench = Bench::new();
+    bench.send(1, 1..=3);
+    let other = Bench::new();
+    drop(Journal::open(&other.path(), KEEP).unwrap());
+    std::fs::rename(bench.path(), bench.dir.path().join("moved")).unwrap();
+    std::fs::copy(other.path(), bench.path()).unwrap();
+    assert!(matches!(bench.append(&verdict(1, 4)), Err(JournalError::Removed { .. })));
+}
+
+#[test]
+fn a_log_that_is_removed_is_noticed_and_what_was_in_it_is_saved() {
+    let mut bench = Bench::new();
+    bench.send(1, 1..=3);
+    std::fs::remove_file(bench.dir.path().join("j.sqlite-wal")).unwrap();
+    assert!(matches!(bench.append(&verdict(1, 4)), Err(JournalError::Removed { .. })));
+    bench.journal.begin_anew().unwrap();
+    bench.journal.flush().unwrap();
+    bench.send(1, [5]);
+    assert_eq!(bench.lines(&Query::default()), ["v 1 1", "v 1 2", "v 1 3", "v 1 4", "v 1 5"]);
+}
+
+#[test]
+fn a_damaged_database_is_put_aside_whole_and_a_new_one_begins_with_a_gap() {
+    let bench = Bench::new();
+    let path = bench.path();
+    drop(bench.journal);
+    std::fs::write(&path, [b'x'; 5000]).unwrap();
+    let (mut journal, aside) = Journal::open_or_replace(&path, KEEP).unwrap();
+    let aside = aside.unwrap();
+    assert_eq!(std::fs::read(&aside).unwrap(), [b'x'; 5000]);
+    assert!(aside.to_string_lossy().contains("j.sqlite.damaged-2"), "{}", aside.display());
+    journal.push(&verdict(3, 1));
+    journal.flush().unwrap();
+    let bench = Bench { dir: bench.dir, journal };
+    assert_eq!(bench.lines(&Query::default()), ["damaged 0 1-?", "v 3 1"]);
+}
+
+#[test]
+fn a_database_that_is_damaged_while_it_is_open_is_put_aside_and_nothing_that_waits_is_lost() {
+    let mut bench = Bench::new();
+    bench.send(1, 1..=40);
+    bench.journal.connection.execute_batch("PRAGMA wal_checkpoint(TRUNCATE)").unwrap();
+    let length = std::fs::metadata(bench.path()).unwrap().len() as usize;
+    std::fs::write(bench.path(), vec![0xA5; length]).unwrap();
+    // Without what it has in memory, it must read the file.
+    bench.journal.connection.execute_batch("PRAGMA shrink_memory").unwrap();
+    let mut seq = 40;
+    let error = loop {
+        seq += 1;
+        assert!(seq < 200, "the damage is never noticed");
+        if let Err(error) = bench.append(&verdict(1, seq)) {
+            break error;
+        }
+    };
+    assert!(matches!(error, JournalError::Damaged { .. }), "{error}");
+    let aside = bench.journal.begin_anew().unwrap().unwrap();
+    assert!(aside.exists());
+    bench.journal.flush().unwrap();
+    let lines = bench.lines(&Query::default());
+    assert_eq!(lines, [format!("damaged 1 1-{}", seq - 1), format!("v 1 {seq}")]);
+}
+
+#[test]
+fn what_was_done_is_kept_once_with_who_and_when_and_a_change_names_what_was_before() {
+    let mut bench = Bench::new();
+    let mut audit = shm_schemas::Audit { utc_ns: 5, kind: AuditKind::Command.code(), ..Default::default() };
+    (audit.stamp.epoch, audit.stamp.seq) = (9, 1);
+    audit.say("192.0.2.7", "enable");
+    bench.journal.record(&audit).unwrap();
+    bench.journal.record(&audit).unwrap();
+    for (at, what) in [(6, "hash 1"), (7, "hash 1"), (8, "hash 2")] {
+        bench.journal.note_change(at, AuditKind::Configuration, "user 0", what).unwrap();
+    }
+    let history = History::open(&bench.path()).unwrap();
+    let mut deeds = Vec::new();
+    let collect = |deed: Deed| {
+        deeds.push(format!("{} {} {}: {}", deed.utc_ns, deed.kind, deed.who, deed.what));
+        Ok(())
+    };
+    history.visit_deeds(None, collect).unwrap();
+    assert_eq!(deeds, ["5 command 192.0.2.7: enable", "8 configuration user 0: hash 2, before: hash 1"]);
+    let mut csv = Vec::new();
+    history.write_deeds(Some(6), Format::Csv, &mut csv).unwrap();
+    let csv = String::from_utf8(csv).unwrap();
+    assert!(csv.ends_with(",configuration,\"user 0\",\"hash 2, before: hash 1\"\r\n"), "{csv}");
+}
+
+#[test]
+fn a_copy_that_is_made_while_the_journal_is_written_is_a_whole_journal() {
+    let mut bench = Bench::new();
+    bench.send(1, 1..=5);
+    let copy = bench.dir.path().join("copy.sqlite");
+    History::open(&bench.path()).unwrap().copy_to(&copy).unwrap();
+    bench.send(1, [6]);
+    let mut count = 0;
+    let visit = |_| {
+        count += 1;
+        Ok(())
+    };
+    History::open(&copy).unwrap().visit(&Query::default(), visit).unwrap();
+    assert_eq!(count, 5);
+    let journal = Journal::open(&copy, KEEP).unwrap();
+    assert_eq!(
+        (journal.identity(), journal.newest()),
+        (bench.journal.identity(), Some(Confirmed { epoch: 1, seq: 5 }))
+    );
 }

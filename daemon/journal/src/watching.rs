@@ -1,34 +1,34 @@
-//! When the line did not see its bench: a row from begin to end.
+//! When the line did not watch: a row from begin to end.
 
 use rusqlite::params;
-use shm_schemas::Sight;
 
-use super::row::signed;
+use super::row::{signed, unsigned};
 use super::{Journal, JournalError};
 
 impl Journal {
-    /// Writes that the line has not seen its bench since this time, in nanoseconds since 1970 UTC.
+    /// Writes that the line has not watched since this time, in nanoseconds since 1970 UTC, and why: a word of [`shm_schemas::Sight`], or
+    /// a sentence. Gives the row, for its end.
     ///
     /// # Errors
     /// [`JournalError`] when it could not be written; nothing is kept for later.
-    pub fn stops_watching(&mut self, began_utc_ns: u64, why: Sight) -> Result<(), JournalError> {
+    pub fn stops_watching(&mut self, began_utc_ns: u64, why: &str) -> Result<u64, JournalError> {
         let written = self.connection.execute(
             "INSERT INTO not_watching (before_verdict, began_utc_ns, why)
              VALUES ((SELECT coalesce(max(id), 0) + 1 FROM verdict), ?1, ?2)",
-            params![signed(began_utc_ns), why.name()],
+            params![signed(began_utc_ns), why],
         );
-        written.map(drop).map_err(|source| self.failed(source))
+        written.map_err(|source| self.failed(source))?;
+        Ok(unsigned(self.connection.last_insert_rowid()))
     }
 
-    /// Writes that the line sees its bench again. A row of an earlier start, whose end nobody saw, stays open.
+    /// Writes the end of that time. A row of an earlier start, whose end nobody saw, stays open.
     ///
     /// # Errors
     /// As [`Journal::stops_watching`].
-    pub fn watches_again(&mut self, ended_utc_ns: u64) -> Result<(), JournalError> {
+    pub fn watches_again(&mut self, row: u64, ended_utc_ns: u64) -> Result<(), JournalError> {
         let written = self.connection.execute(
-            "UPDATE not_watching SET ended_utc_ns = ?1
-             WHERE id = (SELECT max(id) FROM not_watching) AND ended_utc_ns IS NULL",
-            params![signed(ended_utc_ns)],
+            "UPDATE not_watching SET ended_utc_ns = ?2 WHERE id = ?1",
+            params![signed(row), signed(ended_utc_ns)],
         );
         written.map(drop).map_err(|source| self.failed(source))
     }

@@ -25,8 +25,13 @@ pub fn open(config: &Config) -> Result<Box<dyn Source>, OpenError> {
     let camera = &config.camera;
     let path = camera.path.clone().unwrap_or_default();
     match camera.source {
-        Configured::Video | Configured::Images => recording::open(&path, camera.rate_hz.into())
-            .map_err(|message| OpenError::Gone(format!("{}: {message}", path.display()))),
+        Configured::Video | Configured::Images => {
+            recording::open(&path, camera.rate_hz.into()).map_err(|message| {
+                let message = format!("{}: {message}", path.display());
+                // What was moved may be moved back; what is no film stays none.
+                if path.exists() { OpenError::NoRecording(message) } else { OpenError::Gone(message) }
+            })
+        }
         Configured::V4l2 => Ok(Box::new(device::Device::open(camera)?)),
         Configured::Tracks => Err(OpenError::Refused(
             "a track file has no pictures: the role perceive plays it, capture is not needed".into(),

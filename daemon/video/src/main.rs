@@ -1,5 +1,6 @@
 //! `andond-video`: the role `capture` and the films of the tools.
 //!
+//! `andond-video check` opens the camera or the recording of a configuration once, for `andond check`.
 //! `andond-video run capture` is the role, into which `andond run capture` turns itself. `andond-video decode FILE RATE_HZ` (the rate is that of
 //! a folder of pictures) and `andond-video encode FILE` serve the tools over a pipe, see [`andond::video`].
 #![forbid(unsafe_code)]
@@ -17,8 +18,10 @@ use shm_schemas::RoleId;
 
 fn main() -> ExitCode {
     exit::exit_on_panic();
-    if let Ok(Cli { command: Command::Run(run), .. }) = Cli::try_parse() {
-        return run_capture(&run);
+    match Cli::try_parse() {
+        Ok(Cli { command: Command::Run(run), .. }) => return run_capture(&run),
+        Ok(Cli { command: Command::Check(check), .. }) => return check_source(&check),
+        _ => (),
     }
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let outcome = match arguments.as_slice() {
@@ -35,11 +38,30 @@ fn main() -> ExitCode {
     }
 }
 
+/// Opens what the configuration names, and closes it again.
+fn check_source(check: &cli::Check) -> ExitCode {
+    let config = match tool::load_config(&check.config) {
+        Ok(config) => config,
+        Err(failure) => {
+            eprintln!("{failure}");
+            return failure.code().into();
+        }
+    };
+    match open(&config) {
+        Ok(_) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            Code::Configuration.into()
+        }
+    }
+}
+
 fn run_capture(run: &cli::Run) -> ExitCode {
-    match tool::load_config(&run.config) {
-        Ok(config) if run.role == Role::Capture => {
-            role::start_log(run.role, &config);
-            role::run_with(&config, RoleId::Capture, |node| capture::run(node, &config, open)).into()
+    match tool::take_config(run) {
+        Ok(taken) if run.role == Role::Capture => {
+            role::start_log(run.role, &taken);
+            let config = &taken.config;
+            role::run_with(config, RoleId::Capture, |node| capture::run(node, config, open)).into()
         }
         Ok(_) => Code::Usage.into(),
         Err(failure) => {

@@ -66,7 +66,9 @@ fn steady(_: &Config) -> Result<Box<dyn Source>, OpenError> {
 fn run_scripted(open: impl Fn(&Config) -> Result<Box<dyn Source>, OpenError>) {
     let Some(path) = std::env::var_os(INSIDE) else { return };
     let config = Config::load(&[path]).unwrap();
-    role::start_log(andond::cli::Role::Capture, &config);
+    let taken = andond::taken::Taken { config, changed: None };
+    role::start_log(andond::cli::Role::Capture, &taken);
+    let config = taken.config;
     let code = role::run_with(&config, RoleId::Capture, |node| capture::run(node, &config, open));
     std::process::exit(code as i32);
 }

@@ -153,7 +153,8 @@ impl Checks<'_> {
             self.fault("objects", &[], format!("there are {}; must be {OBJECTS} at most", objects.len()));
         }
         let markers = config.perception.dictionary.markers();
-        for (index, object) in objects.iter().enumerate() {
+        // Those that are too many are no station's: what else is wrong with them helps nobody.
+        for (index, object) in objects.iter().take(OBJECTS).enumerate() {
             let [id, name] = ["id", "name"].map(|key| format!("objects[{index}].{key}"));
             // 0 stands for a missing id, which has been reported.
             if usize::from(object.id) >= markers {

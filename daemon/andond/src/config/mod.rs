@@ -36,6 +36,7 @@ pub use sections::station::Station;
 
 use andon_core::config::Method;
 use andon_core::input::ObjectShape;
+use andon_learn::digest::sha256_hex;
 use check::Learned;
 use document::{Document, File};
 use keys::Keys;
@@ -69,6 +70,8 @@ pub struct Config {
     pub health: Health,
     /// How much is logged.
     pub log: Log,
+    /// The files that it was read from. They are no part of what it says.
+    pub files: Vec<PathBuf>,
 }
 
 impl Config {
@@ -89,7 +92,27 @@ impl Config {
         Self::read(paths, Learned::Awaited)
     }
 
+    /// What could be read of files that may be half edited, with all their faults.
+    pub(crate) fn read_leniently(paths: &[impl AsRef<Path>]) -> (Self, Option<Faults>) {
+        Self::read_all(paths, Learned::Needed)
+    }
+
+    /// Identifies what it says: the same values give the same number on every machine.
+    #[must_use]
+    pub fn hash(&self) -> u64 {
+        let digest = sha256_hex(in_force(self).as_bytes());
+        // The first 16 of 64 hexadecimal digits.
+        digest.get(..16).and_then(|digits| u64::from_str_radix(digits, 16).ok()).unwrap_or_default()
+    }
+
     fn read(paths: &[impl AsRef<Path>], learned: Learned) -> Result<Self, Faults> {
+        match Self::read_all(paths, learned) {
+            (config, None) => Ok(config),
+            (_, Some(faults)) => Err(faults),
+        }
+    }
+
+    fn read_all(paths: &[impl AsRef<Path>], learned: Learned) -> (Self, Option<Faults>) {
         let mut faults = Vec::new();
         let files: Vec<File> =
             paths.iter().filter_map(|path| File::open(path.as_ref(), &mut faults)).collect();
@@ -97,7 +120,8 @@ impl Config {
             files.iter().map(|file| Document::parse(file, &mut faults)).collect();
         // A file that cannot be read may hold any key: to call a key missing would only confuse.
         let complete = faults.is_empty();
-        let mut config = Self::default();
+        let files_read = paths.iter().map(|path| path.as_ref().to_owned()).collect();
+        let mut config = Self { files: files_read, ..Self::default() };
         let mut reader = Reader::new(&documents, complete);
         config.keys(&mut reader);
         let (origins, refused) = reader.finish();
@@ -110,7 +134,8 @@ impl Config {
         let position =
             |fault: &Fault| (paths.iter().position(|path| path.as_ref() == fault.file), fault.line);
         faults.sort_by_key(position);
-        if faults.is_empty() { Ok(config) } else { Err(Faults(faults)) }
+        let faults = (!faults.is_empty()).then_some(Faults(faults));
+        (config, faults)
     }
 
     /// Declares all sections, in the order of the data path.

@@ -112,7 +112,10 @@ impl<'d> Reader<'d> {
 
     /// Every occurrence of a key of the open section, in the order of the files.
     fn found(&mut self, name: &'static str) -> Vec<(Location, &'d DeValue<'d>)> {
-        self.declared.push((self.section.clone(), name));
+        // Each element of a list declares the same keys again.
+        if !self.declared.iter().any(|(section, known)| *section == self.section && *known == name) {
+            self.declared.push((self.section.clone(), name));
+        }
         let of = |((number, _), table): &Part<'d>| {
             let (_, value) = table.iter().find(|(key, _)| key.get_ref() == name)?;
             Some(((*number, value.span()), value.get_ref()))

@@ -110,14 +110,18 @@ table! {
 
     INFO 401 JOURNAL_OPENED: "the journal is open", "";
     ERROR 402 DISK_FULL: "the journal cannot be written",
-        "Make room on the disk or lower journal.keep_mb, and see that the folder of journal.path exists and that the role's user may write there; until then the PLC reads `error`";
+        "Make room on the disk or lower journal.keep_mb; until then the PLC reads `error`";
     ERROR 403 JOURNAL_LOCKED: "another program holds the journal's lock",
         "Close that program: `fuser -v FILE` names it; `andond history` needs no lock and may run";
     ERROR 404 JOURNAL_DAMAGED: "the journal's database is damaged or of a newer version",
-        "Move the file away, and the next start makes a new one; `sqlite3 .recover` may repair the old one, and a newer one opens in the version of Andon that wrote it";
+        "A damaged one was put aside under the name that the message gives, and `sqlite3 .recover` may repair it; a newer one opens in the version of Andon that wrote it";
     WARN 405 JOURNAL_GAP: "verdicts were lost before they could be written; the gap is recorded",
         "Look at the messages before this one for the reason";
     INFO 406 JOURNAL_TRIMMED: "old verdicts were removed by age or size", "";
+    ERROR 407 JOURNAL_REMOVED: "the journal's database was removed or replaced while it was in use; a new one has begun",
+        "Find out who removed it: what was in it is gone, unless it was moved. `andond backup` makes a copy while the line runs";
+    ERROR 408 JOURNAL_NOT_OPENED: "the journal's database cannot be opened; Andon tries again until it can",
+        "See that the folder of journal.path exists, that journal.path is no folder itself, and that the role's user may write there";
 
     INFO 501 PLC_LISTENING: "the Modbus server listens", "";
     INFO 502 PLC_CONNECTED: "a PLC has connected", "";
@@ -165,12 +169,18 @@ table! {
         "systemd starts it again; report it with this log";
     ERROR 615 ROLE_FAILED: "the role cannot continue",
         "systemd starts it again; the message says what failed";
+    WARN 616 CHANNEL_DEAF: "a role does not hear what the role before it sends; its connection is made again until it does",
+        "If it happens again and again, restart the station's target and report it with this log";
 
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped: verdicts keep their order, and their UTC times jump",
         "Let one time service set the clock, slowly";
 
     ERROR 801 CONFIGURATION_REFUSED: "the configuration has faults",
         "Correct what is listed; `andond check -c FILE` checks a file without starting anything";
+    WARN 802 CONFIGURATION_CHANGED: "the configuration files have changed since the line started, and do not count yet",
+        "Check them with `andond check -c FILE`, then restart the station's target when no job is running: `systemctl restart andon@NAME.target`";
+    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration cannot be kept: a role that starts again reads the files as they are then",
+        "Make room in the file system of station.root, and restart the station's target";
 }
 
 /// The index page, `daemon/andond/CODES.md`. The test that holds the page against the table is its only caller.

@@ -6,13 +6,22 @@
 
 use std::time::{Duration, Instant};
 
-use andon_ipc::{FrameReader, FrameSample, MonotonicTime, Node, Paced, Port, Reader, Sample, Wake};
+use andon_ipc::{Channel, FrameReader, FrameSample, MonotonicTime, Node, Paced, Port, Reader, Sample, Wake};
 use shm_schemas::{Couples, Detections, Journalled, Stamp, Verdict, flag};
 
+use super::upstream::Upstream;
 use super::{Liveness, RoleError, WAIT};
+use crate::log::{code, log};
 
 /// How long a paced writer waits for a reader that makes no progress: longer than any restart takes.
 const STUCK: Duration = Duration::from_secs(30);
+
+/// Between two tries to open what is missing: at first soon, and then as often as a person looks.
+const FIRST_PAUSE: Duration = Duration::from_millis(250);
+const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+
+/// A reader that stays deaf is made anew once a second.
+const LOG_DEAF_EVERY: Duration = Duration::from_secs(60);
 
 /// What a role did in a turn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +78,10 @@ pub trait Role {
 pub struct Cycle<'n> {
     node: &'n Node,
     liveness: Liveness,
+    /// Who sends what this role takes.
+    upstream: Option<Upstream>,
+    /// When it was logged last that nothing of it comes.
+    deaf_logged: Option<Instant>,
     wake: Wake,
     /// Of the newest message taken: what is sent now rests on it.
     stamp: Stamp,
@@ -88,6 +101,8 @@ impl<'n> Cycle<'n> {
         Ok(Self {
             node,
             liveness: Liveness::new(node)?,
+            upstream: Upstream::of(node)?,
+            deaf_logged: None,
             wake: Wake::DeadlineMissed,
             stamp: Stamp::default(),
             flags: 0,
@@ -115,7 +130,9 @@ impl<'n> Cycle<'n> {
             if self.turn(role)? == Turn::Left {
                 return Ok(Ended::Left);
             }
-            self.liveness.beat()?;
+            if self.liveness.beat()? {
+                self.node.check_root()?;
+            }
             patience = role.patience();
         }
     }
@@ -184,16 +201,65 @@ impl<'n> Cycle<'n> {
             let (stamp, flags) = I::head(sample);
             self.rest_on(*stamp, flags);
             self.liveness.received(stamp);
+        } else {
+            self.listen_closely(input)?;
         }
         let (lost, restarts) = input.losses();
         self.liveness.losses(lost, restarts);
         Ok(sample)
     }
 
+    /// Nothing waits: makes the input anew where the role before it has sent something that has not come.
+    fn listen_closely(&mut self, input: &mut impl Input) -> Result<(), RoleError> {
+        let Some(upstream) = &mut self.upstream else { return Ok(()) };
+        let Some(missing) = upstream.missing(self.node, input)? else { return Ok(()) };
+        input.make_anew();
+        self.liveness.failing();
+        if self.deaf_logged.is_none_or(|at| at.elapsed() >= LOG_DEAF_EVERY) {
+            self.deaf_logged = Some(Instant::now());
+            let role = upstream.role().name();
+            log!(
+                code::CHANNEL_DEAF,
+                "{missing} messages of {role} have not come: its channel is opened again"
+            );
+        }
+        Ok(())
+    }
+
     /// What is sent from now on rests on this: for a role that is itself the source.
     pub fn rest_on(&mut self, stamp: Stamp, flags: u32) {
         (self.stamp, self.flags) = (stamp, flags);
         self.is_at_end = flags & flag::END_OF_STREAM != 0;
+    }
+
+    /// Opens what a role needs before its first turn. What may pass, as a folder that is not mounted yet, is tried again and again, with
+    /// signs of life that say so; the log says it once. `None` when a stop was asked for.
+    ///
+    /// # Errors
+    /// What does not pass.
+    pub(super) fn until_open<T>(
+        &mut self,
+        mut open: impl FnMut() -> Result<T, RoleError>,
+    ) -> Result<Option<T>, RoleError> {
+        let mut pause = FIRST_PAUSE;
+        let mut is_logged = false;
+        loop {
+            match open() {
+                Ok(opened) => return Ok(Some(opened)),
+                Err(error) if error.may_pass() => {
+                    if !std::mem::replace(&mut is_logged, true) {
+                        error.report();
+                    }
+                    self.liveness.failing();
+                    self.liveness.beat()?;
+                    if !self.wait_until(MonotonicTime::now() + pause)? {
+                        return Ok(None);
+                    }
+                    pause = (2 * pause).min(LONGEST_PAUSE);
+                }
+                Err(error) => return Err(error),
+            }
+        }
     }
 
     /// Waits until a time on the monotonic clock, with signs of life. False when a stop was asked for.
@@ -223,7 +289,9 @@ impl<'n> Cycle<'n> {
             match self.node.wait_for_room(writer, WAIT)? {
                 Wake::Room => break,
                 Wake::Stop => return Err(RoleError::Stopped),
-                _ => self.liveness.beat()?,
+                _ => {
+                    self.liveness.beat()?;
+                }
             }
             if began.elapsed() > STUCK {
                 return Err(RoleError::NoProgress(STUCK));
@@ -250,6 +318,15 @@ pub trait Input {
 
     /// Messages that were lost, here or at the source, or given up; and restarts of the writer.
     fn losses(&self) -> (u64, u32);
+
+    /// The newest number of this epoch of the writer that has come; 0 where none has.
+    fn newest_of(&self, epoch: u64) -> u64;
+
+    /// Whether a reader that is new gets the newest message that was sent before it was there.
+    fn has_history(&self) -> bool;
+
+    /// Makes the connection anew with the next look.
+    fn make_anew(&mut self);
 }
 
 impl<T: Flagged> Input for Reader<T> {
@@ -265,6 +342,18 @@ impl<T: Flagged> Input for Reader<T> {
 
     fn losses(&self) -> (u64, u32) {
         (self.lost(), self.restarts())
+    }
+
+    fn newest_of(&self, epoch: u64) -> u64 {
+        Reader::newest_of(self, epoch)
+    }
+
+    fn has_history(&self) -> bool {
+        T::CHANNEL.qos().history > 0
+    }
+
+    fn make_anew(&mut self) {
+        Reader::make_anew(self);
     }
 }
 
@@ -282,6 +371,18 @@ impl Input for FrameReader {
 
     fn losses(&self) -> (u64, u32) {
         (self.lost() + self.skipped() + self.lost_by_source(), self.restarts())
+    }
+
+    fn newest_of(&self, epoch: u64) -> u64 {
+        FrameReader::newest_of(self, epoch)
+    }
+
+    fn has_history(&self) -> bool {
+        Channel::Frame.qos().history > 0
+    }
+
+    fn make_anew(&mut self) {
+        FrameReader::make_anew(self);
     }
 }
 

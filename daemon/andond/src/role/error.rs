@@ -90,6 +90,30 @@ impl RoleError {
         exit
     }
 
+    /// Whether what is missing may come by itself, or when somebody brings it: the role waits for it.
+    pub(super) fn may_pass(&self) -> bool {
+        match self {
+            Self::Journal(error) => may_pass(error),
+            Self::Plc(_) => true,
+            _ => false,
+        }
+    }
+
+    /// Whether the next start will meet the same fault, if nobody does anything.
+    pub(super) fn is_lasting(&self) -> bool {
+        matches!(
+            self,
+            Self::Ipc(
+                Ipc::StewardRunning { .. }
+                    | Ipc::NoRoom { .. }
+                    | Ipc::SharedMemory(_)
+                    | Ipc::LayoutMismatch { .. }
+                    | Ipc::OtherUser { .. }
+                    | Ipc::ServiceUnreadable { .. }
+            )
+        )
+    }
+
     /// The code in the log, where the remedy stands, and the exit code; `None` for a stop on request.
     fn classify(&self) -> Option<(&'static Code, Remedy, Exit)> {
         Some(match self {
@@ -101,6 +125,7 @@ impl RoleError {
                 _ => (&code::MODEL_MISSING, InMessage, Configuration),
             },
             Self::Source(_) | Self::Open(OpenError::Gone(_)) => (&code::RECORDING_DAMAGED, OfCode, Fault),
+            Self::Open(OpenError::NoRecording(_)) => (&code::RECORDING_DAMAGED, OfCode, Configuration),
             Self::Tracks(_) => (&code::RECORDING_DAMAGED, OfCode, Configuration),
             Self::Open(error) => {
                 let (code, remedy) = classify_camera(error);
@@ -139,10 +164,22 @@ pub(super) fn report_journal(error: &JournalError) {
 fn classify_camera(error: &OpenError) -> (&'static Code, Remedy) {
     match error {
         OpenError::Gone(_) => (&code::CAMERA_GONE, OfCode),
+        OpenError::NoRecording(_) => (&code::RECORDING_DAMAGED, OfCode),
         OpenError::NotAllowed(_) => (&code::CAMERA_NOT_ALLOWED, OfCode),
         OpenError::Refused(_) => (&code::CAMERA_REFUSED, InMessage),
         OpenError::Unfit(_) | OpenError::Unsupported(_) => (&code::REALSENSE_UNFIT, InMessage),
     }
+}
+
+/// Whether it can be written again when somebody makes room, closes a program or mounts a disk.
+pub(super) fn may_pass(error: &JournalError) -> bool {
+    matches!(
+        error,
+        JournalError::Full { .. }
+            | JournalError::Locked { .. }
+            | JournalError::Open { .. }
+            | JournalError::PutAside { .. }
+    )
 }
 
 /// Where a person must look at the file, the exit code tells systemd not to try again.
@@ -152,6 +189,10 @@ fn classify_journal(error: &JournalError) -> (&'static Code, Remedy, Exit) {
         JournalError::Damaged { .. } | JournalError::Newer { .. } => {
             (&code::JOURNAL_DAMAGED, InMessage, Configuration)
         }
+        JournalError::Open { .. } | JournalError::PutAside { .. } => {
+            (&code::JOURNAL_NOT_OPENED, InMessage, Fault)
+        }
+        JournalError::Removed { .. } => (&code::JOURNAL_REMOVED, OfCode, Fault),
         _ => (&code::DISK_FULL, InMessage, Fault),
     }
 }

@@ -19,14 +19,15 @@ pub(super) struct Wanted {
 }
 
 /// Reads a job file that this station can judge by.
-pub(super) fn load(path: &Path, config: &Config) -> Result<JobFile, RoleError> {
+pub(crate) fn load(path: &Path, config: &Config) -> Result<JobFile, RoleError> {
     let file = read(path)?;
     compatibility::station(&file, config)
         .map_err(|misfit| RoleError::UnfitJob { path: path.into(), misfit })?;
     Ok(file)
 }
 
-fn read(path: &Path) -> Result<JobFile, RoleError> {
+/// Reads a job file, whether it fits or not.
+pub(crate) fn read(path: &Path) -> Result<JobFile, RoleError> {
     let bytes = std::fs::read(path).map_err(|source| RoleError::UnreadJob { path: path.into(), source })?;
     Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
 }
@@ -83,15 +84,13 @@ impl Search {
     fn new(config: &Config, wanted: Wanted) -> Self {
         let mut search = Self::default();
         let folder = &config.station.jobs;
-        let mut paths = match job_files(folder) {
+        let paths = match job_files(folder) {
             Ok(paths) => paths,
             Err(error) => {
                 search.skipped.push(format!("{}: {error}", folder.display()));
                 return search;
             }
         };
-        // A folder is listed in no order; what is logged should have one.
-        paths.sort();
         for path in paths {
             search.look_at(path, config, wanted);
         }
@@ -122,10 +121,14 @@ impl Search {
     }
 }
 
-fn job_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+/// The job files of a folder. It is listed in no order; what is logged should have one.
+pub(crate) fn job_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let paths = std::fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
     let is_job = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "toml");
-    paths.filter(|path| path.as_ref().map_or(true, is_job)).collect()
+    let mut paths: Vec<PathBuf> =
+        paths.filter(|path| path.as_ref().map_or(true, is_job)).collect::<std::io::Result<_>>()?;
+    paths.sort();
+    Ok(paths)
 }
 
 #[cfg(test)]

@@ -19,7 +19,11 @@ pub struct Liveness {
     is_finished: bool,
     /// Losses that have been logged, and when.
     logged: (u64, Option<Instant>),
+    began: Instant,
 }
+
+/// A role whose first message has not come by then says so: before that its neighbours may still be starting.
+const FIRST_MESSAGE: Duration = Duration::from_secs(10);
 
 /// A machine that is too slow loses something all the time.
 const LOG_LOSSES_EVERY: Duration = Duration::from_secs(60);
@@ -36,6 +40,7 @@ impl Liveness {
             is_silent: false,
             is_finished: false,
             logged: (0, None),
+            began: Instant::now(),
         })
     }
 
@@ -48,9 +53,9 @@ impl Liveness {
         self.heartbeat.received(stamp);
     }
 
-    /// A message was sent.
-    pub(super) fn sent(&mut self) {
-        self.heartbeat.sent();
+    /// This is the newest message that was sent: its epoch and `seq`.
+    pub(super) fn sent(&mut self, newest: (u64, u64)) {
+        self.heartbeat.sent(newest);
     }
 
     /// A message could not be used.
@@ -98,16 +103,17 @@ impl Liveness {
         self.heartbeat.state(RoleState::Finished);
     }
 
-    /// Gives the signs of life that are due. Belongs after every wait.
+    /// Gives the signs of life that are due, and tells whether any were. Belongs after every wait.
     ///
     /// # Errors
     /// That health cannot be sent.
-    pub(super) fn beat(&mut self) -> Result<(), Error> {
+    pub(super) fn beat(&mut self) -> Result<bool, Error> {
         self.heartbeat.error(last_error());
-        if self.heartbeat.beat()? {
+        let was_due = self.heartbeat.beat()?;
+        if was_due {
             let _ = sd_notify::notify(&[NotifyState::Watchdog]);
         }
-        Ok(())
+        Ok(was_due)
     }
 
     /// After a wait whose end says how the role's input is: logs that it has fallen silent.
@@ -118,6 +124,11 @@ impl Liveness {
             Wake::DeadlineMissed if self.is_ready && !self.is_silent => {
                 self.fall_silent();
                 log!(code::DEADLINE_MISSED, "nothing came for {:?}", super::WAIT);
+            }
+            // The roles of a station start side by side, and a camera may take its time.
+            Wake::DeadlineMissed if !self.is_silent && self.began.elapsed() >= FIRST_MESSAGE => {
+                self.fall_silent();
+                log!(code::DEADLINE_MISSED, "nothing has come since the start, {FIRST_MESSAGE:?} ago");
             }
             Wake::WriterGone { channel, departure } => {
                 self.fall_silent();

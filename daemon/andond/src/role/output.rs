@@ -61,7 +61,7 @@ impl<W: Publish> Output<W> {
     pub fn send_loan(&mut self, cycle: &mut Cycle<'_>, loan: W::Loan) -> Result<(), RoleError> {
         self.writer.send(loan)?;
         if self.is_counted {
-            cycle.liveness().sent();
+            cycle.liveness().sent(self.writer.newest());
         }
         Ok(())
     }
@@ -99,6 +99,9 @@ pub trait Publish: Paced + Port + Sized {
     /// # Errors
     /// The station's shared memory.
     fn send(&mut self, loan: Self::Loan) -> Result<u64, Error>;
+
+    /// See [`Writer::newest`].
+    fn newest(&self) -> (u64, u64);
 }
 
 impl<T: ChannelMessage> Publish for Writer<T> {
@@ -115,6 +118,10 @@ impl<T: ChannelMessage> Publish for Writer<T> {
     fn send(&mut self, loan: Loan<T>) -> Result<u64, Error> {
         Writer::send(self, loan)
     }
+
+    fn newest(&self) -> (u64, u64) {
+        Writer::newest(self)
+    }
 }
 
 impl Publish for FrameWriter {
@@ -130,5 +137,9 @@ impl Publish for FrameWriter {
 
     fn send(&mut self, loan: FrameLoan) -> Result<u64, Error> {
         FrameWriter::send(self, loan)
+    }
+
+    fn newest(&self) -> (u64, u64) {
+        FrameWriter::newest(self)
     }
 }

@@ -3,43 +3,66 @@
 use std::time::Duration;
 
 use andon_ipc::{Death, Limits, Node, POLL_PERIOD, Port, Station, Steward, Stop};
-use shm_schemas::RoleId;
+use shm_schemas::{AuditKind, RoleId};
 
+use super::PATIENCE;
 use super::RoleError;
+use super::audit::Auditor;
 use super::cycle::{Cycle, Role, Turn};
 use crate::config::Config;
 use crate::log::{code, log};
+use crate::taken;
 
 /// Runs until it is asked to stop.
 pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(), RoleError> {
-    let mut role = Reaper { steward: Steward::create(station, limits(config))?, unreaped: Vec::new() };
-    let node = Node::open(station, RoleId::Steward, Duration::ZERO, stop)?;
+    // Dropped last: it cleans up when nobody else is in the station, and its own node is somebody.
+    let mut steward = Steward::create(station, limits(config))?;
+    if let Err(error) = taken::keep(config) {
+        log!(code::CONFIGURATION_NOT_KEPT, "{}: {error}", station.root().display());
+    }
+    // Its own predecessor may still be in the list of the writers: the others wait for that as well.
+    let node = Node::open(station, RoleId::Steward, PATIENCE, stop)?.with_configuration(config.hash());
+    let mut role =
+        Reaper { steward: &mut steward, config, auditor: Auditor::open(&node)?, unreaped: Vec::new() };
     Cycle::new(&node)?.run(&mut role)?;
     Ok(())
 }
 
-struct Reaper {
-    steward: Steward,
+struct Reaper<'c> {
+    steward: &'c mut Steward,
+    config: &'c Config,
+    auditor: Auditor,
     /// What is still there is found again at every look, and logged once.
     unreaped: Vec<Death>,
 }
 
-impl Role for Reaper {
+impl Role for Reaper<'_> {
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
-        Vec::new()
+        vec![self.auditor.port()]
     }
 
     fn patience(&self) -> Duration {
         POLL_PERIOD
     }
 
-    fn turn(&mut self, _cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         let deaths = self.steward.poll()?;
-        deaths.iter().filter(|death| !self.unreaped.contains(*death)).for_each(log_death);
+        for death in deaths.iter().filter(|death| !self.unreaped.contains(*death)) {
+            log_death(death);
+            if let Some(member) = &death.member {
+                self.auditor.tell(cycle, AuditKind::Death, &member.to_string(), "died")?;
+            }
+        }
         self.unreaped = deaths.into_iter().filter(|death| !death.removed).collect();
         Ok(Turn::Stepped)
+    }
+
+    /// A line that is ended in good order begins the next time with the files as they are then.
+    fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        taken::forget(self.config);
+        Ok(())
     }
 }
 

@@ -1,18 +1,208 @@
-//! `andond check`: reads the configuration and reports every fault in it.
+//! `andond check`: reads the configuration, opens what the roles will open, and reports every fault.
 
-use super::{ToolError, config_files};
+mod neighbours;
+
+use std::fmt;
+use std::fs::File;
+use std::io::Read as _;
+use std::net::TcpListener;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use andon_journal::{History, Query};
+use andon_learn::recording::TrackReader;
+
+use super::{ToolError, existing_config_files};
 use crate::cli::Check;
-use crate::config::Config;
+use crate::config::{Config, Source};
 use crate::exit::Code;
+use crate::metric::Placer;
+use crate::role;
+use crate::video::helper_path;
+use crate::{compatibility, perception};
+
+/// What a database of SQLite begins with.
+const SQLITE: &[u8] = b"SQLite format 3\0";
+
+/// What the configuration names and cannot be used, with the remedies.
+#[derive(Debug)]
+pub struct Unusable(Vec<String>);
+
+impl fmt::Display for Unusable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|fault| writeln!(f, "{fault}"))?;
+        let faults = if self.0.len() == 1 { "fault" } else { "faults" };
+        write!(f, "{} {faults} in what the configuration names", self.0.len())
+    }
+}
 
 /// Runs the command.
 ///
 /// # Errors
-/// Every fault of the configuration.
+/// Every fault of the configuration, or else of what it names.
 pub fn run(arguments: &Check) -> Result<Code, ToolError> {
-    let files = config_files(&arguments.config);
+    let files = existing_config_files(&arguments.config)?;
     let config = Config::load(&files)?;
+    let mut checks = Checks { config: &config, faults: Vec::new() };
+    checks.job();
+    checks.jobs();
+    checks.perception();
+    checks.journal();
+    checks.faults.extend(neighbours::faults(&config));
+    if role::station(&config).is_ok_and(|station| station.is_in_use()) {
+        println!("the line runs: its camera and its port are in use, and were not opened");
+    } else {
+        checks.source();
+        checks.port();
+    }
+    if !checks.faults.is_empty() {
+        return Err(ToolError::Unusable(Unusable(checks.faults)));
+    }
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     println!("{}: station {:?}, no fault", names.join(", "), config.station.name);
     Ok(Code::Stopped)
+}
+
+struct Checks<'c> {
+    config: &'c Config,
+    faults: Vec<String>,
+}
+
+impl Checks<'_> {
+    fn fault(&mut self, key: &str, what: impl fmt::Display) {
+        self.faults.push(format!("{key}: {what}"));
+    }
+
+    /// The job must be one, and fit the station.
+    fn job(&mut self) {
+        if let Some(path) = &self.config.station.job
+            && let Err(error) = role::load_job(path, self.config)
+        {
+            self.fault("station.job", error);
+        }
+    }
+
+    /// The folder from which a PLC selects. A job that does not fit may be meant for another station that has the same folder.
+    fn jobs(&mut self) {
+        let folder = &self.config.station.jobs;
+        if !(self.config.plc.enable && self.config.plc.writes) {
+            return;
+        }
+        let files = match role::job_files(folder) {
+            Ok(files) => files,
+            Err(error) => {
+                let what = format!("{}: {error}; a PLC selects jobs from there", folder.display());
+                return self.fault("station.jobs", what);
+            }
+        };
+        for file in files {
+            match role::read_job(&file) {
+                Err(error) => self.fault("station.jobs", error),
+                Ok(job) => {
+                    if let Err(misfit) = compatibility::station(&job, self.config) {
+                        println!("{}: not for this station: {misfit}", file.display());
+                    }
+                }
+            }
+        }
+    }
+
+    /// The models, the library that runs them, and the calibration.
+    fn perception(&mut self) {
+        if self.config.camera.source == Source::Tracks {
+            return;
+        }
+        match perception::perceiver(self.config) {
+            Err(error) => self.fault("perception", error),
+            Ok(_) => {
+                if let Err(error) = Placer::new(self.config) {
+                    self.fault("bench.calibration", error);
+                }
+            }
+        }
+    }
+
+    /// The database, or the folder in which the role will make it.
+    fn journal(&mut self) {
+        let path = self.config.journal_path();
+        let problem = if path.is_dir() {
+            Some("is a folder, and must be a file".to_owned())
+        } else if path.exists() {
+            unusable_journal(&path)
+        } else {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new("."));
+            let refused = tempfile::tempfile_in(folder).err();
+            refused.map(|error| format!("cannot be made: {}: {error}", folder.display()))
+        };
+        if let Some(problem) = problem {
+            self.fault("journal.path", format!("{} {problem}", path.display()));
+        }
+    }
+
+    /// The camera or the recording.
+    fn source(&mut self) {
+        let opened = match (self.config.camera.source, &self.config.camera.path) {
+            (Source::Tracks, Some(path)) => open_tracks(path),
+            (Source::Tracks, None) => Ok(()),
+            _ => open_with_helper(self.config),
+        };
+        if let Err(error) = opened {
+            self.fault("camera", error);
+        }
+    }
+
+    fn port(&mut self) {
+        let plc = &self.config.plc;
+        if plc.enable
+            && let Err(error) = TcpListener::bind((plc.bind, plc.port))
+        {
+            self.fault("plc.port", format!("{}:{} cannot be listened on: {error}", plc.bind, plc.port));
+        }
+    }
+}
+
+/// What is wrong with a database that is there.
+fn unusable_journal(path: &Path) -> Option<String> {
+    let mut begin = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(SQLITE.len() as u64).read_to_end(&mut begin));
+    if let Err(error) = read {
+        return Some(format!("cannot be read: {error}"));
+    }
+    if !begin.is_empty() && begin != SQLITE {
+        return Some("is no journal: it would be put aside, and a new one begun; name another file".into());
+    }
+    if begin.is_empty() {
+        return None;
+    }
+    // One verdict is enough to see that the tables are there; a new database has none.
+    let newest = Query { since_utc_ns: Some(u64::MAX >> 1), ..Query::default() };
+    let opened = History::open(path).and_then(|history| history.visit(&newest, |_| Ok(())));
+    opened.err().map(|error| format!("cannot be used: {error}"))
+}
+
+fn open_tracks(path: &Path) -> Result<(), String> {
+    let file = File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let mut reader = TrackReader::new(&path.display().to_string(), std::io::BufReader::new(file))
+        .map_err(|error| error.to_string())?;
+    reader.next().transpose().map(drop).map_err(|error| error.to_string())
+}
+
+/// Only `andond-video` can open pictures.
+fn open_with_helper(config: &Config) -> Result<(), String> {
+    let path = helper_path();
+    let mut command = Command::new(&path);
+    command.arg("check").envs([("OPENCV_LOG_LEVEL", "OFF"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")]);
+    for file in &config.files {
+        command.arg("--config").arg(file);
+    }
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| format!("cannot start {}: {error}", path.display()))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    Err(said.trim().lines().last().unwrap_or("andond-video ended without a message").to_owned())
 }

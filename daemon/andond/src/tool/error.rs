@@ -19,6 +19,8 @@ use andon_perception::bench::CalibrationError;
 use shm_schemas::RoleId;
 
 use super::DEFAULT_CONFIGS;
+use super::check::Unusable;
+use crate::backup::ArchiveError;
 use crate::compatibility::Misfit;
 use crate::config::Faults;
 use crate::exit::Code;
@@ -161,6 +163,12 @@ pub enum ToolError {
     /// The journal cannot be read.
     #[error(transparent)]
     Journal(#[from] JournalError),
+    /// An archive cannot be used, or a station cannot be restored now.
+    #[error(transparent)]
+    Archive(#[from] ArchiveError),
+    /// What the configuration names cannot be used.
+    #[error("{0}")]
+    Unusable(Unusable),
     /// Standard output is closed or full.
     #[error("standard output cannot be written: {0}")]
     Print(io::Error),
@@ -210,6 +218,7 @@ impl ToolError {
             | Self::Encoder(_)
             | Self::Method(_)
             | Self::Judge(_)
+            | Self::Unusable(_)
             | Self::Recording(RecordingError::Perception(_) | RecordingError::Setup(_))
             | Self::Station(_) => Code::Configuration,
             Self::Ipc(_)
@@ -223,7 +232,9 @@ impl ToolError {
             }
             Self::RoleEnded { .. } => Code::Fault,
             Self::Silence { .. } => Code::NoProgress,
+            Self::Archive(ArchiveError::Running(_)) => Code::Fault,
             Self::Option { .. }
+            | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }
             | Self::Write { .. }

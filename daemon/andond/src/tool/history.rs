@@ -6,7 +6,7 @@ use std::time::Duration;
 use andon_journal::{Format, History, JournalError, Query};
 use jiff::Timestamp;
 
-use super::{ToolError, load_config};
+use super::{ToolError, running_config};
 use crate::cli::History as Arguments;
 use crate::exit::Code;
 
@@ -18,11 +18,16 @@ pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let since = arguments.since.as_deref();
     let since_utc_ns = since.map(|text| since_ns(text, Timestamp::now())).transpose()?;
     let query = Query { since_utc_ns, job_id: arguments.job, nok: arguments.nok };
-    let path = load_config(&arguments.config)?.journal_path();
+    let path = running_config(&arguments.config)?.config.journal_path();
     let history = History::open(&path)?;
     let mut out = BufWriter::new(stdout().lock());
     let format = if arguments.csv { Format::Csv } else { Format::Table };
-    match history.write(&query, format, &mut out) {
+    let written = if arguments.audit {
+        history.write_deeds(since_utc_ns, format, &mut out)
+    } else {
+        history.write(&query, format, &mut out)
+    };
+    match written {
         // The reader has seen enough, as `head` does.
         Err(JournalError::Export(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(Code::Stopped),
         outcome => Ok(outcome.map(|()| Code::Stopped)?),

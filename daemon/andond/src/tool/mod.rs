@@ -1,6 +1,7 @@
 //! The commands that a person runs, one file per command.
 
 pub mod analyze;
+pub mod backup;
 pub mod calibrate;
 pub mod check;
 pub mod config;
@@ -8,10 +9,12 @@ pub mod demo;
 mod error;
 pub mod experiment;
 pub mod history;
+pub mod idle;
 mod job;
 mod join;
 pub mod record;
 pub mod replay;
+pub mod restore;
 pub mod segment;
 pub mod status;
 pub mod tail;
@@ -23,8 +26,9 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::ConfigArgs;
+use crate::cli::{self, ConfigArgs};
 use crate::config::Config;
+use crate::taken::{self, Taken};
 
 pub use error::ToolError;
 
@@ -57,6 +61,27 @@ fn cannot_write(path: &Path) -> impl Fn(io::Error) -> ToolError {
 /// Every fault in it.
 pub fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
     Ok(Config::load(&existing_config_files(arguments)?)?)
+}
+
+/// The configuration that a role runs with: what the line has taken when it started, or what the files say.
+///
+/// # Errors
+/// Every fault in it.
+pub fn take_config(arguments: &cli::Run) -> Result<Taken, ToolError> {
+    let files = existing_config_files(&arguments.config)?;
+    Ok(match arguments.role {
+        _ if arguments.as_given => Taken { config: Config::load(&files)?, changed: None },
+        cli::Role::Steward => taken::for_steward(&files)?,
+        _ => taken::running(&files)?,
+    })
+}
+
+/// The configuration of the running line, for the tools that look at it.
+///
+/// # Errors
+/// Every fault of the files, where no line runs that has taken them.
+fn running_config(arguments: &ConfigArgs) -> Result<Taken, ToolError> {
+    Ok(taken::running(&existing_config_files(arguments)?)?)
 }
 
 /// As [`load_config`], for the commands that make the job or the calibration: neither needs to exist yet.

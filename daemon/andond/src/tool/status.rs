@@ -7,10 +7,11 @@ use serde::Serialize;
 use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Sight};
 
 use super::join::join;
-use super::{ToolError, load_config};
+use super::{ToolError, running_config};
 use crate::cli::Status;
-use crate::log::code;
+use crate::log::code::{self, CONFIGURATION_CHANGED};
 use crate::sight;
+use crate::taken::Taken;
 
 /// A role that runs is heard within this time: three beats.
 const LISTEN: Duration = Duration::from_millis(3 * Heartbeat::PERIOD.as_millis() as u64);
@@ -23,20 +24,31 @@ const UNHEALTHY: u8 = 1;
 /// # Errors
 /// A configuration with faults, or that the station cannot be joined.
 pub fn run(arguments: &Status) -> Result<u8, ToolError> {
-    let config = load_config(&arguments.config)?;
+    let Taken { config, changed } = running_config(&arguments.config)?;
     let roles = config.roles();
     let (newest, judging) = listen(&join(&config)?, &roles)?;
     let job = judging.as_ref().map(JobLine::new);
     let lines: Vec<RoleLine> =
-        roles.into_iter().map(|role| RoleLine::new(role, newest_of(&newest, role))).collect();
+        roles.into_iter().map(|role| RoleLine::new(role, newest_of(&newest, role), config.hash())).collect();
     let healthy = lines.iter().all(|line| line.healthy);
     if arguments.json {
-        let station =
-            StationLine { station: &config.station.name, healthy, job: job.as_ref(), roles: &lines };
+        let station = StationLine {
+            station: &config.station.name,
+            healthy,
+            configuration: ConfigurationLine {
+                hash: format!("{:016x}", config.hash()),
+                changed: changed.as_ref().map(ToString::to_string),
+            },
+            job: job.as_ref(),
+            roles: &lines,
+        };
         println!("{}", serde_json::to_string(&station).map_err(|error| ToolError::Print(error.into()))?);
     } else {
         print(&lines);
         print_job(job.as_ref());
+        if let Some(changed) = changed {
+            println!("{}: {changed}. {}", CONFIGURATION_CHANGED.name, CONFIGURATION_CHANGED.remedy);
+        }
     }
     Ok(if healthy { 0 } else { UNHEALTHY })
 }
@@ -78,9 +90,19 @@ fn listen(node: &Node, roles: &[RoleId]) -> Result<(Vec<Health>, Option<Judging>
 struct StationLine<'a> {
     station: &'a str,
     healthy: bool,
+    configuration: ConfigurationLine,
     /// What the judge says; null where it was not heard.
     job: Option<&'a JobLine>,
     roles: &'a [RoleLine],
+}
+
+/// The configuration that the line has taken.
+#[derive(Serialize)]
+struct ConfigurationLine {
+    /// Its hash, 16 hexadecimal digits.
+    hash: String,
+    /// How the files differ from it by now; null where they do not.
+    changed: Option<String>,
 }
 
 /// The job in force, as the judge says it.
@@ -128,19 +150,27 @@ struct RoleLine {
     sight: Option<&'static str>,
     /// The last code of level WARN or ERROR, as `AND-104`.
     last_code: Option<&'static str>,
+    /// The hash of the configuration that the role runs with.
+    configuration: Option<String>,
     #[serde(skip)]
     trouble: Option<Sight>,
+    #[serde(skip)]
+    is_configured_otherwise: bool,
 }
 
 impl RoleLine {
-    fn new(role: RoleId, health: Option<&Health>) -> Self {
+    fn new(role: RoleId, health: Option<&Health>, configuration: u64) -> Self {
         let state = health.and_then(|health| RoleState::try_from(health.state).ok());
         let trouble = health.and_then(sight::trouble_of);
+        let is_configured_otherwise = health.is_some_and(|health| health.configuration != configuration);
+        let is_at_work = matches!(state, Some(RoleState::Running | RoleState::Finished));
         let number = |of: fn(&Health) -> u64| health.map(of);
         let short = |of: fn(&Health) -> u32| health.map(of);
         Self {
             role: role.name(),
-            healthy: matches!(state, Some(RoleState::Running | RoleState::Finished)) && trouble.is_none(),
+            healthy: is_at_work && trouble.is_none() && !is_configured_otherwise,
+            configuration: health.map(|health| format!("{:016x}", health.configuration)),
+            is_configured_otherwise,
             state: state.map_or("Silent", RoleState::name),
             pid: short(|health| health.pid),
             rate_hz: health.map(|health| health.rate_hz),
@@ -191,6 +221,9 @@ fn print(lines: &[RoleLine]) {
             line.losses.unwrap_or_default(),
             line.last_code.unwrap_or("-"),
         );
+    }
+    for line in lines.iter().filter(|line| line.is_configured_otherwise) {
+        println!("{} runs with another configuration than the line has taken: restart it", line.role);
     }
     for code in lines.iter().filter_map(|line| line.trouble.and_then(sight::code)) {
         println!("{}: {}. {}", code.name, code.meaning, code.remedy);

@@ -4,19 +4,20 @@ use std::io::{ErrorKind, IsTerminal, Write, stdout};
 use std::time::Duration;
 
 use andon_core::verdict::{Level, Outcome, Verdict};
-use andon_ipc::{Channel, Reader, Wake};
+use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, UtcTime, Wake};
 use shm_schemas::{Health, RoleId, Sight, Verdict as Message};
 
 use super::join::join;
-use super::{ToolError, load_config};
+use super::{ToolError, running_config};
 use crate::cli::{self, Tail};
 use crate::config::Config;
 use crate::exit::Code;
+use crate::outage::{Outage, Outages};
 use crate::report::{Names, VerdictLine, verdict_sentence};
 use crate::{sight, wire};
 
-/// Nothing is due between two verdicts: this is only how often the wait is repeated.
-const WAIT: Duration = Duration::from_secs(10);
+/// A role that falls silent is told of within this time after its deadline.
+const WAIT: Duration = Heartbeat::PERIOD;
 
 /// Runs the command until it is interrupted or the reader of its output is gone. It begins with the newest verdicts that
 /// the channel still has.
@@ -24,8 +25,9 @@ const WAIT: Duration = Duration::from_secs(10);
 /// # Errors
 /// What is missing, or that the station cannot be joined.
 pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
-    let config = load_config(&arguments.config)?;
+    let config = running_config(&arguments.config)?.config;
     let node = join(&config)?;
+    let mut outages = Outages::new(&config, RoleId::Tool);
     let mut verdicts: Reader<Message> = node.reader()?;
     let mut health: Reader<Health> = node.reader()?;
     let mut blind = None;
@@ -41,7 +43,11 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
         }
         while let Some(health) = health.take()? {
             tell_sight(&health, &mut blind);
+            if let Some(outage) = outages.hear(&health) {
+                tell_outage(&outage);
+            }
         }
+        outages.look(MonotonicTime::now()).iter().for_each(tell_outage);
         while let Some(message) = verdicts.take()? {
             if let Err(error) = print(arguments, &message, &names) {
                 // The reader has seen enough, as `head` does.
@@ -69,6 +75,27 @@ fn tell_sight(health: &Health, blind: &mut Option<Sight>) {
         }
         *blind = now;
     }
+}
+
+/// Says when a role is down, and when it is back: from when to when nobody watched.
+fn tell_outage(outage: &Outage) {
+    let role = outage.role.name();
+    let is_beside = matches!(outage.role, RoleId::Steward | RoleId::Journal | RoleId::Plc);
+    let what = if is_beside { "" } else { "not watching " };
+    match outage.ended {
+        None => eprintln!("{what}since {}: {role} is down", clock(outage.began)),
+        Some(ended) => {
+            eprintln!("{what}from {} to {}: {}", clock(outage.began), clock(ended), outage.why());
+        }
+    }
+}
+
+/// The UTC time of day at which the monotonic clock showed this.
+fn clock(then: MonotonicTime) -> String {
+    let ago = MonotonicTime::now().since(then).as_nanos();
+    let utc_ns = i128::from(UtcTime::now().nanoseconds()) - i128::try_from(ago).unwrap_or_default();
+    jiff::Timestamp::from_nanosecond(utc_ns)
+        .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%H:%M:%S UTC").to_string())
 }
 
 /// What the configuration calls the objects.

@@ -13,6 +13,7 @@ use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
 
 use super::{ToolError, cannot_write, check_writable, load_config_to_learn, progress};
+use crate::atomic;
 use crate::cli::{self, Cost, Teach};
 use crate::config::Config;
 use crate::exit::Code;
@@ -48,7 +49,7 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
         };
     }
     let (job, report) = teach(&runs, &options)?;
-    std::fs::write(&arguments.out, job.to_toml()).map_err(cannot_write(&arguments.out))?;
+    atomic::write(&arguments.out, job.to_toml().as_bytes()).map_err(cannot_write(&arguments.out))?;
     println!("{report}");
     println!("written: {}", arguments.out.display());
     Ok(Code::Stopped)

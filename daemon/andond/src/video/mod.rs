@@ -50,6 +50,9 @@ pub enum OpenError {
     /// It is missing or does not answer. A camera may come back.
     #[error("{0}")]
     Gone(String),
+    /// It is no recording that can be played.
+    #[error("{0}")]
+    NoRecording(String),
     /// This user may not open it.
     #[error("{0}")]
     NotAllowed(String),

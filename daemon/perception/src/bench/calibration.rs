@@ -148,9 +148,14 @@ impl Calibration {
         let text = toml::to_string(self)
             .map_err(|error| CalibrationError::Content { path: path.into(), reason: error.to_string() })?;
         let unfinished = path.with_extension("toml.unfinished");
-        std::fs::write(&unfinished, text)
-            .and_then(|()| std::fs::rename(&unfinished, path))
-            .map_err(|source| CalibrationError::File { path: path.into(), verb: "written", source })
+        let write = || -> std::io::Result<()> {
+            let mut file = std::fs::File::create(&unfinished)?;
+            std::io::Write::write_all(&mut file, text.as_bytes())?;
+            // On disk before it takes the place of the one before it.
+            file.sync_all()?;
+            std::fs::rename(&unfinished, path)
+        };
+        write().map_err(|source| CalibrationError::File { path: path.into(), verb: "written", source })
     }
 
     /// The bench frame of metric mode: where a camera with this lens must be for this calibration.

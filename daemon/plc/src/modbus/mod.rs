@@ -13,6 +13,7 @@ mod config;
 mod counters;
 mod gate;
 mod service;
+mod written;
 
 use std::io;
 use std::net::SocketAddr;
@@ -28,11 +29,13 @@ use tokio_modbus::server::tcp::Server;
 
 pub use config::Config;
 pub use counters::Counters;
+pub use written::Write;
 
 use crate::handshake::{Handshake, Settings};
 use crate::registers::WordOrder;
 use gate::Gate;
 use service::Service;
+use written::MAX_WRITES;
 
 /// Why the server could not start or go on.
 #[derive(Debug, Error)]
@@ -54,6 +57,8 @@ pub enum ServeError {
 struct Shared {
     handshake: Mutex<Handshake>,
     counters: Arc<Counters>,
+    /// What clients have written and the loop has not asked for yet.
+    written: Mutex<Vec<Write>>,
     open: AtomicUsize,
     started: Instant,
     writes: bool,
@@ -64,6 +69,14 @@ impl Shared {
     /// The state is consistent after each of its methods, so it stays usable after a panic in another thread.
     fn handshake(&self) -> MutexGuard<'_, Handshake> {
         self.handshake.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn note(&self, write: Write) {
+        let mut written = self.written.lock().unwrap_or_else(PoisonError::into_inner);
+        // A PLC writes the same word in every cycle.
+        if write.before != write.after && written.len() < MAX_WRITES {
+            written.push(write);
+        }
     }
 
     fn now_ns(&self) -> u64 {
@@ -101,6 +114,7 @@ impl ModbusServer {
         let shared = Arc::new(Shared {
             handshake: Mutex::new(Handshake::new(Settings { writes: config.writes, hold_ns }, 0)),
             counters: Arc::default(),
+            written: Mutex::default(),
             open: AtomicUsize::new(0),
             started: Instant::now(),
             writes: config.writes,
@@ -123,6 +137,11 @@ impl ModbusServer {
     /// What clients have done so far.
     pub fn counters(&self) -> Arc<Counters> {
         Arc::clone(&self.shared.counters)
+    }
+
+    /// What clients have written to the control block since the last call.
+    pub fn writes(&self) -> Vec<Write> {
+        std::mem::take(&mut *self.shared.written.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
     /// Calls the state machine with the server's time in nanoseconds. Clients wait for their answers meanwhile, so `act` must not
@@ -153,7 +172,8 @@ async fn listen(
     let connect = |stream: TcpStream, peer: SocketAddr| {
         let connection = admit(&shared, &config, peer).map(|open| {
             let gate = Gate::new(stream, config.idle_timeout, Arc::clone(&shared.counters));
-            (Service { shared: Arc::clone(&shared), _open: open }, gate)
+            let client = peer.ip().to_canonical();
+            (Service { shared: Arc::clone(&shared), client, _open: open }, gate)
         });
         std::future::ready(Ok(connection))
     };

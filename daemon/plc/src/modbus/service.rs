@@ -1,17 +1,21 @@
 //! Answers well-formed requests from the state machine.
 
 use std::future::{Ready, ready};
+use std::net::IpAddr;
 use std::sync::Arc;
 
 use tokio_modbus::{ExceptionCode, Request, Response, SlaveRequest, server};
 
 use super::counters::Counters;
+use super::written::Write;
 use super::{Open, Shared};
 use crate::registers::{self, RegisterError};
 
 /// The service of one connection.
 pub(super) struct Service {
     pub(super) shared: Arc<Shared>,
+    /// Who is at its other end.
+    pub(super) client: IpAddr,
     /// Counts the connection until the service is dropped with it.
     pub(super) _open: Open,
 }
@@ -68,6 +72,8 @@ impl Service {
         let image = handshake.image(now_ns);
         let written = registers::write(&image, self.shared.word_order, address, words).map_err(exception)?;
         handshake.write(written, now_ns);
+        drop(handshake);
+        self.shared.note(Write { client: self.client, before: image.control, after: written });
         Ok(())
     }
 }

@@ -68,6 +68,13 @@ impl Delivery {
         Ok(())
     }
 
+    /// Another database has taken the place of the one before: plc must hear which, and asks again.
+    pub(super) fn journal_is_new(&mut self) {
+        self.pending = None;
+        self.owes_answer = true;
+        (self.asked, self.sent_row, self.has_more) = (None, 0, false);
+    }
+
     /// Verdicts were written.
     pub(super) fn has_written(&mut self) {
         self.has_more = true;

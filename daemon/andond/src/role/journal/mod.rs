@@ -1,23 +1,30 @@
 //! `journal`: verdicts to the database, and from there to the role `plc`, which hears of no others.
 
 mod delivery;
+mod watching;
 
+use std::collections::VecDeque;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use andon_ipc::{MonotonicTime, Node, Port, Reader, UtcTime};
 use andon_journal::{Journal, JournalError, Retention};
-use shm_schemas::{Health, RoleId, Sight, Verdict};
+use shm_schemas::{Audit, AuditKind, Health, Verdict};
 
 use super::clock::ClockWatch;
 use super::cycle::{Cycle, Role, Turn};
 use super::{RoleError, WAIT};
 use crate::config::Config;
+use crate::identity;
 use crate::log::{code, log};
-use crate::sight;
 use delivery::Delivery;
+use watching::Watching;
 
 /// Between two tries to write while the disk is full or the database locked. Each may itself wait as long for the lock.
 const TRY_AGAIN: Duration = Duration::from_millis(250);
+
+/// What was done and waits while nothing can be written; as much as the channel's writers keep together.
+const MAX_DEEDS: usize = 256;
 
 /// Between two bursts of rows to a plc that is far behind: long enough for it to take them.
 const NEXT_ROWS: Duration = Duration::from_millis(20);
@@ -25,19 +32,21 @@ const NEXT_ROWS: Duration = Duration::from_millis(20);
 /// Runs until it is asked to stop. What is on the channel then is written first.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
-    let mut role = Keeper::open(&mut cycle, config)?;
+    let Some(mut role) = Keeper::open(&mut cycle, config)? else { return Ok(()) };
     cycle.run(&mut role)?;
     Ok(())
 }
 
 struct Keeper {
     journal: Journal,
+    /// The database was removed or is damaged: nothing is written until a new one has begun.
+    needs_new: bool,
     verdicts: Reader<Verdict>,
     health: Reader<Health>,
-    /// What the line cannot see by the newest health, and since when on the monotonic clock.
-    sight: (Option<Sight>, u64),
-    /// The same as the journal has it.
-    written_sight: (Option<Sight>, u64),
+    audits: Reader<Audit>,
+    /// What was done and is not written yet.
+    deeds: VecDeque<Audit>,
+    watching: Watching,
     delivery: Delivery,
     /// Verdicts in gaps that have been logged.
     lost: u64,
@@ -56,8 +65,7 @@ impl Role for Keeper {
             return self.delivery.outputs().into();
         }
         let mut ports: Vec<&mut dyn Port> = self.delivery.ports().into();
-        ports.push(&mut self.verdicts);
-        ports.push(&mut self.health);
+        ports.extend([&mut self.verdicts as &mut dyn Port, &mut self.health, &mut self.audits]);
         ports
     }
 
@@ -72,15 +80,13 @@ impl Role for Keeper {
     /// Writes all that has come in one transaction: a disk that syncs takes as long for one row as for a hundred.
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         self.clock.look();
-        self.watch_sight()?;
         self.take(cycle)?;
-        self.delivery.hear(&self.journal)?;
-        let turn = self.write(cycle)?;
-        if !self.is_failing {
-            self.delivery.answer(&self.journal, cycle)?;
+        self.needs_new |= !self.journal.is_in_place();
+        let done = self.renew().and_then(|()| self.work(cycle));
+        match done {
+            Err(RoleError::Journal(error)) => self.fail(error, cycle),
+            done => done,
         }
-        self.delivery.deliver(&self.journal, cycle)?;
-        Ok(turn)
     }
 
     fn stop(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
@@ -89,93 +95,142 @@ impl Role for Keeper {
 }
 
 impl Keeper {
-    /// An open database is the first step: readiness must not wait for a worker.
-    fn open(cycle: &mut Cycle<'_>, config: &Config) -> Result<Self, RoleError> {
+    /// An open database is the first step: readiness must not wait for a worker. `None` when a stop is asked for before that.
+    fn open(cycle: &mut Cycle<'_>, config: &Config) -> Result<Option<Self>, RoleError> {
         let path = config.journal_path();
         let began = Instant::now();
         let retention = Retention { keep_days: config.journal.keep_days, keep_mb: config.journal.keep_mb };
+        let opened = cycle.until_open(|| Ok(Journal::open_or_replace(&path, retention)?))?;
+        let Some((journal, aside)) = opened else { return Ok(None) };
         let mut keeper = Self {
-            journal: Journal::open(&path, retention)?,
+            journal,
+            needs_new: false,
             delivery: Delivery::open(cycle.node())?,
             verdicts: cycle.node().reader()?,
             health: cycle.node().reader()?,
-            sight: (None, 0),
-            written_sight: (None, 0),
+            audits: cycle.node().reader()?,
+            deeds: VecDeque::new(),
+            watching: Watching::new(config),
             lost: 0,
             removed: 0,
             is_failing: false,
             clock: ClockWatch::new(),
         };
+        if let Some(aside) = aside {
+            keeper.tell_damage(&aside)?;
+        }
         log!(code::JOURNAL_OPENED, { path = %path.display() }, "writing to {}", path.display());
         keeper.log_missing();
+        keeper.note_changes(config)?;
         keeper.delivery.answer(&keeper.journal, cycle)?;
         cycle.stepped(began);
-        Ok(keeper)
+        Ok(Some(keeper))
     }
 
-    /// Writes when the line stopped seeing its bench and when it saw it again. What cannot be written now is tried in the next turn.
-    fn watch_sight(&mut self) -> Result<(), RoleError> {
-        while let Some(health) = self.health.take()? {
-            if health.role == RoleId::Perceive.code() && health.sight != 0 {
-                self.sight = (sight::trouble_of(&health), health.sight_since_ns);
-            }
+    /// Writes with what the line runs where that is not what it ran with before. On a full disk it is left out.
+    fn note_changes(&mut self, config: &Config) -> Result<(), RoleError> {
+        let now = UtcTime::now().nanoseconds();
+        let configuration = format!("hash {:016x}", config.hash());
+        let changed_by = identity::owner_of_newest(&config.files);
+        let program = identity::program();
+        let noted = self
+            .journal
+            .note_change(now, AuditKind::Configuration, &changed_by, &configuration)
+            .and_then(|()| self.journal.note_change(now, AuditKind::Program, "installation", &program));
+        match noted {
+            Ok(()) | Err(JournalError::Full { .. } | JournalError::Locked { .. }) => Ok(()),
+            Err(error) => Err(error.into()),
         }
-        let (trouble, since_ns) = self.sight;
-        if self.written_sight.0 == trouble {
-            return Ok(());
-        }
-        let at_utc_ns = utc_ns(since_ns);
-        let mut write = || {
-            if self.written_sight.0.is_some() {
-                self.journal.watches_again(at_utc_ns)?;
-            }
-            trouble.map_or(Ok(()), |trouble| self.journal.stops_watching(at_utc_ns, trouble))
-        };
-        match write() {
-            Ok(()) => self.written_sight = self.sight,
-            Err(JournalError::Full { .. } | JournalError::Locked { .. }) => {}
-            Err(error) => return Err(error.into()),
-        }
-        Ok(())
     }
 
-    /// Takes what has come and fits. The rest stays on the channel, which holds as many again.
+    /// Takes what has come and fits. The rest stays on the channels.
     fn take(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        while let Some(health) = self.health.take()? {
+            self.watching.hear(&health);
+        }
+        self.watching.look();
+        while self.deeds.len() < MAX_DEEDS {
+            let Some(audit) = self.audits.take()? else { break };
+            self.deeds.push_back(*audit);
+        }
         while self.journal.has_room() {
             let Some(verdict) = cycle.take(&mut self.verdicts)? else { break };
             self.journal.push(&verdict);
         }
+        self.delivery.hear(&self.journal)?;
         Ok(())
     }
 
-    fn write(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        if self.journal.waiting() == 0 && !self.delivery.is_pending() {
+    /// Begins a new database where the old one was removed or is damaged.
+    fn renew(&mut self) -> Result<(), RoleError> {
+        if !self.needs_new {
+            return Ok(());
+        }
+        let aside = self.journal.begin_anew()?;
+        self.needs_new = false;
+        self.watching.forget_rows();
+        self.delivery.journal_is_new();
+        match aside {
+            Some(aside) => self.tell_damage(&aside)?,
+            None => {
+                let what = "the database was removed or replaced while it was in use; a new one has begun";
+                log!(code::JOURNAL_REMOVED, "{what}");
+                self.journal.note(UtcTime::now().nanoseconds(), AuditKind::Journal, "journal", what)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn tell_damage(&mut self, aside: &Path) -> Result<(), RoleError> {
+        let what =
+            format!("the database was damaged and lies in {} now; a new one has begun", aside.display());
+        log!(code::JOURNAL_DAMAGED, { aside = %aside.display() }, "{what}");
+        self.journal.note(UtcTime::now().nanoseconds(), AuditKind::Journal, "journal", &what)?;
+        Ok(())
+    }
+
+    /// Writes what waits, and tells plc what is on disk.
+    fn work(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        let has_work = self.journal.waiting() > 0 || self.delivery.is_pending();
+        if has_work {
+            self.journal.flush()?;
+            self.delivery.has_written();
+            self.delivery.keep(&mut self.journal)?;
+        }
+        self.watching.write(&mut self.journal)?;
+        while let Some(audit) = self.deeds.front() {
+            self.journal.record(audit)?;
+            self.deeds.pop_front();
+        }
+        let was_failing = std::mem::take(&mut self.is_failing);
+        if was_failing {
+            log!(code::JOURNAL_OPENED, "the journal can be written again; nothing that waited is lost");
+        }
+        self.log_missing();
+        self.delivery.answer(&self.journal, cycle)?;
+        self.delivery.deliver(&self.journal, cycle)?;
+        Ok(if has_work || was_failing { Turn::Stepped } else { Turn::Idle })
+    }
+
+    /// Nothing could be written: what can pass is waited for, and a database that is lost is replaced in the next turn.
+    fn fail(&mut self, error: JournalError, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        let is_lost = matches!(error, JournalError::Removed { .. } | JournalError::Damaged { .. });
+        self.needs_new |= is_lost;
+        if !is_lost && !super::error::may_pass(&error) {
+            return Err(error.into());
+        }
+        cycle.liveness().failing();
+        // Once, until it is over. What has become of a lost one is said when there is a new one.
+        if !std::mem::replace(&mut self.is_failing, true) && !is_lost {
+            super::error::report_journal(&error);
+        }
+        if is_lost {
             return Ok(Turn::Idle);
         }
-        let written = self.journal.flush().and_then(|()| {
-            self.delivery.has_written();
-            self.delivery.keep(&mut self.journal)
-        });
-        match written {
-            Ok(()) => {
-                if std::mem::take(&mut self.is_failing) {
-                    log!(
-                        code::JOURNAL_OPENED,
-                        "the journal can be written again; nothing that waited is lost"
-                    );
-                }
-                self.log_missing();
-                Ok(Turn::Stepped)
-            }
-            Err(error @ (JournalError::Full { .. } | JournalError::Locked { .. })) => {
-                cycle.liveness().failing();
-                // Once, until it is over.
-                if !std::mem::replace(&mut self.is_failing, true) {
-                    super::error::report_journal(&error);
-                }
-                Ok(Turn::Idle)
-            }
-            Err(error) => Err(error.into()),
+        // What is on disk is still owed.
+        match self.delivery.deliver(&self.journal, cycle) {
+            Ok(()) | Err(RoleError::Journal(_)) => Ok(Turn::Idle),
+            Err(error) => Err(error),
         }
     }
 
@@ -193,8 +248,8 @@ impl Keeper {
 }
 
 /// The UTC time at which the monotonic clock showed this.
-fn utc_ns(monotonic_ns: u64) -> u64 {
-    let ago = MonotonicTime::now().since(MonotonicTime::from_nanoseconds(monotonic_ns));
+fn utc_ns(then: MonotonicTime) -> u64 {
+    let ago = MonotonicTime::now().since(then);
     // 2^64 ns are 584 years.
     UtcTime::now().nanoseconds().saturating_sub(ago.as_nanos() as u64)
 }

@@ -10,9 +10,10 @@ use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict as CoreVerdict};
 use andon_ipc::{Node, Port, Reader, UtcTime, Writer};
 use andon_learn::job_file::JobFile;
-use shm_schemas::{Command as CommandMessage, Couples, JudgePhase, Refusal, RoleId, Verdict};
+use shm_schemas::{AuditKind, Command as CommandMessage, Couples, JudgePhase, Refusal, RoleId, Verdict};
 
 use super::RoleError;
+use super::audit::Auditor;
 use super::cycle::{Cycle, Role, Turn};
 use super::jobs::{self, Wanted};
 use super::output::Output;
@@ -33,6 +34,8 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         commands: node.reader()?,
         verdicts: Output::new(node.writer()?, &[RoleId::Journal]),
         state: State::new(node, is_enabled)?,
+        auditor: Auditor::open(node)?,
+        asked_by: "configuration",
     };
     let mut cycle = Cycle::new(node)?;
     let mut job = config.station.job.clone();
@@ -54,11 +57,34 @@ struct Ports {
     commands: Reader<CommandMessage>,
     verdicts: Output<Writer<Verdict>>,
     state: State,
+    auditor: Auditor,
+    /// Who has asked for the job in force.
+    asked_by: &'static str,
 }
 
 impl Ports {
     fn all(&mut self) -> Vec<&mut dyn Port> {
-        vec![self.verdicts.port(), self.state.port(), &mut self.commands, &mut self.couples]
+        let outputs = [self.verdicts.port(), self.state.port(), self.auditor.port()];
+        let inputs: [&mut dyn Port; 2] = [&mut self.commands, &mut self.couples];
+        outputs.into_iter().chain(inputs).collect()
+    }
+
+    /// Answers a command. The journal hears of a job that was refused.
+    fn answer(
+        &mut self,
+        number: u64,
+        command: Command,
+        answer: Result<(), Refusal>,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<(), RoleError> {
+        self.state.answer(number, answer);
+        match (command, answer) {
+            (Command::LoadJob { job_id, .. }, Err(refusal)) => {
+                let what = format!("job {job_id} refused: {}", refusal.name());
+                self.auditor.tell(cycle, AuditKind::Job, "plc", &what)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The next command that has not come before, with its number. What is no command is counted and logged.
@@ -121,8 +147,9 @@ impl Role for Idle<'_> {
                 }
                 Command::Abort => Ok(()),
             };
-            state.answer(number, answer);
+            self.ports.answer(number, command, answer, cycle)?;
             if self.next.is_some() {
+                self.ports.asked_by = "plc";
                 // The next session tells it, when it has the job.
                 return Ok(Turn::Left);
             }
@@ -140,7 +167,11 @@ fn watch(
     cycle: &mut Cycle<'_>,
 ) -> Result<Option<PathBuf>, RoleError> {
     let file = jobs::load(path, config)?;
-    log!(code::JOB_LOADED, { job = %path.display() }, "watching the job {:?} ({})", file.name, path.display());
+    let what =
+        format!("job {} {:?} of hash {:016x} ({})", file.id, file.name, file.model_hash(), path.display());
+    log!(code::JOB_LOADED, { job = %path.display() }, "watching the {what}");
+    let asked_by = ports.asked_by;
+    ports.auditor.tell(cycle, AuditKind::Job, asked_by, &format!("{what} loaded"))?;
     ports.state.job(file.id, file.model_hash());
     ports.state.phase(JudgePhase::Waiting);
     file.with_job(|job| {
@@ -197,8 +228,9 @@ impl Role for Session<'_, '_> {
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         while let Some((number, command)) = self.ports.take_command(cycle)? {
             let answer = self.obey(command, cycle)?;
-            self.ports.state.answer(number, answer);
+            self.ports.answer(number, command, answer, cycle)?;
             if self.next.is_some() {
+                self.ports.asked_by = "plc";
                 // The next session tells it, when it has the job.
                 return Ok(Turn::Left);
             }

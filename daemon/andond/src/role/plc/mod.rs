@@ -13,9 +13,10 @@ use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
 use andon_plc::handshake::{Line, LineCommand};
 use andon_plc::modbus::{Config as Server, ModbusServer};
 use andon_plc::registers::{Image, status};
-use shm_schemas::{Command, Health, Judging};
+use shm_schemas::{AuditKind, Command, Health, Judging};
 
 use super::RoleError;
+use super::audit::Auditor;
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
 use crate::config::Config;
@@ -31,7 +32,11 @@ const TURN: Duration = Duration::from_millis(20);
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
     if config.plc.enable {
-        let mut role = Plc::open(&mut cycle, config)?;
+        // The port may be taken by what is about to end.
+        let Some(server) = cycle.until_open(|| Ok(ModbusServer::start(server_config(config))?))? else {
+            return Ok(());
+        };
+        let mut role = Plc::open(server, &mut cycle, config)?;
         cycle.run(&mut role)?;
     } else {
         log!(code::PLC_OFF, "plc.enable is false: nothing listens");
@@ -60,6 +65,7 @@ struct Plc {
     server: ModbusServer,
     clients: Clients,
     commands: Output<Writer<Command>>,
+    auditor: Auditor,
     account: Account,
     judging: Reader<Judging>,
     health: Reader<Health>,
@@ -74,7 +80,7 @@ impl Role for Plc {
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
         let mut ports: Vec<&mut dyn Port> = self.account.ports().into();
-        ports.extend([self.commands.port(), &mut self.judging as &mut dyn Port, &mut self.health]);
+        ports.extend([self.commands.port(), self.auditor.port(), &mut self.judging, &mut self.health]);
         ports
     }
 
@@ -88,6 +94,11 @@ impl Role for Plc {
             self.line_health.departed(MonotonicTime::now());
         }
         self.clients.log(cycle.liveness());
+        for write in self.server.writes() {
+            for what in write.commands() {
+                self.auditor.tell(cycle, AuditKind::Command, &write.client.to_string(), &what)?;
+            }
+        }
         self.watch_line()?;
         while let Some(judging) = self.judging.take()? {
             self.server.handshake(|handshake, now_ns| handshake.judging(&judging, now_ns));
@@ -104,13 +115,13 @@ impl Role for Plc {
 
 impl Plc {
     /// A server that listens is the first step: readiness must not wait for a worker.
-    fn open(cycle: &mut Cycle<'_>, config: &Config) -> Result<Self, RoleError> {
+    fn open(server: ModbusServer, cycle: &mut Cycle<'_>, config: &Config) -> Result<Self, RoleError> {
         let began = Instant::now();
-        let server = ModbusServer::start(server_config(config))?;
         let node = cycle.node();
         let role = Self {
             clients: Clients::new(server.counters()),
             commands: Output::new(node.writer()?, &[]),
+            auditor: Auditor::open(node)?,
             account: Account::open(node)?,
             judging: node.reader()?,
             health: node.reader()?,

@@ -24,6 +24,8 @@ pub(super) struct Running {
 
 impl Running {
     /// Starts `andond run NAME` with these configuration files; what it logs goes into `folder`.
+    ///
+    /// The roles of a demo have configurations of their own: each capture plays another clip.
     pub(super) fn start(name: &'static str, configs: &[PathBuf], folder: &Path) -> Result<Self, ToolError> {
         let failed = |path: &Path| {
             let what = path.display().to_string();
@@ -33,7 +35,7 @@ impl Running {
         let log = folder.join(format!("{name}.log"));
         let stderr = File::options().create(true).append(true).open(&log).map_err(failed(&log))?;
         let mut command = Command::new(&program);
-        command.args(["run", name]);
+        command.args(["run", name, "--as-given"]);
         for config in configs {
             command.arg("--config").arg(config);
         }

@@ -1,0 +1,40 @@
+//! What a role tells the journal of what people and programs have done.
+
+use andon_ipc::{Error, Node, Port, UtcTime, Writer};
+use shm_schemas::{Audit, AuditKind, RoleId};
+
+use super::RoleError;
+use super::cycle::Cycle;
+use super::output::Output;
+
+/// The role's end of the channel `audit`. Its history keeps what is told while the journal is away.
+pub(super) struct Auditor {
+    writer: Output<Writer<Audit>>,
+    role: RoleId,
+}
+
+impl Auditor {
+    pub(super) fn open(node: &Node) -> Result<Self, Error> {
+        Ok(Self { writer: Output::beside(node.writer()?), role: node.role() })
+    }
+
+    pub(super) fn port(&mut self) -> &mut dyn Port {
+        self.writer.port()
+    }
+
+    /// Tells who has done what just now.
+    pub(super) fn tell(
+        &mut self,
+        cycle: &mut Cycle<'_>,
+        kind: AuditKind,
+        who: &str,
+        what: &str,
+    ) -> Result<(), RoleError> {
+        let role = self.role;
+        self.writer.send(cycle, |message| {
+            message.utc_ns = UtcTime::now().nanoseconds();
+            (message.kind, message.role) = (kind.code(), role.code());
+            message.say(who, what);
+        })
+    }
+}

@@ -1,0 +1,80 @@
+//! `andond backup`: configuration, jobs, calibration and journal in one file.
+
+use std::path::{Path, PathBuf};
+
+use andon_journal::History;
+
+use super::{ToolError, cannot_write, running_config};
+use crate::backup::{self, Kind};
+use crate::cli::Backup;
+use crate::config::Config;
+use crate::exit::Code;
+use crate::role;
+
+/// Runs the command. The journal is copied as it is at one moment, also while the line writes it.
+///
+/// # Errors
+/// What cannot be read, or that the archive cannot be written.
+pub fn run(arguments: &Backup) -> Result<Code, ToolError> {
+    let config = running_config(&arguments.config)?.config;
+    let (mut manifest, mut contents) = (backup::manifest(&config.station.name, config.root()), Vec::new());
+    for (path, kind) in files(&config)? {
+        let bytes = if kind == Kind::Journal { journal(&path)? } else { read(&path)? };
+        manifest.files.push(backup::entry(contents.len() + 1, &path, kind, &bytes));
+        contents.push(bytes);
+    }
+    let archive = &arguments.archive;
+    let folder = archive.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        // Beside it first: a backup that is broken off leaves the one before it. It holds what is not for everybody.
+        let file = tempfile::NamedTempFile::new_in(folder)?;
+        backup::write(file.reopen()?, manifest.clone(), &contents)?;
+        file.persist(archive)?;
+        Ok(())
+    };
+    write().map_err(cannot_write(archive))?;
+    for entry in &manifest.files {
+        println!("{}  {}", entry.sha256, entry.path.display());
+    }
+    println!("written: {}", archive.display());
+    Ok(Code::Stopped)
+}
+
+/// What belongs to the station, each file once.
+fn files(config: &Config) -> Result<Vec<(PathBuf, Kind)>, ToolError> {
+    let mut files: Vec<(PathBuf, Kind)> = Vec::new();
+    let mut add = |path: &Path, kind| {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.into());
+        if !files.iter().any(|(known, _)| *known == path) {
+            files.push((path, kind));
+        }
+    };
+    config.files.iter().for_each(|file| add(file, Kind::Configuration));
+    config.station.job.iter().for_each(|job| add(job, Kind::Job));
+    let folder = &config.station.jobs;
+    if folder.is_dir() {
+        let jobs = role::job_files(folder).map_err(cannot_read(folder))?;
+        jobs.iter().for_each(|job| add(job, Kind::Job));
+    }
+    config.bench.calibration.iter().for_each(|calibration| add(calibration, Kind::Calibration));
+    let journal = config.journal_path();
+    if journal.exists() {
+        add(&journal, Kind::Journal);
+    }
+    Ok(files)
+}
+
+fn journal(path: &Path) -> Result<Vec<u8>, ToolError> {
+    let folder = tempfile::tempdir().map_err(cannot_read(path))?;
+    let copy = folder.path().join("journal.sqlite");
+    History::open(path)?.copy_to(&copy)?;
+    read(&copy)
+}
+
+fn read(path: &Path) -> Result<Vec<u8>, ToolError> {
+    std::fs::read(path).map_err(cannot_read(path))
+}
+
+fn cannot_read(path: &Path) -> impl Fn(std::io::Error) -> ToolError {
+    |source| ToolError::Read { path: path.into(), source, remedy: "let this user read it" }
+}

@@ -1,0 +1,66 @@
+//! Other stations of the same folder: two cannot have one port, one camera, one journal or one name.
+
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
+
+use crate::config::{Config, Source};
+
+/// What this station shares with one beside it.
+pub(super) fn faults(config: &Config) -> Vec<String> {
+    let Some((own, before)) = config.files.split_last() else { return Vec::new() };
+    let mut faults = Vec::new();
+    for path in beside(own, &config.files) {
+        let files: Vec<&Path> = before.iter().map(PathBuf::as_path).chain([path.as_path()]).collect();
+        // A file that is no station of its own, or has faults, is no neighbour.
+        let Ok(other) = Config::load(&files) else { continue };
+        faults.extend(
+            shared(config, &other).map(|what| format!("{what}, as the station in {}", path.display())),
+        );
+    }
+    faults
+}
+
+/// The other files of the folder, in the order of their names.
+fn beside(own: &Path, ours: &[PathBuf]) -> Vec<PathBuf> {
+    let folder = own.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let is_ours = |path: &PathBuf| {
+        ours.iter().any(|file| std::fs::canonicalize(file).ok() == std::fs::canonicalize(path).ok())
+    };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let is_toml = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "toml");
+    let mut files: Vec<PathBuf> = entries.filter(|path| is_toml(path) && !is_ours(path)).collect();
+    files.sort();
+    files
+}
+
+fn shared(config: &Config, other: &Config) -> impl Iterator<Item = String> {
+    let name = (config.root() == other.root())
+        .then(|| format!("station.name: this station is called {:?}", config.station.name));
+    let port = (config.plc.enable && other.plc.enable && config.plc.port == other.plc.port)
+        .then_some(())
+        .filter(|()| overlap(config.plc.bind, other.plc.bind))
+        .map(|()| format!("plc.port: this station listens on port {}", config.plc.port));
+    let journal = (config.journal_path() == other.journal_path())
+        .then(|| format!("journal.path: this station writes {}", config.journal_path().display()));
+    let camera = camera(config)
+        .filter(|own| camera(other).as_ref() == Some(own))
+        .map(|own| format!("camera: this station looks through {own}"));
+    [name, port, journal, camera].into_iter().flatten()
+}
+
+/// An address that means all of them is every other one as well.
+fn overlap(one: IpAddr, other: IpAddr) -> bool {
+    one == other || one.is_unspecified() || other.is_unspecified()
+}
+
+/// The camera, if it is named; a RealSense without a serial number is whichever is found first.
+fn camera(config: &Config) -> Option<String> {
+    let camera = &config.camera;
+    match camera.source {
+        Source::V4l2 => Some(camera.device.display().to_string()),
+        Source::Realsense => {
+            Some(camera.serial.clone().unwrap_or_else(|| "the first RealSense camera that is found".into()))
+        }
+        Source::Video | Source::Images | Source::Tracks | Source::Bag => None,
+    }
+}

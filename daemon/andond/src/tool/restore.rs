@@ -1,0 +1,95 @@
+//! `andond restore`: puts back what `andond backup` wrote.
+
+use std::path::{Path, PathBuf};
+
+use andon_ipc::{Station, UtcTime};
+use andon_journal::{Journal, Retention};
+use shm_schemas::AuditKind;
+
+use super::{ToolError, cannot_write};
+use crate::atomic;
+use crate::backup::{Archive, ArchiveError, Entry, Kind};
+use crate::cli::Restore;
+use crate::exit::Code;
+use crate::identity;
+
+/// Runs the command. Nothing is written before the whole archive was checked and the station was found at rest.
+///
+/// # Errors
+/// What is wrong with the archive, that the station runs, or which files are in the way.
+pub fn run(arguments: &Restore) -> Result<Code, ToolError> {
+    let archive = Archive::read(&arguments.archive)?;
+    let place = |entry: &Entry| target(arguments.into.as_deref(), &entry.path);
+    println!("station {} of {}", archive.manifest.station, archive.manifest.written);
+    for (entry, _) in archive.files() {
+        println!("{}  {}", entry.sha256, place(entry).display());
+    }
+    if arguments.list {
+        return Ok(Code::Stopped);
+    }
+    refuse_while_it_runs(&archive)?;
+    let differs = |(entry, bytes): (&Entry, &[u8])| {
+        let path = place(entry);
+        let is_same = std::fs::read(&path).is_ok_and(|there| there == bytes);
+        (path.exists() && !is_same).then_some(path)
+    };
+    let in_the_way: Vec<PathBuf> = archive.files().filter_map(differs).collect();
+    if !arguments.replace && !in_the_way.is_empty() {
+        return Err(ArchiveError::InTheWay(in_the_way).into());
+    }
+    for (entry, bytes) in archive.files() {
+        put(&place(entry), entry.kind, bytes)?;
+    }
+    note(&archive, arguments)?;
+    println!("restored; `andond check` looks at it before the station starts");
+    Ok(Code::Stopped)
+}
+
+/// Where a file goes.
+fn target(into: Option<&Path>, path: &Path) -> PathBuf {
+    // It is absolute: the archive was refused otherwise.
+    into.map_or_else(|| path.to_owned(), |folder| folder.join(path.strip_prefix("/").unwrap_or(path)))
+}
+
+/// Under another folder as well: a journal that is replaced under its writer would lose what is written meanwhile.
+fn refuse_while_it_runs(archive: &Archive) -> Result<(), ToolError> {
+    let name = &archive.manifest.station;
+    match Station::under(name, &archive.manifest.root) {
+        Ok(station) if station.is_in_use() => Err(ArchiveError::Running(name.clone()).into()),
+        _ => Ok(()),
+    }
+}
+
+fn put(path: &Path, kind: Kind, bytes: &[u8]) -> Result<(), ToolError> {
+    let write = || -> std::io::Result<()> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        if kind == Kind::Journal {
+            // What lies beside the old database is no part of this one.
+            for ending in ["-wal", "-shm"] {
+                let mut beside = path.as_os_str().to_owned();
+                beside.push(ending);
+                match std::fs::remove_file(beside) {
+                    Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+                    _ => (),
+                }
+            }
+        }
+        atomic::write(path, bytes)
+    };
+    write().map_err(cannot_write(path))
+}
+
+/// The journal itself says that it was restored, and by whom.
+fn note(archive: &Archive, arguments: &Restore) -> Result<(), ToolError> {
+    let journals = archive.files().filter(|(entry, _)| entry.kind == Kind::Journal);
+    for (entry, _) in journals {
+        let path = target(arguments.into.as_deref(), &entry.path);
+        // Nothing is removed here: the role applies what the configuration says, and these are the most that it may say.
+        let mut journal = Journal::open(&path, Retention { keep_days: 36_500, keep_mb: 1_000_000 })?;
+        let what = format!("restored from {}, of {}", arguments.archive.display(), archive.manifest.written);
+        journal.note(UtcTime::now().nanoseconds(), AuditKind::Journal, &identity::own_user(), &what)?;
+    }
+    Ok(())
+}
