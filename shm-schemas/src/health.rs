@@ -97,6 +97,8 @@ wire! { "andon.Health", 120;
         pid: u32,
         /// How often this role saw the writer before it start again.
         restarts_seen: u32,
+        /// How long this role may give no sign of life, as the station is configured, milliseconds; 0 where it has no deadline.
+        deadline_ms: u32,
         /// A [`RoleId`].
         role: u8,
         /// A [`RoleState`].
@@ -104,7 +106,7 @@ wire! { "andon.Health", 120;
         /// A [`Sight`], from the role perceive; 0 from others.
         sight: u8,
         /// Keeps the size a multiple of 8.
-        reserved: [u8; 9],
+        reserved: [u8; 5],
     }
 }
 message!(Health);

@@ -50,6 +50,8 @@ pub enum Command {
     Status(Status),
     /// Query the journal
     History(History),
+    /// Say which part comes next: its id goes with every verdict of the job that begins next
+    Part(Part),
     /// Compare and cluster the IUs of a folder of recordings; write a report
     Analyze(Analyze),
     /// Repeat an experiment of the paper on a folder of recordings
@@ -305,6 +307,16 @@ pub struct History {
     /// Print comma-separated values instead of a table
     #[arg(long)]
     pub csv: bool,
+}
+
+/// `andond part`
+#[derive(Debug, Args)]
+pub struct Part {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The part or serial id, printable ASCII, at most 32 characters; "" for none
+    pub id: String,
 }
 
 /// `andond analyze`

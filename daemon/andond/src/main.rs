@@ -44,6 +44,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Tail(arguments) => tool::tail::run(&arguments)?.into(),
         Command::Status(arguments) => tool::status::run(&arguments)?.into(),
         Command::History(arguments) => tool::history::run(&arguments)?.into(),
+        Command::Part(arguments) => tool::part::run(&arguments)?.into(),
         Command::Analyze(arguments) => tool::analyze::run(&arguments)?.into(),
         Command::Experiment(arguments) => tool::experiment::run(&arguments)?.into(),
     };

@@ -26,6 +26,7 @@ pub struct Node {
     station: Station,
     role: RoleId,
     patience: Duration,
+    deadline: Option<Duration>,
     stop: Stop,
     _members_lock: File,
 }
@@ -48,7 +49,18 @@ impl Node {
         let members_lock = enter(station, |_| Ok(()))?;
         let node = join(station, role.name())?;
         let (station, stop) = (station.clone(), stop.clone());
-        Ok(Self { node, station, role, patience, stop, _members_lock: members_lock })
+        Ok(Self { node, station, role, patience, deadline: None, stop, _members_lock: members_lock })
+    }
+
+    /// Says in every sign of life how long this role may give none.
+    #[must_use]
+    pub fn with_deadline(self, deadline: Option<Duration>) -> Self {
+        Self { deadline, ..self }
+    }
+
+    /// How long this role may give no sign of life; `None` where it has no deadline.
+    pub fn deadline(&self) -> Option<Duration> {
+        self.deadline
     }
 
     /// The station.

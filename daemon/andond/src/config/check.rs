@@ -226,6 +226,16 @@ impl Checks<'_> {
                 format!("{client} cannot reach plc.bind = {}, which is this machine only", plc.bind);
             self.fault("plc.allow", &["plc.bind"], problem);
         }
+        if plc.writes && plc.commanders.is_empty() && plc.allow.len() > 1 {
+            let problem =
+                "must name the client that may write, because plc.writes is true and plc.allow has several"
+                    .into();
+            self.fault("plc.commanders", &["plc.allow", "plc.writes"], problem);
+        }
+        if let Some(client) = plc.commanders.iter().find(|client| !plc.allow.contains(client)) {
+            let problem = format!("{client} cannot write, because it is not in plc.allow and cannot connect");
+            self.fault("plc.commanders", &["plc.allow"], problem);
+        }
     }
 
     fn health(&mut self, config: &Config) {

@@ -70,7 +70,8 @@ pub fn start_log(role: cli::Role, config: &Config) {
 /// Joins the station and runs a role's loop until it is asked to stop.
 pub fn run_with(config: &Config, role: RoleId, body: impl FnOnce(&Node) -> Result<(), RoleError>) -> Code {
     let join = || -> Result<Node, RoleError> {
-        Ok(Node::open(&station(config)?, role, PATIENCE, &Stop::on_signals()?)?)
+        let node = Node::open(&station(config)?, role, PATIENCE, &Stop::on_signals()?)?;
+        Ok(node.with_deadline(config.health.deadline(role)))
     };
     finish(join().and_then(|node| body(&node)))
 }

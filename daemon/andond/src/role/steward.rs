@@ -13,7 +13,8 @@ use crate::log::{code, log};
 /// Runs until it is asked to stop.
 pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(), RoleError> {
     let mut role = Reaper { steward: Steward::create(station, limits(config))?, unreaped: Vec::new() };
-    let node = Node::open(station, RoleId::Steward, Duration::ZERO, stop)?;
+    let node = Node::open(station, RoleId::Steward, Duration::ZERO, stop)?
+        .with_deadline(config.health.deadline(RoleId::Steward));
     Cycle::new(&node)?.run(&mut role)?;
     Ok(())
 }

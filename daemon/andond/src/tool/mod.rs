@@ -10,6 +10,7 @@ pub mod experiment;
 pub mod history;
 mod job;
 mod join;
+pub mod part;
 pub mod record;
 pub mod replay;
 pub mod segment;

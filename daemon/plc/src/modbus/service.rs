@@ -1,17 +1,19 @@
 //! Answers well-formed requests from the state machine.
 
 use std::future::{Ready, ready};
+use std::net::IpAddr;
 use std::sync::Arc;
 
 use tokio_modbus::{ExceptionCode, Request, Response, SlaveRequest, server};
 
 use super::counters::Counters;
-use super::{Open, Shared};
+use super::{Cause, Open, Shared};
 use crate::registers::{self, RegisterError};
 
 /// The service of one connection.
 pub(super) struct Service {
     pub(super) shared: Arc<Shared>,
+    pub(super) client: IpAddr,
     /// Counts the connection until the service is dropped with it.
     pub(super) _open: Open,
 }
@@ -59,8 +61,9 @@ impl Service {
     }
 
     fn write(&self, address: u16, words: &[u16]) -> Result<(), ExceptionCode> {
-        if !self.shared.writes {
+        if let Some(cause) = self.objection_to_writing() {
             Counters::add(&self.shared.counters.writes_refused);
+            self.shared.counters.rejections.add(self.client, cause);
             return Err(ExceptionCode::IllegalFunction);
         }
         let now_ns = self.shared.now_ns();
@@ -69,6 +72,14 @@ impl Service {
         let written = registers::write(&image, self.shared.word_order, address, words).map_err(exception)?;
         handshake.write(written, now_ns);
         Ok(())
+    }
+
+    fn objection_to_writing(&self) -> Option<Cause> {
+        match (self.shared.writes, self.shared.commanders.contains(&self.client)) {
+            (false, _) => Some(Cause::WritesOff),
+            (true, false) => Some(Cause::NoCommander),
+            (true, true) => None,
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
 use andon_plc::handshake::{Line, LineCommand};
 use andon_plc::modbus::{Config as Server, ModbusServer};
 use andon_plc::registers::{Image, status};
-use shm_schemas::{Command, Health, Judging};
+use shm_schemas::{Command, CommandSource, Health, Judging};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
@@ -147,14 +147,18 @@ impl Plc {
         if changed & status::READY != 0 {
             match (image.status & status::READY != 0, self.line) {
                 (true, _) => log!(code::PLC_READY, "ready"),
-                (false, Line::Fault { fault, detail }) => {
-                    log!(code::PLC_NOT_READY, { detail }, "ready has dropped: {}", fault.meaning());
+                (false, Line::Fault { detail, .. }) => {
+                    log!(code::PLC_NOT_READY, { detail }, "ready has dropped: {}", self.line_health.cause());
                 }
-                (false, _) => log!(code::PLC_NOT_READY, "ready has dropped: error {}", image.error),
+                (false, _) => {
+                    let why = self.server.handshake(|handshake, now_ns| handshake.obstacle(now_ns));
+                    // It may have gone again between the two looks.
+                    log!(code::PLC_NOT_READY, "ready has dropped: {}", why.unwrap_or("for a moment"));
+                }
             }
         }
         if changed & image.status & status::OVERRUN != 0 {
-            log!(code::PLC_OVERRUN, "{} results are lost to the PLC; the journal has them", image.lost);
+            log!(code::PLC_OVERRUN, "{} results are lost to the PLC since the journal was begun", image.lost);
         }
     }
 }
@@ -164,6 +168,7 @@ fn server_config(config: &Config) -> Server {
         bind: SocketAddr::new(config.plc.bind, config.plc.port),
         allowed_clients: config.plc.allow.clone(),
         writes: config.plc.writes,
+        commanders: config.plc.commanders().to_vec(),
         word_order: config.plc.word_order,
         ..Server::default()
     }
@@ -174,4 +179,6 @@ fn write_command(command: &LineCommand, message: &mut Command) {
     message.kind = command.kind.code();
     message.job_id = command.job_id;
     message.model_hash = command.model_hash;
+    message.part = command.part;
+    message.source = CommandSource::Plc.code();
 }
