@@ -23,6 +23,8 @@ codes! {
         Plc = 7 as "plc",
         /// A tool that a person runs.
         Tool = 8 as "tool",
+        /// From everything to numbers for a monitoring system.
+        Metrics = 9 as "metrics",
     }
 }
 

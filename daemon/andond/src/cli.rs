@@ -229,6 +229,8 @@ pub enum Role {
     Journal,
     /// Gives verdicts to the PLC
     Plc,
+    /// Counts what the line does, for a monitoring system
+    Metrics,
 }
 
 /// `andond check`

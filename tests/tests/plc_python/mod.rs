@@ -1,4 +1,4 @@
-//! A Python with pymodbus, for tests with a client that is not ours.
+//! A Python with pymodbus and with Prometheus's own library, for tests with clients that are not ours.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -7,8 +7,12 @@ use std::process::{Command, Output};
 pub(crate) fn python() -> PathBuf {
     let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("line-venv");
     let python = venv.join("bin/python");
-    let is_complete =
-        || Command::new(&python).args(["-c", "import pymodbus"]).output().is_ok_and(|o| o.status.success());
+    let is_complete = || {
+        Command::new(&python)
+            .args(["-c", "import pymodbus, prometheus_client"])
+            .output()
+            .is_ok_and(|o| o.status.success())
+    };
     if is_complete() {
         return python;
     }
@@ -18,11 +22,19 @@ pub(crate) fn python() -> PathBuf {
         "python3 -m venv failed (apt install python3-venv?): {}",
         all_output(&made)
     );
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "pymodbus==3.16.1"];
+    let pip = [
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "pymodbus==3.16.1",
+        "prometheus_client==0.26.0",
+    ];
     let pip = Command::new(&python).args(pip).output().unwrap();
     assert!(
         pip.status.success() && is_complete(),
-        "pip must reach a registry that has pymodbus: {}",
+        "pip must reach a registry that has pymodbus and prometheus_client: {}",
         all_output(&pip)
     );
     python

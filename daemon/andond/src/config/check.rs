@@ -42,6 +42,7 @@ pub(super) fn check(
     checks.objects(config);
     checks.method(config);
     checks.plc(config);
+    checks.metrics(config);
     checks.health(config);
     checks.faults
 }
@@ -235,6 +236,13 @@ impl Checks<'_> {
         if let Some(client) = plc.commanders.iter().find(|client| !plc.allow.contains(client)) {
             let problem = format!("{client} cannot write, because it is not in plc.allow and cannot connect");
             self.fault("plc.commanders", &["plc.allow"], problem);
+        }
+    }
+
+    fn metrics(&mut self, config: &Config) {
+        if config.plc.enable && config.metrics.enable && config.metrics.port == config.plc.port {
+            let problem = "is plc.port as well; must be another one".into();
+            self.fault("metrics.port", &["plc.port", "plc.enable", "metrics.enable"], problem);
         }
     }
 

@@ -166,6 +166,11 @@ table! {
     ERROR 615 ROLE_FAILED: "the role cannot continue",
         "systemd starts it again; the message says what failed";
 
+    INFO 616 METRICS_LISTENING: "the metrics can be fetched", "";
+    INFO 617 METRICS_OFF: "the configuration has no metrics", "";
+    ERROR 618 METRICS_PORT_TAKEN: "the port of the metrics cannot be opened",
+        "Another program has it, perhaps another station: choose another metrics.port; or metrics.bind is not an address of this machine";
+
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped: verdicts keep their order, and their UTC times jump",
         "Let one time service set the clock, slowly";
 

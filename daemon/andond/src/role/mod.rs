@@ -8,7 +8,9 @@ mod error;
 mod jobs;
 mod journal;
 mod judge;
+mod line;
 mod liveness;
+mod metrics;
 mod output;
 mod perceive;
 mod player;
@@ -57,6 +59,7 @@ pub fn run(role: cli::Role, config: &Config) -> Code {
         cli::Role::Judge => run_with(config, RoleId::Judge, |node| judge::run(node, config)),
         cli::Role::Journal => run_with(config, RoleId::Journal, |node| journal::run(node, config)),
         cli::Role::Plc => run_with(config, RoleId::Plc, |node| plc::run(node, config)),
+        cli::Role::Metrics => run_with(config, RoleId::Metrics, |node| metrics::run(node, config)),
     }
 }
 

@@ -1,4 +1,4 @@
-//! The sections `[journal]`, `[plc]`, `[health]` and `[log]`: what serves the line.
+//! The sections `[journal]`, `[plc]`, `[metrics]`, `[health]` and `[log]`: what serves the line.
 
 use crate::config::keys::Keys;
 use crate::config::value::{several, within, words};
@@ -142,6 +142,49 @@ impl Plc {
             (),
             "Which register of a value of two or four registers is the first: the most significant (big) or the least \
              significant (little). Inside a register Modbus is always big-endian.",
+        );
+    }
+}
+
+/// `[metrics]`: numbers for a monitoring system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metrics {
+    /// Whether they are served.
+    pub enable: bool,
+    /// The address that is listened on.
+    pub bind: IpAddr,
+    /// The port that is listened on.
+    pub port: u16,
+}
+
+impl Default for Metrics {
+    fn default() -> Self {
+        // Nobody else uses this port in the list of Prometheus's exporters.
+        Self { enable: false, bind: IpAddr::V4(Ipv4Addr::LOCALHOST), port: 9464 }
+    }
+}
+
+impl Metrics {
+    pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
+        k.key(
+            "enable",
+            &mut self.enable,
+            (),
+            "Whether the metrics can be fetched, as OpenMetrics from http://BIND:PORT/metrics. Everybody who can connect can read \
+             them.",
+        );
+        k.key(
+            "bind",
+            &mut self.bind,
+            (),
+            "The address that is listened on. For one that is not this machine's own the unit's IPAddressAllow= must name the \
+             clients (systemctl edit andon-metrics@NAME).",
+        );
+        k.key(
+            "port",
+            &mut self.port,
+            within(1, 65_535, ""),
+            "The TCP port. Each station of a PC needs one of its own.",
         );
     }
 }

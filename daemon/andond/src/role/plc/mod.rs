@@ -4,7 +4,6 @@
 
 mod account;
 mod clients;
-mod line;
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -17,12 +16,12 @@ use shm_schemas::{Command, CommandSource, Health, Judging};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
+use super::line::LineHealth;
 use super::output::Output;
 use crate::config::Config;
 use crate::log::{code, log};
 use account::Account;
 use clients::Clients;
-use line::LineHealth;
 
 /// The longest wait: a command of a client waits no longer than this to be passed on.
 const TURN: Duration = Duration::from_millis(20);
