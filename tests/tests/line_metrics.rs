@@ -46,17 +46,22 @@ fn samples(text: &str) -> BTreeMap<String, f64> {
     lines.map(sample).collect()
 }
 
-/// Scrapes until the condition holds.
-fn until(port: u16, what: &str, holds: impl Fn(&BTreeMap<String, f64>) -> bool) -> BTreeMap<String, f64> {
+/// Scrapes until the condition holds. The watcher listens meanwhile: what waits for a reader when its writer dies may be lost to it.
+fn until(
+    port: u16,
+    watcher: &mut Watcher,
+    what: &str,
+    holds: impl Fn(&BTreeMap<String, f64>, &Watcher) -> bool,
+) -> BTreeMap<String, f64> {
     let until = Instant::now() + PATIENCE;
     loop {
+        watcher.listen(Duration::from_millis(50));
         let text = scrape(port);
         let found = samples(&text);
-        if holds(&found) {
+        if holds(&found, watcher) {
             return found;
         }
-        assert!(Instant::now() < until, "waited in vain for {what}:\n{text}");
-        std::thread::sleep(Duration::from_millis(50));
+        assert!(Instant::now() < until, "waited in vain for {what}: {:?}\n{text}", tally(watcher));
     }
 }
 
@@ -93,45 +98,40 @@ fn measured() -> (Line, Watcher, u16) {
 #[test]
 fn verdicts_restarts_frames_latencies_and_readiness_are_counted_right() {
     let (mut line, mut watcher, port) = measured();
+    let watcher = &mut watcher;
     Modbus::connect_when_up(line.port).wait_for(status::READY);
-    until(port, "ready", |found| found["andon_ready"] == 1.0);
+    until(port, watcher, "ready", |found, _| found["andon_ready"] == 1.0);
     watcher.until("verdicts", |watcher| watcher.verdicts.len() > 4);
     line.role("judge").kill();
-    watcher.listen(Duration::from_millis(500));
-    watcher.listen(Duration::from_millis(100));
-    let found = until(port, "the verdicts", |found| verdicts(found) == tally(&watcher));
-    let stages = ["detections", "couples", "verdict"];
-    for stage in stages {
+    let found = until(port, watcher, "a line without a judge", |found, watcher| {
+        let is_gone = found["andon_ready"] == 0.0 && found["andon_role_running{role=\"judge\"}"] == 0.0;
+        is_gone && verdicts(found) == tally(watcher)
+    });
+    for stage in ["detections", "couples", "verdict"] {
         let count = found[&format!("andon_latency_seconds_count{{stage=\"{stage}\"}}")];
         let below = found[&format!("andon_latency_seconds_bucket{{le=\"+Inf\",stage=\"{stage}\"}}")];
         assert!(count > 0.0 && count == below, "{stage}: {count} {below}");
     }
-    let sent = tally(&watcher).values().sum::<f64>();
-    assert_eq!(found["andon_latency_seconds_count{stage=\"verdict\"}"], sent);
+    let sent = watcher.verdicts.len();
+    assert_eq!(found["andon_latency_seconds_count{stage=\"verdict\"}"], sent as f64);
     assert!(found["andon_frames_processed_total"] > 0.0);
     assert!(found["andon_journal_size_bytes"] > 0.0 && found["andon_disk_free_bytes{of=\"journal\"}"] > 0.0);
-    let found = until(port, "a line without a judge", |found| {
-        found["andon_ready"] == 0.0 && found["andon_role_running{role=\"judge\"}"] == 0.0
-    });
     assert_eq!(found["andon_role_restarts_total{role=\"judge\"}"], 0.0);
 
     for starts in 1..=2 {
         line.role("judge").kill();
         line.start("judge");
-        until(port, "the restart", |found| {
-            found["andon_role_restarts_total{role=\"judge\"}"] == f64::from(starts)
-                && found["andon_ready"] == 1.0
+        until(port, watcher, "the restart", |found, _| {
+            let restarts = found["andon_role_restarts_total{role=\"judge\"}"];
+            restarts == f64::from(starts) && found["andon_ready"] == 1.0
         });
     }
-    let found = samples(&scrape(port));
+    watcher.until("verdicts of the new judge", |watcher| watcher.verdicts.len() > sent);
+    line.role("judge").kill();
+    let found = until(port, watcher, "all verdicts", |found, watcher| verdicts(found) == tally(watcher));
     for role in ["steward", "perceive", "encode", "journal", "plc"] {
         assert_eq!(found[&format!("andon_role_restarts_total{{role=\"{role}\"}}")], 0.0, "{role}");
     }
-    watcher.until("verdicts of the new judge", |watcher| tally(watcher).values().sum::<f64>() > sent);
-    line.role("judge").kill();
-    watcher.listen(Duration::from_millis(500));
-    watcher.listen(Duration::from_millis(100));
-    until(port, &format!("{:?}", tally(&watcher)), |found| verdicts(found) == tally(&watcher));
 }
 
 /// Reads the text as Prometheus's own library for Python does, which refuses what the standard does not allow.
@@ -143,8 +143,8 @@ print('parsed', *sorted(family.name for family in parse(sys.stdin.read())))
 
 #[test]
 fn the_text_is_openmetrics_and_nothing_else_is_served() {
-    let (_line, _watcher, port) = measured();
-    until(port, "a role", |found| found.keys().any(|name| name.contains("role_running")));
+    let (_line, mut watcher, port) = measured();
+    until(port, &mut watcher, "a role", |found, _| found.keys().any(|name| name.contains("role_running")));
     let mut parser = Command::new(plc_python::python());
     let parser =
         parser.args(["-c", PARSE]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
