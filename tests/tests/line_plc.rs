@@ -91,6 +91,44 @@ fn a_restart_of_plc_offers_again_what_was_not_acknowledged_and_loses_and_doubles
     assert_eq!(&rows[from..from + keys.len()], keys);
 }
 
+#[test]
+fn the_log_says_why_ready_has_dropped() {
+    let (mut line, _watcher, mut plc) = ready(true);
+    plc.control(0).unwrap();
+    line.wait_for_log("plc", "AND-510", "the PLC has not set `enable`, or has cleared it");
+    plc.enable();
+    plc.wait_for(status::READY);
+    let pid = line.role("encode").pid();
+    line.role("encode").signal(Signal::STOP);
+    plc.wait_for(status::ERROR);
+    line.role("encode").signal(Signal::CONT);
+    assert_eq!(line.role("encode").pid(), pid, "it was slow, and never gone");
+    let log = line.log("plc");
+    let dropped: Vec<&str> = log.lines().filter(|line| line.contains("AND-510")).collect();
+    assert!(!dropped.iter().any(|line| line.contains("error 0")), "{dropped:?}");
+    let named = ["encode gives no sign of life", "judge runs and gets nothing, or too late"];
+    assert!(named.iter().any(|named| dropped[1].contains(named)), "{dropped:?}");
+}
+
+#[test]
+fn a_client_that_may_only_read_is_named_once_in_the_log_and_commands_nothing() {
+    let mut line = Line::new(Settings { writes: true, ..Settings::live() });
+    line.reconfigure(
+        "[plc]\n",
+        "[plc]\nallow = [\"127.0.0.1\", \"127.0.0.2\"]\ncommanders = [\"127.0.0.2\"]\n",
+    );
+    let _watcher = line.launch();
+    let mut plc = Modbus::connect_when_up(line.port);
+    for _ in 0..3 {
+        assert!(plc.control(control::ENABLE).is_err());
+        line.wait_for_log("plc", "AND-505", "127.0.0.1 may only read: it is not in plc.commanders");
+        // Longer than the log waits between two looks at the counters.
+        std::thread::sleep(Duration::from_millis(1200));
+    }
+    assert_eq!(line.log("plc").matches("AND-505").count(), 1, "{}", line.log("plc"));
+    assert_eq!(plc.read(100, 1).unwrap(), [0]);
+}
+
 fn with_two_jobs() -> Line {
     Line::with_second_job(Settings { writes: true, ..Settings::live() })
 }

@@ -128,7 +128,7 @@ table! {
     WARN 505 PLC_WRITE_REFUSED: "a client tried to write that may only read",
         "Set plc.writes = true and name it in plc.commanders if it should write";
     ERROR 506 PLC_PORT_TAKEN: "the Modbus port cannot be opened",
-        "Another program has it, plc.bind is not an address of this machine, or the port is below 1024, for which andon-plc@.service says what is needed";
+        "Another program has it, perhaps another station of this machine: each needs a plc.port of its own; or plc.bind is not an address of this machine, or the port is below 1024, for which andon-plc@.service says what is needed";
     WARN 507 PLC_OVERRUN: "results are lost to the PLC: it did not acknowledge in time and the queue was full, or the journal could not take them",
         "The PLC must acknowledge every result; `andond history` shows what the journal has, and a gap for what it has not";
     WARN 508 PLC_BAD_REQUEST: "a Modbus request was malformed or outside the register map",
