@@ -174,6 +174,7 @@ mod tests {
     #[test]
     fn the_cause_names_the_role_and_tells_one_that_waits_from_one_that_is_gone() {
         let mut line = healthy();
+        assert_eq!(line.line(at(10 * S)), Line::Ready);
         line.received(&health(RoleId::Judge, RoleState::Waiting, 10 * S));
         assert_eq!(fault_of(line.line(at(10 * S))), Some(Fault::Role));
         assert_eq!(line.cause(), "judge runs and gets nothing, or too late");
