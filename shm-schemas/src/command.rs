@@ -1,7 +1,8 @@
-//! Channel `command`: what the PLC asks of the judge.
+//! Channel `command`: what the PLC, or a person or scanner by `andond part`, asks of the judge.
 
 use crate::code::codes;
 use crate::layout::{message, wire};
+use crate::part::PartId;
 use crate::stamp::Stamp;
 
 codes! {
@@ -17,10 +18,22 @@ codes! {
         Start = 4,
         /// The running job ends now.
         Abort = 5,
+        /// The jobs that begin from now on are done to `part`.
+        SetPart = 6,
     }
 }
 
-wire! { "andon.Command", 64;
+codes! {
+    /// Who asks.
+    enum CommandSource: u8 {
+        /// The PLC.
+        Plc = 1 as "plc",
+        /// A person or a scanner, by a command of `andond`.
+        Tool = 2 as "tool",
+    }
+}
+
+wire! { "andon.Command", 96;
     /// One command.
     struct Command {
         /// The stamp.
@@ -33,8 +46,12 @@ wire! { "andon.Command", 64;
         job_id: u32,
         /// A [`CommandKind`]. Zero is none: an empty message is no command.
         kind: u8,
+        /// A [`CommandSource`].
+        source: u8,
         /// Keeps the size a multiple of 8.
-        reserved: [u8; 3],
+        reserved: [u8; 2],
+        /// The part id, for `SetPart`.
+        part: PartId,
     }
 }
 message!(Command);

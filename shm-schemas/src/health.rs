@@ -23,6 +23,8 @@ codes! {
         Plc = 7 as "plc",
         /// A tool that a person runs.
         Tool = 8 as "tool",
+        /// From everything to numbers for a monitoring system.
+        Metrics = 9 as "metrics",
     }
 }
 
@@ -102,6 +104,8 @@ wire! { "andon.Health", 136;
         pid: u32,
         /// How often this role saw the writer before it start again.
         restarts_seen: u32,
+        /// How long this role may give no sign of life, as the station is configured, milliseconds; 0 where it has no deadline.
+        deadline_ms: u32,
         /// A [`RoleId`].
         role: u8,
         /// A [`RoleState`].
@@ -109,7 +113,7 @@ wire! { "andon.Health", 136;
         /// A [`Sight`], from the role perceive; 0 from others.
         sight: u8,
         /// Keeps the size a multiple of 8.
-        reserved: [u8; 9],
+        reserved: [u8; 5],
     }
 }
 message!(Health);

@@ -2,6 +2,7 @@
 
 use crate::code::codes;
 use crate::layout::{message, wire};
+use crate::part::PartId;
 use crate::stamp::Stamp;
 
 codes! {
@@ -43,10 +44,16 @@ codes! {
         NothingOffered = 10 as "nothing offered",
         /// Another command is under way, or too many wait.
         TooMany = 11 as "too many",
+        /// The part id is no printable ASCII. The next job has none.
+        BadPart = 12 as "bad part",
+        /// Another result is offered than the one that is acknowledged.
+        OtherResult = 13 as "other result",
+        /// The PLC gives the part ids of this station.
+        PartOfPlc = 14 as "part of plc",
     }
 }
 
-wire! { "andon.Judging", 80;
+wire! { "andon.Judging", 112;
     /// The state of the judge. It is sent when it changes and with every beat; only the newest counts.
     struct Judging {
         /// The stamp.
@@ -67,8 +74,10 @@ wire! { "andon.Judging", 80;
         phase: u8,
         /// 1 while it watches, else 0.
         is_enabled: u8,
-        /// Keeps the size a multiple of 8.
-        reserved: u8,
+        /// The [`crate::CommandSource`] of `part`; 0 where nobody has given one.
+        part_source: u8,
+        /// The part id of the jobs that begin from now on.
+        part: PartId,
     }
 }
 message!(Judging);

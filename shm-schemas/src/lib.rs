@@ -34,19 +34,21 @@ mod frame;
 mod health;
 mod judging;
 mod layout;
+mod part;
 mod stamp;
 mod verdict;
 
 pub use account::{Account, AccountKept, AccountUpdate, Journalled, WAITING_RESULTS};
 pub use audit::{Audit, AuditKind};
 pub use code::UnknownCode;
-pub use command::{Command, CommandKind};
+pub use command::{Command, CommandKind, CommandSource};
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 pub use health::{Health, RoleId, RoleState, Sight};
 pub use judging::{JudgePhase, Judging, Refusal};
 pub use layout::{Layout, Message};
+pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::Stamp;
 pub use verdict::{
     HandCode, NO_INDEX, STATION_BYTES, Verdict, VerdictLevel, VerdictOutcome, VerdictReason, verdict_kind,

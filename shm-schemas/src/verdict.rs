@@ -2,6 +2,7 @@
 
 use crate::code::{UnknownCode, codes};
 use crate::layout::{message, wire};
+use crate::part::PartId;
 use crate::stamp::Stamp;
 
 /// Longest name of a station, in bytes: it must fit a verdict, a unit name and a path under 60 characters.
@@ -86,7 +87,7 @@ codes! {
     }
 }
 
-wire! { "andon.Verdict", 128;
+wire! { "andon.Verdict", 160;
     /// One verdict. The stamp names the newest frame that the decision depends on.
     struct Verdict {
         /// The stamp.
@@ -127,6 +128,8 @@ wire! { "andon.Verdict", 128;
         early: u8,
         /// Name of the station in ASCII, filled up with zeros.
         station: [u8; STATION_BYTES],
+        /// The part that was worked on: the id that was in force when its job began.
+        part: PartId,
         /// Keeps the size a multiple of 8.
         reserved: u8,
     }

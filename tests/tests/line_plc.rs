@@ -1,12 +1,13 @@
 //! The line as the PLC sees it: results only after the journal has them, read by our own client and by others' clients.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_learn::job_file::JobFile;
+mod plc_python;
+
 use andon_tests::line::{Line, Modbus, Settings, Watcher, control, status};
+use plc_python::all_output;
 use rustix::process::Signal;
-use shm_schemas::Refusal;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use shm_schemas::{Refusal, Verdict, VerdictLevel};
+use std::process::Command;
 use std::time::Duration;
 
 /// A line at the worker's own pace, ready.
@@ -90,19 +91,46 @@ fn a_restart_of_plc_offers_again_what_was_not_acknowledged_and_loses_and_doubles
     assert_eq!(&rows[from..from + keys.len()], keys);
 }
 
-/// A station that has its job a second time, under the number 2.
+#[test]
+fn the_log_says_why_ready_has_dropped() {
+    let (mut line, _watcher, mut plc) = ready(true);
+    plc.control(0).unwrap();
+    line.wait_for_log("plc", "AND-510", "the PLC has not set `enable`, or has cleared it");
+    plc.enable();
+    plc.wait_for(status::READY);
+    let pid = line.role("encode").pid();
+    line.role("encode").signal(Signal::STOP);
+    plc.wait_for(status::ERROR);
+    line.role("encode").signal(Signal::CONT);
+    assert_eq!(line.role("encode").pid(), pid, "it was slow, and never gone");
+    let log = line.log("plc");
+    let dropped: Vec<&str> = log.lines().filter(|line| line.contains("AND-510")).collect();
+    assert!(!dropped.iter().any(|line| line.contains("error 0")), "{dropped:?}");
+    let named = ["encode gives no sign of life", "judge runs and gets nothing, or too late"];
+    assert!(named.iter().any(|named| dropped[1].contains(named)), "{dropped:?}");
+}
+
+#[test]
+fn a_client_that_may_only_read_is_named_once_in_the_log_and_commands_nothing() {
+    let mut line = Line::new(Settings { writes: true, ..Settings::live() });
+    line.reconfigure(
+        "[plc]\n",
+        "[plc]\nallow = [\"127.0.0.1\", \"127.0.0.2\"]\ncommanders = [\"127.0.0.2\"]\n",
+    );
+    let _watcher = line.launch();
+    let mut plc = Modbus::connect_when_up(line.port);
+    for _ in 0..3 {
+        assert!(plc.control(control::ENABLE).is_err());
+        line.wait_for_log("plc", "AND-505", "127.0.0.1 may only read: it is not in plc.commanders");
+        // Longer than the log waits between two looks at the counters.
+        std::thread::sleep(Duration::from_millis(1200));
+    }
+    assert_eq!(line.log("plc").matches("AND-505").count(), 1, "{}", line.log("plc"));
+    assert_eq!(plc.read(100, 1).unwrap(), [0]);
+}
+
 fn with_two_jobs() -> Line {
-    let line = Line::new(Settings { writes: true, ..Settings::live() });
-    let folder = line.path("jobs");
-    std::fs::create_dir(&folder).unwrap();
-    let mut job = JobFile::parse("job.toml", &std::fs::read(line.path("job.toml")).unwrap()).unwrap();
-    assert_eq!(job.id, 1);
-    job.id = 2;
-    std::fs::write(folder.join("two.toml"), job.to_toml()).unwrap();
-    let text = std::fs::read_to_string(line.config()).unwrap();
-    let text = text.replace("job = \"job.toml\"\n", &format!("job = \"job.toml\"\njobs = {folder:?}\n"));
-    std::fs::write(line.config(), text).unwrap();
-    line
+    Line::with_second_job(Settings { writes: true, ..Settings::live() })
 }
 
 #[test]
@@ -244,8 +272,47 @@ fn a_write_that_is_not_allowed_and_a_plc_that_leaves_are_logged() {
     line.wait_for_log("plc", "AND-503", "Check the PLC and the network");
 }
 
-fn all_output(output: &Output) -> String {
-    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+#[test]
+fn a_part_id_goes_with_every_verdict_of_the_job_that_begins_next_and_with_no_other() {
+    let (mut line, mut watcher, _plc) = ready(false);
+    let give = |id: &str| line.command("part", &[id]);
+    for id in ["A-1", "A-2", "A-3"] {
+        assert!(give(id).status.success(), "{}", all_output(&give(id)));
+        watcher.until(id, |watcher| watcher.verdicts.iter().filter(|v| v.part.text() == id).count() > 2);
+    }
+    assert_eq!(give("").status.code(), Some(0));
+    watcher.until("a verdict without an id", |watcher| watcher.verdicts.last().unwrap().part.is_none());
+    let verdicts = &watcher.verdicts;
+    let jobs: Vec<_> = verdicts.iter().filter(|v| v.level() == Ok(VerdictLevel::Job)).collect();
+    assert!(jobs.iter().any(|job| job.part.text() == "A-2"), "{jobs:?}");
+    for job in jobs {
+        let of_job = |v: &&Verdict| v.began_ns >= job.began_ns && v.ended_ns <= job.ended_ns;
+        for verdict in verdicts.iter().filter(of_job) {
+            assert_eq!(verdict.part, job.part, "{verdict:?} of {job:?}");
+        }
+    }
+    let bad = give("Teil \u{e4}");
+    assert!(bad.status.code() == Some(64) && all_output(&bad).contains("ASCII"), "{}", all_output(&bad));
+    let csv = String::from_utf8(line.command("history", &["--csv"]).stdout).unwrap();
+    assert!(csv.lines().any(|row| row.ends_with(",A-3")), "{csv}");
+    line.role("judge").kill();
+    let silent = line.command("part", &["A-4"]);
+    assert!(silent.status.code() == Some(70) && all_output(&silent).contains("does not answer"));
+}
+
+#[test]
+fn where_the_plc_gives_the_part_ids_nobody_else_does_and_a_judge_that_starts_again_has_them() {
+    let (mut line, mut watcher, mut plc) = ready(true);
+    plc.set_part("PLC-7");
+    assert_eq!(plc.next_part(), "PLC-7");
+    let refused = line.command("part", &["A-1"]);
+    assert!(all_output(&refused).contains("PLC gives the part ids"), "{}", all_output(&refused));
+    line.role("judge").kill();
+    line.start("judge");
+    plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
+    let from = watcher.verdicts.len();
+    watcher.until("verdicts of the new judge", |watcher| watcher.verdicts.len() > from + 3);
+    assert!(watcher.verdicts[from + 1..].iter().all(|verdict| verdict.part.text() == "PLC-7"));
 }
 
 #[test]
@@ -259,31 +326,6 @@ fn mbpoll_reads_the_status_word_of_a_ready_line() {
     let text = all_output(&output);
     let word = text.lines().find_map(|row| row.strip_prefix("[0]:")).map(|word| word.trim().parse::<u16>());
     assert!(matches!(word, Some(Ok(word)) if word & status::READY != 0), "{text}");
-}
-
-/// A Python with pymodbus, made once under `target`.
-fn python() -> PathBuf {
-    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("line-venv");
-    let python = venv.join("bin/python");
-    let is_complete =
-        || Command::new(&python).args(["-c", "import pymodbus"]).output().is_ok_and(|o| o.status.success());
-    if is_complete() {
-        return python;
-    }
-    let made = Command::new("python3").args(["-m", "venv", "--clear"]).arg(&venv).output().unwrap();
-    assert!(
-        made.status.success(),
-        "python3 -m venv failed (apt install python3-venv?): {}",
-        all_output(&made)
-    );
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "pymodbus==3.16.1"];
-    let pip = Command::new(&python).args(pip).output().unwrap();
-    assert!(
-        pip.status.success() && is_complete(),
-        "pip must reach a registry that has pymodbus: {}",
-        all_output(&pip)
-    );
-    python
 }
 
 /// Reads results and acknowledges them, with no knowledge but the register map.
@@ -314,7 +356,7 @@ print("taken", numbers)
 
 #[test]
 fn pymodbus_takes_results_in_order() {
-    let python = python();
+    let python = plc_python::python();
     let (line, _watcher, _plc) = ready(true);
     let output = Command::new(python).args(["-c", PYMODBUS, &line.port.to_string()]).output().unwrap();
     assert!(output.status.success() && all_output(&output).contains("taken"), "{}", all_output(&output));

@@ -56,6 +56,8 @@ pub enum Command {
     Restore(Restore),
     /// Wait until no job is running; exit 0: none is, 1: one still is
     Idle(Idle),
+    /// Say which part comes next: its id goes with every verdict of the job that begins next
+    Part(Part),
     /// Compare and cluster the IUs of a folder of recordings; write a report
     Analyze(Analyze),
     /// Repeat an experiment of the paper on a folder of recordings
@@ -238,6 +240,8 @@ pub enum Role {
     Journal,
     /// Passes verdicts to the PLC, and its commands to the judge
     Plc,
+    /// Counts what the line does, for a monitoring system
+    Metrics,
 }
 
 /// `andond check`
@@ -356,6 +360,14 @@ pub struct Idle {
     /// How long to wait, in seconds
     #[arg(long, default_value_t = 300)]
     pub timeout: u32,
+/// `andond part`
+#[derive(Debug, Args)]
+pub struct Part {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The part or serial id, printable ASCII, at most 32 characters; "" for none
+    pub id: String,
 }
 
 /// `andond analyze`

@@ -47,6 +47,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Backup(arguments) => tool::backup::run(&arguments)?.into(),
         Command::Restore(arguments) => tool::restore::run(&arguments)?.into(),
         Command::Idle(arguments) => tool::idle::run(&arguments)?.into(),
+        Command::Part(arguments) => tool::part::run(&arguments)?.into(),
         Command::Analyze(arguments) => tool::analyze::run(&arguments)?.into(),
         Command::Experiment(arguments) => tool::experiment::run(&arguments)?.into(),
     };

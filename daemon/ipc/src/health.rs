@@ -33,11 +33,13 @@ impl Heartbeat {
     /// # Errors
     /// As [`Node::writer`].
     pub fn new(node: &Node) -> Result<Self, Error> {
+        let deadline_ms = node.deadline().map_or(0, |deadline| deadline.as_millis());
         let counts = Health {
             role: node.role().code(),
             state: RoleState::Starting.code(),
             pid: std::process::id(),
             configuration: node.configuration(),
+            deadline_ms: u32::try_from(deadline_ms).unwrap_or(u32::MAX),
             ..Health::default()
         };
         // Two digits: 1 % is finer than any decision that depends on it.

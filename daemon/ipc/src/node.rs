@@ -26,6 +26,7 @@ pub struct Node {
     station: Station,
     role: RoleId,
     patience: Duration,
+    deadline: Option<Duration>,
     stop: Stop,
     configuration: u64,
     root_identity: (u64, u64),
@@ -58,6 +59,7 @@ impl Node {
             station,
             role,
             patience,
+            deadline: None,
             stop,
             configuration: 0,
             root_identity,
@@ -85,6 +87,17 @@ impl Node {
             return Ok(());
         }
         Err(Error::RootVanished { root: self.station.root().into() })
+    }
+
+    /// Says in every sign of life how long this role may give none.
+    #[must_use]
+    pub fn with_deadline(self, deadline: Option<Duration>) -> Self {
+        Self { deadline, ..self }
+    }
+
+    /// How long this role may give no sign of life; `None` where it has no deadline.
+    pub fn deadline(&self) -> Option<Duration> {
+        self.deadline
     }
 
     /// The station.

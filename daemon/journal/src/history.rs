@@ -59,6 +59,8 @@ pub struct Record {
     pub decided_ns: u64,
     /// Nanoseconds since 1970 UTC.
     pub decided_utc_ns: u64,
+    /// Empty where none was given.
+    pub part: String,
 }
 
 impl Record {
@@ -142,22 +144,22 @@ pub struct History {
 /// Verdicts and the rest in one order: a gap stands before the verdict that revealed it, and a time without sight before the first
 /// verdict after its begin.
 const QUERY: &str = "
-    SELECT id AS position, 2 AS part, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
+    SELECT id AS position, 2 AS rank, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
         nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns, decided_utc_ns,
-        NULL AS last_seq
+        NULL AS last_seq, part
     FROM verdict
     WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
     UNION ALL
     SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, ''
     FROM gap
     WHERE utc_ns >= ?1
     UNION ALL
     SELECT before_verdict, 0, 0, 0, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, ''
     FROM not_watching
     WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
-    ORDER BY position, part";
+    ORDER BY position, rank";
 
 impl History {
     /// Opens a journal for reading.
@@ -261,15 +263,15 @@ impl History {
 
 fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
     let number = |column: &str| row.get(column).map(unsigned);
-    let part: u8 = row.get("part")?;
-    if part == 0 {
+    let rank: u8 = row.get("rank")?;
+    if rank == 0 {
         return Ok(Entry::NotWatching(NotWatching {
             began_utc_ns: number("decided_utc_ns")?,
             ended_utc_ns: row.get::<_, Option<i64>>("last_seq")?.map(unsigned),
             why: row.get("level")?,
         }));
     }
-    if part == 1 {
+    if rank == 1 {
         return Ok(Entry::Gap(Gap {
             utc_ns: number("decided_utc_ns")?,
             why: row.get("level")?,
@@ -299,5 +301,6 @@ fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
         ended_ns: number("ended_ns")?,
         decided_ns: number("decided_ns")?,
         decided_utc_ns: number("decided_utc_ns")?,
+        part: row.get("part")?,
     })))
 }

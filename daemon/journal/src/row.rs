@@ -1,7 +1,7 @@
 //! Writes a verdict as a row, and the gaps before it.
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
-use shm_schemas::{HandCode, NO_INDEX, Stamp, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{HandCode, NO_INDEX, PartId, Stamp, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 
 use super::{Confirmed, Written};
 
@@ -93,9 +93,9 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
         .prepare_cached(
             "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
              nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns,
-             decided_utc_ns, frame_seq, captured_ns, sent_ns)
+             decided_utc_ns, frame_seq, captured_ns, sent_ns, part)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21,
-             ?22, ?23, ?24, ?25, ?26)",
+             ?22, ?23, ?24, ?25, ?26, ?27)",
         )?
         .execute(params![
             signed(stamp.epoch),
@@ -124,6 +124,7 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
             signed(stamp.frame_seq),
             signed(stamp.captured_ns),
             signed(stamp.sent_ns),
+            verdict.part.text(),
         ])?;
     Ok(())
 }
@@ -169,6 +170,8 @@ fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
         reason: code(VerdictReason::ALL, VerdictReason::name, VerdictReason::code, &text("reason")?),
         hand: code(HandCode::ALL, HandCode::name, HandCode::code, &text("hand")?),
         early: row.get("early")?,
+        // Rows are written by this; where another program has put something else, that is none.
+        part: PartId::new(text("part")?.as_bytes()).unwrap_or(PartId::NONE),
         ..Verdict::default()
     };
     for (to, from) in verdict.station.iter_mut().zip(text("station")?.bytes()) {

@@ -123,6 +123,9 @@ pub(super) const MIGRATIONS: &[&str] = &[
         what TEXT NOT NULL
     ) STRICT;
 ",
+    "
+    ALTER TABLE verdict ADD COLUMN part TEXT NOT NULL DEFAULT '';  -- the part that was worked on; empty: none was given
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use shm_schemas::{AuditKind, NO_INDEX, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{AuditKind, NO_INDEX, PartId, VerdictLevel, VerdictOutcome, VerdictReason};
 
 const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
 const DAY_NS: u64 = 86_400_000_000_000;
@@ -206,14 +206,62 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     assert_eq!(
         lines[1],
         "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,0.000000000,\
-         0.000000000,0.000000000,1,1,,"
+         0.000000000,0.000000000,1,1,,,"
     );
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
-    assert!(lines[2].ends_with(",1,2,2,"));
+    assert!(lines[2].ends_with(",1,2,2,,"));
     assert_eq!(lines.len(), 5);
     for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 27, "{line}");
+        assert_eq!(line.split(',').count(), 28, "{line}");
     }
+}
+
+#[test]
+fn the_part_is_in_the_history_and_quoted_where_a_spreadsheet_would_cut_it() {
+    let mut bench = Bench::new();
+    for (seq, id) in [(1, "A-17"), (2, "4,\"5\""), (3, "")] {
+        let part = PartId::new(id.as_bytes()).unwrap();
+        bench.append(&Verdict { part, ..verdict(1, seq) }).unwrap();
+    }
+    let history = History::open(&bench.path()).unwrap();
+    let text = |format| {
+        let mut text = Vec::new();
+        history.write(&Query::default(), format, &mut text).unwrap();
+        String::from_utf8(text).unwrap()
+    };
+    let csv = text(Format::Csv);
+    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(28, ',').last().unwrap()).collect();
+    assert_eq!(ends, ["part", "A-17", "\"4,\"\"5\"\"\"", ""]);
+    let table = text(Format::Table);
+    assert!(table.contains("  part A-17\n"), "{table}");
+}
+
+#[test]
+fn a_journal_of_the_schema_without_parts_opens_and_its_verdicts_have_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("j.sqlite");
+    let old = Connection::open(&path).unwrap();
+    let before = schema::MIGRATIONS.iter().take_while(|migration| !migration.contains("COLUMN part"));
+    let mut version = 0;
+    for migration in before {
+        old.execute_batch(migration).unwrap();
+        version += 1;
+    }
+    old.pragma_update(None, "user_version", version).unwrap();
+    old.execute(
+        "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, x_c0, x_c1, x_c2,
+         x_c3, early, began_ns, ended_ns, decided_ns, decided_utc_ns, frame_seq, captured_ns, sent_ns)
+         VALUES (1, 1, 'job', 'ok', 'None', '', 'bench1', 3, '', 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)",
+        [],
+    )
+    .unwrap();
+    drop(old);
+    let mut bench = Bench { journal: Journal::open(&path, KEEP).unwrap(), dir };
+    let part = PartId::new(b"A-17").unwrap();
+    bench.append(&Verdict { part, ..verdict(1, 2) }).unwrap();
+    let parts: Vec<PartId> =
+        bench.journal.rows_after(0, 10).unwrap().iter().map(|row| row.verdict.part).collect();
+    assert_eq!(parts, [PartId::NONE, part]);
 }
 
 #[test]
@@ -339,7 +387,7 @@ fn a_time_without_sight_is_a_row_with_begin_and_end_before_the_verdict_that_foll
     let csv = String::from_utf8(csv).unwrap();
     let columns: Vec<usize> = csv.lines().map(|line| line.split(',').count()).collect();
     assert!(columns.iter().all(|count| *count == columns[0]), "{csv}");
-    assert!(csv.contains(",1970-01-01T00:00:01.9Z\r\n"), "{csv}");
+    assert!(csv.contains(",1970-01-01T00:00:01.9Z,\r\n"), "{csv}");
 }
 
 #[test]
@@ -351,6 +399,7 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
     known.hand = 2;
     known.model_hash = 0xFFFF_0000_0000_0001;
     known.x_c = [1, 2, 2, 65535];
+    known.part = PartId::new(&[b'~'; shm_schemas::PART_BYTES]).unwrap();
     (known.stamp.frame_seq, known.stamp.captured_ns, known.stamp.sent_ns) = (4, 5, 6);
     (known.began_ns, known.ended_ns, known.decided_ns, known.early) = (7, 8, 9, 1);
     // Of another build: its numbers are kept as numbers.

@@ -17,7 +17,7 @@ import time
 import iceoryx2 as iox2
 
 # The layout of `Verdict` and of the events in this build of Andon; a test compares it.
-LAYOUT = "5aa3f1a0b7c950e5/2"
+LAYOUT = "6076122f7687c99e/2"
 # The longest time for a station to start, in seconds.
 PATIENCE_S = 20
 # The longest wait for an event, in ms. The queue is read after it in any case.
@@ -32,7 +32,7 @@ REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong",
 
 
 class Verdict(ctypes.Structure):
-    """`shm_schemas::Verdict`, 128 bytes."""
+    """`shm_schemas::Verdict`, 160 bytes."""
 
     _fields_ = [
         ("seq", ctypes.c_uint64),
@@ -58,6 +58,7 @@ class Verdict(ctypes.Structure):
         ("hand", ctypes.c_uint8),
         ("early", ctypes.c_uint8),
         ("station", ctypes.c_char * 16),
+        ("part", ctypes.c_char * 32),
         ("reserved", ctypes.c_uint8),
     ]
 
@@ -116,6 +117,7 @@ def as_dict(verdict):
         "threshold": number(verdict.threshold),
         "nearest": index(verdict.nearest),
         "early": bool(verdict.early),
+        "part": verdict.part.decode("ascii") or None,
         "latency_us": (time.clock_gettime_ns(time.CLOCK_MONOTONIC) - verdict.sent_ns) / 1000,
     }
 

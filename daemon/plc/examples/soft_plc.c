@@ -64,8 +64,8 @@ int main(int argc, char **argv) {
             if (count)
                 latency_ns[received] = monotonic_ns() - verdict.sent_ns;
             received++;
-            printf("verdict %llu %s reason %u distance %g station %s\n", (unsigned long long)verdict.seq,
-                   word(verdict.outcome), verdict.reason, (double)verdict.distance, verdict.station);
+            printf("verdict %llu %s reason %u distance %g station %s part %s\n", (unsigned long long)verdict.seq,
+                   word(verdict.outcome), verdict.reason, (double)verdict.distance, verdict.station, verdict.part);
             break;
         case ANDON_RESULT_WRITER_GONE:
             printf("judge gone\n");

@@ -118,6 +118,11 @@ enum AndonHand {
 #define ANDON_STATION_BYTES 17
 
 /**
+ * Bytes of a part id, with the zero at its end.
+ */
+#define ANDON_PART_BYTES 33
+
+/**
  * How a call ended. Negative numbers are faults.
  */
 enum AndonResult
@@ -275,6 +280,10 @@ typedef struct AndonVerdict {
    * Name of the station, zero-terminated.
    */
   char station[ANDON_STATION_BYTES];
+  /**
+   * The part id that was in force when the job began, printable ASCII, zero-terminated; empty if none was given.
+   */
+  char part[ANDON_PART_BYTES];
 } AndonVerdict;
 
 /**

@@ -53,8 +53,8 @@ fn a_c_program_reads_every_verdict_as_it_was_written_and_hears_that_the_judge_ha
     }
     drop(judge);
     let first: Vec<String> = lines.by_ref().take(501).collect();
-    assert_eq!(first[0], "verdict 1 ok reason 0 distance 0.5 station plctest");
-    assert_eq!(first[2], "verdict 3 nok reason 3 distance 1.5 station plctest");
+    assert_eq!(first[0], "verdict 1 ok reason 0 distance 0.5 station plctest part A-1");
+    assert_eq!(first[2], "verdict 3 nok reason 3 distance 1.5 station plctest part A-3");
     assert_eq!(first[500], "judge gone");
     let mut judge = station.judge();
     for number in 1..=500 {
@@ -62,7 +62,7 @@ fn a_c_program_reads_every_verdict_as_it_was_written_and_hears_that_the_judge_ha
         judge.idle(Duration::from_millis(1));
     }
     let rest: Vec<String> = lines.collect();
-    assert_eq!(rest[0], "verdict 1 ok reason 0 distance 0.5 station plctest");
+    assert_eq!(rest[0], "verdict 1 ok reason 0 distance 0.5 station plctest part A-1");
     assert_eq!(rest[500], "received 1000 lost 0");
     println!("C reader: {}", rest[501]);
     assert!(child.wait().unwrap().success());

@@ -3,9 +3,9 @@
 
 mod server;
 
-use andon_plc::modbus::{Config, ModbusServer};
+use andon_plc::modbus::{Cause, Config, ModbusServer};
 use andon_plc::registers::status::{BUSY, DONE, ERROR, NOK, OK, ONLINE, OVERRUN, READY};
-use server::{Client, PATIENCE, TestServer, config, count};
+use server::{Client, PATIENCE, TestServer, config, count, sample};
 use shm_schemas::{CommandKind, VerdictOutcome};
 use std::thread;
 use std::time::Duration;
@@ -119,10 +119,10 @@ fn malformed_requests_are_answered_with_their_exception_and_counted() {
     }
     assert_eq!(count(&server.counters.malformed), 11);
     for (pdu, answer) in [
-        (&[3, 0, 59, 0, 1][..], [0x83, 2]),
+        (&[3, 0, 127, 0, 1][..], [0x83, 2]),
         (&[4, 255, 255, 0, 1], [0x84, 2]),
-        (&[6, 0, 0, 0, 1], [0x86, 2]),    // read only
-        (&[6, 0, 100, 0, 64], [0x86, 3]), // a bit without a meaning
+        (&[6, 0, 0, 0, 1], [0x86, 2]),     // read only
+        (&[6, 0, 100, 0, 128], [0x86, 3]), // a bit without a meaning
     ] {
         assert_eq!(client.ask(pdu), answer, "{pdu:?}");
     }
@@ -138,12 +138,12 @@ fn frames_that_come_in_pieces_or_together_are_answered_in_order() {
     let mut all = [good.as_slice(), &bad, &good].concat();
     let last = all.split_off(all.len() - 3);
     client.send(&all);
-    assert_eq!(client.answer().unwrap(), [3, 2, 0, 3]);
+    assert_eq!(client.answer().unwrap(), [3, 2, 0, 4]);
     assert_eq!(client.answer().unwrap(), [0x83, 3]);
     for byte in last {
         client.send(&[byte]);
     }
-    assert_eq!(client.answer().unwrap(), [3, 2, 0, 3]);
+    assert_eq!(client.answer().unwrap(), [3, 2, 0, 4]);
 }
 
 #[test]
@@ -169,6 +169,60 @@ fn without_writes_every_write_is_refused_and_results_give_way_to_each_other() {
     client.wait_for(DONE | NOK, OK);
     assert_eq!(client.read(11, 2), [0, 2]);
     assert!(server.commands.try_recv().is_err(), "no command is sent to the line");
+}
+
+#[test]
+fn only_a_commander_writes_and_another_client_is_named_once() {
+    let panel = "127.0.0.2".parse().unwrap();
+    let server =
+        TestServer::start(Config { allowed_clients: vec!["127.0.0.1".parse().unwrap(), panel], ..config() });
+    let (mut plc, mut reader) = (server.client(), Client::connect_from(panel, server.address));
+    plc.write(100, ENABLE);
+    plc.wait_for(READY, 0);
+    for (address, value) in [(100, 0), (100, ENABLE | RESET_ERROR), (126, ENABLE)] {
+        assert_eq!(reader.write(address, value), [0x86, 1], "{address}");
+    }
+    assert_eq!(reader.read(100, 1), [ENABLE], "it reads all the same");
+    reader.wait_for(READY, 0);
+    let rejections = server.counters.rejections.take();
+    assert_eq!(rejections.into_iter().collect::<Vec<_>>(), [((panel, Cause::NoCommander), 3)]);
+}
+
+#[test]
+fn two_commanders_leave_each_other_s_bits() {
+    let (server, mut plc) = ready();
+    let mut panel = server.client();
+    server.camera(false);
+    plc.wait_for(ERROR, READY);
+    server.camera(true);
+    // A fault that is still there is latched again at once.
+    let until = std::time::Instant::now() + PATIENCE;
+    while panel.read(0, 1)[0] & ERROR != 0 {
+        assert!(std::time::Instant::now() < until, "the error is not reset");
+        panel.write(125, RESET_ERROR);
+        panel.write(126, RESET_ERROR);
+        thread::sleep(Duration::from_millis(20));
+    }
+    plc.wait_for(READY, ERROR);
+    assert_eq!(plc.read(100, 1), [ENABLE]);
+    assert_eq!(plc.read(125, 2), [0, 0]);
+}
+
+#[test]
+fn everything_up_to_the_control_block_is_read_in_one_request() {
+    let (mut server, mut client) = ready();
+    server.verdict(VerdictOutcome::Ok);
+    client.wait_for(DONE | OK, 0);
+    let all = client.read(0, 100);
+    assert_eq!(
+        (all[11..13].to_vec(), all[46..48].to_vec(), all[76..78].to_vec()),
+        (vec![0, 1], vec![0, 1], vec![0, 1])
+    );
+    assert_eq!(all[60], 0x7031, "the part p1 of the result");
+    for reserved in [59, 94, 95, 96, 97, 98, 99] {
+        assert_eq!(all[reserved], 0, "{reserved}");
+    }
+    assert_eq!(client.read(48, 52), all[48..]);
 }
 
 #[test]
@@ -220,13 +274,13 @@ fn an_address_that_is_taken_is_an_error_that_names_it() {
 }
 
 /// Results change every millisecond while clients read the block in one request or in several, then ever more slowly: on a busy
-/// machine a client that needs 37 requests gets no result whole that lasts a millisecond.
+/// machine a client that needs 67 requests gets no result whole that lasts a millisecond.
 #[test]
 fn no_client_reads_a_torn_result() {
     let mut server = TestServer::start(Config { writes: false, hold: Duration::ZERO, ..config() });
     let address = server.address;
     let readers: Vec<_> =
-        [37, 20, 9, 1].map(|part| thread::spawn(move || read_in_parts(address, part))).into_iter().collect();
+        [67, 40, 9, 1].map(|part| thread::spawn(move || read_in_parts(address, part))).into_iter().collect();
     let mut pause = Duration::from_millis(1);
     while readers.iter().any(|reader| !reader.is_finished()) {
         server.verdict(VerdictOutcome::Ok);
@@ -245,14 +299,14 @@ fn read_in_parts(address: std::net::SocketAddr, part: u16) -> u32 {
     let (mut whole, mut discarded) = (0, 0);
     while whole < 100 {
         let mut block = vec![];
-        while block.len() < 37 {
+        while block.len() < 67 {
             let from = block.len() as u16;
-            block.extend(client.read(11 + from, part.min(37 - from)));
+            block.extend(client.read(11 + from, part.min(67 - from)));
         }
         let number =
             |at: usize, words: usize| block[at..at + words].iter().fold(0, |n, &w| n << 16 | u64::from(w));
-        if number(0, 2) != number(35, 2) || number(0, 2) == 0 {
-            assert!(part != 37 || number(0, 2) == 0, "one request is always whole");
+        if number(0, 2) != number(65, 2) || number(0, 2) == 0 {
+            assert!(part != 67 || number(0, 2) == 0, "one request is always whole");
             discarded += 1;
             continue;
         }
@@ -260,6 +314,9 @@ fn read_in_parts(address: std::net::SocketAddr, part: u16) -> u32 {
         let seq = number(31, 4);
         assert_eq!(number(5, 4), seq.wrapping_mul(0x9E37_79B9_7F4A_7C15), "hash of another result");
         assert_eq!(f32::from_bits(number(20, 2) as u32), seq as f32, "distance of another result");
+        assert_eq!(number(35, 2), number(0, 2));
+        let text: Vec<u8> = block[49..65].iter().flat_map(|word| word.to_be_bytes()).collect();
+        assert_eq!(text, sample(seq, VerdictOutcome::Ok).part.bytes(), "part of another result");
     }
     discarded
 }

@@ -42,6 +42,7 @@ fn a_python_program_reads_every_verdict_as_it_was_written() {
         );
         assert!(line.starts_with(&start), "{line}");
         assert!(line.contains(&format!("\"distance\": {:?},", number as f32 / 2.0)), "{line}");
+        assert!(line.contains(&format!("\"part\": \"A-{number}\"")), "{line}");
     }
     let mut micros: Vec<f64> = lines.iter().map(|line| latency_us(line)).collect();
     micros.sort_by(f64::total_cmp);

@@ -15,7 +15,9 @@ const CARRIED_OUT: u16 = 1;
 const BOOT: u16 = 48;
 const REFUSAL: u16 = 51;
 const JOB_IN_FORCE: u16 = 52;
+const NEXT_PART: u16 = 78;
 const CONTROL: u16 = 100;
+const PART: u16 = 107;
 
 /// Bits of the status word, as `REGISTERS.md` numbers them.
 #[allow(missing_docs)] // their names are their meaning
@@ -33,6 +35,7 @@ pub mod control {
     pub const LOAD_JOB: u16 = 2;
     pub const RESET_ERROR: u16 = 32;
     pub const ACKNOWLEDGE: u16 = 16;
+    pub const SET_PART: u16 = 64;
 }
 
 /// A connection to the line's PLC side.
@@ -115,6 +118,30 @@ impl Modbus {
             assert!(Instant::now() < until, "load_job {job_id} is not answered");
             std::thread::sleep(Duration::from_millis(5));
         }
+    }
+
+    /// Gives the part id of the next job, and waits until the judge has it. Panics after a minute, and where it is refused.
+    pub fn set_part(&mut self, id: &str) {
+        let mut bytes = [0; 32];
+        bytes[..id.len()].copy_from_slice(id.as_bytes());
+        let [a, b] = PART.to_be_bytes();
+        let pdu = [&[16, a, b, 0, 16, 32][..], &bytes].concat();
+        assert_eq!(self.request(&pdu).unwrap()[0], 16);
+        self.control(control::ENABLE | control::SET_PART).unwrap();
+        let until = Instant::now() + PATIENCE;
+        while self.read(CARRIED_OUT, 1).unwrap()[0] & control::SET_PART == 0 {
+            assert_eq!(self.read(CARRIED_OUT + 1, 1).unwrap()[0] & control::SET_PART, 0, "{id} is refused");
+            assert!(Instant::now() < until, "set_part {id} is not answered");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        self.enable();
+    }
+
+    /// The part id that the judge gives to the next job.
+    pub fn next_part(&mut self) -> String {
+        let words = self.read(NEXT_PART, 16).unwrap();
+        let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_be_bytes()).collect();
+        String::from_utf8(bytes).unwrap().trim_end_matches('\0').to_owned()
     }
 
     /// The job that the judge has.

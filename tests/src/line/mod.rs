@@ -17,6 +17,7 @@ pub use watcher::{Watcher, role_id};
 use crate::simulator::{Flaw, Noise, Performance, perform};
 use andon_core::input::Frame;
 use andon_ipc::Station;
+use andon_learn::job_file::JobFile;
 use andon_learn::recording::{self, Header};
 use std::ffi::OsString;
 use std::fs;
@@ -82,6 +83,19 @@ impl Line {
         line
     }
 
+    /// As [`Line::new`], with the job a second time, under the number 2.
+    pub fn with_second_job(settings: Settings) -> Self {
+        let line = Self::new(settings);
+        let folder = line.path("jobs");
+        fs::create_dir(&folder).unwrap();
+        let mut job = JobFile::parse("job.toml", &fs::read(line.path("job.toml")).unwrap()).unwrap();
+        assert_eq!(job.id, 1);
+        job.id = 2;
+        fs::write(folder.join("two.toml"), job.to_toml()).unwrap();
+        line.reconfigure("job = \"job.toml\"\n", &format!("job = \"job.toml\"\njobs = {folder:?}\n"));
+        line
+    }
+
     /// Lays out a station with a configuration of its own, made for its folder and for a free port.
     pub fn configured(configuration: impl FnOnce(&Path, u16) -> String) -> Self {
         // Under /tmp whatever TMPDIR says: the path must be short.
@@ -137,6 +151,21 @@ impl Line {
             watcher.until(role, |watcher| watcher.runs(role_id(role), pid));
         }
         watcher
+    }
+
+    /// Lets the worker do the job once more at the end of the recording, with this flaw.
+    pub fn work_once_more(&self, flaw: Flaw) {
+        let mut recording = recording::read("work", &fs::read(self.tracks()).unwrap()).unwrap();
+        let (more, _) = perform(&performance(9, 1), flaw);
+        let newest_ns = |frames: &[Frame]| frames.last().unwrap().captured_ns;
+        let step_ns = recording.frames[1].captured_ns - recording.frames[0].captured_ns;
+        let later_ns = newest_ns(&recording.frames) + step_ns - more.frames[0].captured_ns;
+        let shifted = more.frames.into_iter().map(|mut frame| {
+            frame.captured_ns += later_ns;
+            frame
+        });
+        recording.frames.extend(shifted);
+        save(&self.tracks(), &recording);
     }
 
     /// Changes the frames of the recording before it is played.

@@ -42,6 +42,7 @@ pub(super) fn check(
     checks.objects(config);
     checks.method(config);
     checks.plc(config);
+    checks.metrics(config);
     checks.health(config);
     checks.faults
 }
@@ -226,6 +227,23 @@ impl Checks<'_> {
             let problem =
                 format!("{client} cannot reach plc.bind = {}, which is this machine only", plc.bind);
             self.fault("plc.allow", &["plc.bind"], problem);
+        }
+        if plc.writes && plc.commanders.is_empty() && plc.allow.len() > 1 {
+            let problem =
+                "must name the client that may write, because plc.writes is true and plc.allow has several"
+                    .into();
+            self.fault("plc.commanders", &["plc.allow", "plc.writes"], problem);
+        }
+        if let Some(client) = plc.commanders.iter().find(|client| !plc.allow.contains(client)) {
+            let problem = format!("{client} cannot write, because it is not in plc.allow and cannot connect");
+            self.fault("plc.commanders", &["plc.allow"], problem);
+        }
+    }
+
+    fn metrics(&mut self, config: &Config) {
+        if config.plc.enable && config.metrics.enable && config.metrics.port == config.plc.port {
+            let problem = "is plc.port as well; must be another one".into();
+            self.fault("metrics.port", &["plc.port", "plc.enable", "metrics.enable"], problem);
         }
     }
 

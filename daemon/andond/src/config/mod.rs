@@ -31,7 +31,7 @@ pub use reference::reference;
 pub use sections::bench::{Bench, Object};
 pub use sections::camera::{Camera, Source, Speed};
 pub use sections::perception::{HandModel, Perception};
-pub use sections::service::{Health, Journal, Log, Plc};
+pub use sections::service::{Health, Journal, Log, Metrics, Plc};
 pub use sections::station::Station;
 
 use andon_core::config::Method;
@@ -66,6 +66,8 @@ pub struct Config {
     pub journal: Journal,
     /// The Modbus TCP server.
     pub plc: Plc,
+    /// Numbers for a monitoring system.
+    pub metrics: Metrics,
     /// When a role counts as stuck.
     pub health: Health,
     /// How much is logged.
@@ -150,6 +152,7 @@ impl Config {
         k.section("method", "the constants of the method.", |k| sections::method::keys(&mut self.method, k));
         k.section("journal", "where verdicts are kept.", |k| self.journal.keys(k));
         k.section("plc", "the Modbus TCP server.", |k| self.plc.keys(k));
+        k.section("metrics", "numbers for a monitoring system.", |k| self.metrics.keys(k));
         k.section("health", "when a role counts as stuck.", |k| self.health.keys(k));
         k.section("log", "how much is logged.", |k| self.log.keys(k));
     }
@@ -174,6 +177,7 @@ impl Config {
             // A track file has no pictures to capture.
             RoleId::Capture => self.camera.source != Source::Tracks,
             RoleId::Plc => self.plc.enable,
+            RoleId::Metrics => self.metrics.enable,
             _ => true,
         };
         let roles = [
@@ -184,6 +188,7 @@ impl Config {
             RoleId::Judge,
             RoleId::Journal,
             RoleId::Plc,
+            RoleId::Metrics,
         ];
         roles.into_iter().filter(is_needed).collect()
     }

@@ -127,19 +127,19 @@ table! {
     INFO 502 PLC_CONNECTED: "a PLC has connected", "";
     WARN 503 PLC_DISCONNECTED: "no PLC is connected any more: it closed the connection or fell silent",
         "Check the PLC and the network between it and this machine";
-    WARN 504 PLC_CLIENT_REFUSED: "a client that is not in plc.allow tried to connect",
+    WARN 504 PLC_CLIENT_REFUSED: "a client was refused: it is not in plc.allow, or too many are connected",
         "If it should connect, add its address to plc.allow and to the unit's IPAddressAllow=";
-    WARN 505 PLC_WRITE_REFUSED: "a client tried to write while plc.writes is off",
-        "Set plc.writes = true if it should write";
+    WARN 505 PLC_WRITE_REFUSED: "a client tried to write that may only read",
+        "Set plc.writes = true and name it in plc.commanders if it should write";
     ERROR 506 PLC_PORT_TAKEN: "the Modbus port cannot be opened",
-        "Another program has it, plc.bind is not an address of this machine, or the port is below 1024, for which andon-plc@.service says what is needed";
-    WARN 507 PLC_OVERRUN: "the PLC did not acknowledge its results in time and the queue is full",
-        "The PLC must acknowledge every result; see the register map";
+        "Another program has it, perhaps another station of this machine: each needs a plc.port of its own; or plc.bind is not an address of this machine, or the port is below 1024, for which andon-plc@.service says what is needed";
+    WARN 507 PLC_OVERRUN: "results are lost to the PLC: it did not acknowledge in time and the queue was full, or the journal could not take them",
+        "The PLC must acknowledge every result; `andond history` shows what the journal has, and a gap for what it has not";
     WARN 508 PLC_BAD_REQUEST: "a Modbus request was malformed or outside the register map",
         "Check the addresses in the PLC program against the register map";
     INFO 509 PLC_READY: "ready is raised", "";
-    WARN 510 PLC_NOT_READY: "ready has dropped",
-        "Look at the messages before this one for the reason";
+    WARN 510 PLC_NOT_READY: "ready has dropped; the message says why",
+        "`andond status` shows how every role is doing";
     INFO 511 PLC_OFF: "the configuration has no PLC", "";
 
     INFO 601 ROLE_READY: "the role's first step has succeeded", "";
@@ -171,6 +171,11 @@ table! {
         "systemd starts it again; the message says what failed";
     WARN 616 CHANNEL_DEAF: "a role does not hear what the role before it sends; its connection is made again until it does",
         "If it happens again and again, restart the station's target and report it with this log";
+
+    INFO 617 METRICS_LISTENING: "the metrics can be fetched", "";
+    INFO 618 METRICS_OFF: "the configuration has no metrics", "";
+    ERROR 619 METRICS_PORT_TAKEN: "the port of the metrics cannot be opened",
+        "Another program has it, perhaps another station: choose another metrics.port; or metrics.bind is not an address of this machine";
 
     WARN 701 CLOCK_STEPPED: "the machine's clock was stepped: verdicts keep their order, and their UTC times jump",
         "Let one time service set the clock, slowly";

@@ -3,7 +3,7 @@
 use andon_core::input::Side;
 use andon_core::verdict::{Level, Verdict};
 use serde::Serialize;
-use shm_schemas::verdict_kind;
+use shm_schemas::{PartId, verdict_kind};
 
 use crate::wire::verdict::{level, outcome, reason};
 
@@ -37,11 +37,12 @@ pub struct VerdictLine {
     began_s: f64,
     ended_s: f64,
     decided_s: f64,
+    part: Option<String>,
 }
 
 impl VerdictLine {
-    /// The line of verdict number `seq`.
-    pub fn new(seq: u64, verdict: &Verdict) -> Self {
+    /// The line of verdict number `seq` on this part.
+    pub fn new(seq: u64, verdict: &Verdict, part: &PartId) -> Self {
         let (level, outcome) = (level(verdict.level), outcome(verdict.outcome));
         let of_job = verdict.level == Level::Job;
         Self {
@@ -61,6 +62,7 @@ impl VerdictLine {
             began_s: seconds(verdict.began_ns),
             ended_s: seconds(verdict.ended_ns),
             decided_s: seconds(verdict.decided_ns),
+            part: (!part.is_none()).then(|| part.text().to_owned()),
         }
     }
 }
@@ -137,18 +139,19 @@ mod tests {
 
     #[test]
     fn a_verdict_is_one_object_with_the_names_that_programs_read() {
-        let line = serde_json::to_string(&VerdictLine::new(7, &verdict())).unwrap();
+        let line =
+            serde_json::to_string(&VerdictLine::new(7, &verdict(), &PartId::new(b"A-17").unwrap())).unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
     }
 
     #[test]
     fn a_job_verdict_has_no_hand_no_place_and_no_context() {
         let job = Verdict { level: Level::Job, outcome: Outcome::Ok, side: None, iu: None, ..verdict() };
-        let line: serde_json::Value = serde_json::to_value(VerdictLine::new(1, &job)).unwrap();
-        for key in ["hand", "activity", "iu", "context", "threshold"] {
+        let line: serde_json::Value = serde_json::to_value(VerdictLine::new(1, &job, &PartId::NONE)).unwrap();
+        for key in ["hand", "activity", "iu", "context", "threshold", "part"] {
             assert!(line[key].is_null(), "{key}");
         }
     }

@@ -66,6 +66,14 @@ pub enum RoleError {
     /// The Modbus server cannot start.
     #[error(transparent)]
     Plc(#[from] andon_plc::modbus::ServeError),
+    /// The server of the metrics cannot start.
+    #[error("cannot listen on {address} for metrics: {source}")]
+    Metrics {
+        /// The address.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The method refuses its constants or the objects.
     #[error("the method cannot work with this configuration: {0}")]
     Method(String),
@@ -142,6 +150,7 @@ impl RoleError {
             Self::UnfitJob { .. } => (&code::JOB_REFUSED, InMessage, Configuration),
             Self::Journal(error) => classify_journal(error),
             Self::Plc(_) => (&code::PLC_PORT_TAKEN, OfCode, Fault),
+            Self::Metrics { .. } => (&code::METRICS_PORT_TAKEN, OfCode, Fault),
             Self::Method(_) => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),
             Self::NoProgress(_) => (&code::NO_PROGRESS, OfCode, NoProgress),
             Self::Perception(_) | Self::Start { .. } => (&code::ROLE_FAILED, OfCode, Fault),

@@ -9,7 +9,9 @@ mod error;
 mod jobs;
 mod journal;
 mod judge;
+mod line;
 mod liveness;
+mod metrics;
 mod output;
 mod perceive;
 mod player;
@@ -62,6 +64,7 @@ pub fn run(role: cli::Role, taken: &Taken) -> Code {
         cli::Role::Judge => run_with(config, RoleId::Judge, |node| judge::run(node, config)),
         cli::Role::Journal => run_with(config, RoleId::Journal, |node| journal::run(node, config)),
         cli::Role::Plc => run_with(config, RoleId::Plc, |node| plc::run(node, config)),
+        cli::Role::Metrics => run_with(config, RoleId::Metrics, |node| metrics::run(node, config)),
     }
 }
 
@@ -84,7 +87,8 @@ pub fn start_log(role: cli::Role, taken: &Taken) {
 pub fn run_with(config: &Config, role: RoleId, body: impl FnOnce(&Node) -> Result<(), RoleError>) -> Code {
     finish_with(|stop| {
         let node = Node::open(&station(config)?, role, PATIENCE, stop)?;
-        body(&node.with_configuration(config.hash()))
+        let node = node.with_configuration(config.hash()).with_deadline(config.health.deadline(role));
+        body(&node)
     })
 }
 

@@ -51,6 +51,9 @@ pub enum ToolError {
         /// What it must be, with an example.
         expected: &'static str,
     },
+    /// The judge did not take a part id.
+    #[error("the part id was not taken: {0}")]
+    PartRefused(&'static str),
     /// A track file was to be annotated.
     #[error("--annotate needs a film: a track file has no pictures")]
     NothingToAnnotate,
@@ -226,7 +229,8 @@ impl ToolError {
             | Self::Print(_)
             | Self::Lost(_)
             | Self::Demo { .. }
-            | Self::NotUp(_) => Code::Fault,
+            | Self::NotUp(_)
+            | Self::PartRefused(_) => Code::Fault,
             Self::RoleEnded { status, .. } if status.code() == Some(Code::Configuration as i32) => {
                 Code::Configuration
             }

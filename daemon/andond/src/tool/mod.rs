@@ -12,6 +12,7 @@ pub mod history;
 pub mod idle;
 mod job;
 mod join;
+pub mod part;
 pub mod record;
 pub mod replay;
 pub mod restore;

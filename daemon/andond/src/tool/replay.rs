@@ -8,6 +8,7 @@ use andon_core::couple::{Couple, Couples, Encoder};
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
+use shm_schemas::PartId;
 
 use super::{ToolError, job, load_config, progress};
 use crate::cli::Replay;
@@ -67,7 +68,7 @@ impl Printer<'_> {
         self.judged |= verdict.level == Level::Job && verdict.outcome == Outcome::Ok;
         let mut out = stdout().lock();
         if self.json {
-            serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict))?;
+            serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE))?;
             writeln!(out)
         } else {
             writeln!(out, "{}", verdict_sentence(verdict, self.names))

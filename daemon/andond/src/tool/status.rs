@@ -115,6 +115,8 @@ struct JobLine {
     enabled: bool,
     /// A word of [`JudgePhase`].
     phase: &'static str,
+    /// The part id of the job that begins next; null where none was given.
+    next_part: Option<String>,
 }
 
 impl JobLine {
@@ -125,6 +127,7 @@ impl JobLine {
             hash: has_job.then(|| format!("{:016x}", judging.model_hash)),
             enabled: judging.is_enabled != 0,
             phase: JudgePhase::try_from(judging.phase).map_or("?", JudgePhase::name),
+            next_part: (!judging.part.is_none()).then(|| judging.part.text().to_owned()),
         }
     }
 }
@@ -196,9 +199,12 @@ fn code_name(number: u32) -> Option<&'static str> {
 fn print_job(job: Option<&JobLine>) {
     match job {
         None => println!("job       the judge was not heard"),
-        Some(JobLine { id: Some(id), hash: Some(hash), enabled, phase }) => {
+        Some(JobLine { id: Some(id), hash: Some(hash), enabled, phase, next_part }) => {
             let watch = if *enabled { "" } else { ", not enabled" };
             println!("job       {id} of hash {hash}: {phase}{watch}");
+            if let Some(part) = next_part {
+                println!("part      {part} goes with the job that begins next");
+            }
         }
         Some(_) => println!("job       none is loaded"),
     }

@@ -5,10 +5,11 @@ use andon_core::input::Side;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_ipc::UtcTime;
 use shm_schemas::{
-    HandCode, NO_INDEX, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome, VerdictReason,
+    HandCode, NO_INDEX, PartId, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome,
+    VerdictReason,
 };
 
-/// What all verdicts of a judge have in common.
+/// What all verdicts on one job have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct Sender {
     /// The job that is watched.
@@ -17,6 +18,8 @@ pub struct Sender {
     pub model_hash: u64,
     /// Name of the station, filled up with zeros.
     pub station: [u8; STATION_BYTES],
+    /// The part that the job is done to.
+    pub part: PartId,
 }
 
 /// The name of a station as a message carries it, cut off where it does not fit.
@@ -34,6 +37,7 @@ pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut
     message.job_id = sender.job_id;
     message.model_hash = sender.model_hash;
     message.station = sender.station;
+    message.part = sender.part;
     message.began_ns = verdict.began_ns;
     message.ended_ns = verdict.ended_ns;
     message.decided_ns = verdict.decided_ns;
@@ -112,11 +116,13 @@ pub fn read(message: &Message) -> Option<Verdict> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]
     fn every_verdict_comes_out_of_shared_memory_as_it_went_in() {
-        let sender = Sender { job_id: 1, model_hash: 2, station: station_name("bench1") };
+        let part = PartId::new(b"A-17").unwrap();
+        let sender = Sender { job_id: 1, model_hash: 2, station: station_name("bench1"), part };
         for outcome in VerdictOutcome::ALL.iter().copied().map(outcome_of_method) {
             for reason in VerdictReason::ALL.iter().copied().map(reason_of_method) {
                 for (level, side) in
@@ -141,6 +147,7 @@ mod tests {
                     let mut message = Message::default();
                     write(&verdict, &sender, UtcTime::now(), &mut message);
                     assert_eq!(read(&message), Some(verdict));
+                    assert_eq!(message.part, part);
                 }
             }
         }

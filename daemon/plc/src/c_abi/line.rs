@@ -2,12 +2,13 @@
 
 use std::time::Duration;
 
-use andon_ipc::MonotonicTime;
+use andon_ipc::{Heartbeat, MonotonicTime};
 use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Sight};
 
-/// What was said longer ago than this says nothing: everybody speaks twice per second, and every deadline of the default
-/// configuration is as long.
-const DEADLINE: Duration = Duration::from_secs(3);
+/// A role speaks twice per second, and one message may be late. The same holds for the registers' `ready`.
+const SHORTEST_DEADLINE: Duration = Duration::from_millis(2 * Heartbeat::PERIOD.as_millis() as u64);
+/// A judge that has said nothing of itself for this long is not heard, as for the registers' `ready`.
+const JUDGE_DEADLINE: Duration = Duration::from_secs(2);
 
 /// Without one of these nothing is judged, or nothing is kept.
 const NEEDED: [RoleId; 4] = [RoleId::Perceive, RoleId::Encode, RoleId::Judge, RoleId::Journal];
@@ -32,20 +33,27 @@ impl Line {
     /// Every role that is needed, and the camera where there is one, runs, the line sees its bench, and the judge watches a job.
     /// Silence is never ready.
     pub(super) fn is_ready(&self, now: MonotonicTime) -> bool {
-        let is_new = |sent_ns| now.since(MonotonicTime::from_nanoseconds(sent_ns)) <= DEADLINE;
+        let is_new = |sent_ns, deadline| now.since(MonotonicTime::from_nanoseconds(sent_ns)) <= deadline;
         let runs = |health: &Health| {
-            health.state == RoleState::Running.code() && is_new(health.stamp.sent_ns) && sees(health)
+            health.state == RoleState::Running.code()
+                && is_new(health.stamp.sent_ns, deadline(health))
+                && sees(health)
         };
         let of = |role: RoleId| self.healths.iter().find(|health| health.role == role.code());
         let watches = |judging: &Judging| {
             judging.is_enabled != 0
                 && judging.phase != JudgePhase::NoJob.code()
-                && is_new(judging.stamp.sent_ns)
+                && is_new(judging.stamp.sent_ns, JUDGE_DEADLINE)
         };
         NEEDED.into_iter().all(|role| of(role).is_some_and(runs))
             && of(RoleId::Capture).is_none_or(runs)
             && self.judging.as_ref().is_some_and(watches)
     }
+}
+
+/// How long the role may be silent: it says how the station is configured.
+fn deadline(health: &Health) -> Duration {
+    Duration::from_millis(health.deadline_ms.into()).max(SHORTEST_DEADLINE)
 }
 
 /// Whether the role reports no trouble with the line's sight: only perceive says anything of it, and 0 before it has looked.
@@ -87,7 +95,23 @@ mod tests {
     fn a_line_is_ready_when_everyone_has_said_so_lately() {
         assert!(!Line::default().is_ready(at(0)));
         assert!(well().is_ready(at(11 * S)));
-        assert!(!well().is_ready(at(14 * S)), "silence");
+        assert!(!well().is_ready(at(11 * S + 1)), "silence");
+    }
+
+    #[test]
+    fn a_role_may_be_silent_for_as_long_as_the_station_is_configured_and_the_judge_s_state_for_two_seconds() {
+        let mut line = Line::default();
+        for role in NEEDED {
+            line.health(&Health { deadline_ms: 3000, ..health(role, RoleState::Running) });
+        }
+        line.judging(&watching());
+        assert!(line.is_ready(at(12 * S)));
+        assert!(!line.is_ready(at(12 * S + 1)), "the judge says nothing of itself");
+        let mut judging = watching();
+        judging.stamp.sent_ns = 13 * S;
+        line.judging(&judging);
+        assert!(line.is_ready(at(13 * S)));
+        assert!(!line.is_ready(at(13 * S + 1)));
     }
 
     #[test]

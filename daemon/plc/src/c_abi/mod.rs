@@ -15,7 +15,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 pub use reader::AndonReader;
-pub use types::{ANDON_NO_INDEX, ANDON_STATION_BYTES, AndonResult, AndonStatus, AndonVerdict};
+pub use types::{
+    ANDON_NO_INDEX, ANDON_PART_BYTES, ANDON_STATION_BYTES, AndonResult, AndonStatus, AndonVerdict,
+};
 
 use reader::{Next, code};
 

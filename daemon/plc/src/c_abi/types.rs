@@ -2,7 +2,7 @@
 
 use std::ffi::c_char;
 
-use shm_schemas::{STATION_BYTES, Verdict};
+use shm_schemas::{PART_BYTES, STATION_BYTES, Verdict};
 
 /// How a call ended. Negative numbers are faults.
 #[repr(i32)]
@@ -37,6 +37,10 @@ const _: () = assert!(ANDON_NO_INDEX == shm_schemas::NO_INDEX);
 /// Bytes of a station's name, with the zero at its end.
 pub const ANDON_STATION_BYTES: usize = 17;
 const _: () = assert!(ANDON_STATION_BYTES == STATION_BYTES + 1);
+
+/// Bytes of a part id, with the zero at its end.
+pub const ANDON_PART_BYTES: usize = 33;
+const _: () = assert!(ANDON_PART_BYTES == PART_BYTES + 1);
 
 /// One verdict.
 #[repr(C)]
@@ -87,13 +91,18 @@ pub struct AndonVerdict {
     pub early: u8,
     /// Name of the station, zero-terminated.
     pub station: [c_char; ANDON_STATION_BYTES],
+    /// The part id that was in force when the job began, printable ASCII, zero-terminated; empty if none was given.
+    pub part: [c_char; ANDON_PART_BYTES],
 }
 
 impl From<&Verdict> for AndonVerdict {
     fn from(verdict: &Verdict) -> Self {
-        let mut station = [0; ANDON_STATION_BYTES];
+        let (mut station, mut part) = ([0; ANDON_STATION_BYTES], [0; ANDON_PART_BYTES]);
         for (to, from) in station.iter_mut().zip(verdict.station) {
             *to = from as c_char;
+        }
+        for (to, from) in part.iter_mut().zip(verdict.part.bytes()) {
+            *to = *from as c_char;
         }
         Self {
             seq: verdict.stamp.seq,
@@ -119,6 +128,7 @@ impl From<&Verdict> for AndonVerdict {
             hand: verdict.hand,
             early: verdict.early,
             station,
+            part,
         }
     }
 }
@@ -144,7 +154,9 @@ pub struct AndonStatus {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
+    use shm_schemas::PartId;
 
     #[test]
     fn every_field_of_a_verdict_arrives_in_c() {
@@ -167,6 +179,7 @@ mod tests {
             hand: 24,
             early: 25,
             station: [b's'; STATION_BYTES],
+            part: PartId::new(&[b'p'; PART_BYTES]).unwrap(),
             ..Verdict::default()
         };
         let stamp = &mut verdict.stamp;
@@ -179,5 +192,7 @@ mod tests {
         assert_eq!([c.level, c.outcome, c.reason, c.hand, c.early], [21, 22, 23, 24, 25]);
         assert!(c.station[..STATION_BYTES].iter().all(|&byte| byte == b's' as c_char));
         assert_eq!(c.station[STATION_BYTES], 0);
+        assert!(c.part[..PART_BYTES].iter().all(|&byte| byte == b'p' as c_char));
+        assert_eq!(c.part[PART_BYTES], 0);
     }
 }

@@ -1,11 +1,11 @@
 //! The control block: commands on their way to the judge, and what became of them.
 //!
 //! A command is under way from its rising bit to the judge's answer; then it is carried out, or refused with a reason. What the PLC
-//! wants for good, `enable` and the job, is compared with what the judge says, and asked for again until the judge has it.
+//! wants for good, `enable`, the job and the part id, is compared with what the judge says, and asked for again until the judge has it.
 
 use std::collections::VecDeque;
 
-use shm_schemas::{Account, CommandKind, Judging, Refusal};
+use shm_schemas::{Account, CommandKind, Judging, PartId, Refusal};
 
 use super::MS;
 use crate::registers::{Control, control};
@@ -30,6 +30,8 @@ pub struct LineCommand {
     pub job_id: u32,
     /// Hash of the job file, for `LoadJob`, where 0 accepts any; otherwise 0.
     pub model_hash: u64,
+    /// The part id, for `SetPart`; otherwise none.
+    pub part: PartId,
 }
 
 /// A job by number and hash; hash 0 is any.
@@ -42,6 +44,28 @@ pub(super) struct Job {
 impl Job {
     fn is_in_force(self, judging: &Judging) -> bool {
         self.id == judging.job_id && (self.hash == 0 || self.hash == judging.model_hash)
+    }
+}
+
+/// What the judge is asked for, with all that belongs to it.
+#[derive(Clone, Copy, Debug)]
+struct Asked {
+    kind: CommandKind,
+    job: Job,
+    part: PartId,
+}
+
+impl Asked {
+    const fn plain(kind: CommandKind) -> Self {
+        Self { kind, job: Job { id: 0, hash: 0 }, part: PartId::NONE }
+    }
+
+    const fn job(job: Job) -> Self {
+        Self { job, ..Self::plain(CommandKind::LoadJob) }
+    }
+
+    const fn part(part: PartId) -> Self {
+        Self { part, ..Self::plain(CommandKind::SetPart) }
     }
 }
 
@@ -71,12 +95,14 @@ pub(super) struct Commands {
     carried_out: u16,
     refused: u16,
     refusal: u8,
-    waiting: VecDeque<(CommandKind, Job)>,
+    waiting: VecDeque<Asked>,
     under_way: Option<UnderWay>,
     sent: u32,
     /// The job that the PLC has loaded: it is wanted for good.
     job: Option<Job>,
     job_refused_ns: Option<u64>,
+    /// The part id that the PLC has given last, in this start of the role.
+    part: Option<PartId>,
 }
 
 impl Commands {
@@ -95,7 +121,7 @@ impl Commands {
 
     /// The bits of the commands whose answer is still to come.
     pub(super) fn executing(&self) -> u16 {
-        let waiting = self.waiting.iter().map(|(kind, _)| bit(*kind));
+        let waiting = self.waiting.iter().map(|asked| bit(asked.kind));
         let under_way = self.under_way.filter(|under_way| under_way.is_asked);
         let bits = waiting.chain(under_way.map(|under_way| bit(under_way.command.kind)));
         bits.fold(0, |bits, bit| bits | bit) & self.control.word
@@ -138,11 +164,27 @@ impl Commands {
 
     /// Lets a command wait for the judge.
     pub(super) fn push(&mut self, kind: CommandKind) {
-        if self.waiting.len() == WAITING {
-            return self.refuse(bit(kind), Refusal::TooMany.code());
-        }
         let job = Job { id: self.control.load_job_id, hash: self.control.load_model_hash };
-        self.waiting.push_back((kind, job));
+        self.wait(if kind == CommandKind::LoadJob { Asked::job(job) } else { Asked::plain(kind) });
+    }
+
+    /// Takes the part id that a client has written. It counts from now on, and is given to the judge until that has it. After one that
+    /// is none the next job has none: never that of the part before.
+    pub(super) fn set_part(&mut self) {
+        let part = PartId::new(&self.control.part);
+        let wanted = part.unwrap_or(PartId::NONE);
+        self.part = Some(wanted);
+        match part {
+            Ok(part) => self.wait(Asked::part(part)),
+            Err(_) => self.refuse(control::SET_PART, Refusal::BadPart.code()),
+        }
+    }
+
+    fn wait(&mut self, asked: Asked) {
+        if self.waiting.len() == WAITING {
+            return self.refuse(bit(asked.kind), Refusal::TooMany.code());
+        }
+        self.waiting.push_back(asked);
     }
 
     /// What must be sent to the judge now. It is sent again until the answer comes.
@@ -165,25 +207,27 @@ impl Commands {
     }
 
     fn begin(&mut self, boot: u32, wants_enable: bool, judging: &Judging, now_ns: u64) -> Option<UnderWay> {
-        let none = Job { id: 0, hash: 0 };
         let waiting = self.waiting.pop_front();
         let is_asked = waiting.is_some();
+        let Asked { kind, job, part } = waiting.or_else(|| self.missing(wants_enable, judging, now_ns))?;
+        self.sent = self.sent.wrapping_add(1);
+        let number = u64::from(boot) << 32 | u64::from(self.sent);
+        let command = LineCommand { number, kind, job_id: job.id, model_hash: job.hash, part };
+        Some(UnderWay { command, is_asked, since_ns: now_ns, sent_ns: None })
+    }
+
+    /// What is wanted for good and the judge has not. The part id comes before `enable`, so that no job begins without it.
+    fn missing(&self, wants_enable: bool, judging: &Judging, now_ns: u64) -> Option<Asked> {
         let retries_job = self
             .job_refused_ns
             .is_none_or(|refused_ns| now_ns.saturating_sub(refused_ns) >= REFUSED_AGAIN_NS);
-        let (kind, job) = match (waiting, self.job) {
-            (Some((CommandKind::LoadJob, job)), _) => (CommandKind::LoadJob, job),
-            (Some((kind, _)), _) => (kind, none),
-            (None, _) if wants_enable != (judging.is_enabled != 0) => {
-                (if wants_enable { CommandKind::Enable } else { CommandKind::Disable }, none)
-            }
-            (None, Some(job)) if !job.is_in_force(judging) && retries_job => (CommandKind::LoadJob, job),
-            (None, _) => return None,
-        };
-        self.sent = self.sent.wrapping_add(1);
-        let number = u64::from(boot) << 32 | u64::from(self.sent);
-        let command = LineCommand { number, kind, job_id: job.id, model_hash: job.hash };
-        Some(UnderWay { command, is_asked, since_ns: now_ns, sent_ns: None })
+        if let Some(part) = self.part.filter(|part| *part != judging.part) {
+            return Some(Asked::part(part));
+        }
+        if wants_enable != (judging.is_enabled != 0) {
+            return Some(Asked::plain(if wants_enable { CommandKind::Enable } else { CommandKind::Disable }));
+        }
+        self.job.filter(|job| !job.is_in_force(judging) && retries_job).map(Asked::job)
     }
 
     /// The judge has said how it is. Returns the trouble that its answer means.
@@ -240,5 +284,6 @@ const fn bit(kind: CommandKind) -> u16 {
         CommandKind::LoadJob => control::LOAD_JOB,
         CommandKind::Start => control::START,
         CommandKind::Abort => control::ABORT,
+        CommandKind::SetPart => control::SET_PART,
     }
 }

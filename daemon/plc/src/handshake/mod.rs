@@ -190,13 +190,24 @@ impl Handshake {
                 None => self.commands.push(kind),
             }
         }
+        if risen & control::SET_PART != 0 {
+            self.commands.set_part();
+        }
         if risen & control::ACKNOWLEDGE != 0 {
-            // It is answered once the journal keeps it.
-            if !self.account_for(|machine| machine.results.acknowledge()) {
-                self.commands.refuse(control::ACKNOWLEDGE, Refusal::NothingOffered.code());
-            }
+            self.acknowledge(written.acknowledge_sequence);
         }
         self.advance(now_ns);
+    }
+
+    /// Takes an acknowledgement, which is answered once the journal keeps it. One that names its result means no other: a client that
+    /// writes in a cycle may not know yet that this role has started again and offers the next.
+    fn acknowledge(&mut self, sequence: u32) {
+        let refusal = match self.results.offered() {
+            None => Refusal::NothingOffered,
+            Some(offered) if sequence != 0 && sequence != offered.sequence => Refusal::OtherResult,
+            Some(_) => return self.account_for(|machine| machine.results.acknowledge()),
+        };
+        self.commands.refuse(control::ACKNOWLEDGE, refusal.code());
     }
 
     /// The next command that the judge must be sent. It comes again until the judge has answered.
@@ -232,6 +243,7 @@ impl Handshake {
             job_in_force: judging.job_id,
             hash_in_force: judging.model_hash,
             phase: judging.phase.into(),
+            next_part: judging.part,
             heartbeat: self.heartbeat,
             error: self.error.map_or(0, |(fault, _)| fault as u16),
             error_detail: self.error.map_or(0, |(_, detail)| detail),
@@ -348,16 +360,35 @@ impl Handshake {
     }
 
     fn is_ready(&self, now_ns: u64) -> bool {
-        self.is_online(now_ns)
-            && self.ledger.is_open()
-            && self.is_enabled()
-            && self.line == Line::Ready
-            && self.error.is_none()
-            && self.heard(now_ns).is_some_and(|judging| {
-                judging.is_enabled != 0
-                    && judging.phase != JudgePhase::NoJob.code()
-                    && self.commands.has_job(judging)
-            })
+        self.obstacle(now_ns).is_none()
+    }
+
+    /// Why `ready` is not set, in words; `None` where it is.
+    pub fn obstacle(&self, now_ns: u64) -> Option<&'static str> {
+        if !self.is_online(now_ns) {
+            return Some("this role has stood still");
+        }
+        if !self.ledger.is_open() {
+            return Some("the journal has not said yet what it keeps");
+        }
+        if !self.is_enabled() {
+            return Some("the PLC has not set `enable`, or has cleared it");
+        }
+        match (self.line, self.error) {
+            (Line::Starting, _) => return Some("a role starts, or the recording has ended"),
+            (_, Some((fault, _))) => return Some(fault.meaning()),
+            (Line::Fault { fault, .. }, None) => return Some(fault.meaning()),
+            (Line::Ready, None) => {}
+        }
+        let Some(judging) = self.heard(now_ns) else { return Some("the judge says nothing") };
+        if judging.is_enabled == 0 {
+            return Some("the judge is not enabled yet");
+        }
+        if judging.phase == JudgePhase::NoJob.code() {
+            return Some("no job is loaded");
+        }
+        (!self.commands.has_job(judging))
+            .then_some("the judge has not taken back yet the job that the PLC has loaded")
     }
 
     fn is_busy(&self, now_ns: u64) -> bool {

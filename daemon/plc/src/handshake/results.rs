@@ -119,13 +119,11 @@ impl Results {
         }
     }
 
-    /// The PLC has read the offered result; false where none is offered.
-    pub(super) fn acknowledge(&mut self) -> bool {
-        let is_offered = self.offered().is_some();
-        if is_offered {
+    /// The PLC has read the offered result.
+    pub(super) fn acknowledge(&mut self) {
+        if self.offered().is_some() {
             self.phase = Phase::Released;
         }
-        is_offered
     }
 
     /// The number of the result that was acknowledged last, as the journal is to keep it; 0 is none.

@@ -1,9 +1,15 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 use super::*;
-use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome};
+use shm_schemas::{PartId, Verdict, VerdictLevel, VerdictOutcome};
 
 pub(super) const WRITES: Settings = Settings { writes: true, hold_ns: 0 };
-pub(super) const ENABLED: Control = Control { word: control::ENABLE, load_job_id: 0, load_model_hash: 0 };
+pub(super) const ENABLED: Control = Control {
+    word: control::ENABLE,
+    load_job_id: 0,
+    load_model_hash: 0,
+    part: [0; shm_schemas::PART_BYTES],
+    acknowledge_sequence: 0,
+};
 
 fn verdict(epoch: u64, seq: u64, level: VerdictLevel, outcome: VerdictOutcome) -> Verdict {
     let mut verdict = Verdict { level: level.code(), outcome: outcome.code(), ..Default::default() };
@@ -379,7 +385,7 @@ fn a_verdict_with_an_unknown_level_or_outcome_is_not_judged_and_an_error() {
 /// A machine whose client has just asked for this, and the command for the judge.
 fn asked(bits: u16, load_job_id: u32) -> (Handshake, LineCommand) {
     let (mut machine, _) = ready_with_journal(WRITES);
-    machine.write(Control { word: control::ENABLE | bits, load_job_id, load_model_hash: 9 }, 0);
+    machine.write(Control { word: control::ENABLE | bits, load_job_id, load_model_hash: 9, ..ENABLED }, 0);
     let command = machine.next_command(0).unwrap();
     (machine, command)
 }
@@ -444,8 +450,10 @@ fn a_judge_that_starts_again_is_given_enable_and_the_loaded_job_and_until_then_n
 #[test]
 fn the_loaded_job_is_wanted_after_a_restart_too_and_one_that_is_refused_then_is_an_error() {
     let (mut machine, mut journal) = ready_with_journal(WRITES);
-    machine
-        .write(Control { word: control::ENABLE | control::LOAD_JOB, load_job_id: 7, load_model_hash: 9 }, 0);
+    machine.write(
+        Control { word: control::ENABLE | control::LOAD_JOB, load_job_id: 7, load_model_hash: 9, ..ENABLED },
+        0,
+    );
     let command = machine.next_command(0).unwrap();
     answer(&mut machine, &command, Refusal::None, Judging { job_id: 7, model_hash: 9, ..watching() });
     journal.settle(&mut machine, 0);
@@ -551,6 +559,99 @@ fn acknowledge_is_refused_when_nothing_is_offered() {
     let mut machine = ready(WRITES);
     set(&mut machine, control::ACKNOWLEDGE);
     assert_eq!(machine.image(0).refused, control::ACKNOWLEDGE);
+}
+
+#[test]
+fn an_acknowledgement_that_names_another_result_is_refused() {
+    let (mut machine, mut journal) = ready_with_journal(WRITES);
+    for seq in 1..=2 {
+        send(&mut machine, &mut journal, &iu(1, seq, OK), 0);
+    }
+    let named = |sequence| Control {
+        word: control::ENABLE | control::ACKNOWLEDGE,
+        acknowledge_sequence: sequence,
+        ..ENABLED
+    };
+    machine.write(named(1), 0);
+    journal.settle(&mut machine, 0);
+    assert_eq!(offered(&machine), None);
+    // This start ends. The next one offers the second, and a client that writes in a cycle still writes the first.
+    let mut machine = restarted(WRITES, &mut journal);
+    assert_eq!(offered(&machine), Some((2, status::OK)));
+    machine.write(named(1), 0);
+    journal.settle(&mut machine, 0);
+    let image = machine.image(0);
+    assert_eq!(
+        (image.refused, image.refusal),
+        (control::ACKNOWLEDGE, u16::from(Refusal::OtherResult.code()))
+    );
+    assert_eq!(offered(&machine), Some((2, status::OK)), "it was not read yet");
+    machine.write(ENABLED, 0);
+    machine.write(named(2), 0);
+    journal.settle(&mut machine, 0);
+    assert_eq!(offered(&machine), None);
+}
+
+/// What a client writes to set the part of the next job.
+fn with_part(bytes: &[u8]) -> Control {
+    let mut part = [0; shm_schemas::PART_BYTES];
+    part[..bytes.len()].copy_from_slice(bytes);
+    Control { word: control::ENABLE | control::SET_PART, part, ..ENABLED }
+}
+
+#[test]
+fn a_part_id_is_given_to_the_judge_until_it_has_it_and_again_before_enable_after_its_restart() {
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.write(with_part(b"A-17 "), 0);
+    let command = machine.next_command(0).unwrap();
+    assert_eq!((command.kind, command.part.text()), (CommandKind::SetPart, "A-17"));
+    assert_eq!(machine.image(0).executing & control::SET_PART, control::SET_PART);
+    let with_id = Judging { part: command.part, ..watching() };
+    answer(&mut machine, &command, Refusal::None, with_id);
+    let image = machine.image(0);
+    assert_eq!(image.carried_out & control::SET_PART, control::SET_PART);
+    assert_eq!(image.next_part.text(), "A-17");
+    machine.write(ENABLED, 0);
+    assert_eq!(machine.next_command(0), None, "the registers of the id may be written before its bit");
+
+    machine.judging(&Judging { is_enabled: 0, ..watching() }, 0);
+    let again = machine.next_command(0).unwrap();
+    assert_eq!((again.kind, again.part.text()), (CommandKind::SetPart, "A-17"));
+    answer(&mut machine, &again, Refusal::None, Judging { is_enabled: 0, ..with_id });
+    assert_eq!(machine.next_command(0).unwrap().kind, CommandKind::Enable);
+}
+
+#[test]
+fn a_part_id_that_is_none_is_refused_and_the_next_job_has_none_instead_of_the_one_before() {
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.write(with_part(b"A-17"), 0);
+    let command = machine.next_command(0).unwrap();
+    answer(&mut machine, &command, Refusal::None, Judging { part: command.part, ..watching() });
+    machine.write(ENABLED, 0);
+    machine.write(with_part(b"A\x01"), 0);
+    let image = machine.image(0);
+    assert_eq!((image.refused, image.refusal), (control::SET_PART, u16::from(Refusal::BadPart.code())));
+    let none = machine.next_command(0).unwrap();
+    assert_eq!((none.kind, none.part), (CommandKind::SetPart, PartId::NONE));
+}
+
+#[test]
+fn a_plc_that_gives_no_part_id_leaves_that_of_the_tool() {
+    let (mut machine, _) = ready_with_journal(WRITES);
+    machine.judging(&Judging { part: PartId::new(b"scanned").unwrap(), ..watching() }, 0);
+    assert_eq!(machine.next_command(0), None);
+    assert_eq!(machine.image(0).next_part.text(), "scanned");
+}
+
+#[test]
+fn why_the_line_is_not_ready_is_said_in_words() {
+    let (mut machine, _) = ready_with_journal(WRITES);
+    assert_eq!(machine.obstacle(0), None);
+    machine.write(Control::default(), 0);
+    assert!(machine.obstacle(0).unwrap().contains("`enable`"), "not a fault of the line");
+    machine.write(ENABLED, 0);
+    machine.tick(Line::Fault { fault: Fault::Camera, detail: 0 }, 0);
+    assert_eq!(machine.obstacle(0), Some(Fault::Camera.meaning()));
 }
 
 #[test]

@@ -12,8 +12,10 @@ pub struct Config {
     pub bind: SocketAddr,
     /// The clients that may connect. All others are refused and counted.
     pub allowed_clients: Vec<IpAddr>,
-    /// Whether clients may write the control registers.
+    /// Whether the commanders may write the control registers.
     pub writes: bool,
+    /// The clients that may write. The others only read.
+    pub commanders: Vec<IpAddr>,
     /// The order of the registers of values that need two or four.
     pub word_order: WordOrder,
     /// The number of connections that can be open at the same time; one more is closed immediately.
@@ -31,6 +33,7 @@ impl Default for Config {
             bind: SocketAddr::new(Ipv4Addr::LOCALHOST.into(), 502),
             allowed_clients: vec![IpAddr::V4(Ipv4Addr::LOCALHOST)],
             writes: false,
+            commanders: vec![IpAddr::V4(Ipv4Addr::LOCALHOST)],
             word_order: WordOrder::Big,
             // Two PLCs, a panel and SCADA, and the same number again while their old connections time out.
             connections: 8,

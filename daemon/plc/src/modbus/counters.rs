@@ -2,6 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use super::rejections::Rejections;
+
 /// Counts since the start. They only grow.
 #[derive(Debug, Default)]
 pub struct Counters {
@@ -17,12 +19,14 @@ pub struct Counters {
     pub requests: AtomicU64,
     /// Well-formed requests answered with an exception: an unknown address, or a write that was refused.
     pub exceptions: AtomicU64,
-    /// Those of `exceptions` that were writes while writes are off.
+    /// Those of `exceptions` that were writes of a client that may not write.
     pub writes_refused: AtomicU64,
     /// Malformed requests, each answered with an exception.
     pub malformed: AtomicU64,
     /// Connections ended because their bytes were not Modbus TCP.
     pub unframed: AtomicU64,
+    /// Who was refused, and why.
+    pub rejections: Rejections,
 }
 
 impl Counters {

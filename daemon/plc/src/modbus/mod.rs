@@ -12,11 +12,12 @@
 mod config;
 mod counters;
 mod gate;
+mod rejections;
 mod service;
 mod written;
 
 use std::io;
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -30,6 +31,7 @@ use tokio_modbus::server::tcp::Server;
 pub use config::Config;
 pub use counters::Counters;
 pub use written::Write;
+pub use rejections::{Cause, Rejection, Rejections};
 
 use crate::handshake::{Handshake, Settings};
 use crate::registers::WordOrder;
@@ -62,6 +64,7 @@ struct Shared {
     open: AtomicUsize,
     started: Instant,
     writes: bool,
+    commanders: Vec<IpAddr>,
     word_order: WordOrder,
 }
 
@@ -118,6 +121,7 @@ impl ModbusServer {
             open: AtomicUsize::new(0),
             started: Instant::now(),
             writes: config.writes,
+            commanders: config.commanders.clone(),
             word_order: config.word_order,
         });
         let (stop, stopped) = oneshot::channel();
@@ -172,8 +176,7 @@ async fn listen(
     let connect = |stream: TcpStream, peer: SocketAddr| {
         let connection = admit(&shared, &config, peer).map(|open| {
             let gate = Gate::new(stream, config.idle_timeout, Arc::clone(&shared.counters));
-            let client = peer.ip().to_canonical();
-            (Service { shared: Arc::clone(&shared), client, _open: open }, gate)
+            (Service { shared: Arc::clone(&shared), client: peer.ip().to_canonical(), _open: open }, gate)
         });
         std::future::ready(Ok(connection))
     };
@@ -210,7 +213,8 @@ fn admit(shared: &Arc<Shared>, config: &Config, peer: SocketAddr) -> Option<Open
     // Only this task accepts connections, so the number cannot change between the test and the count.
     if !allowed || shared.open.load(Ordering::Relaxed) >= config.connections {
         Counters::add(&shared.counters.refused);
-        tracing::debug!(%peer, allowed, "Modbus connection refused: see `allowed_clients` and `connections`");
+        let cause = if allowed { Cause::TooMany } else { Cause::NotAllowed };
+        shared.counters.rejections.add(address, cause);
         return None;
     }
     Counters::add(&shared.counters.accepted);

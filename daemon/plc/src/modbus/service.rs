@@ -8,7 +8,7 @@ use tokio_modbus::{ExceptionCode, Request, Response, SlaveRequest, server};
 
 use super::counters::Counters;
 use super::written::Write;
-use super::{Open, Shared};
+use super::{Cause, Open, Shared};
 use crate::registers::{self, RegisterError};
 
 /// The service of one connection.
@@ -63,8 +63,9 @@ impl Service {
     }
 
     fn write(&self, address: u16, words: &[u16]) -> Result<(), ExceptionCode> {
-        if !self.shared.writes {
+        if let Some(cause) = self.objection_to_writing() {
             Counters::add(&self.shared.counters.writes_refused);
+            self.shared.counters.rejections.add(self.client, cause);
             return Err(ExceptionCode::IllegalFunction);
         }
         let now_ns = self.shared.now_ns();
@@ -75,6 +76,14 @@ impl Service {
         drop(handshake);
         self.shared.note(Write { client: self.client, before: image.control, after: written });
         Ok(())
+    }
+
+    fn objection_to_writing(&self) -> Option<Cause> {
+        match (self.shared.writes, self.shared.commanders.contains(&self.client)) {
+            (false, _) => Some(Cause::WritesOff),
+            (true, false) => Some(Cause::NoCommander),
+            (true, true) => None,
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-use shm_schemas::{JudgePhase, Refusal, VerdictLevel, VerdictReason};
+use shm_schemas::{JudgePhase, PART_BYTES, Refusal, VerdictLevel, VerdictReason};
 
 use super::image::{control, status};
 use super::map::{Access, CONTROL_BASE, MAP, MAP_VERSION};
@@ -24,7 +24,11 @@ fn write_document(out: &mut String) -> fmt::Result {
         let last = register.address + register.words() - 1;
         let range =
             if last == register.address { last.to_string() } else { format!("{}-{last}", register.address) };
-        let access = if matches!(register.access, Access::Read) { "r" } else { "rw" };
+        let access = match register.access {
+            Access::Read => "r",
+            Access::ReadWrite(_) | Access::WriteText(_) => "rw",
+            Access::Bits(_) => "w",
+        };
         let (name, kind, meaning) = (register.name, register.type_name(), register.meaning);
         writeln!(out, "| {range} | `{name}` | {kind} | {access} | {meaning} |")?;
     }
@@ -68,7 +72,7 @@ fn write_bits(out: &mut String, bits: &[(u16, &str, &str)]) -> fmt::Result {
 
 fn introduction() -> String {
     let Config { connections, idle_timeout, hold, .. } = Config::default();
-    let (idle_s, hold_ms) = (idle_timeout.as_secs(), hold.as_millis());
+    let (idle_s, hold_ms, words) = (idle_timeout.as_secs(), hold.as_millis(), PART_BYTES / 2);
     format!(
         "\
 # Registers of `andond run plc` (Modbus TCP), map version {MAP_VERSION}
@@ -79,21 +83,27 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 
 - Addresses are protocol addresses and count from 0. Add 1 where a tool counts from 40001 or 30001.
 - Functions 3 (read holding registers) and 4 (read input registers) read the same registers. Functions 6 and 16 write the registers
-  from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration.
-- Exception 1: the function is not served, or it writes while `plc.writes` is false. Exception 2: the address is outside the map, or
-  the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning.
+  from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration. All of it, from 0 to 124, fits one request, and 100 to
+  124 fits one request to write: a controller may simply exchange both in every cycle.
+- Exception 1: the function is not served, or a client writes that may only read. Exception 2: the address is outside the map, or
+  the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning. What is not in
+  the table below address {CONTROL_BASE} is read as 0.
 - The unit identifier is echoed and otherwise ignored.
-- Only the clients in `plc.allow` may connect, {connections} of them at once. A connection without a whole request for {idle_s} s is closed.
+- Only the clients in `plc.allow` may connect, {connections} of them at once, and only those in `plc.commanders` may write:
+  normally the one PLC. The log names the address of every other one that tries. A connection without a whole request for {idle_s} s is closed.
 - Inside a register Modbus is big-endian. A value of two or four registers has its most significant register first, which is
   `plc.word_order = \"big\"`, the default. With `\"little\"` the least significant register is first, so that a controller with a
   little-endian processor can lay the registers over a variable of 32 or 64 bits.
+- A text has {PART_BYTES} bytes of printable ASCII in {words} registers, whatever `plc.word_order` is: the first character is the high byte of the
+  first register, the second its low byte. It is filled up with zeros. A client may also fill it up with blanks; what follows the
+  first zero is ignored.
 - Numbers of activities and IUs count from 0.
 
 ## Reading a result
 
 1. Wait for `done`. One of `ok`, `nok`, `not-judged` is set with it. The journal has the result on disk by then.
-2. Read the result block, from `sequence` to `sequence_copy`.
-3. Set `acknowledge`. `done` drops once the journal keeps that.
+2. Read the result block, from `sequence` to `sequence_end`.
+3. Write that `sequence` to `acknowledge_sequence` and set `acknowledge`, in one request. `done` drops once the journal keeps that.
 4. Clear `acknowledge`. If another result waits, `done` rises again with a higher `sequence`.
 
 A result stays until it is acknowledged, and {QUEUE} more can wait behind it. Results that come when the queue is full are lost:
@@ -101,13 +111,16 @@ A result stays until it is acknowledged, and {QUEUE} more can wait behind it. Re
 
 **A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
 role `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
-a client that has already taken a result of this number acknowledges it again and does not count it twice.
+a client that has already taken a result of this number acknowledges it again and does not count it twice. A client that writes in a
+cycle writes its old control block into the new start before it can know of it: that is why `acknowledge` names its result. One that
+names another than the offered one is refused, and nothing is lost.
 
 Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. Watch
 `sequence`: a jump is a loss. `overrun` stays set once it is set.
 
 **No result is torn.** Each request is answered from one state, so a block that is read in one request belongs to one result. A client
-that needs several requests reads upwards from `sequence` to `sequence_copy`, and discards what it has read unless the two are equal.
+that needs several requests reads upwards from `sequence` to `sequence_end`, and discards what it has read unless the two are equal;
+one that does not want the part may end at `sequence_copy`.
 `sequence` only grows, so nothing can have changed between two equal values, even if every register is read by itself: for the
 halves of two sequences to look alike, 65,536 results would have to pass between two requests.
 
@@ -126,9 +139,33 @@ stays offered.
 has refused. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request; `job_in_force` and `hash_in_force` say
 which job the judge has. A job that is refused changes nothing.
 
+**Whose bit it is.** Each commander that writes `control` writes all of its bits. Where there are two, such as a PLC and a panel, both
+write `control_set` and `control_clear` instead: a panel that resets an error sets and clears `reset_error`, and `enable` stays the PLC's.
+
+## The part
+
+1. Before the part comes to the bench, write its id to `part` and set `set_part`, in one request. No id, all zeros, is allowed.
+2. Wait for `carried_out`, as for every command: then `next_part` shows the id. Clear `set_part`.
+3. The id goes with every verdict of every job that begins from then on, until another one is set: in `result_part`, in the journal,
+   in the output of `andond tail --json` and in the struct for C.
+
+**It counts from the next job on.** A job begins with the first touch, or with `start`, and keeps the id that was in force then. An id
+that is set in the midst of a job is that of the next job: so a PLC can set it while the worker still ends the part before.
+
+**Never the wrong one.** An id with a byte that is no printable ASCII is refused, and the next job has none instead of the one before. A judge that
+starts again is given the id before `enable`; what the worker goes on with is a new job to it. After a restart of this role the client
+sets the id again, before it writes `enable`; the judge keeps the last one until then. Where nothing was ever written here, a scanner
+or a person gives the id by `andond part ID`; once `set_part` was used, that is refused.
+
 **The judge is reminded.** With `plc.writes` nothing is judged before `enable` is first written. A judge that starts again is given `enable` and the job
 that was loaded last, and until it has both, `ready` is not set. The journal keeps the loaded job over a restart of this role too; the
 control block is 0 then, and nothing is judged until the client writes `enable` again.
+
+## A program for the PLC
+
+[`andon.st`](andon.st) is a whole client in structured text (IEC 61131-3), to be copied: it sets parts, loads jobs, takes results,
+acknowledges them, and goes on after a restart of either side. A test runs that very text through a shift with faults and kills, and
+compares its account with the journal.
 "
     )
 }

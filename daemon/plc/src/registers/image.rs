@@ -1,6 +1,6 @@
 //! The values that the registers show at one moment.
 
-use shm_schemas::Verdict;
+use shm_schemas::{PART_BYTES, PartId, Verdict};
 
 /// Bits of the status word.
 pub mod status {
@@ -58,10 +58,12 @@ pub mod control {
     pub const ACKNOWLEDGE: u16 = 1 << 4;
     /// Clears the latched error and the overrun bit.
     pub const RESET_ERROR: u16 = 1 << 5;
+    /// The id in the register `part` is that of the next job.
+    pub const SET_PART: u16 = 1 << 6;
     /// Every bit that has a meaning.
-    pub const ALL: u16 = (1 << 6) - 1;
+    pub const ALL: u16 = (1 << 7) - 1;
     /// Every bit in order, with its name and meaning.
-    pub const BITS: [(u16, &str, &str); 6] = [
+    pub const BITS: [(u16, &str, &str); 7] = [
         (
             ENABLE,
             "enable",
@@ -74,12 +76,17 @@ pub mod control {
         ),
         (START, "start", "a job begins now; refused unless ready and not busy"),
         (ABORT, "abort", "the running job ends now; refused without `enable`"),
-        (ACKNOWLEDGE, "acknowledge", "the client has read the offered result; refused when none is offered"),
+        (
+            ACKNOWLEDGE,
+            "acknowledge",
+            "the client has read the result of `acknowledge_sequence`; refused when that is not offered",
+        ),
         (
             RESET_ERROR,
             "reset_error",
             "clear `error` and `overrun`; a fault that is still there is latched again at once",
         ),
+        (SET_PART, "set_part", "the id in `part` goes with the jobs that begin from now on"),
     ];
 }
 
@@ -92,6 +99,10 @@ pub struct Control {
     pub load_job_id: u32,
     /// Hash of the job file that `load_job` accepts; 0 accepts any.
     pub load_model_hash: u64,
+    /// The part id that `set_part` gives to the next job, as it was written.
+    pub part: [u8; PART_BYTES],
+    /// The number of the result that `acknowledge` means; 0 is the offered one, whichever it is.
+    pub acknowledge_sequence: u32,
 }
 
 /// The result block: one verdict and its number.
@@ -126,6 +137,8 @@ pub struct Image {
     pub hash_in_force: u64,
     /// A [`shm_schemas::JudgePhase`]; 0 before the judge was heard.
     pub phase: u16,
+    /// The part id that the judge gives to the next job.
+    pub next_part: PartId,
     /// Counts up four times per second.
     pub heartbeat: u16,
     /// The latched [`crate::handshake::Fault`] as a number; 0 is none.

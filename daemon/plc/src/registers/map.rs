@@ -1,12 +1,13 @@
 //! The register map: one table, from which registers are read and written and `REGISTERS.md` is generated.
 
-use shm_schemas::{NO_INDEX, Verdict};
+use shm_schemas::{NO_INDEX, PART_BYTES, PartId, Verdict};
 
 use super::image::{Control, Image, ResultBlock};
 
 /// Changes when an address, a type or a meaning changes.
-pub const MAP_VERSION: u16 = 3;
-/// The first register that can be written. 100 leaves the read block room to grow.
+pub const MAP_VERSION: u16 = 4;
+/// The first register that can be written. Registers below it that have no meaning yet are read as 0, so that a client can read
+/// everything in one request.
 pub const CONTROL_BASE: u16 = 100;
 
 /// The type of a value, and how it is read from the image.
@@ -20,6 +21,8 @@ pub enum Get {
     U64(fn(&Image) -> u64),
     /// Two registers, IEEE 754 single precision.
     F32(fn(&Image) -> f32),
+    /// Sixteen registers of two bytes each.
+    Text(fn(&Image) -> [u8; PART_BYTES]),
 }
 
 /// How a written value is put into the control block.
@@ -29,6 +32,10 @@ pub enum Access {
     Read,
     /// It can be read back and written.
     ReadWrite(fn(&mut Control, u64)),
+    /// It can be read back and written as bytes.
+    WriteText(fn(&mut Control, [u8; PART_BYTES])),
+    /// Bits of the control word: what becomes of the word when they are written. They are read as 0.
+    Bits(fn(u16, u16) -> u16),
 }
 
 /// One value of the map.
@@ -53,6 +60,7 @@ impl Register {
             Get::U16(_) => 1,
             Get::U32(_) | Get::F32(_) => 2,
             Get::U64(_) => 4,
+            Get::Text(_) => PART_BYTES as u16 / 2,
         }
     }
 
@@ -63,6 +71,7 @@ impl Register {
             Get::U32(_) => "u32",
             Get::U64(_) => "u64",
             Get::F32(_) => "f32",
+            Get::Text(_) => "text",
         }
     }
 }
@@ -96,6 +105,7 @@ const NO_VERDICT: Verdict = Verdict {
     hand: 0,
     early: 0,
     station: [0; shm_schemas::STATION_BYTES],
+    part: PartId::NONE,
     reserved: 0,
 };
 
@@ -110,10 +120,10 @@ const fn write(
     address: u16,
     name: &'static str,
     get: Get,
-    put: fn(&mut Control, u64),
+    access: Access,
     meaning: &'static str,
 ) -> Register {
-    Register { address, name, get, access: Access::ReadWrite(put), meaning }
+    Register { address, name, get, access, meaning }
 }
 
 /// The map, by address.
@@ -245,25 +255,61 @@ pub const MAP: &[Register] = &[
     read(52, "job_in_force", Get::U32(|i| i.job_in_force), "the job that the judge has; 0 none"),
     read(54, "hash_in_force", Get::U64(|i| i.hash_in_force), "hash of its job file"),
     read(58, "phase", Get::U16(|i| i.phase), "where the judge is, see below; 0 before it was heard"),
+    read(60, "result_part", Get::Text(|i| *of(i).part.bytes()), "the part id of the result; all 0 none"),
+    read(76, "sequence_end", Get::U32(sequence), "the same as `sequence`"),
+    read(
+        78,
+        "next_part",
+        Get::Text(|i| *i.next_part.bytes()),
+        "the part id that the judge gives to the job that begins next; all 0 none",
+    ),
     write(
         CONTROL_BASE,
         "control",
         Get::U16(|i| i.control.word),
-        |c, v| c.word = v as u16,
+        Access::ReadWrite(|c, v| c.word = v as u16),
         "control word, see below",
     ),
     write(
         101,
         "load_job_id",
         Get::U32(|i| i.control.load_job_id),
-        |c, v| c.load_job_id = v as u32,
+        Access::ReadWrite(|c, v| c.load_job_id = v as u32),
         "the job that `load_job` loads",
     ),
     write(
         103,
         "load_model_hash",
         Get::U64(|i| i.control.load_model_hash),
-        |c, v| c.load_model_hash = v,
+        Access::ReadWrite(|c, v| c.load_model_hash = v),
         "the hash that the job file must have; 0 accepts any",
+    ),
+    write(
+        107,
+        "part",
+        Get::Text(|i| i.control.part),
+        Access::WriteText(|c, bytes| c.part = bytes),
+        "the part id that `set_part` gives to the next job; all 0 none",
+    ),
+    write(
+        123,
+        "acknowledge_sequence",
+        Get::U32(|i| i.control.acknowledge_sequence),
+        Access::ReadWrite(|c, v| c.acknowledge_sequence = v as u32),
+        "the `sequence` of the result that `acknowledge` means; 0 whichever is offered",
+    ),
+    write(
+        125,
+        "control_set",
+        Get::U16(|_| 0),
+        Access::Bits(|word, bits| word | bits),
+        "sets these bits of `control` and leaves the others; read as 0",
+    ),
+    write(
+        126,
+        "control_clear",
+        Get::U16(|_| 0),
+        Access::Bits(|word, bits| word & !bits),
+        "clears these bits of `control` and leaves the others; read as 0",
     ),
 ];

@@ -3,11 +3,11 @@
 use andon_plc::handshake::{Fault, Handshake, Line, LineCommand};
 use andon_plc::modbus::{Config, Counters, ModbusServer};
 use shm_schemas::{
-    AccountKept, CommandKind, Journalled, JudgePhase, Judging, NO_INDEX, Verdict, VerdictLevel,
+    AccountKept, CommandKind, Journalled, JudgePhase, Judging, NO_INDEX, PartId, Verdict, VerdictLevel,
     VerdictOutcome,
 };
 use std::io::{Read, Write};
-use std::net::{SocketAddr, TcpStream};
+use std::net::{IpAddr, SocketAddr, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -60,6 +60,7 @@ fn done(mut judging: Judging, command: &LineCommand) -> Judging {
         CommandKind::LoadJob => (judging.job_id, judging.model_hash) = (command.job_id, command.model_hash),
         CommandKind::Start => judging.phase = JudgePhase::Running.code(),
         CommandKind::Abort => judging.phase = JudgePhase::Waiting.code(),
+        CommandKind::SetPart => judging.part = command.part,
     }
     judging
 }
@@ -171,6 +172,7 @@ pub(crate) fn sample(number: u64, outcome: VerdictOutcome) -> Verdict {
         nearest: NO_INDEX,
         activity: 1,
         iu: 2,
+        part: PartId::new(format!("p{number}").as_bytes()).unwrap(),
         ..Default::default()
     };
     (verdict.stamp.epoch, verdict.stamp.seq) = (1, number);
@@ -183,6 +185,21 @@ pub(crate) struct Client(TcpStream);
 impl Client {
     pub(crate) fn connect(address: SocketAddr) -> Self {
         let stream = TcpStream::connect(address).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        stream.set_nodelay(true).unwrap();
+        Self(stream)
+    }
+
+    /// Connects from another address of this machine.
+    pub(crate) fn connect_from(own: IpAddr, address: SocketAddr) -> Self {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build().unwrap();
+        let connect = async {
+            let socket = tokio::net::TcpSocket::new_v4().unwrap();
+            socket.bind(SocketAddr::new(own, 0)).unwrap();
+            socket.connect(address).await.unwrap().into_std().unwrap()
+        };
+        let stream = runtime.block_on(connect);
+        stream.set_nonblocking(false).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
         stream.set_nodelay(true).unwrap();
         Self(stream)

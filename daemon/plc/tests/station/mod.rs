@@ -1,7 +1,7 @@
 //! A station with a judge that sends what a test wants, for the tests of readers.
 
 use andon_ipc::{Limits, Node, POLL_PERIOD, Station, Steward, Stop, Writer};
-use shm_schemas::{RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{PartId, RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
@@ -75,6 +75,7 @@ impl Judge {
         verdict.reason = reason.code();
         verdict.distance = number as f32 / 2.0;
         verdict.station[..7].copy_from_slice(b"plctest");
+        verdict.part = PartId::new(format!("A-{number}").as_bytes()).unwrap();
         self.verdicts.send(verdict).unwrap();
     }
 

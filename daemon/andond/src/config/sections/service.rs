@@ -1,4 +1,4 @@
-//! The sections `[journal]`, `[plc]`, `[health]` and `[log]`: what serves the line.
+//! The sections `[journal]`, `[plc]`, `[metrics]`, `[health]` and `[log]`: what serves the line.
 
 use crate::config::keys::Keys;
 use crate::config::value::{several, within, words};
@@ -71,6 +71,8 @@ pub struct Plc {
     pub allow: Vec<IpAddr>,
     /// Whether clients may write the control words.
     pub writes: bool,
+    /// The clients that may write; see [`Plc::commanders`].
+    pub commanders: Vec<IpAddr>,
     /// In which order the two or four registers of a longer value lie.
     pub word_order: WordOrder,
 }
@@ -85,12 +87,19 @@ impl Default for Plc {
             port: 1502,
             allow: vec![loopback],
             writes: false,
+            commanders: Vec::new(),
             word_order: WordOrder::Big,
         }
     }
 }
 
 impl Plc {
+    /// The clients that may write: those that are named, or the only one that may connect.
+    #[must_use]
+    pub fn commanders(&self) -> &[IpAddr] {
+        if self.commanders.is_empty() { &self.allow } else { &self.commanders }
+    }
+
     pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
         k.key("enable", &mut self.enable, (), "Whether the Modbus TCP server runs.");
         k.key(
@@ -117,7 +126,15 @@ impl Plc {
             "writes",
             &mut self.writes,
             (),
-            "Whether clients may write the control words. Without it they can only read.",
+            "Whether a client may write the control words. Without it all can only read.",
+        );
+        k.key(
+            "commanders",
+            &mut self.commanders,
+            several(0, 32, ()),
+            "The clients of plc.allow that may write; all others only read. With none named it is the only one of plc.allow. \
+             Where there are two, such as a PLC and a panel, each sets and clears its own bits by the registers \
+             control_set and control_clear.",
         );
         k.key(
             "word_order",
@@ -125,6 +142,49 @@ impl Plc {
             (),
             "Which register of a value of two or four registers is the first: the most significant (big) or the least \
              significant (little). Inside a register Modbus is always big-endian.",
+        );
+    }
+}
+
+/// `[metrics]`: numbers for a monitoring system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Metrics {
+    /// Whether they are served.
+    pub enable: bool,
+    /// The address that is listened on.
+    pub bind: IpAddr,
+    /// The port that is listened on.
+    pub port: u16,
+}
+
+impl Default for Metrics {
+    fn default() -> Self {
+        // Nobody else uses this port in the list of Prometheus's exporters.
+        Self { enable: false, bind: IpAddr::V4(Ipv4Addr::LOCALHOST), port: 9464 }
+    }
+}
+
+impl Metrics {
+    pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
+        k.key(
+            "enable",
+            &mut self.enable,
+            (),
+            "Whether the metrics can be fetched, as OpenMetrics from http://BIND:PORT/metrics. Everybody who can connect can read \
+             them.",
+        );
+        k.key(
+            "bind",
+            &mut self.bind,
+            (),
+            "The address that is listened on. For one that is not this machine's own the unit's IPAddressAllow= must name the \
+             clients (systemctl edit andon-metrics@NAME).",
+        );
+        k.key(
+            "port",
+            &mut self.port,
+            within(1, 65_535, ""),
+            "The TCP port. Each station of a PC needs one of its own.",
         );
     }
 }

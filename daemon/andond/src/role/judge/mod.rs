@@ -10,7 +10,7 @@ use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict as CoreVerdict};
 use andon_ipc::{Node, Port, Reader, UtcTime, Writer};
 use andon_learn::job_file::JobFile;
-use shm_schemas::{AuditKind, Command as CommandMessage, Couples, JudgePhase, Refusal, RoleId, Verdict};
+use shm_schemas::{AuditKind, Command as CommandMessage, Couples, JudgePhase, PartId, Refusal, RoleId, Verdict};
 
 use super::RoleError;
 use super::audit::Auditor;
@@ -146,6 +146,7 @@ impl Role for Idle<'_> {
                     Ok(())
                 }
                 Command::Abort => Ok(()),
+                Command::SetPart { part, source } => state.set_part(part, source),
             };
             self.ports.answer(number, command, answer, cycle)?;
             if self.next.is_some() {
@@ -184,6 +185,7 @@ fn watch(
                 job_id: file.id,
                 model_hash: file.model_hash(),
                 station: station_name(&config.station.name),
+                part: PartId::NONE,
             },
             names: Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone()))),
             judge: judge(job, &file)?,
@@ -271,6 +273,7 @@ impl Session<'_, '_> {
                 self.ports.state.phase(JudgePhase::Running);
             }
             Command::Abort => self.finish(cycle)?,
+            Command::SetPart { part, source } => return Ok(self.ports.state.set_part(part, source)),
             Command::LoadJob { job_id, model_hash } => {
                 let found = match jobs::select(self.config, Wanted { job_id, model_hash }) {
                     Ok(found) => found,
@@ -302,6 +305,8 @@ impl Session<'_, '_> {
                 Event::JobBegan { .. } => {
                     log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name);
                     self.ports.state.phase(JudgePhase::Running);
+                    // One that comes in the midst of a job is that of the next part.
+                    self.sender.part = self.ports.state.part();
                 }
                 Event::Verdict(verdict) => {
                     let is_end = verdict.level == Level::Job;

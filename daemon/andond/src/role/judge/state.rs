@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use andon_ipc::{Error, Heartbeat, Node, Port, Writer};
-use shm_schemas::{JudgePhase, Judging, Refusal};
+use shm_schemas::{CommandSource, JudgePhase, Judging, PartId, Refusal};
 
 use super::super::RoleError;
 use super::super::cycle::Cycle;
@@ -34,6 +34,20 @@ impl State {
 
     pub(super) fn enable(&mut self, is_enabled: bool) {
         self.now.is_enabled = is_enabled.into();
+    }
+
+    /// The part id of the jobs that begin from now on.
+    pub(super) fn part(&self) -> PartId {
+        self.now.part
+    }
+
+    /// Takes the part id of the jobs that begin from now on. The PLC's counts, if it gives any.
+    pub(super) fn set_part(&mut self, part: PartId, source: CommandSource) -> Result<(), Refusal> {
+        if source == CommandSource::Tool && self.now.part_source == CommandSource::Plc.code() {
+            return Err(Refusal::PartOfPlc);
+        }
+        (self.now.part, self.now.part_source) = (part, source.code());
+        Ok(())
     }
 
     /// The job in force.

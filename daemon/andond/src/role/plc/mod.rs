@@ -4,7 +4,6 @@
 
 mod account;
 mod clients;
-mod line;
 
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -13,17 +12,17 @@ use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
 use andon_plc::handshake::{Line, LineCommand};
 use andon_plc::modbus::{Config as Server, ModbusServer};
 use andon_plc::registers::{Image, status};
-use shm_schemas::{AuditKind, Command, Health, Judging};
+use shm_schemas::{AuditKind, Command, CommandSource, Health, Judging};
 
 use super::RoleError;
 use super::audit::Auditor;
 use super::cycle::{Cycle, Role, Turn};
+use super::line::LineHealth;
 use super::output::Output;
 use crate::config::Config;
 use crate::log::{code, log};
 use account::Account;
 use clients::Clients;
-use line::LineHealth;
 
 /// The longest wait: a command of a client waits no longer than this to be passed on.
 const TURN: Duration = Duration::from_millis(20);
@@ -158,14 +157,18 @@ impl Plc {
         if changed & status::READY != 0 {
             match (image.status & status::READY != 0, self.line) {
                 (true, _) => log!(code::PLC_READY, "ready"),
-                (false, Line::Fault { fault, detail }) => {
-                    log!(code::PLC_NOT_READY, { detail }, "ready has dropped: {}", fault.meaning());
+                (false, Line::Fault { detail, .. }) => {
+                    log!(code::PLC_NOT_READY, { detail }, "ready has dropped: {}", self.line_health.cause());
                 }
-                (false, _) => log!(code::PLC_NOT_READY, "ready has dropped: error {}", image.error),
+                (false, _) => {
+                    let why = self.server.handshake(|handshake, now_ns| handshake.obstacle(now_ns));
+                    // It may have gone again between the two looks.
+                    log!(code::PLC_NOT_READY, "ready has dropped: {}", why.unwrap_or("for a moment"));
+                }
             }
         }
         if changed & image.status & status::OVERRUN != 0 {
-            log!(code::PLC_OVERRUN, "{} results are lost to the PLC; the journal has them", image.lost);
+            log!(code::PLC_OVERRUN, "{} results are lost to the PLC since the journal was begun", image.lost);
         }
     }
 }
@@ -175,6 +178,7 @@ fn server_config(config: &Config) -> Server {
         bind: SocketAddr::new(config.plc.bind, config.plc.port),
         allowed_clients: config.plc.allow.clone(),
         writes: config.plc.writes,
+        commanders: config.plc.commanders().to_vec(),
         word_order: config.plc.word_order,
         ..Server::default()
     }
@@ -185,4 +189,6 @@ fn write_command(command: &LineCommand, message: &mut Command) {
     message.kind = command.kind.code();
     message.job_id = command.job_id;
     message.model_hash = command.model_hash;
+    message.part = command.part;
+    message.source = CommandSource::Plc.code();
 }

@@ -16,6 +16,8 @@ pub(super) struct LineHealth {
     /// When the newest departure of a writer was noticed. Which one left shows by who sends no health after that.
     departure: MonotonicTime,
     was_ready: bool,
+    /// The first role that keeps the line from being ready, and what is the matter with it.
+    culprit: Option<(RoleId, &'static str)>,
 }
 
 struct RoleHealth {
@@ -35,7 +37,7 @@ impl LineHealth {
         let mut roles: Vec<RoleHealth> = config.roles().into_iter().filter_map(expected).collect();
         // The steward carries no data: another role names the cause better.
         roles.sort_by_key(|expected| expected.role == RoleId::Steward);
-        Self { roles, departure: MonotonicTime::default(), was_ready: false }
+        Self { roles, departure: MonotonicTime::default(), was_ready: false, culprit: None }
     }
 
     /// Takes the health that a role has sent.
@@ -57,9 +59,13 @@ impl LineHealth {
     /// The state of the line now.
     pub(super) fn line(&mut self, now: MonotonicTime) -> Line {
         let departure = self.departure;
-        let unhealthy =
-            self.roles.iter().map(|role| role.line(now, departure)).find(|line| *line != Line::Ready);
-        match unhealthy {
+        let unhealthy = self
+            .roles
+            .iter()
+            .map(|role| (role.role, role.line(now, departure)))
+            .find(|(_, (line, _))| *line != Line::Ready);
+        self.culprit = unhealthy.map(|(role, (_, what))| (role, what));
+        match unhealthy.map(|(_, (line, _))| line) {
             None => {
                 self.was_ready = true;
                 Line::Ready
@@ -69,34 +75,47 @@ impl LineHealth {
             Some(line) => line,
         }
     }
+
+    /// What keeps the line from being ready, in words.
+    pub(super) fn cause(&self) -> String {
+        self.culprit.map_or_else(String::new, |(role, what)| format!("{} {what}", role.name()))
+    }
 }
 
 impl RoleHealth {
-    /// The state of the line as far as this role determines it.
-    fn line(&self, now: MonotonicTime, departure: MonotonicTime) -> Line {
+    /// The state of the line as far as this role determines it, and what is the matter with the role.
+    fn line(&self, now: MonotonicTime, departure: MonotonicTime) -> (Line, &'static str) {
         let missing = Line::Fault { fault: Fault::Role, detail: code::ROLE_DIED.number };
-        let Some(health) = &self.newest else { return missing };
+        let Some(health) = &self.newest else { return (missing, "has not been heard yet") };
         let sent = sent(health);
-        if sent < departure || now.since(sent) > self.deadline {
-            return missing;
+        if sent < departure {
+            return (missing, "is gone, or has not been heard since another process has gone");
         }
-        let detail = health.last_error;
+        if now.since(sent) > self.deadline {
+            return (missing, "gives no sign of life");
+        }
+        let fault = |fault| Line::Fault { fault, detail: health.last_error };
         match RoleState::try_from(health.state) {
             Ok(RoleState::Running) => match sight::trouble_of(health).and_then(sight::code) {
-                Some(code) => Line::Fault { fault: Fault::Sight, detail: code.number },
-                None => Line::Ready,
+                Some(code) => (
+                    Line::Fault { fault: Fault::Sight, detail: code.number },
+                    "does not see its bench: its log says why",
+                ),
+                None => (Line::Ready, "runs"),
             },
-            Ok(RoleState::Starting | RoleState::Finished) => Line::Starting,
+            Ok(RoleState::Starting) => (Line::Starting, "is starting"),
+            Ok(RoleState::Finished) => (Line::Starting, "is at the end of its recording"),
             Ok(RoleState::Waiting) if self.role == RoleId::Perceive => {
-                Line::Fault { fault: Fault::Camera, detail: code::CAMERA_GONE.number }
+                let detail = code::CAMERA_GONE.number;
+                (Line::Fault { fault: Fault::Camera, detail }, "gets no frames")
             }
-            Ok(RoleState::Fault) if self.role == RoleId::Capture => {
-                Line::Fault { fault: Fault::Camera, detail }
-            }
-            Ok(RoleState::Fault) if self.role == RoleId::Journal => {
-                Line::Fault { fault: Fault::Journal, detail }
-            }
-            Ok(RoleState::Waiting | RoleState::Fault) | Err(_) => Line::Fault { fault: Fault::Role, detail },
+            Ok(RoleState::Waiting) => (fault(Fault::Role), "runs and gets nothing, or too late"),
+            Ok(RoleState::Fault) => match self.role {
+                RoleId::Capture => (fault(Fault::Camera), "cannot work: its log says why"),
+                RoleId::Journal => (fault(Fault::Journal), "cannot write: its log says why"),
+                _ => (fault(Fault::Role), "cannot work: its log says why"),
+            },
+            Err(_) => (fault(Fault::Role), "is of another version"),
         }
     }
 }
@@ -150,6 +169,17 @@ mod tests {
         let mut line = healthy();
         assert_eq!(line.line(at(10 * S)), Line::Ready);
         assert_eq!(fault_of(line.line(at(12 * S))), Some(Fault::Role));
+    }
+
+    #[test]
+    fn the_cause_names_the_role_and_tells_one_that_waits_from_one_that_is_gone() {
+        let mut line = healthy();
+        assert_eq!(line.line(at(10 * S)), Line::Ready);
+        line.received(&health(RoleId::Judge, RoleState::Waiting, 10 * S));
+        assert_eq!(fault_of(line.line(at(10 * S))), Some(Fault::Role));
+        assert_eq!(line.cause(), "judge runs and gets nothing, or too late");
+        assert_eq!(fault_of(line.line(at(14 * S))), Some(Fault::Role));
+        assert!(line.cause().ends_with("gives no sign of life"), "{}", line.cause());
     }
 
     #[test]

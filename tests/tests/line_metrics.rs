@@ -1,0 +1,166 @@
+//! The metrics of a running line, fetched as a monitoring system fetches them.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod plc_python;
+
+use andon_tests::line::{Line, Modbus, Settings, Watcher, status};
+use shm_schemas::{VerdictLevel, VerdictOutcome};
+use std::collections::BTreeMap;
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Sends these bytes and reads until the server closes.
+fn ask(port: u16, request: &str) -> String {
+    let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    stream.write_all(request.as_bytes()).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+/// The text of the metrics.
+fn scrape(port: u16) -> String {
+    let answer = ask(port, "GET /metrics HTTP/1.1\r\nHost: here\r\n\r\n");
+    let (head, body) = answer.split_once("\r\n\r\n").unwrap();
+    assert!(
+        head.starts_with("HTTP/1.1 200 OK\r\n") && head.contains("application/openmetrics-text"),
+        "{head}"
+    );
+    body.to_owned()
+}
+
+/// Every sample: its name and labels as they stand there, without the station, and its value.
+fn samples(text: &str) -> BTreeMap<String, f64> {
+    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    let sample = |line: &str| {
+        let (name, value) = line.rsplit_once(' ').unwrap();
+        let name = name.replace("station=\"line\",", "").replace("{station=\"line\"}", "");
+        (name, value.parse().unwrap())
+    };
+    lines.map(sample).collect()
+}
+
+/// Scrapes until the condition holds. The watcher listens meanwhile: what waits for a reader when its writer dies may be lost to it.
+fn until(
+    port: u16,
+    watcher: &mut Watcher,
+    what: &str,
+    holds: impl Fn(&BTreeMap<String, f64>, &Watcher) -> bool,
+) -> BTreeMap<String, f64> {
+    let until = Instant::now() + PATIENCE;
+    loop {
+        watcher.listen(Duration::from_millis(50));
+        let text = scrape(port);
+        let found = samples(&text);
+        if holds(&found, watcher) {
+            return found;
+        }
+        assert!(Instant::now() < until, "waited in vain for {what}: {:?}\n{text}", tally(watcher));
+    }
+}
+
+/// The verdicts that were sent, as the metrics must count them.
+fn tally(watcher: &Watcher) -> BTreeMap<String, f64> {
+    let mut tally = BTreeMap::new();
+    for verdict in &watcher.verdicts {
+        let level = verdict.level().map(VerdictLevel::name).unwrap();
+        let outcome = verdict.outcome().map(VerdictOutcome::name).unwrap();
+        let name = format!("andon_verdicts_total{{level=\"{level}\",outcome=\"{outcome}\"}}");
+        *tally.entry(name).or_insert(0.0) += 1.0;
+    }
+    tally
+}
+
+fn verdicts(found: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+    let of_verdicts = found.iter().filter(|(name, _)| name.starts_with("andon_verdicts_total"));
+    of_verdicts.map(|(name, value)| (name.clone(), *value)).collect()
+}
+
+/// A live line whose metrics have begun before its judge.
+fn measured() -> (Line, Watcher, u16) {
+    let mut line = Line::new(Settings::live());
+    let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    line.reconfigure("[plc]\n", &format!("[metrics]\nenable = true\nport = {port}\n\n[plc]\n"));
+    line.start("steward");
+    let watcher = Watcher::join(&line.station);
+    line.start("metrics");
+    line.wait_for_log("metrics", "AND-616", "");
+    line.start_all_but(&["steward"]);
+    (line, watcher, port)
+}
+
+#[test]
+fn verdicts_restarts_frames_latencies_and_readiness_are_counted_right() {
+    let (mut line, mut watcher, port) = measured();
+    let watcher = &mut watcher;
+    Modbus::connect_when_up(line.port).wait_for(status::READY);
+    until(port, watcher, "ready", |found, _| found["andon_ready"] == 1.0);
+    watcher.until("verdicts", |watcher| watcher.verdicts.len() > 4);
+    line.role("judge").kill();
+    let found = until(port, watcher, "a line without a judge", |found, watcher| {
+        let is_gone = found["andon_ready"] == 0.0 && found["andon_role_running{role=\"judge\"}"] == 0.0;
+        is_gone && verdicts(found) == tally(watcher)
+    });
+    for stage in ["detections", "couples", "verdict"] {
+        let count = found[&format!("andon_latency_seconds_count{{stage=\"{stage}\"}}")];
+        let below = found[&format!("andon_latency_seconds_bucket{{le=\"+Inf\",stage=\"{stage}\"}}")];
+        assert!(count > 0.0 && count == below, "{stage}: {count} {below}");
+    }
+    let sent = watcher.verdicts.len();
+    assert_eq!(found["andon_latency_seconds_count{stage=\"verdict\"}"], sent as f64);
+    assert!(found["andon_frames_processed_total"] > 0.0);
+    assert!(found["andon_journal_size_bytes"] > 0.0 && found["andon_disk_free_bytes{of=\"journal\"}"] > 0.0);
+    assert_eq!(found["andon_role_restarts_total{role=\"judge\"}"], 0.0);
+
+    for starts in 1..=2 {
+        line.role("judge").kill();
+        line.start("judge");
+        until(port, watcher, "the restart", |found, _| {
+            let restarts = found["andon_role_restarts_total{role=\"judge\"}"];
+            restarts == f64::from(starts) && found["andon_ready"] == 1.0
+        });
+    }
+    watcher.until("verdicts of the new judge", |watcher| watcher.verdicts.len() > sent);
+    line.role("judge").kill();
+    let found = until(port, watcher, "all verdicts", |found, watcher| verdicts(found) == tally(watcher));
+    for role in ["steward", "perceive", "encode", "journal", "plc"] {
+        assert_eq!(found[&format!("andon_role_restarts_total{{role=\"{role}\"}}")], 0.0, "{role}");
+    }
+}
+
+/// Reads the text as Prometheus's own library for Python does, which refuses what the standard does not allow.
+const PARSE: &str = "
+import sys
+from prometheus_client.openmetrics.parser import text_string_to_metric_families as parse
+print('parsed', *sorted(family.name for family in parse(sys.stdin.read())))
+";
+
+#[test]
+fn the_text_is_openmetrics_and_nothing_else_is_served() {
+    let (_line, mut watcher, port) = measured();
+    until(port, &mut watcher, "a role", |found, _| found.keys().any(|name| name.contains("role_running")));
+    let mut parser = Command::new(plc_python::python());
+    let parser =
+        parser.args(["-c", PARSE]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut parser = parser.spawn().unwrap();
+    parser.stdin.take().unwrap().write_all(scrape(port).as_bytes()).unwrap();
+    let said = plc_python::all_output(&parser.wait_with_output().unwrap());
+    assert!(said.contains("parsed andon_disk_free_bytes andon_frames_captured"), "{said}");
+
+    // A client that says nothing holds up the next one only for a moment.
+    let _silent = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    for (request, answer) in [
+        ("GET / HTTP/1.1\r\n\r\n", "HTTP/1.1 404 "),
+        ("POST /metrics HTTP/1.1\r\n\r\n", "HTTP/1.1 405 "),
+        ("\u{1}\u{2} nonsense\r\n\r\n", "HTTP/1.1 400 "),
+    ] {
+        assert!(ask(port, request).starts_with(answer), "{request:?}");
+    }
+    samples(&scrape(port));
+}

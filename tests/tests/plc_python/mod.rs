@@ -1,0 +1,46 @@
+//! A Python with pymodbus and with Prometheus's own library, for tests with clients that are not ours.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Its program. It is made once under `target`.
+pub(crate) fn python() -> PathBuf {
+    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("line-venv");
+    let python = venv.join("bin/python");
+    let is_complete = || {
+        Command::new(&python)
+            .args(["-c", "import pymodbus, prometheus_client"])
+            .output()
+            .is_ok_and(|o| o.status.success())
+    };
+    if is_complete() {
+        return python;
+    }
+    let made = Command::new("python3").args(["-m", "venv", "--clear"]).arg(&venv).output().unwrap();
+    assert!(
+        made.status.success(),
+        "python3 -m venv failed (apt install python3-venv?): {}",
+        all_output(&made)
+    );
+    let pip = [
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "pymodbus==3.16.1",
+        "prometheus_client==0.26.0",
+    ];
+    let pip = Command::new(&python).args(pip).output().unwrap();
+    assert!(
+        pip.status.success() && is_complete(),
+        "pip must reach a registry that has pymodbus and prometheus_client: {}",
+        all_output(&pip)
+    );
+    python
+}
+
+/// What a program has printed.
+pub(crate) fn all_output(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
