@@ -5,7 +5,8 @@ use andon_core::input::Side;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_ipc::UtcTime;
 use shm_schemas::{
-    HandCode, NO_INDEX, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome, VerdictReason,
+    HandCode, NO_INDEX, NO_PERCENT, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome,
+    VerdictReason,
 };
 
 /// What all verdicts of a judge have in common.
@@ -49,6 +50,7 @@ pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut
     message.reason = reason(verdict.reason).code();
     message.hand = verdict.side.map_or(HandCode::None, hand).code();
     message.early = u8::from(verdict.early);
+    message.captured_percent = verdict.captured_percent.unwrap_or(NO_PERCENT);
 }
 
 /// Converts an enum of the method to the same enum on the wire and back, by one list of the variants that both have.
@@ -103,6 +105,7 @@ pub fn read(message: &Message) -> Option<Verdict> {
         context: Context(message.x_c),
         distance: number(message.distance),
         threshold: number(message.threshold),
+        captured_percent: (message.captured_percent != NO_PERCENT).then_some(message.captured_percent),
         early: message.early != 0,
         began_ns: message.began_ns,
         ended_ns: message.ended_ns,
@@ -133,6 +136,7 @@ mod tests {
                         context: Context([1, 5, 5, 6]),
                         distance: side.map(|_| 1.5),
                         threshold: None,
+                        captured_percent: side.map(|_| 40),
                         early: true,
                         began_ns: 6,
                         ended_ns: 7,

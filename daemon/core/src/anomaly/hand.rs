@@ -25,6 +25,19 @@ pub(super) struct OpenIu {
     pub(super) is_concluded: bool,
 }
 
+impl OpenIu {
+    /// How many of a hundred frames were captured; `None` before the first.
+    fn captured_percent(&self) -> Option<u8> {
+        let percent = (100 * u64::from(self.captured)).checked_div(self.extent.frames.into())?;
+        Some(percent.min(100) as u8)
+    }
+
+    /// Whether so many frames were captured that the motion is known as well as the job needs. One frame more or less is no difference.
+    pub(super) fn is_captured(&self, min_share: f32) -> bool {
+        (self.captured + 1) as f32 >= min_share * self.extent.frames as f32
+    }
+}
+
 /// Judges the activities of one hand. How it decides is in `algorithm`.
 #[derive(Clone, Debug)]
 pub(super) struct HandJudge<'a, M> {
@@ -153,6 +166,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             context: iu.context,
             distance: result.map(|result| result.distance as f32),
             threshold: result.map(|result| result.threshold),
+            captured_percent: iu.captured_percent(),
             early,
             began_ns: iu.began_ns,
             ended_ns: progress.now_ns,
@@ -191,6 +205,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             context: activity.context,
             distance: None,
             threshold: None,
+            captured_percent: None,
             early,
             began_ns: activity.began_ns,
             // After an early anomaly the activity still continues.
