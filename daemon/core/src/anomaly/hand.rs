@@ -68,6 +68,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
+    /// Nothing is known of what the hand does from now on.
+    pub(super) fn lose_sight(&mut self) {
+        self.watch.lose();
+        if let Some(activity) = &mut self.activity {
+            activity.set_hidden();
+        }
+    }
+
     /// No IU is open in which the hand acts: there is none, or only a release state.
     pub(super) fn is_resting(&self) -> bool {
         self.iu.is_none_or(|iu| iu.is_concluded && iu.context.is_release())

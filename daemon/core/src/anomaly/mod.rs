@@ -255,6 +255,15 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
     }
 
+    /// The couples break off here, and what comes next does not follow from them: a source has started again. Ends the open job, with its
+    /// verdicts; what is missing from it accuses nobody.
+    pub fn break_off(&mut self, emit: &mut impl FnMut(Event)) {
+        let Bench { hands, progress } = &mut self.bench;
+        hands.iter_mut().for_each(HandJudge::lose_sight);
+        progress.set_doubtful();
+        self.finish(emit);
+    }
+
     /// Ends the open job on command or at the end of a recording, with its verdicts.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;

@@ -51,6 +51,11 @@ impl Watch {
         self.is_held_doubtful = false;
     }
 
+    /// Nothing is known of what the hand does from now on.
+    pub(super) fn lose(&mut self) {
+        self.since_doubt = 0;
+    }
+
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
         // Of a long gap, not all frames of the grid have a couple.

@@ -156,6 +156,7 @@ fn watch(
             },
             names: Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone()))),
             judge: judge(job, &file)?,
+            newest_ns: 0,
             events: Vec::new(),
             next: None,
         };
@@ -180,6 +181,8 @@ struct Session<'s, 'j> {
     sender: Sender,
     names: Names,
     judge: Judge<'j>,
+    /// The time of the newest couples.
+    newest_ns: u64,
     /// What the judge has said and nobody has heard yet.
     events: Vec<Event>,
     /// The job that a command asks for instead.
@@ -216,6 +219,10 @@ impl Session<'_, '_> {
             self.finish(cycle)?;
         } else if self.ports.state.is_enabled() {
             let couples = wire::couples::read(&couples);
+            // Their time never goes back, except where the source has started again.
+            if couples.captured_ns < std::mem::replace(&mut self.newest_ns, couples.captured_ns) {
+                self.break_off(cycle)?;
+            }
             self.judge.step(&couples, &mut |event| self.events.push(event));
             self.publish(cycle)?;
         }
@@ -257,6 +264,15 @@ impl Session<'_, '_> {
     /// Ends the job; what comes next belongs to a new one.
     fn finish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         self.judge.finish(&mut |event| self.events.push(event));
+        self.judge = judge(self.job, self.file)?;
+        self.publish(cycle)?;
+        self.ports.state.phase(JudgePhase::Waiting);
+        Ok(())
+    }
+
+    /// Ends the job where its couples break off.
+    fn break_off(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        self.judge.break_off(&mut |event| self.events.push(event));
         self.judge = judge(self.job, self.file)?;
         self.publish(cycle)?;
         self.ports.state.phase(JudgePhase::Waiting);

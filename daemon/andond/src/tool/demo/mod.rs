@@ -73,7 +73,7 @@ pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
     // Afterwards: drawing would take the processor from the line.
     if let Some(folder) = &arguments.annotate {
         for (clip, received) in clips.iter().zip(&played) {
-            film::write(clip, folder, received, &names)?;
+            film::write(clip, folder, received, &names, file.method.blind_ms)?;
         }
     }
     Ok(Code::Stopped)
