@@ -16,9 +16,15 @@ const STILL: f32 = 0.1;
 const REST_S: f32 = 1.0;
 /// A marker that came to lie further away than this has moved, in sides of the marker. A camera that sags by less disturbs nobody.
 const MOVED: f32 = 0.2;
-/// The corners are moved as one if none is further than this from where the picture's movement takes it, in sides: a camera that is tilted
-/// shows a little perspective.
-const AS_ONE: f32 = 0.25;
+/// Markers are moved as one if no centre is further than this from where the picture's movement takes it, in sides...
+const AS_ONE: f32 = 0.03;
+/// ... and as a share of its way: a camera that is tilted shows a little perspective, and parts differ in height.
+const AS_ONE_OF_WAY: f32 = 0.1;
+/// Each marker is turned and scaled as the whole: none of its corners is off by more than this, in sides. Two parts that were moved
+/// apart from each other may lie as if the picture had been turned, but are hardly turned alike.
+const ALIKE: f32 = 0.02;
+/// The camera is back if nothing is further than this from where it would be seen, in sides.
+const BACK: f32 = 0.25;
 /// Where a hand is nearer than this to a marker, it may have moved it, in sides.
 const REACH: f32 = 2.5;
 /// Markers are first seen in another place at slightly different times, in seconds.
@@ -58,8 +64,17 @@ pub(super) struct Camera {
     is_calibrated: bool,
     places: Vec<Place>,
     moves: Vec<Move>,
-    /// From the view that is known to the one now, and since when.
-    moved: Option<(Shift, u64)>,
+    /// The camera looks elsewhere.
+    moved: Option<Moved>,
+}
+
+/// A camera that looks elsewhere than it did.
+struct Moved {
+    since_ns: u64,
+    /// From the view that is known to the one now.
+    view: Shift,
+    /// Where markers lay in the view that is known.
+    known: Vec<(u16, Corners)>,
 }
 
 impl Camera {
@@ -69,7 +84,7 @@ impl Camera {
 
     /// Since when the camera looks elsewhere than it did.
     pub(super) fn moved_since_ns(&self) -> Option<u64> {
-        self.moved.map(|(_, since_ns)| since_ns)
+        self.moved.as_ref().map(|moved| moved.since_ns)
     }
 
     pub(super) fn step(&mut self, look: &Look) {
@@ -84,11 +99,13 @@ impl Camera {
                 self.moves.push(moved);
             }
         }
-        if let Some((shift, since_ns)) = self.shift() {
-            self.take(shift, since_ns);
+        if let Some(shifted) = self.shift() {
+            self.take(shifted);
         }
-        if !self.is_calibrated {
-            self.moved = self.moved.filter(|(_, since_ns)| age_s(*since_ns) <= SETTLED_S);
+        let has_settled =
+            |moved: &Moved| !self.is_calibrated && age_s(moved.since_ns) > SETTLED_S || self.is_back(moved);
+        if self.moved.as_ref().is_some_and(has_settled) {
+            self.moved = None;
         }
     }
 
@@ -129,40 +146,50 @@ impl Camera {
     }
 
     /// How the picture was shifted and when, if that is what the newest moves say.
-    fn shift(&mut self) -> Option<(Shift, u64)> {
+    fn shift(&mut self) -> Option<Moved> {
         let newest = self.moves.last()?;
         let at_once_ns = (AT_ONCE_S * S) as u64;
         let is_at_once = |moved: &&Move| {
             moved.left_ns <= newest.arrived_ns + at_once_ns && newest.left_ns <= moved.arrived_ns + at_once_ns
         };
         let together: Vec<Move> = self.moves.iter().filter(is_at_once).copied().collect();
-        let left_ns = together.iter().map(|moved| moved.left_ns).max()?;
-        let arrived_ns = together.iter().map(|moved| moved.arrived_ns).max()?;
+        let since_ns = together.iter().map(|moved| moved.left_ns).max()?;
+        let arrived_ns = together.iter().map(|moved| moved.arrived_ns).min()?;
+        let last_ns = together.iter().map(|moved| moved.arrived_ns).max()?;
         let has_stayed = self.places.iter().any(|place| {
-            place.lay.is_some_and(|(_, since_ns, seen_ns)| since_ns < left_ns && seen_ns > arrived_ns)
+            place.lay.is_some_and(|(_, lay_since_ns, seen_ns)| lay_since_ns < since_ns && seen_ns > last_ns)
         });
         let alone: Vec<Move> = together.iter().filter(|moved| !moved.is_handled).copied().collect();
         let shift = Shift::of(&alone)?;
-        let fits = |moved: &&Move| shift.moves(moved);
-        if has_stayed || !alone.iter().all(|moved| shift.moves(moved)) {
+        // A part that a hand carries while the camera is pushed comes to lie somewhere later.
+        let must_fit = |moved: &Move| !moved.is_handled || moved.arrived_ns <= arrived_ns + at_once_ns;
+        if has_stayed || together.iter().any(|moved| must_fit(moved) && !shift.moves(moved)) {
             return None;
         }
-        let as_one: Vec<Move> = together.iter().filter(fits).copied().collect();
-        let shift = Shift::of(&as_one).filter(|_| as_one.len() > 1)?;
+        let as_one: Vec<Move> = together.iter().filter(|moved| shift.moves(moved)).copied().collect();
+        let view = Shift::of(&as_one).filter(|_| as_one.len() > 1)?;
         self.moves.clear();
-        Some((shift, left_ns))
+        Some(Moved { since_ns, view, known: as_one.iter().map(|moved| (moved.id, moved.from)).collect() })
     }
 
     /// Takes a shift of the picture. One that leads back to the view that is known ends the trouble.
-    fn take(&mut self, shift: Shift, since_ns: u64) {
-        let (view, since_ns) = match self.moved {
-            Some((before, since_ns)) => (before.then(&shift), since_ns),
-            None => (shift, since_ns),
+    fn take(&mut self, shifted: Moved) {
+        let moved = match self.moved.take() {
+            Some(before) => Moved { view: before.view.then(&shifted.view), ..before },
+            None => shifted,
         };
         let lie = self.places.iter().filter_map(|place| place.lay);
         let mut corners = lie.map(|(corners, ..)| corners);
-        let is_back = corners.all(|corners| is_within(AS_ONE, &corners, &view.back(&corners)));
-        self.moved = (!is_back).then_some((view, since_ns));
+        let is_back = corners.all(|corners| is_within(BACK, &corners, &moved.view.back(&corners)));
+        self.moved = (!is_back).then_some(moved);
+    }
+
+    /// Whether a marker lies where it lay in the view that is known. In another view it would take a great chance.
+    fn is_back(&self, moved: &Moved) -> bool {
+        self.places.iter().any(|place| {
+            let known = moved.known.iter().find(|(id, _)| *id == place.id);
+            place.lay.zip(known).is_some_and(|((lay, ..), (_, known))| is_within(STILL, &lay, known))
+        })
     }
 }
 
@@ -230,11 +257,14 @@ impl Shift {
 
     /// Whether it takes a marker from where it lay to where it lies.
     fn moves(&self, moved: &Move) -> bool {
-        is_within(
-            AS_ONE,
-            &moved.from.map(|corner| self.at(corner.map(f64::from)).map(|value| value as f32)),
-            &moved.to,
-        )
+        let taken = moved.from.map(|corner| self.at(corner.map(f64::from)).map(|value| value as f32));
+        let ([from, to, taken_to], side) = ([&moved.from, &moved.to, &taken].map(centre), side(&moved.to));
+        let about_centre = |corners: &Corners, centre: [f32; 2]| {
+            corners.map(|corner| [corner[0] - centre[0], corner[1] - centre[1]])
+        };
+        let shapes = [about_centre(&moved.to, to), about_centre(&taken, taken_to)];
+        distance(taken_to, to) <= AS_ONE * side + AS_ONE_OF_WAY * distance(from, to)
+            && is_within(ALIKE, &shapes[1], &shapes[0])
     }
 
     /// This one, and then another.

@@ -233,7 +233,8 @@ impl Session<'_, '_> {
         match command {
             Command::Enable => self.ports.state.enable(true),
             Command::Disable => {
-                self.finish(cycle)?;
+                // Nobody says that the piece will not be completed: it is only not watched any more.
+                self.break_off(cycle)?;
                 self.ports.state.enable(false);
             }
             Command::Start if !self.ports.state.is_enabled() => {
@@ -270,7 +271,7 @@ impl Session<'_, '_> {
         Ok(())
     }
 
-    /// Ends the job where its couples break off.
+    /// Ends the job where its couples break off, or are not watched any more.
     fn break_off(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         self.judge.break_off(&mut |event| self.events.push(event));
         self.judge = judge(self.job, self.file)?;
