@@ -17,7 +17,7 @@ import time
 import iceoryx2 as iox2
 
 # The layout of `Verdict` and of the events in this build of Andon; a test compares it.
-LAYOUT = "5aa3f1a0b7c950e5/2"
+LAYOUT = "167675417edfda31/2"
 # The longest time for a station to start, in seconds.
 PATIENCE_S = 20
 # The longest wait for an event, in ms. The queue is read after it in any case.
@@ -58,7 +58,7 @@ class Verdict(ctypes.Structure):
         ("hand", ctypes.c_uint8),
         ("early", ctypes.c_uint8),
         ("station", ctypes.c_char * 16),
-        ("reserved", ctypes.c_uint8),
+        ("captured_percent", ctypes.c_uint8),
     ]
 
     @staticmethod
