@@ -212,28 +212,26 @@ fn is_within(sides: f32, one: &Corners, other: &Corners) -> bool {
     one.iter().zip(other).all(|(one, other)| distance(*one, *other) <= reach)
 }
 
+/// A point of the picture, as a complex number.
+type Point = [f64; 2];
+
 /// A shift, turn and scale of the picture: `z` becomes `factor * z + offset`, as complex numbers.
 #[derive(Clone, Copy)]
 struct Shift {
-    factor: [f64; 2],
-    offset: [f64; 2],
+    factor: Point,
+    offset: Point,
 }
 
 impl Shift {
     /// The one that comes nearest to these moves (least squares); `None` without a move.
     fn of(moves: &[Move]) -> Option<Self> {
-        let pairs = || {
-            let of_move = |moved: &Move| moved.from.into_iter().zip(moved.to);
-            moves.iter().flat_map(of_move).map(|(from, to)| (from.map(f64::from), to.map(f64::from)))
+        let points = |corners: fn(&Move) -> Corners| -> Vec<Point> {
+            moves.iter().flat_map(corners).map(|corner| corner.map(f64::from)).collect()
         };
-        let count = pairs().count() as f64;
-        let mean = |pick: fn(([f64; 2], [f64; 2])) -> [f64; 2]| {
-            let sum = pairs().map(pick).fold([0.0; 2], |sum, point| [sum[0] + point[0], sum[1] + point[1]]);
-            sum.map(|sum| sum / count)
-        };
-        let (from_mean, to_mean) = (mean(|(from, _)| from), mean(|(_, to)| to));
+        let (from, to) = (points(|moved| moved.from), points(|moved| moved.to));
+        let (from_mean, to_mean) = (mean(&from), mean(&to));
         let (mut sum, mut square) = ([0.0; 2], 0.0);
-        for (from, to) in pairs() {
+        for (from, to) in from.iter().zip(&to) {
             let from = [from[0] - from_mean[0], from[1] - from_mean[1]];
             let to = [to[0] - to_mean[0], to[1] - to_mean[1]];
             sum[0] += from[0] * to[0] + from[1] * to[1];
@@ -250,7 +248,7 @@ impl Shift {
         }
     }
 
-    fn at(&self, point: [f64; 2]) -> [f64; 2] {
+    fn at(&self, point: Point) -> Point {
         let turned = times(self.factor, point);
         [turned[0] + self.offset[0], turned[1] + self.offset[1]]
     }
@@ -284,6 +282,11 @@ impl Shift {
     }
 }
 
-fn times(one: [f64; 2], other: [f64; 2]) -> [f64; 2] {
+fn mean(points: &[Point]) -> Point {
+    let sum = points.iter().fold([0.0; 2], |sum, point| [sum[0] + point[0], sum[1] + point[1]]);
+    sum.map(|sum| sum / points.len() as f64)
+}
+
+fn times(one: Point, other: Point) -> Point {
     [one[0] * other[0] - one[1] * other[1], one[0] * other[1] + one[1] * other[0]]
 }
