@@ -67,6 +67,8 @@ codes! {
         NoMarkers = 9,
         /// Parts move, and no hand is found.
         NoHands = 10,
+        /// The camera looks elsewhere than it did.
+        CameraMoved = 11,
     }
 }
 

@@ -11,6 +11,9 @@ pub const STATION_BYTES: usize = 16;
 /// In place of an index that has no meaning on this level.
 pub const NO_INDEX: u16 = 0xFFFF;
 
+/// In place of a percentage where there is none.
+pub const NO_PERCENT: u8 = 0xFF;
+
 codes! {
     /// What is judged.
     enum VerdictLevel: u8 {
@@ -70,7 +73,7 @@ codes! {
         Unknown = 7,
         /// The hand or an object was out of sight for too long.
         Blind = 8,
-        /// There was more to judge than there is room for.
+        /// Fewer frames came than the job needs, or there was more to judge than there is room for.
         Overload = 9,
     }
 }
@@ -130,8 +133,8 @@ wire! { "andon.Verdict", 160;
         station: [u8; STATION_BYTES],
         /// The part that was worked on: the id that was in force when its job began.
         part: PartId,
-        /// Keeps the size a multiple of 8.
-        reserved: u8,
+        /// How many of a hundred frames of the IU were captured; [`NO_PERCENT`] where that says nothing.
+        captured_percent: u8,
     }
 }
 message!(Verdict);

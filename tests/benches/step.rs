@@ -51,6 +51,7 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
         order_matters: false,
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
+        min_captured: 0.0,
     };
     let shapes: Vec<ObjectShape> = (1..=OBJECTS as u16).map(shape).collect();
 

@@ -11,7 +11,7 @@ use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
 use andon_tests::deletion::{from_environment, jobs, judged, length_s, one_after_the_other, try_deletions};
-use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
+use andon_tests::simulator::{Expected, Flaw, Noise, Performance, perform};
 
 fn seed() -> u64 {
     from_environment("ANDON_SEED", 71)

@@ -2,12 +2,13 @@
 #![allow(clippy::unwrap_used)]
 
 use andon_core::config::Method;
-use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
-use andon_tests::simulator::{Expected, Flaw, Noise, Performance, perform};
+use andon_tests::deletion::Deletion;
+use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
 
 /// A seed that played no part in the choice of the rules.
 const SEED: u64 = 2002;
@@ -119,4 +120,45 @@ fn five_runs_distinguish_every_flaw_of_a_shop_floor_from_harmless_variations() {
         };
         assert!(as_expected, "{}: {verdicts:#?}", flaw.name());
     }
+}
+
+/// What a line sees of a run that looks at every so many frames only.
+fn thinned(person: u64, flaw: Flaw, every: usize) -> Run {
+    let performance = Performance { seed: SEED, person, repetition: 1, noise: Noise::default() };
+    let whole = perform(&performance, flaw).0;
+    let left = Deletion::Every(every).of(&whole, &mut Random::new(SEED, &[]));
+    Run::new("thinned", "", &left, &Method::default()).unwrap()
+}
+
+#[test]
+fn a_job_states_the_rate_at_which_its_own_runs_are_still_right_and_below_it_nothing_is_accused_or_right() {
+    let (job, report) = taught(&correct(4));
+    let all = Method::default().rate_hz;
+    let every = (all / job.min_rate_hz).round() as usize;
+    assert!(every > 1 && job.min_rate_hz > 1.0, "{}", job.min_rate_hz);
+    assert!(
+        report.to_string().contains(&format!("needs {:.1} of {all:.1} frames", job.min_rate_hz)),
+        "{report}"
+    );
+    for person in 1..=4 {
+        let said = |flaw, every| judged(&job, &thinned(person, flaw, every));
+        if job_is(Outcome::Ok, &said(Flaw::None, 1)) {
+            assert!(job_is(Outcome::Ok, &said(Flaw::None, every)), "person {person}");
+        }
+        let few = said(Flaw::None, every + 2);
+        assert!(job_is(Outcome::NotJudged, &few), "person {person}");
+        assert!(few.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "person {person}");
+        assert!(few.iter().any(|verdict| verdict.reason == Reason::Overload), "person {person}");
+        assert!(!job_is(Outcome::Ok, &said(Flaw::J1, every + 2)), "person {person}");
+    }
+}
+
+#[test]
+fn a_job_file_that_states_no_rate_is_read_as_before_and_has_its_own_hash() {
+    let (mut job, _) = taught(&correct(3));
+    job.min_rate_hz = 0.0;
+    let text = job.to_toml();
+    assert!(!text.contains("min_rate_hz"));
+    let read = JobFile::parse("job.toml", text.as_bytes()).unwrap();
+    assert_eq!((read.model_hash(), read.to_toml()), (job.model_hash(), text));
 }

@@ -90,7 +90,7 @@ fn measured() -> (Line, Watcher, u16) {
     line.start("steward");
     let watcher = Watcher::join(&line.station);
     line.start("metrics");
-    line.wait_for_log("metrics", "AND-616", "");
+    line.wait_for_log("metrics", "AND-617", "");
     line.start_all_but(&["steward"]);
     (line, watcher, port)
 }

@@ -11,8 +11,8 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
 }
 
-/// A station that plays a shipped clip again and again, as fast as it can be looked at. From its fourth second on the clip is black.
-fn line_that_goes_black() -> Line {
+/// A station that plays a film which is made by ffmpeg from these arguments.
+fn line_with_film(camera: &str, perception: &str, ffmpeg: &[&str]) -> Line {
     let line = Line::configured(|folder, port| {
         let shipped = std::fs::read_to_string(root().join("config/stations/film.toml")).unwrap();
         let (_, objects) = shipped.split_once("[[objects]]").unwrap();
@@ -21,21 +21,34 @@ fn line_that_goes_black() -> Line {
         let job = root().join("config/jobs/polish-and-measure.toml");
         format!(
             "[station]\nname = \"line\"\nroot = {folder:?}\njob = {job:?}\n\n\
-             [camera]\nsource = \"video\"\npath = \"film.mp4\"\nspeed = \"max\"\nloop = true\n\n\
-             [perception]\nhands = [\"right\"]\nmodels = {models:?}\n\n\
+             [camera]\nsource = \"video\"\npath = \"film.mkv\"\nloop = true\n{camera}\n\n\
+             [perception]\nhands = [\"right\"]\nmodels = {models:?}\n{perception}\n\n\
              [journal]\npath = \"journal.sqlite\"\n\n\
              [plc]\nenable = true\nport = {port}\n\n[[objects]]{objects}"
         )
     });
+    let lossless = ["-pix_fmt", "yuv420p", "-preset", "ultrafast", "-qp", "0"];
     let status = Command::new("ffmpeg")
-        .args(["-v", "error", "-i"])
-        .arg(root().join("tests/footage/p1_J1_r1.mp4"))
-        .args(["-vf", "lutyuv=y=16:u=128:v=128:enable='gte(t,4)'", "-preset", "ultrafast"])
-        .arg(line.path("film.mp4"))
+        .args(["-v", "error"])
+        .args(ffmpeg)
+        .args(lossless)
+        .arg(line.path("film.mkv"))
+        .current_dir(root().join("tests/footage"))
         .status()
         .expect("ffmpeg is needed: run `make test-packages`, or apt install ffmpeg");
     assert!(status.success());
     line
+}
+
+/// As fast as it can be looked at: nothing is dropped.
+const MAX: &str = "speed = \"max\"";
+/// What every picture is like that a camera gives; rendered ones have no noise.
+const NOISE: &str = "noise=alls=4:allf=t";
+
+/// A station that plays a shipped clip again and again; from its fourth second on this is done to it, until its ninth.
+fn line_that_shows(filter: &str) -> Line {
+    let filter = format!("{filter},{NOISE}");
+    line_with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "12", "-vf", &filter])
 }
 
 /// Runs a command until it prints this; panics after a minute.
@@ -57,18 +70,41 @@ fn until_sees(watcher: &mut Watcher, sight: Sight) {
     });
 }
 
-#[test]
-fn a_black_picture_is_said_everywhere_and_undone_when_it_is_over() {
-    let mut line = line_that_goes_black();
+/// Waits for a message with this code and these words; panics after a minute. Other messages with the code may come before it.
+fn until_logged(line: &Line, role: &str, code: &str, words: &str) {
+    let until = Instant::now() + Duration::from_secs(60);
+    let is_logged =
+        || line.log(role).lines().any(|message| message.contains(code) && message.contains(words));
+    while !is_logged() {
+        assert!(Instant::now() < until, "{role} does not log {code} with {words}:\n{}", line.log(role));
+        std::thread::sleep(Duration::from_millis(20));
+    }
+}
+
+/// What is said of this trouble in the log, with a part of its remedy, and the word for it.
+struct Words {
+    code: &'static str,
+    meaning: &'static str,
+    remedy: &'static str,
+    word: &'static str,
+}
+
+/// Starts the line and waits until a trouble is said: in health, log and `status`.
+fn said(line: &mut Line, sight: Sight, words: &Words) -> Watcher {
     let mut watcher = line.launch();
     line.start("capture");
-    until_sees(&mut watcher, Sight::Clear);
-    until_sees(&mut watcher, Sight::Black);
-    line.wait_for_log("perceive", "AND-213", "Switch on the light");
-    line.wait_for_log("plc", "AND-510", "does not see its bench");
-    let status = until_printed(&line, "status", "BLIND");
+    until_sees(&mut watcher, sight);
+    line.wait_for_log("perceive", words.code, words.remedy);
+    let status = until_printed(line, "status", words.word);
     assert_eq!(status.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&status.stdout).contains("AND-213"), "{status:?}");
+    assert!(String::from_utf8_lossy(&status.stdout).contains(words.code), "{status:?}");
+    watcher
+}
+
+/// And to the PLC; and that it is over by itself, in `tail` and in the journal as well.
+fn said_and_undone(mut line: Line, sight: Sight, words: &Words) {
+    let mut watcher = said(&mut line, sight, words);
+    until_logged(&line, "plc", "AND-510", "does not see its bench");
     let mut tail = Command::new(andond())
         .args(["tail", "-c"])
         .arg(line.config())
@@ -79,8 +115,160 @@ fn a_black_picture_is_said_everywhere_and_undone_when_it_is_over() {
     until_sees(&mut watcher, Sight::Clear);
     line.wait_for_log("perceive", "AND-221", "");
     until_printed(&line, "history", "-- not watching until 2");
-    line.wait_for_log("tail", "not watching: the picture is black", "Switch on the light");
-    line.wait_for_log("tail", "watching again", "");
+    until_logged(&line, "tail", &format!("not watching: {}", words.meaning), words.remedy);
+    until_logged(&line, "tail", "watching again", "");
     tail.kill().unwrap();
     tail.wait().unwrap();
+    // Once for each time that the film was played, never twice without an end between.
+    let log = line.log("perceive");
+    let told: Vec<bool> = log
+        .lines()
+        .filter(|message| message.contains(words.code) || message.contains("AND-221"))
+        .map(|message| message.contains(words.code))
+        .collect();
+    assert!(told.windows(2).all(|two| two != [true, true]), "{log}");
+}
+
+/// A trouble that blinds the line.
+const fn blind(code: &'static str, meaning: &'static str, remedy: &'static str) -> Words {
+    Words { code, meaning, remedy, word: "BLIND" }
+}
+
+#[test]
+fn a_black_picture_is_said_everywhere_and_undone_when_it_is_over() {
+    let line = line_that_shows("lutyuv=y=16:u=128:v=128:enable='between(t,4,9)'");
+    said_and_undone(line, Sight::Black, &blind("AND-213", "the picture is black", "Switch on the light"));
+}
+
+#[test]
+fn a_white_picture_is_said_everywhere_and_undone_when_it_is_over() {
+    let line = line_that_shows("lutyuv=y=255:u=128:v=128:enable='between(t,4,9)'");
+    said_and_undone(
+        line,
+        Sight::White,
+        &blind("AND-214", "the picture is white", "lower camera.exposure_us"),
+    );
+}
+
+#[test]
+fn a_picture_that_stands_still_is_said_everywhere_and_undone_when_it_is_over() {
+    // The noise comes first: a camera that has stopped repeats it as well.
+    let film = format!("{NOISE},loop=loop=180:size=1:start=120");
+    let line = line_with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "14", "-vf", &film]);
+    said_and_undone(line, Sight::Frozen, &blind("AND-212", "the picture has stopped", "Unplug the camera"));
+}
+
+#[test]
+fn a_lens_that_is_covered_is_said_everywhere_and_undone_when_it_is_over() {
+    let line = line_that_shows("drawbox=c=0x6a4030:t=fill:enable='between(t,4,9)'");
+    said_and_undone(
+        line,
+        Sight::Covered,
+        &blind("AND-215", "something lies over the lens", "Clear the camera's view"),
+    );
+}
+
+#[test]
+fn a_picture_far_out_of_focus_is_said_everywhere_and_undone_when_it_is_over() {
+    let line = line_that_shows("gblur=sigma=12:enable='between(t,4,9)'");
+    said_and_undone(line, Sight::Blurred, &blind("AND-216", "the picture is blurred", "Clean the lens"));
+}
+
+#[test]
+fn noise_in_which_nothing_is_found_is_said_everywhere_and_undone_when_it_is_over() {
+    let line = line_that_shows("noise=alls=100:allf=t:enable='between(t,4,9)'");
+    said_and_undone(
+        line,
+        Sight::Noisy,
+        &blind("AND-217", "there is so much noise", "Light the bench better"),
+    );
+}
+
+#[test]
+fn a_camera_that_was_moved_is_said_everywhere_and_undone_when_it_is_back() {
+    let line = line_that_shows("rotate=0.08:c=gray:enable='between(t,4,9)'");
+    said_and_undone(
+        line,
+        Sight::CameraMoved,
+        &blind("AND-222", "the camera looks elsewhere", "Put the camera back"),
+    );
+}
+
+#[test]
+fn parts_that_move_without_a_hand_are_said_everywhere_and_undone_when_they_lie_still() {
+    // The upper half of a picture without a hand, in which the brick wanders to the right from the second second on, then lies still.
+    let film = format!(
+        "crop=640:235:0:0,pad=640:480:0:0:0x9a7550,split[a][b];[b]crop=120:50:260:164[brick];\
+         [a]drawbox=260:164:120:50:0x9a7550:t=fill[bench];\
+         [bench][brick]overlay=x='260+40*clip(t-2,0,5)':y=164,{NOISE}"
+    );
+    let still = ["-loop", "1", "-framerate", "30", "-t", "14", "-i", "picture.png"];
+    let line = line_with_film(MAX, "", &["-f", "lavfi", "-i", "color=s=640x480:d=0.1"]);
+    let picture = line.path("picture.png");
+    let ffmpeg = |arguments: &[&str], out: &Path| {
+        let status = Command::new("ffmpeg")
+            .args(["-v", "error", "-y"])
+            .args(arguments)
+            .arg(out)
+            .current_dir(out.parent().unwrap())
+            .status()
+            .unwrap();
+        assert!(status.success());
+    };
+    let clip = root().join("tests/footage/p2_none_r1.mp4");
+    ffmpeg(&["-i", clip.to_str().unwrap(), "-frames:v", "1"], &picture);
+    let lossless = ["-pix_fmt", "yuv420p", "-preset", "ultrafast", "-qp", "0"];
+    let arguments = [&still[..], &["-filter_complex", &film], &lossless].concat();
+    ffmpeg(&arguments, &line.path("film.mkv"));
+    said_and_undone(
+        line,
+        Sight::NoHands,
+        &blind("AND-220", "parts move, and no hand is found", "Light the hands"),
+    );
+}
+
+#[test]
+fn too_few_frames_are_said_everywhere_and_undone_when_there_are_enough() {
+    // Of ten pictures a second, of 500, and of ten again: more than any machine looks at.
+    let film = "setpts='if(lt(N,60),N/10,if(lt(N,2060),6+(N-60)/500,10+(N-2060)/10))/TB'";
+    let line = line_with_film(
+        "speed = \"file\"",
+        "",
+        &[
+            "-stream_loop",
+            "-1",
+            "-i",
+            "p1_none_r1.mp4",
+            "-frames:v",
+            "2140",
+            "-vf",
+            film,
+            "-fps_mode",
+            "passthrough",
+        ],
+    );
+    let words = Words {
+        code: "AND-218",
+        meaning: "too few of the camera's pictures",
+        remedy: "Stop what else runs",
+        word: "SLOW",
+    };
+    said_and_undone(line, Sight::TooFewFrames, &words);
+}
+
+#[test]
+fn markers_of_another_dictionary_and_other_ids_are_said_everywhere() {
+    let words = blind("AND-219", "none of the station's markers", "Compare the printed markers");
+    let clip = ["-i", "p1_none_r1.mp4", "-t", "8", "-vf", NOISE];
+    let mut line = line_with_film(MAX, "dictionary = \"DICT_5X5_50\"", &clip);
+    said(&mut line, Sight::NoMarkers, &words);
+    let mut line = line_with_film(MAX, "", &clip);
+    for (own, other) in [(5, 25), (6, 26), (3, 23)] {
+        line.reconfigure(&format!("id = {own}\n"), &format!("id = {other}\n"));
+    }
+    // The job has other parts.
+    let text = std::fs::read_to_string(line.config()).unwrap();
+    let without_job: Vec<&str> = text.lines().filter(|line| !line.starts_with("job = ")).collect();
+    std::fs::write(line.config(), without_job.join("\n")).unwrap();
+    said(&mut line, Sight::NoMarkers, &words);
 }

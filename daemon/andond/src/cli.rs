@@ -360,6 +360,8 @@ pub struct Idle {
     /// How long to wait, in seconds
     #[arg(long, default_value_t = 300)]
     pub timeout: u32,
+}
+
 /// `andond part`
 #[derive(Debug, Args)]
 pub struct Part {

@@ -63,6 +63,9 @@ pub struct Job<'a> {
     /// acceleration and more rest, so that each of its frames is farther from the reference too. 1 leaves the thresholds as they
     /// are, as in the paper.
     pub max_slowdown: f32,
+    /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1: with fewer, the motion that
+    /// was shown would not be recognised. 0 asks for nothing.
+    pub min_captured: f32,
 }
 
 /// The factor by which the threshold of an IU of this many frames grows: its length as a multiple of that of its reference, limited to

@@ -25,7 +25,8 @@
 //!     reversals: Bounds { min: 0, max: 1 },
 //! };
 //! let activities = [NominalActivity { activity: 0, ius: &[iu] }];
-//! let job = Job { activities: &activities, order_matters: true, cost: LocalCost::Circular { bins: 8 }, max_slowdown: 2.0 };
+//! let cost = LocalCost::Circular { bins: 8 };
+//! let job = Job { activities: &activities, order_matters: true, cost, max_slowdown: 2.0, min_captured: 0.5 };
 //!
 //! let method = Method::default();
 //! let tool = ObjectShape { id: 5, interaction_points: [[0.0; 3]].into_iter().collect() };

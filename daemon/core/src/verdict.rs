@@ -46,7 +46,7 @@ pub enum Reason {
     Unknown,
     /// The hand or an object was out of sight for too long.
     Blind,
-    /// A capacity was full.
+    /// A capacity was full, or fewer frames came than the job needs.
     Overload,
 }
 
@@ -73,6 +73,8 @@ pub struct Verdict {
     pub distance: Option<f32>,
     /// The threshold with which the distance was compared.
     pub threshold: Option<f32>,
+    /// How many of a hundred frames of the IU were captured; `None` where that says nothing: at its beginning, for activities and jobs.
+    pub captured_percent: Option<u8>,
     /// Whether it was given before the end of what is judged.
     pub early: bool,
     /// When what is judged began, in nanoseconds.

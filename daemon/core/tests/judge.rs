@@ -554,6 +554,50 @@ fn an_iu_too_long_to_be_compared_is_not_judged() {
     assert_eq!(short(&judged(&job, &stream(&right, &[]))[0]), "r0.0 NotJudged Overload!");
 }
 
+/// The couples of a camera of which only every so many frames were looked at.
+fn thinned(couples: &[Couples], count: usize) -> Vec<Couples> {
+    let of = |(index, couples): (usize, &Couples)| Couples { is_captured: index % count == 0, ..*couples };
+    couples.iter().enumerate().map(of).collect()
+}
+
+#[test]
+fn an_iu_with_fewer_frames_than_the_job_needs_is_neither_right_nor_wrong_and_its_verdict_says_how_many_came()
+{
+    let job = Job { min_captured: 0.5, ..polish_and_measure() };
+    for strokes in [6, 2] {
+        let work = stream(&[polish(strokes), measure()].concat(), &[]);
+        assert_eq!(
+            judged(&job, &thinned(&work, 2)).iter().map(short).collect::<Vec<_>>(),
+            judged(&polish_and_measure(), &work).iter().map(short).collect::<Vec<_>>()
+        );
+        let few = judged(&job, &thinned(&work, 3));
+        let ius = few.iter().filter(|verdict| verdict.level == Level::Iu && verdict.context.is_touch());
+        for iu in ius {
+            assert_eq!((iu.outcome, iu.reason), (Outcome::NotJudged, Reason::Overload), "{iu:?}");
+            assert!((30..37).contains(&iu.captured_percent.unwrap()), "{iu:?}");
+        }
+        assert_eq!(short(few.last().unwrap()), "NotJudged Overload");
+    }
+}
+
+#[test]
+fn a_job_that_breaks_off_anywhere_accuses_nobody() {
+    let (job, work) = (polish_and_measure(), stream(&[polish(6), measure()].concat(), &[]));
+    let job = Job { order_matters: true, ..job };
+    for cut in 1..work.len() {
+        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap().at_start_of_job();
+        let mut verdicts = Vec::new();
+        work[..cut]
+            .iter()
+            .for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
+        let before = verdicts.len();
+        judge.break_off(&mut |event| verdicts.extend(event.verdict()));
+        let accused = verdicts[before..].iter().find(|verdict| verdict.outcome == Outcome::Anomaly);
+        assert_eq!(accused, None, "cut after {cut} of {}", work.len());
+        judge.break_off(&mut |event| panic!("{event:?} after the end"));
+    }
+}
+
 #[test]
 fn touching_the_same_object_again_continues_the_activity_until_it_has_matched() {
     // The contact with the polisher breaks for a moment during the grasp: that is still one activity, with one grasp too many.

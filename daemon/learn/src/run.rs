@@ -5,7 +5,7 @@ use crate::recording::{self, NamedObject, Recording, TrackError};
 use andon_core::anomaly::{self, Judge};
 use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
-use andon_core::input::{ObjectShape, Side};
+use andon_core::input::{Frame, ObjectShape, Side};
 use andon_core::job::Job;
 use andon_core::segment::{Event, JobSegmenter};
 use andon_core::verdict::Verdict;
@@ -58,6 +58,8 @@ pub struct Run {
     pub sha256: String,
     /// The objects that may appear in it.
     pub objects: Vec<NamedObject>,
+    /// What was seen, frame by frame.
+    frames: Vec<Frame>,
     /// The couples that the judge works on, in the order of time.
     pub couples: Vec<Couples>,
     /// The activities in the order in which they began, each with at least one IU.
@@ -95,32 +97,41 @@ impl Run {
     /// If the method or the objects cannot be used.
     pub fn new(name: &str, sha256: &str, recording: &Recording, method: &Method) -> Result<Self, RunError> {
         let unusable = |unusable| RunError::Unusable { name: name.to_owned(), unusable };
-        let shapes: Vec<ObjectShape> = recording.header.shapes();
-        let mut encoder = Encoder::new(*method, &shapes).map_err(unusable)?;
+        let mut run = Self {
+            name: name.to_owned(),
+            sha256: sha256.to_owned(),
+            objects: recording.header.objects.clone(),
+            frames: recording.frames.clone(),
+            couples: Vec::new(),
+            activities: Vec::new(),
+        };
+        run.couples = run.encode(run.frames.iter(), method).map_err(unusable)?;
         let mut segmenter =
             JobSegmenter::new(method).map_err(|fault| unusable(couple::Unusable::Method(fault)))?;
-        let mut couples: Vec<Couples> = Vec::with_capacity(recording.frames.len());
-        for frame in &recording.frames {
+        let mut collector = Collector::default();
+        for couples in &run.couples {
+            segmenter.step(couples, &mut |event| collector.take(event));
+        }
+        segmenter.finish(&mut |event| collector.take(event));
+        run.activities =
+            collector.activities.into_iter().filter(|activity| !activity.ius.is_empty()).collect();
+        Ok(run)
+    }
+
+    fn encode<'a>(
+        &self,
+        frames: impl Iterator<Item = &'a Frame>,
+        method: &Method,
+    ) -> Result<Vec<Couples>, couple::Unusable> {
+        let shapes: Vec<ObjectShape> = self.objects.iter().map(|object| object.shape.clone()).collect();
+        let mut encoder = Encoder::new(*method, &shapes)?;
+        let mut couples = Vec::with_capacity(frames.size_hint().0);
+        for frame in frames {
             // A refused frame changes nothing, and the reader lets none through.
             let _ = encoder.step(frame, &mut |made| couples.push(made));
         }
         encoder.flush(&mut |made| couples.push(made));
-        let mut collector = Collector::default();
-        for couples in &couples {
-            segmenter.step(couples, &mut |event| collector.take(event));
-        }
-        segmenter.finish(&mut |event| collector.take(event));
-        Ok(Self {
-            name: name.to_owned(),
-            sha256: sha256.to_owned(),
-            objects: recording.header.objects.clone(),
-            couples,
-            activities: collector
-                .activities
-                .into_iter()
-                .filter(|activity| !activity.ius.is_empty())
-                .collect(),
-        })
+        Ok(couples)
     }
 
     /// The verdicts that the live judge gives on this run, which is a whole job.
@@ -128,14 +139,42 @@ impl Run {
     /// # Errors
     /// If the method or the job cannot be used.
     pub fn judge(&self, job: &Job<'_>, method: &Method) -> Result<Vec<Verdict>, anomaly::Unusable> {
-        let mut judge = Judge::<Vec<_>>::with_memory(job, *method)?.at_start_of_job();
-        let mut verdicts = Vec::new();
-        for couples in &self.couples {
-            judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
-        }
-        judge.finish(&mut |event| verdicts.extend(event.verdict()));
-        Ok(verdicts)
+        verdicts(&self.couples, job, method)
     }
+
+    /// The verdicts on this run if only one frame in a time of `1 / rate_hz` had been captured, for each of `phases` times of the first one.
+    /// None where the method cannot be used.
+    pub(crate) fn judge_at(
+        &self,
+        rate_hz: f64,
+        phases: u32,
+        job: &Job<'_>,
+        method: &Method,
+    ) -> Vec<Vec<Verdict>> {
+        let began_ns = self.frames.first().map_or(0, |frame| frame.captured_ns);
+        let at_phase = |phase: u32| {
+            let mut newest = None;
+            let frames = self.frames.iter().filter(|frame| {
+                let periods = (frame.captured_ns - began_ns) as f64 * 1e-9 * rate_hz;
+                // Half a frame of the recording keeps the borders clear of the jitter of its times.
+                let slot = (periods + (f64::from(phase) + 0.5) / f64::from(phases)) as u64;
+                newest.replace(slot) != Some(slot)
+            });
+            verdicts(&self.encode(frames, method).ok()?, job, method).ok()
+        };
+        (0..phases).filter_map(at_phase).collect()
+    }
+}
+
+/// The verdicts of a judge that knows that these couples begin with a job.
+fn verdicts(couples: &[Couples], job: &Job<'_>, method: &Method) -> Result<Vec<Verdict>, anomaly::Unusable> {
+    let mut judge = Judge::<Vec<_>>::with_memory(job, *method)?.at_start_of_job();
+    let mut verdicts = Vec::new();
+    for couples in couples {
+        judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
+    }
+    judge.finish(&mut |event| verdicts.extend(event.verdict()));
+    Ok(verdicts)
 }
 
 /// Collects the events of the segmenter into activities and IUs.

@@ -28,6 +28,7 @@ mod perceiver;
 mod pixel_format;
 mod points;
 pub mod sight;
+mod smooth;
 
 pub use config::PerceptionConfig;
 pub use detections::Detections;

@@ -9,6 +9,7 @@ use crate::hands::{OnnxModels, Tracker};
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
 use crate::sight::Picture;
+use crate::smooth::Smoother;
 use std::time::Instant;
 
 /// Frames in, detections out.
@@ -18,6 +19,7 @@ pub struct Perceiver {
     markers: Markers,
     /// None where no hand is wanted.
     hands: Option<Tracker<OnnxModels>>,
+    smoother: Smoother,
     bench: Bench,
     carried: CarriedObjects,
 }
@@ -40,6 +42,7 @@ impl Perceiver {
         Ok(Self {
             markers: Markers::new(markers)?,
             hands: models.map(|models| Tracker::new(models, hands.clone())),
+            smoother: Smoother::default(),
             bench: Bench::new(calibration, &markers.objects),
             carried: CarriedObjects::default(),
         })
@@ -84,7 +87,8 @@ impl Perceiver {
         detections: &mut Detections,
     ) -> Result<(), PerceptionError> {
         let Some(tracker) = &mut self.hands else { return Ok(()) };
-        for found in tracker.step(image, detections.captured_ns, &mut detections.spent)? {
+        let image = self.smoother.smooth(image, detections.picture.noise)?;
+        for found in tracker.step(&image, detections.captured_ns, &mut detections.spent)? {
             let landmarks_m = self.bench.hand(found.side as usize, &found.landmarks_px);
             let hand = HandDetection {
                 side: found.side,

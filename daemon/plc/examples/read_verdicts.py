@@ -17,7 +17,7 @@ import time
 import iceoryx2 as iox2
 
 # The layout of `Verdict` and of the events in this build of Andon; a test compares it.
-LAYOUT = "6076122f7687c99e/2"
+LAYOUT = "7d5b248736569bbe/2"
 # The longest time for a station to start, in seconds.
 PATIENCE_S = 20
 # The longest wait for an event, in ms. The queue is read after it in any case.
@@ -59,7 +59,7 @@ class Verdict(ctypes.Structure):
         ("early", ctypes.c_uint8),
         ("station", ctypes.c_char * 16),
         ("part", ctypes.c_char * 32),
-        ("reserved", ctypes.c_uint8),
+        ("captured_percent", ctypes.c_uint8),
     ]
 
     @staticmethod

@@ -84,7 +84,7 @@ enum AndonReason {
    */
   ANDON_REASON_BLIND = 8,
   /**
-   * There was more to judge than there is room for.
+   * Fewer frames came than the job needs, or there was more to judge than there is room for.
    */
   ANDON_REASON_OVERLOAD = 9,
 };

@@ -41,7 +41,8 @@ pub fn couple_stream(bytes: &[u8]) {
     };
     let order_matters = input.below(2) == 0;
     let max_slowdown = 1.0 + input.below(3) as f32;
-    let job = Job { activities: &activities, order_matters, cost, max_slowdown };
+    let min_captured = input.below(3) as f32 / 2.0;
+    let job = Job { activities: &activities, order_matters, cost, max_slowdown, min_captured };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {

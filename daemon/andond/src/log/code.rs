@@ -86,6 +86,8 @@ table! {
     ERROR 220 HANDS_NOT_FOUND: "parts move, and no hand is found",
         "Light the hands, take off gloves in the colour of the bench, and let the camera see the whole hand";
     INFO 221 SIGHT_BACK: "the line sees its bench again", "";
+    ERROR 222 CAMERA_MOVED: "the camera looks elsewhere than it did",
+        "Put the camera back; where bench.calibration is set, calibrate anew with `andond calibrate` and restart perceive instead. Without a calibration the new view counts after ten seconds";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
     ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",
@@ -98,9 +100,9 @@ table! {
         "Stop and look at the step that the message names";
     WARN 307 NOT_JUDGED: "a step could not be judged",
         "Look at the product; the reason names what was missing";
-    WARN 308 OVERLOAD: "a step lasted longer than can be compared, and could not be judged",
-        "Teach the job in shorter activities: a step of more than 2048 frames, about a minute at 30 Hz, is not compared";
-    INFO 309 COMMAND: "the PLC gave a command", "";
+    WARN 308 OVERLOAD: "fewer frames came than the job needs, or a step lasted longer than can be compared: it could not be judged",
+        "Where frames are missing, stop what else runs on the machine, or choose perception.hand_model = \"lite\"; a step of more than 2048 frames, about a minute at 30 Hz, must be taught as shorter activities";
+    INFO 309 COMMAND: "the PLC or a person gave a command", "";
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",
         "Check the order of the commands against the register map";
     WARN 311 NO_JOB: "no job is selected: nothing is judged",

@@ -1,11 +1,15 @@
 //! Draws what was seen and judged on a film: landmarks, markers and names, contacts, the running IU, the verdict.
+//!
+//! What was seen has full lines. What was not seen, but is assumed to lie where it was last seen or to move with a hand, has dashes and
+//! the word "assumed". What has been out of sight for longer than `method.blind_ms` is not drawn, and the panel says so.
 
 use std::path::Path;
 
-use andon_core::couple::Couple;
+use andon_core::couple::{Couple, Sight};
 use andon_core::verdict::{Outcome, Verdict};
 use shm_schemas::{Detections, HandDetection, flag};
 
+use super::assumed::LastSeen;
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, RED, WHITE};
 use crate::recording::View;
 use crate::report::{Names, verdict_sentence};
@@ -13,7 +17,7 @@ use crate::video::pipe::PictureFormat;
 use crate::video::{FilmWriter, VideoError};
 
 /// Rows below the picture: the running IU and the newest verdicts.
-const PANEL: u32 = 124;
+const PANEL: u32 = 138;
 
 /// How many lines of verdicts stay on the panel.
 const LINES: usize = 4;
@@ -74,21 +78,29 @@ pub struct Annotator {
     film: FilmWriter,
     canvas: Canvas,
     names: Names,
+    last_seen: LastSeen,
     verdicts: Vec<Verdict>,
     alarm_until_ns: u64,
 }
 
 impl Annotator {
-    /// Starts the film. Its pictures are as wide as `format` says, and higher by the panel.
+    /// Starts the film. Its pictures are as wide as `format` says, and higher by the panel. What has not been seen for longer than
+    /// `blind_ms` is not assumed to be anywhere.
     ///
     /// # Errors
     /// That the file cannot be written.
-    pub fn create(file: &Path, format: PictureFormat, names: Names) -> Result<Self, AnnotateError> {
+    pub fn create(
+        file: &Path,
+        format: PictureFormat,
+        names: Names,
+        blind_ms: u32,
+    ) -> Result<Self, AnnotateError> {
         // Codecs want an even height.
         let height = (format.height + PANEL).next_multiple_of(2);
         let film = FilmWriter::create(file, PictureFormat { height, ..format })?;
         let canvas = Canvas::new(format.width, height);
-        Ok(Self { film, canvas, names, verdicts: Vec::new(), alarm_until_ns: 0 })
+        let last_seen = LastSeen::new(blind_ms);
+        Ok(Self { film, canvas, names, last_seen, verdicts: Vec::new(), alarm_until_ns: 0 })
     }
 
     /// Adds one picture with what was seen in it, the newest couples of the hands, and the verdicts that came with it.
@@ -103,10 +115,12 @@ impl Annotator {
     ) -> Result<(), AnnotateError> {
         let now_ns = view.seen.source_ns;
         self.canvas.show(view.picture);
+        self.last_seen.take(view.seen);
         self.draw_objects(view.seen)?;
         for hand in view.seen.hands() {
             self.draw_hand(hand)?;
         }
+        self.draw_assumed(view.seen)?;
         self.draw_contacts(view.seen, couples)?;
         self.verdicts.extend_from_slice(verdicts);
         if verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly) {
@@ -158,6 +172,26 @@ impl Annotator {
         Ok(())
     }
 
+    fn draw_assumed(&mut self, seen: &Detections) -> opencv::Result<()> {
+        for (index, (id, corners)) in self.last_seen.objects(seen).into_iter().enumerate() {
+            for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+                self.canvas.dashes(*from, *to, AMBER)?;
+            }
+            // Parts that lie at each other would have their words at the same place.
+            let [x, y] = if index % 2 == 0 { corners[0] } else { corners[3] };
+            let below = if index % 2 == 0 { -6.0 } else { 16.0 };
+            let words = format!("{} assumed", self.names.object(id));
+            self.canvas.text([x, y + below], &words, 0.45, AMBER)?;
+        }
+        for landmarks_px in self.last_seen.hands(seen) {
+            for (from, to) in BONES {
+                self.canvas.dashes(landmarks_px[from], landmarks_px[to], AMBER)?;
+            }
+            self.canvas.text(landmarks_px[0], "hand assumed", 0.45, AMBER)?;
+        }
+        Ok(())
+    }
+
     /// A line along every contact of the path hand, `o_j`, `o_l`.
     fn draw_contacts(&mut self, seen: &Detections, couples: &[Couple]) -> opencv::Result<()> {
         for couple in couples {
@@ -183,16 +217,19 @@ impl Annotator {
             .filter(|couple| couple.context.0 != [0; 4])
             .map(|couple| {
                 format!(
-                    "{} {:?} {}",
+                    "{} {:?} {}{}",
                     couple.side.name(),
                     couple.context.0,
-                    self.names.context(couple.context)
+                    self.names.context(couple.context),
+                    unseen(couple, &self.names)
                 )
             })
             .collect();
         let running = if running.is_empty() { "idle".to_string() } else { running.join("   ") };
-        self.canvas.text([8.0, top + 20.0], &format!("IU: {running}"), 0.5, WHITE)?;
         let letters = self.canvas.width() / LETTER_PX;
+        for (row, line) in wrap(&format!("IU: {running}"), letters).iter().take(2).enumerate() {
+            self.canvas.text([8.0, top + 18.0 + 16.0 * row as f32], line, LETTER_SCALE, WHITE)?;
+        }
         // A verdict has at least one line: older ones cannot be among the newest lines.
         let oldest = self.verdicts.len().saturating_sub(LINES);
         let lines: Vec<(Colour, String)> = self.verdicts[oldest..]
@@ -203,11 +240,24 @@ impl Annotator {
             })
             .collect();
         for (row, (colour, line)) in lines[lines.len().saturating_sub(LINES)..].iter().enumerate() {
-            let at = [8.0, top + 44.0 + 22.0 * row as f32];
+            let at = [8.0, top + 58.0 + 22.0 * row as f32];
             self.canvas.text(at, line, LETTER_SCALE, *colour)?;
         }
         Ok(())
     }
+}
+
+/// What of a couple was assumed, and what was not seen.
+fn unseen(couple: &Couple, names: &Names) -> String {
+    let [_, j, _, l] = couple.context.0;
+    let parts = ["hand".into(), names.object(j), names.object(l)];
+    let of = |sight: Sight, word: &str| -> Vec<String> {
+        let parts = parts.iter().zip(couple.sight).filter(|(_, of_part)| *of_part == sight);
+        parts.map(|(part, _)| format!("{part} {word}")).collect()
+    };
+    let mut words = [of(Sight::Assumed, "assumed"), of(Sight::Unseen, "not seen")].concat();
+    words.extend(couple.motion.is_none().then(|| "motion not measured".to_owned()));
+    if words.is_empty() { String::new() } else { format!(" ({})", words.join(", ")) }
 }
 
 /// Breaks a sentence between words, and indents every line but the first.
@@ -244,7 +294,23 @@ fn colour(verdict: &Verdict) -> Colour {
 
 #[cfg(test)]
 mod tests {
-    use super::wrap;
+    use super::*;
+    use andon_core::couple::Context;
+    use andon_core::input::Side;
+
+    #[test]
+    fn the_panel_says_what_was_assumed_not_seen_and_not_measured() {
+        let names = Names::new([(5, "polisher".to_string()), (6, "brick".to_string())]);
+        let couple = Couple {
+            context: Context([1, 5, 5, 6]),
+            motion: None,
+            sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
+            ..Couple::idle(Side::Right, 0)
+        };
+        assert_eq!(unseen(&couple, &names), " (polisher assumed, brick not seen, motion not measured)");
+        let seen = Couple { sight: [Sight::Seen; 3], motion: Some(Default::default()), ..couple };
+        assert_eq!(unseen(&seen, &names), "");
+    }
 
     #[test]
     fn a_long_sentence_loses_no_word_and_no_line_is_wider_than_the_picture() {

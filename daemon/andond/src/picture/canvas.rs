@@ -13,6 +13,9 @@ pub(super) const AMBER: Colour = [0, 170, 255];
 pub(super) const BLUE: Colour = [230, 160, 40];
 pub(super) const DARK: Colour = [40, 30, 30];
 
+/// The length of a dash and of the gap after it.
+const DASH_PX: f32 = 5.0;
+
 /// A picture that is as large as the film's with a panel below.
 pub(super) struct Canvas {
     pixels: Vec<u8>,
@@ -53,6 +56,17 @@ impl Canvas {
         self.draw(|mat| {
             imgproc::line(mat, point(from), point(to), scalar(colour), thickness, imgproc::LINE_AA, 0)
         })
+    }
+
+    /// A line of dashes.
+    pub(super) fn dashes(&mut self, from: [f32; 2], to: [f32; 2], colour: Colour) -> opencv::Result<()> {
+        let [x, y] = [0, 1].map(|axis| to[axis] - from[axis]);
+        let count = (x.hypot(y) / DASH_PX).ceil().max(1.0) as usize;
+        let at = |place: usize| {
+            let share = place as f32 / count as f32;
+            [from[0] + share * x, from[1] + share * y]
+        };
+        (0..count).step_by(2).try_for_each(|place| self.line(at(place), at(place + 1), colour, 1))
     }
 
     pub(super) fn dot(&mut self, at: [f32; 2], radius: i32, colour: Colour) -> opencv::Result<()> {

@@ -1,7 +1,7 @@
 //! JSON lines. The names are an interface: programs outside read them.
 
 use andon_core::input::Side;
-use andon_core::verdict::{Level, Verdict};
+use andon_core::verdict::{Level, Reason, Verdict};
 use serde::Serialize;
 use shm_schemas::{PartId, verdict_kind};
 
@@ -32,6 +32,9 @@ pub struct VerdictLine {
     context: Option<[u16; 4]>,
     distance: Option<f64>,
     threshold: Option<f64>,
+    /// How many of a hundred frames of the IU were captured, where that is why it was not judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    captured_percent: Option<u8>,
     nearest: Option<u16>,
     early: bool,
     began_s: f64,
@@ -57,6 +60,7 @@ impl VerdictLine {
             context: (!of_job).then_some(verdict.context.0),
             distance: number(verdict.distance),
             threshold: number(verdict.threshold),
+            captured_percent: verdict.captured_percent.filter(|_| verdict.reason == Reason::Overload),
             nearest: verdict.nearest,
             early: verdict.early,
             began_s: seconds(verdict.began_ns),
@@ -116,7 +120,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use andon_core::couple::Context;
-    use andon_core::verdict::{Outcome, Reason};
+    use andon_core::verdict::Outcome;
 
     fn verdict() -> Verdict {
         Verdict {
@@ -130,6 +134,7 @@ mod tests {
             context: Context([1, 5, 5, 6]),
             distance: Some(1.1),
             threshold: None,
+            captured_percent: Some(98),
             early: true,
             began_ns: 1_500_000_000,
             ended_ns: 2_000_000_000,

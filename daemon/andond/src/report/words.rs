@@ -75,7 +75,13 @@ fn because(verdict: &Verdict) -> Option<String> {
         Reason::NotCompleted => "ended before its last part".into(),
         Reason::Unknown => "nothing to compare it with".into(),
         Reason::Blind => "the hand or the part was out of sight for too long".into(),
-        Reason::Overload => "it lasted longer than can be compared".into(),
+        Reason::Overload => match verdict.captured_percent {
+            Some(percent) if percent < 100 => {
+                format!("only {percent} of 100 frames came, fewer than the job needs")
+            }
+            Some(_) => "it lasted longer than can be compared".into(),
+            None => "fewer frames came than the job needs, or a step was too long".into(),
+        },
     })
 }
 
@@ -97,6 +103,7 @@ mod tests {
             context: Context([1, 5, 5, 6]),
             distance: Some(3.5),
             threshold: Some(2.25),
+            captured_percent: Some(100),
             early: true,
             began_ns: 0,
             ended_ns: 1_000_000_000,

@@ -19,7 +19,11 @@ pub(super) struct SightWatch {
 impl SightWatch {
     pub(super) fn new(config: &Config) -> Self {
         let rate_hz = config.camera.source.is_live().then_some(config.camera.rate_hz);
-        let expected = Expected { rate_hz, hands: !config.perception.hands.is_empty() };
+        let expected = Expected {
+            rate_hz,
+            hands: !config.perception.hands.is_empty(),
+            is_calibrated: config.bench.calibration.is_some(),
+        };
         Self { sight: andon_perception::sight::Sight::new(expected), newest: None, has_looked: false }
     }
 
@@ -62,6 +66,7 @@ fn log_trouble(trouble: Trouble) {
         Trouble::Covered => log!(code::LENS_COVERED, "something lies over the lens"),
         Trouble::Blurred => log!(code::PICTURE_BLURRED, "the picture is blurred"),
         Trouble::Noisy => log!(code::PICTURE_NOISY, "there is too much noise in the picture"),
+        Trouble::CameraMoved => log!(code::CAMERA_MOVED, "all parts that lay still have jumped together"),
         Trouble::TooFewFrames => {
             log!(code::TOO_FEW_FRAMES, "fewer than half of the camera's pictures are looked at")
         }

@@ -21,7 +21,9 @@ pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(),
         log!(code::CONFIGURATION_NOT_KEPT, "{}: {error}", station.root().display());
     }
     // Its own predecessor may still be in the list of the writers: the others wait for that as well.
-    let node = Node::open(station, RoleId::Steward, PATIENCE, stop)?.with_configuration(config.hash()).with_deadline(config.health.deadline(RoleId::Steward));
+    let node = Node::open(station, RoleId::Steward, PATIENCE, stop)?
+        .with_configuration(config.hash())
+        .with_deadline(config.health.deadline(RoleId::Steward));
     let mut role =
         Reaper { steward: &mut steward, config, auditor: Auditor::open(&node)?, unreaped: Vec::new() };
     Cycle::new(&node)?.run(&mut role)?;

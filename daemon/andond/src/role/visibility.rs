@@ -91,7 +91,7 @@ impl Visibility {
                     log!(
                         code::MARKER_COVERED,
                         { object },
-                        "the marker of {name} has not been seen for {hidden_s:.1} s"
+                        "the marker of {name} has not been seen for {hidden_s:.1} s: where it is was assumed, and is unknown now"
                     );
                 }
                 Change::MarkerBack { object } => {
@@ -99,7 +99,7 @@ impl Visibility {
                 }
                 Change::HandLeft { side, touched } => log!(
                     code::HAND_OUT_OF_VIEW,
-                    "the {} hand is out of sight, and it touched {} when it was last seen",
+                    "the {} hand is out of sight, and it touched {} when it was last seen: what it does is unknown",
                     side.name(),
                     self.name(touched)
                 ),

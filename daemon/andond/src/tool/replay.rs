@@ -92,7 +92,8 @@ fn replay(
 ) -> Result<(), ToolError> {
     let shapes: Vec<_> = file.objects.iter().map(|object| object.shape.clone()).collect();
     let mut encoder = Encoder::new(file.method, &shapes)?;
-    let mut annotator = annotator(arguments.annotate.as_deref(), recording, printer.names)?;
+    let mut annotator =
+        annotator(arguments.annotate.as_deref(), recording, printer.names, file.method.blind_ms)?;
     let bar = progress(recording.count(), &arguments.recording);
     file.with_job(|job: &Job<'_>| -> Result<(), ToolError> {
         let mut judge = Judge::<Vec<_>>::with_memory(job, file.method)?;
@@ -143,10 +144,11 @@ fn annotator(
     file: Option<&Path>,
     recording: &Recording,
     names: &Names,
+    blind_ms: u32,
 ) -> Result<Option<Annotator>, ToolError> {
     let Some(file) = file else { return Ok(None) };
     let Some(view) = recording.view() else {
         return Err(ToolError::NothingToAnnotate);
     };
-    Ok(Some(Annotator::create(file, view.format, names.clone())?))
+    Ok(Some(Annotator::create(file, view.format, names.clone(), blind_ms)?))
 }

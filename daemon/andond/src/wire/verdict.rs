@@ -5,7 +5,7 @@ use andon_core::input::Side;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_ipc::UtcTime;
 use shm_schemas::{
-    HandCode, NO_INDEX, PartId, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome,
+    HandCode, NO_INDEX, NO_PERCENT, PartId, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome,
     VerdictReason,
 };
 
@@ -53,6 +53,7 @@ pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut
     message.reason = reason(verdict.reason).code();
     message.hand = verdict.side.map_or(HandCode::None, hand).code();
     message.early = u8::from(verdict.early);
+    message.captured_percent = verdict.captured_percent.unwrap_or(NO_PERCENT);
 }
 
 /// Converts an enum of the method to the same enum on the wire and back, by one list of the variants that both have.
@@ -107,6 +108,7 @@ pub fn read(message: &Message) -> Option<Verdict> {
         context: Context(message.x_c),
         distance: number(message.distance),
         threshold: number(message.threshold),
+        captured_percent: (message.captured_percent != NO_PERCENT).then_some(message.captured_percent),
         early: message.early != 0,
         began_ns: message.began_ns,
         ended_ns: message.ended_ns,
@@ -139,6 +141,7 @@ mod tests {
                         context: Context([1, 5, 5, 6]),
                         distance: side.map(|_| 1.5),
                         threshold: None,
+                        captured_percent: side.map(|_| 40),
                         early: true,
                         began_ns: 6,
                         ended_ns: 7,

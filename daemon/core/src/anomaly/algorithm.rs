@@ -264,6 +264,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
+        if self.iu.is_some_and(|iu| !iu.is_captured(progress.job.min_captured)) {
+            self.conclude_unjudged(Reason::Overload, progress, emit);
+            return;
+        }
         let Some(nearest) = self.comparisons.nearest(extent) else {
             let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
             let reason = if is_certain { Reason::Unknown } else { Reason::Blind };

@@ -29,6 +29,19 @@ pub(super) struct OpenIu {
     pub(super) is_concluded: bool,
 }
 
+impl OpenIu {
+    /// How many of a hundred frames were captured; `None` before the first.
+    fn captured_percent(&self) -> Option<u8> {
+        let percent = (100 * u64::from(self.captured)).checked_div(self.extent.frames.into())?;
+        Some(percent.min(100) as u8)
+    }
+
+    /// Whether so many frames were captured that the motion is known as well as the job needs. One frame more or less is no difference.
+    pub(super) fn is_captured(&self, min_share: f32) -> bool {
+        (self.captured + 1) as f32 >= min_share * self.extent.frames as f32
+    }
+}
+
 /// Judges the activities of one hand. How it decides is in `algorithm`.
 #[derive(Clone, Debug)]
 pub(super) struct HandJudge<'a, M> {
@@ -56,6 +69,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             comparisons: Comparisons::new(job, side),
             activity: None,
             iu: None,
+        }
+    }
+
+    /// Nothing is known of what the hand does from now on.
+    pub(super) fn lose_sight(&mut self) {
+        self.watch.lose();
+        if let Some(activity) = &mut self.activity {
+            activity.add_hidden(u32::MAX);
         }
     }
 
@@ -157,6 +178,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             context: iu.context,
             distance: result.map(|result| result.distance as f32),
             threshold: result.map(|result| result.threshold),
+            captured_percent: iu.captured_percent(),
             early,
             began_ns: iu.began_ns,
             ended_ns: progress.now_ns,
@@ -195,6 +217,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             context: activity.context,
             distance: None,
             threshold: None,
+            captured_percent: None,
             early,
             began_ns: activity.began_ns,
             // After an early anomaly the activity still continues.

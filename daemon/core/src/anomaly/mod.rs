@@ -36,6 +36,7 @@
 //!
 //! - A frame whose motion was not measured costs nothing in the alignment, whatever it is paired with, so a distance over a gap is the least
 //!   that any motion there could have led to. An IU of which less than half was measured is never right.
+//! - An IU of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //! - An IU that may have begun or ended unseen may be a part of one: it is not too short. What would be right only with what was not seen
 //!   is not judged.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
@@ -252,6 +253,15 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Self { segmenter, bench } = self;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
         bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
+    }
+
+    /// The couples break off here, and what comes next does not follow from them: a source has started again. Ends the open job, with its
+    /// verdicts; what is missing from it accuses nobody.
+    pub fn break_off(&mut self, emit: &mut impl FnMut(Event)) {
+        let Bench { hands, progress } = &mut self.bench;
+        hands.iter_mut().for_each(HandJudge::lose_sight);
+        progress.set_doubtful();
+        self.finish(emit);
     }
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.

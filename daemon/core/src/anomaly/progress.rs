@@ -287,6 +287,7 @@ impl<'a> Progress<'a> {
             context: Context::IDLE,
             distance: None,
             threshold: None,
+            captured_percent: None,
             early: false,
             began_ns: self.began_ns,
             // A job that began on command may end before the frame that it was to begin with.

@@ -59,6 +59,11 @@ impl Watch {
         self.is_held_doubtful = false;
     }
 
+    /// Nothing is known of what the hand does from now on.
+    pub(super) fn lose(&mut self) {
+        (self.since_doubt, self.certain) = (0, None);
+    }
+
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
         // Of a long gap, not all frames of the grid have a couple.
@@ -105,7 +110,7 @@ impl Watch {
 
     /// The newest couple is certain.
     pub(super) fn is_certain(&self) -> bool {
-        self.since_certain == 0
+        self.certain.is_some() && self.since_certain == 0
     }
 
     /// In how many frames since the couple before the newest one something may have come and gone.

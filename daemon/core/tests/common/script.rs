@@ -140,6 +140,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
         order_matters: false,
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
+        min_captured: 0.0,
     }
 }
 

@@ -90,6 +90,8 @@ pub struct JobFile {
     pub cost: LocalCost,
     /// The job's [`max_slowdown`](Job::max_slowdown), 1 or more.
     pub max_slowdown: f32,
+    /// How many frames per second must be looked at for the job to be judged; 0 where that was not measured.
+    pub min_rate_hz: f32,
     /// The constants that the job was taught with and must be judged with.
     pub method: Method,
     /// The objects on the bench.
@@ -115,7 +117,8 @@ impl JobFile {
             .map(|(taught, ius)| NominalActivity { activity: taught.activity, ius })
             .collect();
         let Self { order_matters, cost, max_slowdown, .. } = *self;
-        judge(&Job { activities: &activities, order_matters, cost, max_slowdown })
+        let min_captured = self.min_rate_hz / self.method.rate_hz;
+        judge(&Job { activities: &activities, order_matters, cost, max_slowdown, min_captured })
     }
 
     /// Identifies the model: the same text gives the same number on every machine.

@@ -33,6 +33,9 @@ struct JobText {
     id: u32,
     name: String,
     order_matters: bool,
+    /// A file without this key was taught before it was measured.
+    #[serde(default)]
+    min_rate_hz: f32,
     provenance: ProvenanceText,
     method: MethodText,
     #[serde(default)]
@@ -193,6 +196,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         order_matters: text.order_matters,
         cost,
         max_slowdown: text.method.max_slowdown,
+        min_rate_hz: text.min_rate_hz,
         objects: objects.collect::<Result<_, _>>()?,
         activities: activities.collect::<Result<_, _>>()?,
         method: method_of(text.method),

@@ -27,6 +27,15 @@ impl JobFile {
         line!(text, "name = {}", quoted(&self.name));
         line!(text, "# Whether the activities must come in the order of their numbers.");
         line!(text, "order_matters = {}", self.order_matters);
+        // Without it, an older file has its own text again, and its own hash.
+        if self.min_rate_hz > 0.0 {
+            line!(
+                text,
+                "# With fewer frames per second than this, an IU is not judged: the runs that were shown would not be"
+            );
+            line!(text, "# recognised any more.");
+            line!(text, "min_rate_hz = {:?}", self.min_rate_hz);
+        }
         self.provenance_text(&mut text);
         self.method_text(&mut text);
         self.objects.iter().for_each(|object| object_text(&mut text, object));

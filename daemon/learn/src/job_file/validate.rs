@@ -16,6 +16,9 @@ pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
     rule(job.max_slowdown.is_finite() && job.max_slowdown >= 1.0, "method.max_slowdown", || {
         "it must be a number of at least 1".to_owned()
     })?;
+    rule((0.0..=job.method.rate_hz).contains(&job.min_rate_hz), "min_rate_hz", || {
+        "it must be 0 to method.rate_hz".to_owned()
+    })?;
     rule(job.objects.len() <= OBJECTS, "object", || format!("at most {OBJECTS} objects can be followed"))?;
     (0..job.objects.len()).try_for_each(|index| object(&job.objects, index))?;
     let count = job.activities.len();

@@ -7,6 +7,7 @@
 mod bounds;
 mod options;
 mod report;
+mod sampling;
 mod sequence;
 mod threshold;
 
@@ -22,6 +23,7 @@ use crate::warp::Warp;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS};
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
+use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use threshold::learn;
 
@@ -48,7 +50,11 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     };
     let activities =
         agreement.sequences.iter().map(|sequence| teacher.activity(sequence)).collect::<Result<_, _>>()?;
-    let job = job_file(runs, options, &agreement, activities);
+    let mut job = job_file(runs, options, &agreement, activities);
+    if options.measure_rate {
+        let is_used = |index: &usize| agreement.disagreements.iter().all(|found| found.run != *index);
+        job.min_rate_hz = needed_rate_hz((0..runs.len()).filter(is_used).map(|index| &runs[index]), &job);
+    }
     let report = TeachReport::new(runs.len(), options, &job, agreement.disagreements, teacher.ius);
     Ok((job, report))
 }
@@ -80,6 +86,7 @@ fn job_file(
         order_matters: options.order_matters.unwrap_or(agreement.has_one_order && used_runs > 1),
         cost: options.cost,
         max_slowdown: options.max_slowdown,
+        min_rate_hz: 0.0,
         method: options.method,
         objects: runs[0].objects.clone(),
         activities,

@@ -29,6 +29,8 @@ pub struct TeachOptions {
     pub bounds: BoundsRule,
     /// Whether the order of activities matters. `None`: it matters if at least two runs are used and all of them have the same order.
     pub order_matters: Option<bool>,
+    /// Whether it is measured how many frames per second the job needs; otherwise nothing is asked of the rate.
+    pub measure_rate: bool,
 }
 
 impl TeachOptions {
@@ -48,6 +50,7 @@ impl TeachOptions {
             rule: ThresholdRule::default(),
             bounds: BoundsRule::default(),
             order_matters: None,
+            measure_rate: true,
         }
     }
 

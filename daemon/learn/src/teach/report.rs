@@ -99,6 +99,8 @@ pub struct TeachReport {
     pub order_matters: bool,
     /// Whether the caller decided that it does or does not.
     pub order_was_given: bool,
+    /// How many frames per second the job needs, and how many the runs were encoded with.
+    pub rate_hz: [f32; 2],
     /// The rule by which the thresholds were chosen.
     pub rule: ThresholdRule,
     /// Each IU of each nominal sequence.
@@ -119,6 +121,7 @@ impl TeachReport {
             disagreements,
             order_matters: job.order_matters,
             order_was_given: options.order_matters.is_some(),
+            rate_hz: [job.min_rate_hz, job.method.rate_hz],
             rule: options.rule,
             ius,
             objects: job.objects.clone(),
@@ -196,6 +199,13 @@ impl fmt::Display for TeachReport {
         };
         let matters = if self.order_matters { "matters" } else { "does not matter" };
         writeln!(f, "the order of activities {matters} ({reason})")?;
+        let [needed, all] = self.rate_hz;
+        if needed > 0.0 {
+            writeln!(
+                f,
+                "the job needs {needed:.1} of {all:.1} frames a second; a step with fewer is not judged (overload)"
+            )?;
+        }
         writeln!(f, "activity  IU  shown  frames          reversals   distance         threshold  context")?;
         for iu in &self.ius {
             writeln!(

@@ -6,6 +6,7 @@
 //! A bench may be empty, change, lie in the shade or under a new lamp, and nothing is wrong. So a picture is held against what this
 //! camera has shown so far, and whoever still finds markers or hands is not blind.
 
+mod camera;
 mod picture;
 mod watch;
 
@@ -13,4 +14,4 @@ mod watch;
 mod tests;
 
 pub use picture::Picture;
-pub use watch::{Expected, Look, Sight, Spell, Trouble};
+pub use watch::{Corners, Expected, Look, SeenMarker, Sight, Spell, Trouble};

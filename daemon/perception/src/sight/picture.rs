@@ -13,6 +13,8 @@ const POINTS: usize = 160;
 /// How far around a point the picture is compared, in pixels. An edge that is sharp has all of its step within the near points.
 const NEAR: usize = 1;
 const FAR: usize = 4;
+/// Where the lens is far out of focus, an edge is as wide as this.
+const WIDE: usize = 24;
 /// Up to this grey level a pixel is black: the noise of a covered sensor stays below.
 const BLACK_LEVEL: u8 = 16;
 /// From this grey level on a pixel is white: video keeps the last levels free.
@@ -37,6 +39,8 @@ pub struct Picture {
     pub noise: f32,
     /// Share of the points that lie on a sharp edge.
     pub edges: f32,
+    /// Share of the points on an edge of any width.
+    pub wide_edges: f32,
     /// How much of the step across an edge lies within two pixels, 0..1, at the sharp tenth of all edges; `None` where the picture has
     /// no edges.
     pub sharpness: Option<f32>,
@@ -84,6 +88,8 @@ struct Count {
     black: u32,
     white: u32,
     near: Histogram,
+    /// Steps over the widest edge, of the points that are far enough from the border.
+    wide: Histogram,
     /// Answers to a mask that plain surfaces and straight edges leave at 0, by their size, four to a place.
     mask: Histogram,
     /// Near steps by far ones.
@@ -98,6 +104,7 @@ impl Default for Count {
             black: 0,
             white: 0,
             near: [0; 256],
+            wide: [0; 256],
             mask: [0; 256],
             far: Vec::new(),
             cells: [(0, 0); CELLS],
@@ -119,6 +126,10 @@ impl Count {
         self.white += u32::from(value >= WHITE_LEVEL);
         let (near, far) = (step(NEAR), step(FAR));
         self.near[near as usize] += 1;
+        let is_inside = |at: usize, length: usize| (WIDE..length.saturating_sub(WIDE)).contains(&at);
+        if is_inside(x, gray.width()) && is_inside(y, gray.height()) {
+            self.wide[step(WIDE) as usize] += 1;
+        }
         if far as f32 >= EDGE {
             self.far.push([near as f32, far as f32]);
         }
@@ -135,12 +146,16 @@ impl Count {
         let share = |count: u32| count as f32 / self.points.max(1) as f32;
         let noise = self.noise();
         let least = EDGE.max(OVER_NOISE * noise);
-        let sharp: u32 = self.near[(least.ceil() as usize).min(256)..].iter().sum();
+        let over = |steps: &Histogram, least: f32| steps[(least.ceil() as usize).min(256)..].iter().sum();
+        let sharp: u32 = over(&self.near, least);
+        // Shades and vignettes reach over so many pixels as well, but not so steeply.
+        let wide: u32 = over(&self.wide, 2.0 * least);
         Picture {
             black: share(self.black),
             white: share(self.white),
             noise,
             edges: share(sharp),
+            wide_edges: share(wide),
             sharpness: self.sharpness(2.0 * least),
             cells: self.cells.map(|(sum, count)| (sum / count.max(1)) as u8),
             fingerprint,

@@ -1,7 +1,7 @@
 //! The state machine on scripted looks; what real pictures measure is in the measurement `perception_accuracy sight`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use super::watch::{Expected, Look, Sight, Spell, Trouble};
+use super::watch::{Expected, Look, SeenMarker, Sight, Spell, Trouble};
 use super::{Picture, picture::CELLS};
 
 const FRAME_NS: u64 = 33_333_333;
@@ -13,17 +13,26 @@ struct Bench {
     number: u64,
 }
 
+/// The side of every marker, in pixels.
+const SIDE: f32 = 30.0;
+
+fn marker(id: u16, [x, y]: [f32; 2]) -> SeenMarker {
+    SeenMarker { id, corners: [[x, y], [x + SIDE, y], [x + SIDE, y + SIDE], [x, y + SIDE]] }
+}
+
 /// A good picture of a bench with two parts and a hand.
 fn good() -> Look {
     let picture = Picture {
         noise: 2.0,
         edges: 0.05,
+        wide_edges: 0.1,
         sharpness: Some(0.9),
         cells: std::array::from_fn(|cell| 80 + 3 * cell as u8),
         ..Picture::default()
     };
-    let markers = [(5, [3.0, 3.0]), (6, [9.0, 3.0])].into_iter().collect();
-    Look { at_ns: 0, dropped: 0, picture, markers, foreign_markers: 0, hands: 1 }
+    let markers = [marker(5, [90.0, 90.0]), marker(6, [270.0, 90.0])].into_iter().collect();
+    let hands_px = Default::default();
+    Look { at_ns: 0, dropped: 0, picture, markers, foreign_markers: 0, hands: 1, hands_px }
 }
 
 /// Nothing is found, and the picture measures this.
@@ -37,7 +46,11 @@ fn blind(change: impl Fn(&mut Picture)) -> Look {
 
 impl Bench {
     fn new() -> Self {
-        Self { sight: Sight::new(Expected { rate_hz: None, hands: true }), now_ns: 0, number: 0 }
+        Self {
+            sight: Sight::new(Expected { rate_hz: None, hands: true, is_calibrated: false }),
+            now_ns: 0,
+            number: 0,
+        }
     }
 
     /// A bench at which all has been well for some seconds.
@@ -88,9 +101,16 @@ fn a_picture_that_shows_nothing_is_said_once_and_so_is_its_return() {
     Bench::known().says(Trouble::Black, |_| blind(|picture| picture.black = 1.0));
     Bench::known().says(Trouble::White, |_| blind(|picture| picture.white = 0.99));
     Bench::known().says(Trouble::Covered, |_| {
-        blind(|picture| (picture.edges, picture.sharpness, picture.cells) = (0.0, None, [30; CELLS]))
+        blind(|picture| {
+            (picture.edges, picture.wide_edges) = (0.0, 0.0);
+            (picture.sharpness, picture.cells) = (None, [30; CELLS]);
+        })
     });
     Bench::known().says(Trouble::Blurred, |_| blind(|picture| picture.sharpness = Some(0.3)));
+    // So far out of focus that only wide edges are left.
+    Bench::known().says(Trouble::Blurred, |_| {
+        blind(|picture| (picture.edges, picture.wide_edges, picture.sharpness) = (0.0, 0.06, None))
+    });
     Bench::known().says(Trouble::Noisy, |_| blind(|picture| picture.noise = 40.0));
 }
 
@@ -140,7 +160,7 @@ fn too_few_frames_are_said_and_a_frame_that_is_late_now_and_then_is_not() {
 #[test]
 fn a_camera_that_sends_less_than_half_of_what_it_was_asked_for_is_too_slow() {
     let mut bench = Bench::new();
-    bench.sight = Sight::new(Expected { rate_hz: Some(90.0), hands: true });
+    bench.sight = Sight::new(Expected { rate_hz: Some(90.0), hands: true, is_calibrated: false });
     let said = bench.show(10.0, |_| good());
     assert!(matches!(said[..], [(Some(Trouble::TooFewFrames), _)]), "{said:?}");
 }
@@ -176,7 +196,7 @@ fn hands_that_work_where_no_marker_was_ever_seen_are_said() {
 fn moved(by: f32) -> Look {
     let mut look = good();
     look.hands = 0;
-    look.markers[0].1[0] += by;
+    look.markers[0] = marker(5, [90.0 + by * SIDE, 90.0]);
     look
 }
 
@@ -199,7 +219,9 @@ fn a_part_that_is_pushed_and_lies_elsewhere_is_not_said() {
 fn a_bench_that_is_cleared_darker_brighter_or_shaded_is_not_said() {
     for change in [
         // The table is as bright as before, and no edge is left.
-        (|picture: &mut Picture| (picture.edges, picture.sharpness) = (0.0, None)) as fn(&mut Picture),
+        (|picture: &mut Picture| {
+            (picture.edges, picture.wide_edges, picture.sharpness) = (0.0, 0.01, None);
+        }) as fn(&mut Picture),
         |picture| picture.black = 0.9,
         |picture| picture.cells = [250; CELLS],
         |picture| picture.cells = [20; CELLS],
@@ -252,6 +274,100 @@ fn the_trouble_that_was_first_stays_until_it_is_over() {
     };
     assert_eq!(bench.show(5.0, black_and_frozen), []);
     assert_eq!(bench.sight_now(), Some(Trouble::Black));
+}
+
+/// A bench with three parts; the camera is turned by so much and shifted, in pixels.
+fn seen_from(turn: f32, shift: [f32; 2]) -> Look {
+    let mut look = good();
+    look.markers.push(marker(7, [400.0, 300.0])).unwrap();
+    let (sin, cos) = turn.sin_cos();
+    for corner in look.markers.iter_mut().flat_map(|marker| &mut marker.corners) {
+        let [x, y] = *corner;
+        *corner = [cos * x - sin * y + shift[0], sin * x + cos * y + shift[1]];
+    }
+    look
+}
+
+/// A hand whose landmarks are all at one point.
+fn hand_at(look: &mut Look, point: [f32; 2]) {
+    look.hands_px.push([point; crate::detections::LANDMARKS]).unwrap();
+}
+
+/// What is said of these pictures, after some seconds at a bench with three parts.
+fn said_after(
+    is_calibrated: bool,
+    seconds: f32,
+    look: impl Fn(u64) -> Look,
+) -> (Bench, Vec<Option<Trouble>>) {
+    let mut bench = Bench::new();
+    bench.sight = Sight::new(Expected { rate_hz: None, hands: true, is_calibrated });
+    assert_eq!(bench.show(5.0, |_| seen_from(0.0, [0.0; 2])), []);
+    let said = bench.show(seconds, look).into_iter().map(|(trouble, _)| trouble).collect();
+    (bench, said)
+}
+
+const MOVED: Option<Trouble> = Some(Trouble::CameraMoved);
+
+#[test]
+fn a_camera_that_was_moved_is_said_and_so_is_that_it_is_back() {
+    for (turn, shift) in [(0.0, [12.0, 0.0]), (0.1, [0.0, 0.0]), (-0.03, [40.0, -25.0])] {
+        let (mut bench, said) = said_after(true, 5.0, |_| seen_from(turn, shift));
+        assert_eq!(said, [MOVED], "{turn} {shift:?}");
+        assert_eq!(bench.show(60.0, |_| seen_from(turn, shift)), [], "it lasts until it is mended");
+        assert!(matches!(bench.show(5.0, |_| seen_from(0.0, [0.0; 2]))[..], [(None, _)]));
+        assert_eq!(bench.show(20.0, |_| seen_from(0.0, [0.0; 2])), []);
+    }
+}
+
+#[test]
+fn without_a_calibration_a_new_view_is_as_good_as_the_old_one_after_a_while() {
+    let (mut bench, said) = said_after(false, 20.0, |_| seen_from(0.0, [30.0, 0.0]));
+    assert_eq!(said, [MOVED, None]);
+    assert_eq!(bench.show(20.0, |_| seen_from(0.0, [30.0, 0.0])), []);
+}
+
+#[test]
+fn a_camera_is_moved_although_a_hand_is_at_a_part_and_another_part_is_hidden() {
+    let look = |_| {
+        let mut look = seen_from(0.0, [30.0, 10.0]);
+        hand_at(&mut look, [300.0, 110.0]);
+        look.markers.remove(0);
+        look
+    };
+    assert_eq!(said_after(true, 5.0, look).1, [MOVED]);
+}
+
+#[test]
+fn parts_that_are_moved_one_by_one_or_each_elsewhere_or_by_a_hand_do_not_move_the_camera() {
+    let at = |places: [[f32; 2]; 3]| {
+        let mut look = seen_from(0.0, [0.0; 2]);
+        for (marker_now, place) in look.markers.iter_mut().zip(places) {
+            *marker_now = marker(marker_now.id, place);
+        }
+        look
+    };
+    let nowhere: [Option<Trouble>; 0] = [];
+    // Two stay and one goes; all go at once and each elsewhere.
+    for places in
+        [[[120.0, 90.0], [270.0, 90.0], [400.0, 300.0]], [[60.0, 200.0], [300.0, 40.0], [410.0, 200.0]]]
+    {
+        assert_eq!(said_after(true, 20.0, |_| at(places)).1, nowhere, "{places:?}");
+    }
+    // One after the other by the same way, two seconds apart.
+    let one_by_one = |number: u64| {
+        let gone = |after: u64| if number > 150 + after { 30.0 } else { 0.0 };
+        at([[90.0 + gone(0), 90.0], [270.0 + gone(60), 90.0], [400.0 + gone(120), 300.0]])
+    };
+    assert_eq!(said_after(true, 20.0, one_by_one).1, nowhere);
+    // Two that lie on each other, carried by a hand, while the third is hidden.
+    let carried = |_| {
+        let mut look = at([[150.0, 130.0], [330.0, 130.0], [400.0, 300.0]]);
+        look.markers.pop();
+        hand_at(&mut look, [150.0, 130.0]);
+        hand_at(&mut look, [330.0, 130.0]);
+        look
+    };
+    assert_eq!(said_after(true, 20.0, carried).1, nowhere);
 }
 
 /// A picture with stripes and dots, of this brightness and sharpness.

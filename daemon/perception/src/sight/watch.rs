@@ -1,7 +1,8 @@
 //! Follows the measures of the pictures, and what was seen in them.
 
+use super::camera::{Camera, centre, side};
 use super::picture::{CELLS, Picture};
-use crate::detections::{Detections, OBJECTS};
+use crate::detections::{Detections, HANDS, LANDMARKS, OBJECTS};
 use std::collections::VecDeque;
 
 /// Nanoseconds of a second.
@@ -22,6 +23,8 @@ pub enum Trouble {
     Blurred,
     /// There is so much noise that nothing is found any more.
     Noisy,
+    /// The camera looks elsewhere than it did.
+    CameraMoved,
     /// Too few of the camera's pictures are looked at.
     TooFewFrames,
     /// The markers in the picture are not those of the station, or hands work and no marker has ever been seen.
@@ -32,13 +35,14 @@ pub enum Trouble {
 
 impl Trouble {
     /// Every trouble, the most telling first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Frozen,
         Self::Black,
         Self::White,
         Self::Covered,
         Self::Blurred,
         Self::Noisy,
+        Self::CameraMoved,
         Self::TooFewFrames,
         Self::NoMarkers,
         Self::NoHands,
@@ -48,7 +52,7 @@ impl Trouble {
     const fn patience(self) -> f32 {
         match self {
             // These have measured for so long already.
-            Self::Frozen | Self::NoHands => 0.0,
+            Self::Frozen | Self::CameraMoved | Self::NoHands => 0.0,
             Self::TooFewFrames => 0.4,
             _ => 1.0,
         }
@@ -71,6 +75,27 @@ pub struct Expected {
     pub rate_hz: Option<f32>,
     /// Whether hands are looked for.
     pub hands: bool,
+    /// Whether places on the bench come from a calibration, which holds for one place of the camera.
+    pub is_calibrated: bool,
+}
+
+/// The corners of a marker in pixels, in the order of its own picture.
+pub type Corners = [[f32; 2]; 4];
+
+/// A marker of the station in a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenMarker {
+    /// Its id.
+    pub id: u16,
+    /// Where it is.
+    pub corners: Corners,
+}
+
+impl SeenMarker {
+    /// Its centre in units of its own side.
+    fn place(&self) -> [f32; 2] {
+        centre(&self.corners).map(|coordinate| coordinate / side(&self.corners))
+    }
 }
 
 /// What was seen in one picture.
@@ -82,22 +107,22 @@ pub struct Look {
     pub dropped: u32,
     /// Measures of the picture.
     pub picture: Picture,
-    /// The station's markers: their ids, and their centres in units of their own sides.
-    pub markers: heapless::Vec<(u16, [f32; 2]), OBJECTS>,
+    /// The station's markers.
+    pub markers: heapless::Vec<SeenMarker, OBJECTS>,
     /// Markers that are not the station's.
     pub foreign_markers: usize,
     /// Hands, wanted or not.
     pub hands: usize,
+    /// The landmarks of those that are wanted, in pixels.
+    pub hands_px: heapless::Vec<[[f32; 2]; LANDMARKS], HANDS>,
 }
 
 impl Look {
     /// What the detections of a frame say. `dropped` are the frames before it that nobody looked at.
     pub fn new(seen: &Detections, dropped: u32) -> Self {
-        let marker = |object: &crate::detections::ObjectDetection| {
-            let [a, b, c, _] = object.corners_px;
-            let side = (a[0] - b[0]).hypot(a[1] - b[1]).max(1.0);
-            // The diagonal's middle.
-            (object.id, [0, 1].map(|axis| (a[axis] + c[axis]) / 2.0 / side))
+        let marker = |object: &crate::detections::ObjectDetection| SeenMarker {
+            id: object.id,
+            corners: object.corners_px,
         };
         Self {
             at_ns: seen.captured_ns,
@@ -106,6 +131,7 @@ impl Look {
             markers: seen.objects.iter().map(marker).collect(),
             foreign_markers: seen.foreign_markers,
             hands: seen.hands_in_view,
+            hands_px: seen.hands.iter().map(|hand| hand.landmarks_px).collect(),
         }
     }
 }
@@ -117,6 +143,7 @@ pub struct Sight {
     stillness: Stillness,
     rate: Rate,
     work: Work,
+    camera: Camera,
     /// By trouble, in the order of [`Trouble::ALL`].
     signs: [Sign; Trouble::ALL.len()],
     current: Option<Spell>,
@@ -131,6 +158,7 @@ impl Sight {
             stillness: Stillness::default(),
             rate: Rate::default(),
             work: Work::default(),
+            camera: Camera::new(expected.is_calibrated),
             signs: [Sign::default(); Trouble::ALL.len()],
             current: None,
         }
@@ -142,6 +170,7 @@ impl Sight {
         self.stillness.step(look);
         self.rate.step(look, self.expected.rate_hz);
         self.work.step(look);
+        self.camera.step(look);
         let shows = Trouble::ALL.map(|trouble| self.shows(trouble, look));
         for ((sign, trouble), since_ns) in self.signs.iter_mut().zip(Trouble::ALL).zip(shows) {
             sign.step(trouble, since_ns, look.at_ns);
@@ -175,6 +204,7 @@ impl Sight {
             Trouble::Covered => now(!is_uniform && finds_nothing && self.usual.is_gone(picture)),
             Trouble::Blurred => now(!is_uniform && self.usual.is_blurred(look)),
             Trouble::Noisy => now(picture.noise > NOISE && look.hands == 0),
+            Trouble::CameraMoved => self.camera.moved_since_ns(),
             Trouble::TooFewFrames => self.rate.slow_since_ns(),
             Trouble::NoMarkers => now(self.work.is_without_markers(look)),
             Trouble::NoHands => self.work.handless_since_ns().filter(|_| self.expected.hands),
@@ -221,6 +251,7 @@ impl Sign {
 struct Usual {
     pictures: u32,
     edges: f32,
+    wide_edges: f32,
     sharpness: Option<f32>,
     markers: f32,
     cells: [f32; CELLS],
@@ -239,8 +270,9 @@ const EDGES_LEFT: f32 = 0.1;
 const CELL_CHANGE: f32 = 4.0;
 /// Share of the cells that a cover changes, and that no worker who leans over the bench does while their own edges are seen.
 const CELLS_CHANGED: f32 = 0.6;
-/// Share of the cells that a hand changes which comes or goes. Parts change more of them.
-const CELLS_ALIKE: f32 = 0.13;
+/// A picture without sharp edges that still has this share of the usual wide ones is out of focus. A bench that was cleared, and whatever
+/// covers the lens, has next to none.
+const WIDE_EDGES_LEFT: f32 = 0.3;
 /// A picture with less than this share of the usual sharpness is blurred if it lost markers as well...
 const BLUR: f32 = 0.6;
 /// ... that is, if less than this share of the usual markers is found.
@@ -258,8 +290,9 @@ impl Usual {
         if let Some(sharpness) = look.picture.sharpness {
             blend(self.sharpness.get_or_insert(sharpness), sharpness);
         }
-        // Of a bench that was cleared it is learnt first that it has no edges, and only then how bright it is without its parts.
+        // Of a bench that was cleared it is learnt first that it has no edges, and only then what else it is like without its parts.
         if !has_lost_edges {
+            blend(&mut self.wide_edges, look.picture.wide_edges);
             for (usual, now) in self.cells.iter_mut().zip(look.picture.cells) {
                 blend(usual, f32::from(now));
             }
@@ -287,18 +320,15 @@ impl Usual {
         self.has_lost_edges(picture) && self.changed(picture) > CELLS_CHANGED
     }
 
-    /// Whether markers are lost because edges are wider than usual; or, where no edge is left at all, because all is as bright as ever and
-    /// has no edges. On a bench that was cleared it is not as bright where the parts lay.
+    /// Whether markers are lost because edges are wider than usual, or so wide that none is left that is narrow.
     fn is_blurred(&self, look: &Look) -> bool {
         let has_lost_markers = (look.markers.len() as f32) < MARKERS_LEFT * self.markers;
-        let is_wider = match (self.sharpness, look.picture.sharpness) {
-            (Some(usual), Some(now)) => now < BLUR * usual,
-            (Some(_), None) => {
-                self.has_lost_edges(&look.picture) && self.changed(&look.picture) < CELLS_ALIKE
-            }
-            (None, _) => false,
-        };
-        self.is_known() && has_lost_markers && is_wider
+        let Look { picture, .. } = look;
+        let is_wider = self.sharpness.zip(picture.sharpness).is_some_and(|(usual, now)| now < BLUR * usual);
+        let is_out_of_focus = self.has_lost_edges(picture)
+            && picture.wide_edges > 0.0
+            && picture.wide_edges >= WIDE_EDGES_LEFT * self.wide_edges;
+        self.is_known() && has_lost_markers && (is_wider || is_out_of_focus)
     }
 }
 
@@ -430,7 +460,8 @@ impl Work {
     /// Number of markers that have moved lately.
     fn moving(&mut self, look: &Look) -> usize {
         let mut moving = 0;
-        for &(id, place) in &look.markers {
+        for marker in &look.markers {
+            let (id, place) = (marker.id, marker.place());
             let Some((_, rest, since_ns)) = self.rest.iter_mut().find(|(known, ..)| *known == id) else {
                 self.rest.push((id, place, look.at_ns));
                 continue;

@@ -30,8 +30,8 @@ use tokio_modbus::server::tcp::Server;
 
 pub use config::Config;
 pub use counters::Counters;
-pub use written::Write;
 pub use rejections::{Cause, Rejection, Rejections};
+pub use written::Write;
 
 use crate::handshake::{Handshake, Settings};
 use crate::registers::WordOrder;

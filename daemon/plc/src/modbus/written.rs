@@ -40,6 +40,10 @@ impl Write {
             let version = if hash == 0 { String::new() } else { format!(" of hash {hash:016x}") };
             commands.push(format!("load job {id}{version}"));
         }
+        if risen & control::SET_PART != 0 {
+            let part = String::from_utf8_lossy(&self.after.part);
+            commands.push(format!("part \"{}\"", part.trim_end_matches(['\0', ' ']).escape_default()));
+        }
         commands
     }
 }
@@ -50,7 +54,9 @@ mod tests {
 
     fn commands(before: u16, after: u16) -> Vec<String> {
         let client = IpAddr::from([192, 0, 2, 7]);
-        let block = |word| Control { word, load_job_id: 3, ..Control::default() };
+        let mut part = [0; 32];
+        part[..3].copy_from_slice(b"A 1");
+        let block = |word| Control { word, load_job_id: 3, part, ..Control::default() };
         Write { client, before: block(before), after: block(after) }.commands()
     }
 
@@ -60,5 +66,6 @@ mod tests {
         assert_eq!(commands(control::ENABLE, control::ENABLE | control::ACKNOWLEDGE), [""; 0]);
         assert_eq!(commands(control::ENABLE | control::START, 0), ["disable"]);
         assert_eq!(commands(0, control::START | control::ABORT), ["abort", "start"]);
+        assert_eq!(commands(0, control::SET_PART), [r#"part "A 1""#]);
     }
 }

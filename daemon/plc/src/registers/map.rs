@@ -106,7 +106,7 @@ const NO_VERDICT: Verdict = Verdict {
     early: 0,
     station: [0; shm_schemas::STATION_BYTES],
     part: PartId::NONE,
-    reserved: 0,
+    captured_percent: shm_schemas::NO_PERCENT,
 };
 
 const NS_PER_S: u64 = 1_000_000_000;

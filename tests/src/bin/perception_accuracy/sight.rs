@@ -16,7 +16,7 @@ pub(crate) struct Arguments {
     /// Clips with their truth beside them.
     #[arg(required = true)]
     clips: Vec<PathBuf>,
-    /// Only what is done under this name.
+    /// Only what is done under names that contain this.
     #[arg(long)]
     only: Option<String>,
 }
@@ -26,6 +26,12 @@ pub(crate) struct Arguments {
 enum Deed {
     /// An ffmpeg filter.
     Filter(&'static str),
+    /// An ffmpeg filter that moves the picture.
+    Move(&'static str),
+    /// From the beginning the bench is empty.
+    Empty,
+    /// Another clip of the same person, whose parts lie elsewhere.
+    OtherClip,
     /// The same picture again and again.
     Freeze,
     /// The same scene again and again, with new noise in every picture.
@@ -41,7 +47,7 @@ enum Deed {
 }
 
 /// Under which name what is done, and what should be said.
-const DEEDS: [(&str, Deed, &str); 26] = [
+const DEEDS: [(&str, Deed, &str); 34] = [
     ("black", Deed::Filter("lutyuv=y=16:u=128:v=128"), "Black"),
     ("lens cap with its glow", Deed::Filter("lutyuv=y=20:u=128:v=128"), "Black"),
     ("white", Deed::Filter("lutyuv=y=255:u=128:v=128"), "White"),
@@ -51,7 +57,11 @@ const DEEDS: [(&str, Deed, &str); 26] = [
     ("frozen", Deed::Freeze, "Frozen"),
     ("lens out of focus", Deed::Filter("gblur=sigma=6"), "Blurred"),
     ("water on the lens", Deed::Filter("gblur=sigma=8"), "Blurred"),
+    ("far out of focus", Deed::Filter("gblur=sigma=12"), "Blurred"),
     ("noise of a dying sensor", Deed::Filter("noise=alls=100:allf=t"), "Noisy"),
+    ("the camera is pushed aside", Deed::Move("scroll=hpos=0.05:vpos=0.03"), "CameraMoved"),
+    ("the camera is turned", Deed::Move("rotate=0.08:c=gray"), "CameraMoved"),
+    ("the camera comes nearer", Deed::Move("crop=580:435:20:30,scale=640:480"), "CameraMoved"),
     ("every 3rd picture", Deed::Skip(3), "TooFewFrames"),
     ("every 8th picture", Deed::Skip(8), "TooFewFrames"),
     ("markers of other ids", Deed::OtherIds, "NoMarkers"),
@@ -59,6 +69,10 @@ const DEEDS: [(&str, Deed, &str); 26] = [
     ("a glove that no hand is seen in", Deed::HideHands, "NoHands"),
     ("nothing", Deed::Filter("null"), "nothing"),
     ("a pause", Deed::Pause, "nothing"),
+    ("an empty bench", Deed::Empty, "nothing"),
+    ("the bench is rearranged", Deed::OtherClip, "nothing"),
+    ("a shadow that wanders", Deed::Filter(WANDERING), "nothing"),
+    ("a lamp flickers", Deed::Filter("eq=eval=frame:brightness='0.08*sin(2*PI*t*3)'"), "nothing"),
     ("the bench is cleared", Deed::Filter(CLEARED), "nothing"),
     ("a lamp is switched on", Deed::Filter("eq=brightness=0.15:gamma=1.4"), "nothing"),
     ("a lamp is switched off", Deed::Filter("eq=gamma=0.5"), "nothing"),
@@ -74,20 +88,26 @@ const DEEDS: [(&str, Deed, &str); 26] = [
 const CLEARED: &str =
     "crop=400:240:0:240,split=4[a][b][c][d];[a][b]vstack[l];[c][d]vstack,crop=240:480:0:0[r];[l][r]hstack";
 
+/// A dark stripe that moves across the bench.
+const WANDERING: &str = "geq=lum='lum(X,Y)*(1-0.5*between(X-90*T+200,0,220))':cb='cb(X,Y)':cr='cr(X,Y)'";
+
 /// What every picture is like that a camera gives.
 const CAMERA: &str = "noise=alls=4:allf=t";
 
 /// Frames before the change, and how many are changed.
 const BEFORE: usize = 105;
 const CHANGED: usize = 105;
-/// Seconds in which a change should be found.
+/// For a camera that was moved, which is found later.
+const MOVED: usize = 165;
+/// Seconds in which a change should be found, and those in which it should be that the camera was moved.
 const IN_TIME_S: f64 = 2.0;
+const MOVED_IN_TIME_S: f64 = 5.0;
 
 pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
     let mut wrong = 0;
     for path in &arguments.clips {
         let name = path.file_stem().unwrap_or_default().to_string_lossy();
-        let wanted = |deed: &str| arguments.only.as_deref().is_none_or(|only| only == deed);
+        let wanted = |deed: &str| arguments.only.as_deref().is_none_or(|only| deed.contains(only));
         for (what, deed, expected) in DEEDS.into_iter().filter(|(what, ..)| wanted(what)) {
             let said = play(path, deed, runtime)?;
             let is_right = said.is(expected);
@@ -110,7 +130,10 @@ impl Said {
     fn is(&self, expected: &str) -> bool {
         match &self.spells[..] {
             [] => expected == "nothing",
-            [(trouble, after_s, _)] => trouble == expected && (0.0..=IN_TIME_S).contains(after_s),
+            [(trouble, after_s, _)] => {
+                let in_time_s = if expected == "CameraMoved" { MOVED_IN_TIME_S } else { IN_TIME_S };
+                trouble == expected && (0.0..=in_time_s).contains(after_s)
+            }
             _ => false,
         }
     }
@@ -135,16 +158,22 @@ impl std::fmt::Display for Said {
 fn play(path: &Path, deed: Deed, runtime: &Path) -> Result<Said, Error> {
     let change = |filter: String| Change { filter: Some(filter), ..Change::default() };
     let mut plain = Clip::open(path, &change(CAMERA.into()))?;
-    let filter = if let Deed::Filter(filter) = deed { filter } else { "null" };
-    let mut changed = Clip::open(path, &change(format!("{filter},{CAMERA}")))?;
-    let is_from_beginning = matches!(deed, Deed::OtherIds | Deed::OtherDictionary);
+    let filter = match deed {
+        Deed::Filter(filter) | Deed::Move(filter) => filter,
+        Deed::Empty => CLEARED,
+        _ => "null",
+    };
+    let shown_instead = if matches!(deed, Deed::OtherClip) { other_clip(path) } else { path.to_owned() };
+    let mut changed = Clip::open(&shown_instead, &change(format!("{filter},{CAMERA}")))?;
+    let is_from_beginning = matches!(deed, Deed::OtherIds | Deed::OtherDictionary | Deed::Empty);
     let (mut with_hands, mut without_hands) =
         (perceiver(runtime, &plain.truth, deed, true)?, perceiver(runtime, &plain.truth, deed, false)?);
-    let mut sight = Sight::new(Expected { rate_hz: None, hands: true });
+    let mut sight = Sight::new(Expected { rate_hz: None, hands: true, is_calibrated: true });
     let (begin, end) = match deed {
         _ if is_from_beginning => (0, plain.truth.frames.len()),
         // Long enough for the parts to be moved.
         Deed::HideHands => (0, plain.truth.frames.len()),
+        Deed::Move(_) => (BEFORE, BEFORE + MOVED),
         _ => (BEFORE, BEFORE + CHANGED),
     };
     let rate_hz = plain.truth.rate_hz;
@@ -214,6 +243,14 @@ fn shake(picture: &mut [u8], noise: &mut u32) {
         *noise = noise.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         *pixel = pixel.wrapping_add((*noise >> 31) as u8).max(1);
     }
+}
+
+/// The clip of the other repetition by the same person.
+fn other_clip(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let person = name.split('_').next().unwrap_or_default();
+    let others = ["none_r1", "J1_r1"].map(|what| format!("{person}_{what}.mp4"));
+    path.with_file_name(others.iter().find(|other| **other != name).unwrap_or(&others[0]))
 }
 
 fn perceiver(runtime: &Path, truth: &Truth, deed: Deed, hands: bool) -> Result<Perceiver, Error> {

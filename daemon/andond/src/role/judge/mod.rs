@@ -10,7 +10,9 @@ use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict as CoreVerdict};
 use andon_ipc::{Node, Port, Reader, UtcTime, Writer};
 use andon_learn::job_file::JobFile;
-use shm_schemas::{AuditKind, Command as CommandMessage, Couples, JudgePhase, PartId, Refusal, RoleId, Verdict};
+use shm_schemas::{
+    AuditKind, Command as CommandMessage, Couples, JudgePhase, PartId, Refusal, RoleId, Verdict,
+};
 
 use super::RoleError;
 use super::audit::Auditor;
@@ -189,6 +191,7 @@ fn watch(
             },
             names: Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone()))),
             judge: judge(job, &file)?,
+            newest_ns: 0,
             events: Vec::new(),
             next: None,
         };
@@ -213,6 +216,8 @@ struct Session<'s, 'j> {
     sender: Sender,
     names: Names,
     judge: Judge<'j>,
+    /// The time of the newest couples.
+    newest_ns: u64,
     /// What the judge has said and nobody has heard yet.
     events: Vec<Event>,
     /// The job that a command asks for instead.
@@ -250,6 +255,10 @@ impl Session<'_, '_> {
             self.finish(cycle)?;
         } else if self.ports.state.is_enabled() {
             let couples = wire::couples::read(&couples);
+            // Their time never goes back, except where the source has started again.
+            if couples.captured_ns < std::mem::replace(&mut self.newest_ns, couples.captured_ns) {
+                self.break_off(cycle)?;
+            }
             self.judge.step(&couples, &mut |event| self.events.push(event));
             self.publish(cycle)?;
         }
@@ -260,7 +269,8 @@ impl Session<'_, '_> {
         match command {
             Command::Enable => self.ports.state.enable(true),
             Command::Disable => {
-                self.finish(cycle)?;
+                // Nobody says that the piece will not be completed: it is only not watched any more.
+                self.break_off(cycle)?;
                 self.ports.state.enable(false);
             }
             Command::Start if !self.ports.state.is_enabled() => {
@@ -292,6 +302,15 @@ impl Session<'_, '_> {
     /// Ends the job; what comes next belongs to a new one.
     fn finish(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         self.judge.finish(&mut |event| self.events.push(event));
+        self.judge = judge(self.job, self.file)?;
+        self.publish(cycle)?;
+        self.ports.state.phase(JudgePhase::Waiting);
+        Ok(())
+    }
+
+    /// Ends the job where its couples break off, or are not watched any more.
+    fn break_off(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        self.judge.break_off(&mut |event| self.events.push(event));
         self.judge = judge(self.job, self.file)?;
         self.publish(cycle)?;
         self.ports.state.phase(JudgePhase::Waiting);

@@ -15,13 +15,19 @@ use crate::video::Film;
 use crate::wire;
 
 /// Writes the annotated clip into `folder`. The pictures are decoded once more; what is drawn on them came over the channels.
-pub(super) fn write(clip: &Path, folder: &Path, received: &Received, names: &Names) -> Result<(), ToolError> {
+pub(super) fn write(
+    clip: &Path,
+    folder: &Path,
+    received: &Received,
+    names: &Names,
+    blind_ms: u32,
+) -> Result<(), ToolError> {
     std::fs::create_dir_all(folder).map_err(cannot_write(folder))?;
     // The rate is for folders of pictures; a clip has its own.
     let mut film = Film::open(clip, Camera::default().rate_hz)?;
     let out = folder.join(clip.file_name().unwrap_or_default());
     let format = film.format();
-    let mut annotator = Annotator::create(&out, format, names.clone())?;
+    let mut annotator = Annotator::create(&out, format, names.clone(), blind_ms)?;
     let verdicts: Vec<(u64, Verdict)> = received
         .verdicts
         .iter()

@@ -2,6 +2,7 @@
 //! technician would read.
 
 mod film;
+mod summary;
 mod supervisor;
 mod usage;
 mod watch;
@@ -22,6 +23,7 @@ use crate::config::Config;
 use crate::exit::Code;
 use crate::report::{Names, verdict_sentence};
 use crate::wire;
+use summary::{Row, Summary};
 use supervisor::Running;
 use usage::Usage;
 use watch::{Channels, Received};
@@ -65,10 +67,13 @@ pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
         played.push(outcome.received);
     }
     line.print_usage();
+    let rate_hz = file.method.rate_hz;
+    let rows = clips.iter().zip(&played).map(|(clip, received)| Row::new(clip, received, rate_hz)).collect();
+    println!("\n{}", Summary { rows, rate_hz, needed_hz: file.min_rate_hz });
     // Afterwards: drawing would take the processor from the line.
     if let Some(folder) = &arguments.annotate {
         for (clip, received) in clips.iter().zip(&played) {
-            film::write(clip, folder, received, &names)?;
+            film::write(clip, folder, received, &names, file.method.blind_ms)?;
         }
     }
     Ok(Code::Stopped)

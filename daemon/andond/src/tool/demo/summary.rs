@@ -1,0 +1,148 @@
+//! The table at the end: what each clip shows, what was said of it, and whether this machine kept up.
+
+use std::fmt;
+use std::path::Path;
+
+use andon_core::verdict::{Level, Outcome, Verdict};
+
+use super::watch::Received;
+use crate::wire;
+
+/// One clip.
+pub(super) struct Row {
+    clip: String,
+    expected: Option<Outcome>,
+    said: Option<Outcome>,
+    /// How many frames per second were looked at.
+    managed_hz: f32,
+}
+
+impl Row {
+    /// `rate_hz` is that of the method.
+    pub(super) fn new(clip: &Path, received: &Received, rate_hz: f32) -> Self {
+        let verdicts: Vec<Verdict> = received.verdicts.iter().filter_map(wire::verdict::read).collect();
+        let couples = received.couples.iter().map(wire::couples::read);
+        let captured = couples.filter(|couples| couples.is_captured).count();
+        Self {
+            clip: clip.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            expected: expected(clip),
+            said: said(&verdicts),
+            managed_hz: rate_hz * captured as f32 / received.couples.len().max(1) as f32,
+        }
+    }
+
+    fn is_right(&self) -> Option<bool> {
+        let said = self.said.filter(|said| *said != Outcome::NotJudged)?;
+        Some(said == self.expected?)
+    }
+}
+
+/// What a clip shows by its name, `p<person>_<what>_r<repetition>`: a correct run is called `none`. `None` for other names.
+fn expected(clip: &Path) -> Option<Outcome> {
+    let name = clip.file_stem()?.to_str()?;
+    let (person, rest) = name.split_once('_')?;
+    let (what, repetition) = rest.rsplit_once('_')?;
+    let is_number = |text: &str, letter| text.strip_prefix(letter).is_some_and(|n| n.parse::<u32>().is_ok());
+    let is_named = is_number(person, 'p') && is_number(repetition, 'r');
+    is_named.then_some(if what == "none" { Outcome::Ok } else { Outcome::Anomaly })
+}
+
+/// What was said of the jobs in a clip: an anomaly in one of them is one of the clip. `None` where no job was seen.
+fn said(verdicts: &[Verdict]) -> Option<Outcome> {
+    let jobs = || verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(|job| job.outcome);
+    let worst = [Outcome::Anomaly, Outcome::NotJudged, Outcome::Ok];
+    worst.into_iter().find(|outcome| jobs().any(|job| job == *outcome))
+}
+
+/// All clips.
+pub(super) struct Summary {
+    pub(super) rows: Vec<Row>,
+    /// How many frames per second the method has, and how many the job needs.
+    pub(super) rate_hz: f32,
+    pub(super) needed_hz: f32,
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let width = self.rows.iter().map(|row| row.clip.len()).max().unwrap_or_default().max(4);
+        writeln!(f, "{:width$}  expected  said        frames/s  right", "clip")?;
+        for row in &self.rows {
+            let right = match (row.is_right(), row.expected) {
+                (Some(true), _) => "yes",
+                (Some(false), _) => "NO",
+                (None, None) => "-",
+                (None, Some(_)) => "not judged",
+            };
+            let [expected, said] = [row.expected, row.said].map(word);
+            writeln!(f, "{:width$}  {expected:8}  {said:10}  {:8.1}  {right}", row.clip, row.managed_hz)?;
+        }
+        let count = |is_right| self.rows.iter().filter(|row| row.is_right() == is_right).count();
+        let not_judged =
+            self.rows.iter().filter(|row| row.said.is_none_or(|said| said == Outcome::NotJudged));
+        writeln!(
+            f,
+            "{} clips: {} right, {} wrong, {} not judged",
+            self.rows.len(),
+            count(Some(true)),
+            count(Some(false)),
+            not_judged.count()
+        )?;
+        let slowest = self.rows.iter().map(|row| row.managed_hz).fold(f32::INFINITY, f32::min);
+        if slowest < self.needed_hz {
+            writeln!(
+                f,
+                "this machine manages {slowest:.1} of {:.0} frames a second, the job needs {:.1}: steps with fewer are not judged",
+                self.rate_hz, self.needed_hz
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn word(outcome: Option<Outcome>) -> &'static str {
+    match outcome {
+        Some(Outcome::Ok) => "ok",
+        Some(Outcome::Anomaly) => "ANOMALY",
+        Some(Outcome::NotJudged) => "NOT JUDGED",
+        None => "-",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(clip: &str, said: Option<Outcome>, managed_hz: f32) -> Row {
+        Row { clip: clip.into(), expected: expected(Path::new(clip)), said, managed_hz }
+    }
+
+    #[test]
+    fn the_table_says_what_was_expected_what_was_said_and_what_the_machine_managed() {
+        let rows = vec![
+            row("p1_none_r1.mp4", Some(Outcome::Ok), 29.5),
+            row("p1_none_r2.mp4", Some(Outcome::Anomaly), 29.5),
+            row("p2_wrong_object_r1.mp4", Some(Outcome::NotJudged), 7.5),
+            row("mine.mp4", Some(Outcome::Ok), 29.5),
+        ];
+        let text = Summary { rows, rate_hz: 30.0, needed_hz: 10.0 }.to_string();
+        let lines: Vec<String> =
+            text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+        assert_eq!(
+            lines[1..],
+            [
+                "p1_none_r1.mp4 ok ok 29.5 yes",
+                "p1_none_r2.mp4 ok ANOMALY 29.5 NO",
+                "p2_wrong_object_r1.mp4 ANOMALY NOT JUDGED 7.5 not judged",
+                "mine.mp4 - ok 29.5 -",
+                "4 clips: 1 right, 1 wrong, 1 not judged",
+                "this machine manages 7.5 of 30 frames a second, the job needs 10.0: steps with fewer are not judged",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_machine_that_keeps_up_is_not_spoken_of() {
+        let rows = vec![row("p1_none_r1.mp4", Some(Outcome::Ok), 29.5)];
+        assert!(!Summary { rows, rate_hz: 30.0, needed_hz: 10.0 }.to_string().contains("machine"));
+    }
+}

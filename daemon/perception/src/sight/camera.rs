@@ -1,0 +1,292 @@
+//! Whether the camera was moved: markers that lay still lie elsewhere in the picture, all of them, as if the picture had been shifted,
+//! turned or scaled as one.
+//!
+//! Parts are moved, too, and sometimes several at once. So the markers must have moved at one time, nothing that is seen may have stayed
+//! where it was, and at least one of them lay where no hand was. A tray that carries all parts away looks the same from above.
+
+use super::watch::{Corners, Look, SeenMarker};
+use std::vec::Vec;
+
+/// Nanoseconds of a second.
+const S: f32 = 1e9;
+
+/// A marker lies still while its corners stay within this, in sides of the marker: far above the noise of a corner.
+const STILL: f32 = 0.1;
+/// It lies where it is when it has done so for this long, in seconds: longer than a part is held still in a hand on its way.
+const REST_S: f32 = 1.0;
+/// A marker that came to lie further away than this has moved, in sides of the marker. A camera that sags by less disturbs nobody.
+const MOVED: f32 = 0.2;
+/// Markers are moved as one if no centre is further than this from where the picture's movement takes it, in sides...
+const AS_ONE: f32 = 0.03;
+/// ... and as a share of its way: a camera that is tilted shows a little perspective, and parts differ in height.
+const AS_ONE_OF_WAY: f32 = 0.1;
+/// Each marker is turned and scaled as the whole: none of its corners is off by more than this, in sides. Two parts that were moved
+/// apart from each other may lie as if the picture had been turned, but are hardly turned alike.
+const ALIKE: f32 = 0.02;
+/// The camera is back if nothing is further than this from where it would be seen, in sides.
+const BACK: f32 = 0.25;
+/// Where a hand is nearer than this to a marker, it may have moved it, in sides.
+const REACH: f32 = 2.5;
+/// Markers are first seen in another place at slightly different times, in seconds.
+const AT_ONCE_S: f32 = 0.4;
+/// What moved longer ago than this does not belong together, in seconds.
+const FORGET_S: f32 = 5.0;
+/// Without a calibration every scale comes from the markers in the picture. A new view is as good as the old one when it has lasted for
+/// so long, in seconds.
+const SETTLED_S: f32 = 10.0;
+
+/// A marker, and where it lay.
+struct Place {
+    id: u16,
+    /// Where it is seen now, since when, and until when.
+    at: Corners,
+    since_ns: u64,
+    /// Where it lay at last, since when, and when it was last seen there.
+    lay: Option<(Corners, u64, u64)>,
+    /// When a hand was last near it.
+    handled_ns: u64,
+}
+
+/// A marker that came to lie elsewhere.
+#[derive(Clone, Copy)]
+struct Move {
+    id: u16,
+    from: Corners,
+    to: Corners,
+    /// When it was last seen where it lay, and first seen where it lies now.
+    left_ns: u64,
+    arrived_ns: u64,
+    is_handled: bool,
+}
+
+/// Follows where the camera looks.
+pub(super) struct Camera {
+    is_calibrated: bool,
+    places: Vec<Place>,
+    moves: Vec<Move>,
+    /// The camera looks elsewhere.
+    moved: Option<Moved>,
+}
+
+/// A camera that looks elsewhere than it did.
+struct Moved {
+    since_ns: u64,
+    /// From the view that is known to the one now.
+    view: Shift,
+    /// Where markers lay in the view that is known.
+    known: Vec<(u16, Corners)>,
+}
+
+impl Camera {
+    pub(super) fn new(is_calibrated: bool) -> Self {
+        Self { is_calibrated, places: Vec::new(), moves: Vec::new(), moved: None }
+    }
+
+    /// Since when the camera looks elsewhere than it did.
+    pub(super) fn moved_since_ns(&self) -> Option<u64> {
+        self.moved.as_ref().map(|moved| moved.since_ns)
+    }
+
+    pub(super) fn step(&mut self, look: &Look) {
+        let now_ns = look.at_ns;
+        let age_s = |from_ns: u64| now_ns.saturating_sub(from_ns) as f32 / S;
+        self.moves.retain(|moved| age_s(moved.arrived_ns) <= FORGET_S);
+        self.note_hands(look);
+        for marker in &look.markers {
+            let moved = self.see(marker, now_ns);
+            if let Some(moved) = moved {
+                self.moves.retain(|other| other.id != moved.id);
+                self.moves.push(moved);
+            }
+        }
+        if let Some(shifted) = self.shift() {
+            self.take(shifted);
+        }
+        let has_settled =
+            |moved: &Moved| !self.is_calibrated && age_s(moved.since_ns) > SETTLED_S || self.is_back(moved);
+        if self.moved.as_ref().is_some_and(has_settled) {
+            self.moved = None;
+        }
+    }
+
+    fn note_hands(&mut self, look: &Look) {
+        for place in &mut self.places {
+            let (centre, side) = (centre(&place.at), side(&place.at));
+            let is_near = |point: &[f32; 2]| distance(*point, centre) < REACH * side;
+            if look.hands_px.iter().flatten().any(is_near) {
+                place.handled_ns = look.at_ns;
+            }
+        }
+    }
+
+    /// Takes where a marker is seen. Gives its move, if it has come to lie elsewhere.
+    fn see(&mut self, marker: &SeenMarker, now_ns: u64) -> Option<Move> {
+        let SeenMarker { id, corners } = *marker;
+        let Some(place) = self.places.iter_mut().find(|place| place.id == id) else {
+            self.places.push(Place { id, at: corners, since_ns: now_ns, lay: None, handled_ns: 0 });
+            return None;
+        };
+        if !is_within(STILL, &place.at, &corners) {
+            (place.at, place.since_ns) = (corners, now_ns);
+        }
+        if let Some((lay, _, seen_ns)) = &mut place.lay
+            && is_within(MOVED, lay, &corners)
+        {
+            *seen_ns = now_ns;
+            return None;
+        }
+        if (now_ns.saturating_sub(place.since_ns) as f32) < REST_S * S {
+            return None;
+        }
+        let (from, _, left_ns) = place.lay.replace((place.at, place.since_ns, now_ns))?;
+        let (to, arrived_ns) = (place.at, place.since_ns);
+        // A hand that has just let go of the part moved it, and so did one that was there when it left.
+        let is_handled = place.handled_ns > 0 && place.handled_ns + (AT_ONCE_S * S) as u64 >= left_ns;
+        Some(Move { id, from, to, left_ns, arrived_ns, is_handled })
+    }
+
+    /// How the picture was shifted and when, if that is what the newest moves say.
+    fn shift(&mut self) -> Option<Moved> {
+        let newest = self.moves.last()?;
+        let at_once_ns = (AT_ONCE_S * S) as u64;
+        let is_at_once = |moved: &&Move| {
+            moved.left_ns <= newest.arrived_ns + at_once_ns && newest.left_ns <= moved.arrived_ns + at_once_ns
+        };
+        let together: Vec<Move> = self.moves.iter().filter(is_at_once).copied().collect();
+        let since_ns = together.iter().map(|moved| moved.left_ns).max()?;
+        let arrived_ns = together.iter().map(|moved| moved.arrived_ns).min()?;
+        let last_ns = together.iter().map(|moved| moved.arrived_ns).max()?;
+        let has_stayed = self.places.iter().any(|place| {
+            place.lay.is_some_and(|(_, lay_since_ns, seen_ns)| lay_since_ns < since_ns && seen_ns > last_ns)
+        });
+        let alone: Vec<Move> = together.iter().filter(|moved| !moved.is_handled).copied().collect();
+        let shift = Shift::of(&alone)?;
+        // A part that a hand carries while the camera is pushed comes to lie somewhere later.
+        let must_fit = |moved: &Move| !moved.is_handled || moved.arrived_ns <= arrived_ns + at_once_ns;
+        if has_stayed || together.iter().any(|moved| must_fit(moved) && !shift.moves(moved)) {
+            return None;
+        }
+        let as_one: Vec<Move> = together.iter().filter(|moved| shift.moves(moved)).copied().collect();
+        let view = Shift::of(&as_one).filter(|_| as_one.len() > 1)?;
+        self.moves.clear();
+        Some(Moved { since_ns, view, known: as_one.iter().map(|moved| (moved.id, moved.from)).collect() })
+    }
+
+    /// Takes a shift of the picture. One that leads back to the view that is known ends the trouble.
+    fn take(&mut self, shifted: Moved) {
+        let moved = match self.moved.take() {
+            Some(before) => Moved { view: before.view.then(&shifted.view), ..before },
+            None => shifted,
+        };
+        let lie = self.places.iter().filter_map(|place| place.lay);
+        let mut corners = lie.map(|(corners, ..)| corners);
+        let is_back = corners.all(|corners| is_within(BACK, &corners, &moved.view.back(&corners)));
+        self.moved = (!is_back).then_some(moved);
+    }
+
+    /// Whether a marker lies where it lay in the view that is known. In another view it would take a great chance.
+    fn is_back(&self, moved: &Moved) -> bool {
+        self.places.iter().any(|place| {
+            let known = moved.known.iter().find(|(id, _)| *id == place.id);
+            place.lay.zip(known).is_some_and(|((lay, ..), (_, known))| is_within(STILL, &lay, known))
+        })
+    }
+}
+
+fn distance(one: [f32; 2], other: [f32; 2]) -> f32 {
+    (one[0] - other[0]).hypot(one[1] - other[1])
+}
+
+pub(super) fn side(corners: &Corners) -> f32 {
+    distance(corners[0], corners[1]).max(1.0)
+}
+
+/// The diagonal's middle.
+pub(super) fn centre(corners: &Corners) -> [f32; 2] {
+    [0, 1].map(|axis| (corners[0][axis] + corners[2][axis]) / 2.0)
+}
+
+/// Whether no corner is further from the other than this many sides.
+fn is_within(sides: f32, one: &Corners, other: &Corners) -> bool {
+    let reach = sides * side(other);
+    one.iter().zip(other).all(|(one, other)| distance(*one, *other) <= reach)
+}
+
+/// A point of the picture, as a complex number.
+type Point = [f64; 2];
+
+/// A shift, turn and scale of the picture: `z` becomes `factor * z + offset`, as complex numbers.
+#[derive(Clone, Copy)]
+struct Shift {
+    factor: Point,
+    offset: Point,
+}
+
+impl Shift {
+    /// The one that comes nearest to these moves (least squares); `None` without a move.
+    fn of(moves: &[Move]) -> Option<Self> {
+        let points = |corners: fn(&Move) -> Corners| -> Vec<Point> {
+            moves.iter().flat_map(corners).map(|corner| corner.map(f64::from)).collect()
+        };
+        let (from, to) = (points(|moved| moved.from), points(|moved| moved.to));
+        let (from_mean, to_mean) = (mean(&from), mean(&to));
+        let (mut sum, mut square) = ([0.0; 2], 0.0);
+        for (from, to) in from.iter().zip(&to) {
+            let from = [from[0] - from_mean[0], from[1] - from_mean[1]];
+            let to = [to[0] - to_mean[0], to[1] - to_mean[1]];
+            sum[0] += from[0] * to[0] + from[1] * to[1];
+            sum[1] += from[0] * to[1] - from[1] * to[0];
+            square += from[0] * from[0] + from[1] * from[1];
+        }
+        // Also false where there is no move.
+        if square > 0.0 {
+            let factor = sum.map(|sum| sum / square);
+            let turned = times(factor, from_mean);
+            Some(Self { factor, offset: [to_mean[0] - turned[0], to_mean[1] - turned[1]] })
+        } else {
+            None
+        }
+    }
+
+    fn at(&self, point: Point) -> Point {
+        let turned = times(self.factor, point);
+        [turned[0] + self.offset[0], turned[1] + self.offset[1]]
+    }
+
+    /// Whether it takes a marker from where it lay to where it lies.
+    fn moves(&self, moved: &Move) -> bool {
+        let taken = moved.from.map(|corner| self.at(corner.map(f64::from)).map(|value| value as f32));
+        let ([from, to, taken_to], side) = ([&moved.from, &moved.to, &taken].map(centre), side(&moved.to));
+        let about_centre = |corners: &Corners, centre: [f32; 2]| {
+            corners.map(|corner| [corner[0] - centre[0], corner[1] - centre[1]])
+        };
+        let shapes = [about_centre(&moved.to, to), about_centre(&taken, taken_to)];
+        distance(taken_to, to) <= AS_ONE * side + AS_ONE_OF_WAY * distance(from, to)
+            && is_within(ALIKE, &shapes[1], &shapes[0])
+    }
+
+    /// This one, and then another.
+    fn then(&self, next: &Self) -> Self {
+        Self { factor: times(next.factor, self.factor), offset: next.at(self.offset) }
+    }
+
+    /// Where these corners were before.
+    fn back(&self, corners: &Corners) -> Corners {
+        let [a, b] = self.factor;
+        let square = (a * a + b * b).max(f64::MIN_POSITIVE);
+        let inverse = [a / square, -b / square];
+        corners.map(|corner| {
+            let shifted = [0, 1].map(|axis| f64::from(corner[axis]) - self.offset[axis]);
+            times(inverse, shifted).map(|value| value as f32)
+        })
+    }
+}
+
+fn mean(points: &[Point]) -> Point {
+    let sum = points.iter().fold([0.0; 2], |sum, point| [sum[0] + point[0], sum[1] + point[1]]);
+    sum.map(|sum| sum / points.len() as f64)
+}
+
+fn times(one: Point, other: Point) -> Point {
+    [one[0] * other[0] - one[1] * other[1], one[0] * other[1] + one[1] * other[0]]
+}
