@@ -6,7 +6,7 @@ DEBIAN_TEST := ffmpeg mbpoll python3-venv systemd
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
 
-.PHONY: setup packages test-packages build demo test lint deny bench line chaos soak modbus-fuzz plc-latency degraded-clips sight deb nspawn
+.PHONY: setup packages test-packages build demo test lint deny bench line chaos deaf soak modbus-fuzz plc-latency degraded-clips sight deb nspawn
 
 setup: packages
 	python3 daemon/perception/models/provision.py $(RUNTIME)
@@ -68,6 +68,11 @@ degraded-clips: setup test-packages line
 # Says what the line tells of pictures that something is done to; the clips must have their truth beside them.
 sight: setup test-packages line
 	target/release/perception_accuracy sight tests/footage/p1_none_r1.mp4 tests/footage/p1_J1_r1.mp4 tests/footage/p2_none_r1.mp4 tests/footage/p2_J1_r1.mp4
+
+# Lets every connection that a role makes fail once; `make test` lets every seventh.
+deaf: setup test-packages
+	cargo build $(REALSENSE) --all-targets
+	ANDON_EVERY=1 cargo test $(REALSENSE) --test line_deaf -- --nocapture
 
 # Throws random bytes at the Modbus side for 10 minutes; writes target/modbus_fuzz/report.json.
 modbus-fuzz: line

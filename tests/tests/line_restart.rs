@@ -4,7 +4,7 @@
 
 use andon_learn::recording::{self, Recording};
 use andon_tests::deletion::{Deletion, one_after_the_other};
-use andon_tests::line::{Line, Modbus, ROLES, Settings, Watcher};
+use andon_tests::line::{Line, Modbus, Settings, Watcher};
 use andon_tests::simulator::Random;
 use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome};
 use std::fs::File;
@@ -70,13 +70,13 @@ fn next_piece_is_right_after(what: &str, watcher: &mut Watcher, mut disturb: imp
     }
 }
 
-#[test]
-fn after_a_restart_of_any_role_and_after_enable_was_off_the_next_correct_piece_is_right() {
+/// Restarts these roles, one after the other.
+fn restart(roles: &[&'static str]) {
     let mut line = Line::new(Settings { writes: true, ..Settings::live() });
     let mut watcher = line.up();
     let mut plc = Modbus::connect_when_up(line.port);
     plc.enable();
-    for role in ROLES {
+    for &role in roles {
         next_piece_is_right_after(role, &mut watcher, |_| {
             line.role(role).kill();
             line.start(role);
@@ -86,7 +86,29 @@ fn after_a_restart_of_any_role_and_after_enable_was_off_the_next_correct_piece_i
             }
         });
     }
+}
+
+#[test]
+fn after_a_restart_of_steward_or_perceive_the_next_correct_piece_is_right() {
+    restart(&["steward", "perceive"]);
+}
+
+#[test]
+fn after_a_restart_of_encode_or_judge_the_next_correct_piece_is_right() {
+    restart(&["encode", "judge"]);
+}
+
+#[test]
+fn after_a_restart_of_journal_or_plc_the_next_correct_piece_is_right() {
+    restart(&["journal", "plc"]);
+}
+
+#[test]
+fn after_enable_was_off_the_next_correct_piece_is_right() {
+    let mut line = Line::new(Settings { writes: true, ..Settings::live() });
+    let mut watcher = line.up();
     let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
     next_piece_is_right_after("enable was off", &mut watcher, |watcher| {
         plc.control(0).unwrap();
         watcher.listen(std::time::Duration::from_millis(500));
