@@ -150,8 +150,7 @@ fn every_call_of(role: &'static str) {
     let mut longest = (Duration::ZERO, String::new());
     let every = from_environment("ANDON_EVERY", 7) as usize;
     let mut fails = 1;
-    loop {
-        let Some((name, took)) = bench.inject(role, fails) else { break };
+    while let Some((name, took)) = bench.inject(role, fails) {
         if took > longest.0 {
             longest = (took, format!("call {fails}, {name}"));
         }
