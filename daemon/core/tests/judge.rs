@@ -3,64 +3,13 @@
 
 mod common;
 
-use andon_core::anomaly::{Event, Judge, Unusable};
+use andon_core::anomaly::{Judge, Unusable};
 use andon_core::config::Method;
-use andon_core::couple::Couples;
 use andon_core::job::{Bounds, Job, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
-
-fn polish(strokes: usize) -> [Part; 4] {
-    [
-        part([1, 5, 0, 0], 30, Toward(3)),
-        part([1, 5, 5, 6], 16 * strokes, Strokes(strokes)),
-        part([1, 5, 0, 0], 30, Toward(7)),
-        idle(20),
-    ]
-}
-
-fn measure() -> [Part; 4] {
-    [
-        part([1, 6, 0, 0], 30, Toward(5)),
-        part([1, 6, 6, 3], 40, Still),
-        part([0, 0, 6, 3], 20, Still),
-        idle(20),
-    ]
-}
-
-fn polish_and_measure() -> Job<'static> {
-    teach(&[&polish(6), &measure()])
-}
-
-/// Any motion is near enough, so that only context and bounds count.
-fn forgiving(job: Job<'static>) -> Job<'static> {
-    let ius = |nominal: &NominalActivity<'static>| -> &'static [NominalIu<'static>] {
-        nominal.ius.iter().map(|iu| NominalIu { threshold: 100.0, ..*iu }).collect::<Vec<_>>().leak()
-    };
-    let activities: Vec<_> =
-        job.activities.iter().map(|nominal| NominalActivity { ius: ius(nominal), ..*nominal }).collect();
-    Job { activities: activities.leak(), ..job }
-}
-
-fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {
-    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap().at_start_of_job();
-    let mut verdicts = Vec::new();
-    for couples in couples {
-        judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
-    }
-    judge.finish(&mut |event| verdicts.extend(event.verdict()));
-    verdicts
-}
-
-#[track_caller]
-fn expect(job: &Job<'_>, right: &[Part], expected: &[&str]) -> Vec<Verdict> {
-    let verdicts = judged(job, &stream(right, &[]));
-    assert_eq!(verdicts.iter().map(short).collect::<Vec<_>>(), expected);
-    verdicts
-}
-
-const POLISH_OK: [&str; 4] = ["r0.0 IuOk", "r0.1 IuOk", "r0.2 IuOk", "r0 ActivityOk!"];
+use common::work::{POLISH_OK, expect, forgiving, judged, measure, polish, polish_and_measure};
 
 #[test]
 fn a_job_done_as_taught_is_right_as_soon_as_it_is_complete() {
@@ -317,142 +266,6 @@ fn the_next_touch_after_a_job_begins_another() {
     assert_eq!(verdicts[verdicts.len() / 2].activity, 0);
 }
 
-/// The beginnings of jobs and the verdicts on them, in their order.
-fn jobs(job: &Job<'_>, couples: &[Couples]) -> Vec<String> {
-    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap().at_start_of_job();
-    let mut jobs = Vec::new();
-    let mut take = |event| match event {
-        Event::JobBegan { began_ns } => jobs.push(format!("began in frame {}", began_ns / PERIOD_NS)),
-        Event::Verdict(verdict) if verdict.level == Level::Job => jobs.push(short(&verdict)),
-        Event::Verdict(_) => {}
-    };
-    couples.iter().for_each(|couples| judge.step(couples, &mut take));
-    judge.finish(&mut take);
-    jobs
-}
-
-#[test]
-fn the_beginning_of_every_job_is_an_event() {
-    let right = [idle(5), part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
-    let job = teach(&[&right[1..]]);
-    let twice = [&right[..], &right].concat();
-    assert_eq!(jobs(&job, &stream(&twice, &[])), ["began in frame 5", "JobOk", "began in frame 60", "JobOk"]);
-}
-
-#[test]
-fn the_beginning_of_the_job_after_one_that_was_not_judged_is_an_event() {
-    let right = [idle(5), part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
-    let job = teach(&[&right[1..]]);
-    let mut unseen = right;
-    unseen[1].sighted = false;
-    let twice = [&unseen[..], &right].concat();
-    assert_eq!(
-        jobs(&job, &stream(&twice, &[])),
-        ["began in frame 5", "NotJudged Blind", "began in frame 60", "JobOk"]
-    );
-}
-
-fn away(frames: usize) -> Part {
-    Part { seen: false, ..idle(frames) }
-}
-
-#[test]
-fn a_pause_without_hands_does_not_end_the_job_while_the_bench_stays_as_it_is() {
-    let right = [&polish(6)[..], &[away(900)], &measure()].concat();
-    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
-    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
-    assert_eq!(verdicts.iter().filter(|verdict| verdict.level == Level::Job).count(), 1);
-}
-
-#[test]
-fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearranged() {
-    let right = [&polish(6)[..], &[away(300)]].concat();
-    let mut couples = stream(&right, &[]);
-    couples[250].has_moved_unseen = true;
-    let verdicts = judged(&polish_and_measure(), &couples);
-    let job = verdicts.last().unwrap();
-    // The brick may have been measured while no hand was seen.
-    assert_eq!(short(job), "NotJudged Blind");
-    // 4 s after the bench was rearranged.
-    assert_eq!(job.ended_ns, (250 + 121) * PERIOD_NS);
-}
-
-#[test]
-fn a_job_in_which_objects_moved_without_a_hand_is_not_right() {
-    let right = [polish(6), measure()].concat();
-    let mut couples = stream(&right, &[]);
-    couples[170].has_moved_unseen = true;
-    let verdicts = judged(&polish_and_measure(), &couples);
-    assert_eq!(short(verdicts.last().unwrap()), "NotJudged Blind");
-    couples[170].has_moved_unseen = false;
-    couples.last_mut().unwrap().has_moved_unseen = true;
-    let verdicts = judged(&polish_and_measure(), &couples);
-    assert_eq!(short(verdicts.last().unwrap()), "JobOk", "the next piece is put in place");
-}
-
-#[test]
-fn a_judge_that_was_started_in_the_middle_of_a_job_accuses_nothing_that_came_before() {
-    let job = Job { order_matters: true, ..polish_and_measure() };
-    let right = [polish(6), measure(), polish(6), measure()].concat();
-    let couples = stream(&right, &[]);
-    for start in (0..286).step_by(10) {
-        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
-        let mut verdicts = Vec::new();
-        couples[start..]
-            .iter()
-            .for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
-        judge.finish(&mut |event| verdicts.extend(event.verdict()));
-        let verdicts: Vec<String> = verdicts.iter().map(short).collect();
-        assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{start}: {verdicts:?}");
-        assert_eq!(verdicts.last().unwrap(), "JobOk", "{start}: {verdicts:?}");
-    }
-}
-
-#[test]
-fn after_a_fault_the_next_job_is_right() {
-    let faults: [(&str, Vec<Part>); 5] = [
-        ("cut short", [polish(3), measure()].concat()),
-        ("left out", polish(6).to_vec()),
-        ("reversed", [measure(), polish(6)].concat()),
-        ("not completed", [&polish(6)[..], &measure()[..1], &[idle(20)]].concat()),
-        ("wrong object", [&[part([1, 9, 0, 0], 30, Still), idle(20)][..], &measure()].concat()),
-    ];
-    for order_matters in [false, true] {
-        let job = Job { order_matters, ..polish_and_measure() };
-        for (name, fault) in &faults {
-            let right = [polish(6), measure()].concat();
-            let mut couples = stream(&[&right[..], fault, &right, &right].concat(), &[]);
-            let fault_frames: usize = right.iter().chain(fault).map(|part| part.frames).sum();
-            // The parts of the next piece are put in place.
-            couples[fault_frames - 1].has_moved_unseen = true;
-            let verdicts = judged(&job, &couples);
-            let fault_ends = fault_frames as u64 * PERIOD_NS;
-            let later = verdicts.iter().filter(|verdict| verdict.began_ns >= fault_ends);
-            let accused: Vec<String> =
-                later.filter(|verdict| verdict.outcome == Outcome::Anomaly).map(short).collect();
-            assert!(accused.is_empty(), "{name}, {order_matters}: {accused:?}");
-            let jobs: Vec<Outcome> = verdicts
-                .iter()
-                .filter(|verdict| verdict.level == Level::Job)
-                .map(|job| job.outcome)
-                .collect();
-            assert_eq!(jobs[0], Outcome::Ok, "{name}, {order_matters}");
-            assert_eq!(jobs[jobs.len() - 2..], [Outcome::Ok; 2], "{name}, {order_matters}: {jobs:?}");
-            let is_fault = *name != "reversed" || order_matters;
-            // What is missing may have been done by a hand that was overlooked while the parts moved.
-            let is_right = jobs.iter().all(|outcome| *outcome == Outcome::Ok);
-            assert_eq!(is_right, !is_fault, "{name}, {order_matters}: {jobs:?}");
-        }
-    }
-}
-
-#[test]
-fn a_hand_in_the_picture_may_pause_for_any_time() {
-    let right = [&polish(6)[..], &[idle(1000)], &measure()].concat();
-    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
-    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
-}
-
 #[test]
 fn both_hands_at_once_have_verdicts_of_their_own() {
     let hold = [part([2, 4, 0, 0], 60, Toward(1)), part([2, 4, 4, 8], 60, Still), idle(20)];
@@ -505,43 +318,6 @@ fn a_wrong_activity_may_be_done_again_at_once() {
 }
 
 #[test]
-fn an_iu_that_was_out_of_sight_is_not_judged_and_never_ok() {
-    let mut right = [polish(6), measure()].concat();
-    right[1].sighted = false;
-    expect(
-        &polish_and_measure(),
-        &right,
-        &[
-            "r0.0 IuOk",
-            "r0.1 NotJudged Blind!",
-            "r0.2 IuOk",
-            "r0 NotJudged Blind!",
-            "r1.0 IuOk",
-            "r1.1 IuOk",
-            "r1.2 IuOk!",
-            "r1 ActivityOk!",
-            "NotJudged Blind",
-        ],
-    );
-}
-
-#[test]
-fn ius_that_may_have_happened_out_of_sight_are_no_anomaly() {
-    // The hand is out of sight with the polisher in it, and is seen again when the polishing is over.
-    let mut right = [polish(6), measure()].concat();
-    right[0].sighted = false;
-    right.remove(1);
-    let verdicts: Vec<String> =
-        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
-    assert!(
-        verdicts[0].contains("NotJudged Blind")
-            && verdicts.iter().all(|verdict| !verdict.contains("Anomaly")),
-        "{verdicts:?}"
-    );
-    assert_eq!(verdicts.last().unwrap(), "NotJudged Blind");
-}
-
-#[test]
 fn an_iu_too_long_to_be_compared_is_not_judged() {
     let mut job = polish_and_measure();
     let mut ius = job.activities[0].ius.to_vec();
@@ -552,50 +328,6 @@ fn an_iu_too_long_to_be_compared_is_not_judged() {
     let mut right = polish(6);
     right[0].frames = 3000;
     assert_eq!(short(&judged(&job, &stream(&right, &[]))[0]), "r0.0 NotJudged Overload!");
-}
-
-/// The couples of a camera of which only every so many frames were looked at.
-fn thinned(couples: &[Couples], count: usize) -> Vec<Couples> {
-    let of = |(index, couples): (usize, &Couples)| Couples { is_captured: index % count == 0, ..*couples };
-    couples.iter().enumerate().map(of).collect()
-}
-
-#[test]
-fn an_iu_with_fewer_frames_than_the_job_needs_is_neither_right_nor_wrong_and_its_verdict_says_how_many_came()
-{
-    let job = Job { min_captured: 0.5, ..polish_and_measure() };
-    for strokes in [6, 2] {
-        let work = stream(&[polish(strokes), measure()].concat(), &[]);
-        assert_eq!(
-            judged(&job, &thinned(&work, 2)).iter().map(short).collect::<Vec<_>>(),
-            judged(&polish_and_measure(), &work).iter().map(short).collect::<Vec<_>>()
-        );
-        let few = judged(&job, &thinned(&work, 3));
-        let ius = few.iter().filter(|verdict| verdict.level == Level::Iu && verdict.context.is_touch());
-        for iu in ius {
-            assert_eq!((iu.outcome, iu.reason), (Outcome::NotJudged, Reason::Overload), "{iu:?}");
-            assert!((30..37).contains(&iu.captured_percent.unwrap()), "{iu:?}");
-        }
-        assert_eq!(short(few.last().unwrap()), "NotJudged Overload");
-    }
-}
-
-#[test]
-fn a_job_that_breaks_off_anywhere_accuses_nobody() {
-    let (job, work) = (polish_and_measure(), stream(&[polish(6), measure()].concat(), &[]));
-    let job = Job { order_matters: true, ..job };
-    for cut in 1..work.len() {
-        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap().at_start_of_job();
-        let mut verdicts = Vec::new();
-        work[..cut]
-            .iter()
-            .for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
-        let before = verdicts.len();
-        judge.break_off(&mut |event| verdicts.extend(event.verdict()));
-        let accused = verdicts[before..].iter().find(|verdict| verdict.outcome == Outcome::Anomaly);
-        assert_eq!(accused, None, "cut after {cut} of {}", work.len());
-        judge.break_off(&mut |event| panic!("{event:?} after the end"));
-    }
 }
 
 #[test]

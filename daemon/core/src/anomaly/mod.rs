@@ -20,6 +20,10 @@
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
 //! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]). What may be explained
 //!   by something unseen is not judged.
+//! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
+//!   context has been shown without doubt; what was hidden before lies before it.
+//! - *Rival*: another object that the hand may have taken, because it was hidden when the hand took `o_j` ([`Couple::is_rivalled`]). It is
+//!   none any more when it is seen where it lay and the hand was not near it meanwhile.
 //! - *Places*: the numbers of IUs of a nominal activity that may have come, with what may have happened unseen. An activity is *astray*
 //!   when it fits no candidate as it was seen, but may fit one with what was not.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
@@ -38,13 +42,14 @@
 //!   that any motion there could have led to. An IU of which less than half was measured is never right.
 //! - An IU of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //! - An IU that may have begun or ended unseen may be a part of one: it is not too short. What would be right only with what was not seen
-//!   is not judged.
+//!   is not judged. But only as much fits into a gap as it is long: an IU that lasts at least twice as long was not overlooked in it.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen.
 //! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
 //!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
 //!
 //! [`Couple::is_doubtful`]: crate::couple::Couple::is_doubtful
+//! [`Couple::is_rivalled`]: crate::couple::Couple::is_rivalled
 
 mod activity;
 mod algorithm;

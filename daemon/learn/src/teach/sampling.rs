@@ -8,9 +8,15 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 /// At fewer frames per second than this, nobody runs a line.
 const LEAST_HZ: f32 = 1.0;
 
-/// Thins the runs to every second, third, fourth frame and so on, beginning with each possible frame, until one of them is segmented or
-/// judged in another way than with all its frames. The last rate before that is what the job needs. Runs that are not right with all
-/// their frames say nothing; where none is right, the job needs all frames.
+/// Shares of the frames that are tried before every second, third, fourth frame and so on: so many of so many.
+const MOST: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
+
+/// One in so many thinned runs may not be judged: what a run hides by itself may lie where a frame is left out.
+const UNJUDGED: usize = 10;
+
+/// Thins the runs to fewer and fewer frames, beginning with each possible frame, until one of them is segmented in another way or accused, or
+/// several are not judged. The last rate before that is what the job needs. Runs that are not right with all their frames say nothing;
+/// where none is right, the job needs all frames.
 pub(super) fn needed_rate_hz<'a>(runs: impl Iterator<Item = &'a Run>, job: &JobFile) -> f32 {
     let method = &job.method;
     // Nothing is asked of the rate while it is measured.
@@ -20,21 +26,38 @@ pub(super) fn needed_rate_hz<'a>(runs: impl Iterator<Item = &'a Run>, job: &JobF
             .filter_map(|run| Some((run, said(&run.judge(lent, method).ok()?))))
             .filter(|(_, said)| is_right(said))
             .collect();
-        let is_enough = |part: &u32| {
-            let rate_hz = f64::from(method.rate_hz) / f64::from(*part);
-            shown.iter().all(|(run, shown)| {
-                let thinned = run.judge_at(rate_hz, *part, lent, method);
-                thinned.len() == *part as usize && thinned.iter().all(|verdicts| said(verdicts) == *shown)
-            })
+        let rate_of = |[kept, of]: [u32; 2]| method.rate_hz * kept as f32 / of as f32;
+        let is_enough = |share: &[u32; 2]| {
+            let thinned = |(run, shown): &(&Run, Vec<Said>)| -> Vec<Option<Outcome>> {
+                let verdicts = run.judge_at(rate_of(*share).into(), share[1], lent, method);
+                verdicts.iter().map(|verdicts| outcome(&said(verdicts), shown)).collect()
+            };
+            let outcomes: Vec<Option<Outcome>> = shown.iter().flat_map(thinned).collect();
+            let unjudged = outcomes.iter().filter(|outcome| **outcome == Some(Outcome::NotJudged)).count();
+            outcomes.len() == shown.len() * share[1] as usize
+                && outcomes.iter().all(|outcome| outcome.is_some_and(|outcome| outcome != Outcome::Anomaly))
+                && unjudged <= outcomes.len() / UNJUDGED
         };
-        let least = (method.rate_hz / LEAST_HZ) as u32;
-        let parts = (2..=least).take_while(is_enough).last().filter(|_| !shown.is_empty()).unwrap_or(1);
-        method.rate_hz / parts as f32
+        let every = (2..=(method.rate_hz / LEAST_HZ) as u32).map(|every| [1, every]);
+        let least = MOST.into_iter().chain(every).take_while(is_enough).last();
+        least.filter(|_| !shown.is_empty()).map_or(method.rate_hz, rate_of)
     })
 }
 
 /// What a verdict is about and how it came out.
 type Said = (Level, Outcome, u16, Option<u16>, Context);
+
+/// How a thinned run came out: as it was shown, not judged, or an anomaly; `None` if it was segmented in another way.
+fn outcome(said: &[Said], shown: &[Said]) -> Option<Outcome> {
+    let of = |wanted: Outcome| said.iter().any(|(_, outcome, ..)| *outcome == wanted);
+    let is_same =
+        |(one, other): (&Said, &Said)| (one.0, one.2, one.3, one.4) == (other.0, other.2, other.3, other.4);
+    let is_segmented_alike = said.len() == shown.len() && said.iter().zip(shown).all(is_same);
+    match [Outcome::Anomaly, Outcome::NotJudged].into_iter().find(|wanted| of(*wanted)) {
+        Some(outcome) => Some(outcome),
+        None => is_segmented_alike.then_some(Outcome::Ok),
+    }
+}
 
 fn said(verdicts: &[Verdict]) -> Vec<Said> {
     let said =

@@ -1,0 +1,242 @@
+//! Where a job begins and ends, and what is said of what was not seen.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use andon_core::anomaly::Judge;
+use andon_core::config::Method;
+use andon_core::couple::{Couples, Sight};
+use andon_core::job::Job;
+use andon_core::verdict::{Level, Outcome, Reason};
+use common::bench::PERIOD_NS;
+use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use common::work::{away, expect, jobs, judged, measure, polish, polish_and_measure};
+
+#[test]
+fn the_beginning_of_every_job_is_an_event() {
+    let right = [idle(5), part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
+    let job = teach(&[&right[1..]]);
+    let twice = [&right[..], &right].concat();
+    assert_eq!(jobs(&job, &stream(&twice, &[])), ["began in frame 5", "JobOk", "began in frame 60", "JobOk"]);
+}
+
+#[test]
+fn the_beginning_of_the_job_after_one_that_was_not_judged_is_an_event() {
+    let right = [idle(5), part([1, 5, 0, 0], 30, Toward(3)), idle(20)];
+    let job = teach(&[&right[1..]]);
+    let mut unseen = right;
+    unseen[1].sighted = false;
+    let twice = [&unseen[..], &right].concat();
+    assert_eq!(
+        jobs(&job, &stream(&twice, &[])),
+        ["began in frame 5", "NotJudged Blind", "began in frame 60", "JobOk"]
+    );
+}
+
+#[test]
+fn a_pause_without_hands_does_not_end_the_job_while_the_bench_stays_as_it_is() {
+    let right = [&polish(6)[..], &[away(900)], &measure()].concat();
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
+    assert_eq!(verdicts.iter().filter(|verdict| verdict.level == Level::Job).count(), 1);
+}
+
+#[test]
+fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearranged() {
+    let right = [&polish(6)[..], &[away(300)]].concat();
+    let mut couples = stream(&right, &[]);
+    couples[250].has_moved_unseen = true;
+    let verdicts = judged(&polish_and_measure(), &couples);
+    let job = verdicts.last().unwrap();
+    // The brick may have been measured while no hand was seen.
+    assert_eq!(short(job), "NotJudged Blind");
+    // 4 s after the bench was rearranged.
+    assert_eq!(job.ended_ns, (250 + 121) * PERIOD_NS);
+}
+
+#[test]
+fn a_job_in_which_objects_moved_without_a_hand_is_not_right() {
+    let right = [polish(6), measure()].concat();
+    let mut couples = stream(&right, &[]);
+    couples[170].has_moved_unseen = true;
+    let verdicts = judged(&polish_and_measure(), &couples);
+    assert_eq!(short(verdicts.last().unwrap()), "NotJudged Blind");
+    couples[170].has_moved_unseen = false;
+    couples.last_mut().unwrap().has_moved_unseen = true;
+    let verdicts = judged(&polish_and_measure(), &couples);
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk", "the next piece is put in place");
+}
+
+#[test]
+fn a_judge_that_was_started_in_the_middle_of_a_job_accuses_nothing_that_came_before() {
+    let job = Job { order_matters: true, ..polish_and_measure() };
+    let right = [polish(6), measure(), polish(6), measure()].concat();
+    let couples = stream(&right, &[]);
+    for start in (0..286).step_by(10) {
+        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+        let mut verdicts = Vec::new();
+        couples[start..]
+            .iter()
+            .for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
+        judge.finish(&mut |event| verdicts.extend(event.verdict()));
+        let verdicts: Vec<String> = verdicts.iter().map(short).collect();
+        assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{start}: {verdicts:?}");
+        assert_eq!(verdicts.last().unwrap(), "JobOk", "{start}: {verdicts:?}");
+    }
+}
+
+#[test]
+fn after_a_fault_the_next_job_is_right() {
+    let faults: [(&str, Vec<Part>); 5] = [
+        ("cut short", [polish(3), measure()].concat()),
+        ("left out", polish(6).to_vec()),
+        ("reversed", [measure(), polish(6)].concat()),
+        ("not completed", [&polish(6)[..], &measure()[..1], &[idle(20)]].concat()),
+        ("wrong object", [&[part([1, 9, 0, 0], 30, Still), idle(20)][..], &measure()].concat()),
+    ];
+    for order_matters in [false, true] {
+        let job = Job { order_matters, ..polish_and_measure() };
+        for (name, fault) in &faults {
+            let right = [polish(6), measure()].concat();
+            let mut couples = stream(&[&right[..], fault, &right, &right].concat(), &[]);
+            let fault_frames: usize = right.iter().chain(fault).map(|part| part.frames).sum();
+            // The parts of the next piece are put in place.
+            couples[fault_frames - 1].has_moved_unseen = true;
+            let verdicts = judged(&job, &couples);
+            let fault_ends = fault_frames as u64 * PERIOD_NS;
+            let later = verdicts.iter().filter(|verdict| verdict.began_ns >= fault_ends);
+            let accused: Vec<String> =
+                later.filter(|verdict| verdict.outcome == Outcome::Anomaly).map(short).collect();
+            assert!(accused.is_empty(), "{name}, {order_matters}: {accused:?}");
+            let jobs: Vec<Outcome> = verdicts
+                .iter()
+                .filter(|verdict| verdict.level == Level::Job)
+                .map(|job| job.outcome)
+                .collect();
+            assert_eq!(jobs[0], Outcome::Ok, "{name}, {order_matters}");
+            assert_eq!(jobs[jobs.len() - 2..], [Outcome::Ok; 2], "{name}, {order_matters}: {jobs:?}");
+            let is_fault = *name != "reversed" || order_matters;
+            // What is missing may have been done by a hand that was overlooked while the parts moved.
+            let is_right = jobs.iter().all(|outcome| *outcome == Outcome::Ok);
+            assert_eq!(is_right, !is_fault, "{name}, {order_matters}: {jobs:?}");
+        }
+    }
+}
+
+#[test]
+fn a_hand_in_the_picture_may_pause_for_any_time() {
+    let right = [&polish(6)[..], &[idle(1000)], &measure()].concat();
+    let verdicts = judged(&polish_and_measure(), &stream(&right, &[]));
+    assert_eq!(short(verdicts.last().unwrap()), "JobOk");
+}
+
+#[test]
+fn an_iu_that_was_out_of_sight_is_not_judged_and_never_ok() {
+    let mut right = [polish(6), measure()].concat();
+    right[1].sighted = false;
+    expect(
+        &polish_and_measure(),
+        &right,
+        &[
+            "r0.0 IuOk",
+            "r0.1 NotJudged Blind!",
+            "r0.2 IuOk",
+            "r0 NotJudged Blind!",
+            "r1.0 IuOk",
+            "r1.1 IuOk",
+            "r1.2 IuOk!",
+            "r1 ActivityOk!",
+            "NotJudged Blind",
+        ],
+    );
+}
+
+#[test]
+fn ius_that_may_have_happened_out_of_sight_are_no_anomaly() {
+    // The hand is out of sight with the polisher in it, and is seen again when the polishing is over.
+    let mut right = [polish(6), measure()].concat();
+    right[0].sighted = false;
+    right.remove(1);
+    let verdicts: Vec<String> =
+        judged(&polish_and_measure(), &stream(&right, &[])).iter().map(short).collect();
+    assert!(
+        verdicts[0].contains("NotJudged Blind")
+            && verdicts.iter().all(|verdict| !verdict.contains("Anomaly")),
+        "{verdicts:?}"
+    );
+    assert_eq!(verdicts.last().unwrap(), "NotJudged Blind");
+}
+
+/// The couples of a camera of which only every so many frames were looked at.
+fn thinned(couples: &[Couples], count: usize) -> Vec<Couples> {
+    let of = |(index, couples): (usize, &Couples)| Couples { is_captured: index % count == 0, ..*couples };
+    couples.iter().enumerate().map(of).collect()
+}
+
+#[test]
+fn an_iu_with_fewer_frames_than_the_job_needs_is_neither_right_nor_wrong_and_its_verdict_says_how_many_came()
+{
+    let job = Job { min_captured: 0.5, ..polish_and_measure() };
+    for strokes in [6, 2] {
+        let work = stream(&[polish(strokes), measure()].concat(), &[]);
+        assert_eq!(
+            judged(&job, &thinned(&work, 2)).iter().map(short).collect::<Vec<_>>(),
+            judged(&polish_and_measure(), &work).iter().map(short).collect::<Vec<_>>()
+        );
+        let few = judged(&job, &thinned(&work, 3));
+        let ius = few.iter().filter(|verdict| verdict.level == Level::Iu && verdict.context.is_touch());
+        for iu in ius {
+            assert_eq!((iu.outcome, iu.reason), (Outcome::NotJudged, Reason::Overload), "{iu:?}");
+            assert!((30..37).contains(&iu.captured_percent.unwrap()), "{iu:?}");
+        }
+        assert_eq!(short(few.last().unwrap()), "NotJudged Overload");
+    }
+}
+
+#[test]
+fn a_job_that_breaks_off_anywhere_accuses_nobody() {
+    let (job, work) = (polish_and_measure(), stream(&[polish(6), measure()].concat(), &[]));
+    let job = Job { order_matters: true, ..job };
+    for cut in 1..work.len() {
+        let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap().at_start_of_job();
+        let mut verdicts = Vec::new();
+        work[..cut]
+            .iter()
+            .for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
+        let before = verdicts.len();
+        judge.break_off(&mut |event| verdicts.extend(event.verdict()));
+        let accused = verdicts[before..].iter().find(|verdict| verdict.outcome == Outcome::Anomaly);
+        assert_eq!(accused, None, "cut after {cut} of {}", work.len());
+        judge.break_off(&mut |event| panic!("{event:?} after the end"));
+    }
+}
+
+/// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden; `is_rivalled` is whether the hand
+/// may have taken that instead, for as long as it holds what it took.
+fn taken_in_doubt(is_rivalled: bool) -> Vec<String> {
+    let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
+    let mut couples = stream(&right, &[]);
+    for couples in &mut couples[15..25] {
+        couples.hands[0].is_clear = false;
+        couples.hands[0].is_doubtful = true;
+        couples.hands[0].sight[1] = Sight::Assumed;
+    }
+    for couples in &mut couples[20..128] {
+        couples.hands[0].is_rivalled = is_rivalled;
+    }
+    judged(&polish_and_measure(), &couples).iter().map(short).collect()
+}
+
+#[test]
+fn a_fault_of_which_only_the_first_touch_was_hidden_is_found() {
+    let verdicts = taken_in_doubt(false);
+    assert!(verdicts.contains(&"r0.1 IuAnomaly TooShort".to_owned()), "{verdicts:?}");
+    assert_eq!(verdicts.last().unwrap(), "JobAnomaly TooShort");
+}
+
+#[test]
+fn what_is_done_with_an_object_that_may_be_another_one_accuses_nobody() {
+    let verdicts = taken_in_doubt(true);
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
+    assert_eq!(verdicts.last().unwrap(), "NotJudged Blind");
+}
