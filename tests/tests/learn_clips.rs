@@ -25,7 +25,7 @@ fn seen(clip: &str) -> Recording {
     read(clip, &std::fs::read(tracks).unwrap()).unwrap()
 }
 
-/// The shipped job was taught from repetitions 1 and 2 of both persons. `ANDON_SEED` and `ANDON_CASES` choose other deletions.
+/// The second clip was not shown to the shipped job. `ANDON_SEED` and `ANDON_CASES` choose other deletions.
 #[test]
 fn nothing_is_accused_for_what_was_not_seen() {
     let (seed, cases) = (from_environment("ANDON_SEED", 73), from_environment("ANDON_CASES", 60));

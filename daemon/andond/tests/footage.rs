@@ -1,6 +1,6 @@
 //! The tools on the shipped clips, against their truth and against what a person can see in them.
 //!
-//! The shipped job was taught from repetitions 1 and 2 of both persons: every clip that is judged here was kept back from it,
+//! The shipped job was taught from the repetitions 1 to 3 of person 1 and 1 and 2 of person 2: every clip that is judged here was kept back from it,
 //! except where a test says so.
 #![allow(clippy::unwrap_used)]
 
@@ -56,15 +56,12 @@ impl Judged {
 
 #[test]
 fn a_correct_run_that_was_not_taught_is_correct() {
-    for name in ["p1_none_r3", "p2_none_r3"] {
-        let judged = replay(name);
-        assert_eq!(
-            judged.activities_and_job(),
-            [("ActivityOk", "None", Some(0)), ("ActivityOk", "None", Some(1)), ("JobOk", "None", None)],
-            "{name}"
-        );
-        assert_eq!(judged.exit, Some(0), "{name}");
-    }
+    let judged = replay("p2_none_r3");
+    assert_eq!(
+        judged.activities_and_job(),
+        [("ActivityOk", "None", Some(0)), ("ActivityOk", "None", Some(1)), ("JobOk", "None", None)]
+    );
+    assert_eq!(judged.exit, Some(0));
 }
 
 #[test]
