@@ -34,8 +34,7 @@ pub enum Deletion {
 }
 
 impl Deletion {
-    /// Any deletion that a recording of this length in seconds and with so many objects can have. Its last second stays: the end of a
-    /// recording is the end of the work, and what is missing then is missing.
+    /// Any deletion that a recording of this length in seconds and with so many objects can have.
     pub fn any(random: &mut Random, length_s: f64, objects: usize) -> Self {
         let hidden = match random.index(4) {
             0 => Hidden::Hands,
@@ -46,21 +45,20 @@ impl Deletion {
         match random.index(8) {
             0 => Self::Every(2 + random.index(7)),
             1 => Self::Lost(random.between(0.05, 0.95)),
-            2 => Self::Late(random.between(0.0, length_s - 1.0)),
-            _ => {
-                let from_s = random.between(0.0, length_s - 1.0);
-                Self::Stretch(hidden, from_s, random.between(0.03, 4.0).min(length_s - 1.0 - from_s))
-            }
+            2 => Self::Late(random.between(0.0, length_s)),
+            _ => Self::Stretch(hidden, random.between(0.0, length_s), random.between(0.03, 4.0)),
         }
     }
 
-    /// What is left of a recording.
+    /// What is left of a recording. Its last second stays: the end of a recording is the end of the work, and what is missing then is
+    /// missing.
     #[must_use]
     pub fn of(self, recording: &Recording, random: &mut Random) -> Recording {
         let mut left = recording.clone();
         let objects = recording.header.shapes();
         let began_ns = left.frames.first().map_or(0, |frame| frame.captured_ns);
         let at_s = |captured_ns: u64| (captured_ns - began_ns) as f64 * 1e-9;
+        let end_s = length_s(recording) - 1.0;
         match self {
             Self::Every(count) => {
                 let mut index = 0;
@@ -70,9 +68,12 @@ impl Deletion {
                 });
             }
             Self::Lost(share) => left.frames.retain(|_| random.uniform() >= share),
-            Self::Late(seconds) => left.frames.retain(|frame| at_s(frame.captured_ns) >= seconds),
+            Self::Late(seconds) => {
+                left.frames.retain(|frame| at_s(frame.captured_ns) >= seconds.min(end_s));
+            }
             Self::Stretch(hidden, from_s, seconds) => {
-                let is_within = |captured_ns| (from_s..from_s + seconds).contains(&at_s(captured_ns));
+                let to_s = end_s.min(from_s + seconds);
+                let is_within = |captured_ns| (from_s..to_s).contains(&at_s(captured_ns));
                 if hidden == Hidden::Everything {
                     left.frames.retain(|frame| !is_within(frame.captured_ns));
                 }
@@ -146,7 +147,8 @@ pub struct Tried {
     pub right: u64,
 }
 
-/// Deletes one or two things from any of these correct recordings, as often as `cases` says.
+/// Deletes one or two things from any of these correct recordings, as often as `cases` says. The first frame that is left shows its objects:
+/// one that was never seen is expected nowhere.
 pub fn try_deletions(job: &JobFile, correct: &[&Recording], seed: u64, cases: u64) -> Tried {
     let mut tried = Tried::default();
     for case in 0..cases {
@@ -158,6 +160,11 @@ pub fn try_deletions(job: &JobFile, correct: &[&Recording], seed: u64, cases: u6
             .collect();
         for deletion in &deletions {
             left = deletion.of(&left, &mut random);
+        }
+        if let Some(first) = left.frames.first_mut()
+            && let Some(shown) = whole.frames.iter().find(|frame| frame.captured_ns == first.captured_ns)
+        {
+            first.objects.clone_from(&shown.objects);
         }
         let verdicts = judged(job, &left);
         tried.right += u64::from(jobs(&verdicts) == [Outcome::Ok]);

@@ -30,12 +30,15 @@ impl Scene {
         self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
     }
 
-    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, and whether
-    /// they touch.
+    /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, what that may touch,
+    /// and whether they touch.
     pub(super) fn push_clear(&mut self) {
         for (index, hand) in self.hands.iter().enumerate() {
             let hand = hand.ago(0);
             let (interaction, touches) = (self.interactions[index], &self.touches[index]);
+            let held = interaction
+                .held()
+                .map(|j| (j, self.objects[j].poses.ago(0).position, self.objects[j].radius_m));
             let mut is_clear = hand.source == Source::Seen;
             for (object, node) in self.objects.iter_mut().enumerate() {
                 let pose = node.poses.ago(0);
@@ -43,14 +46,17 @@ impl Scene {
                 let taken = &mut node.may_be_taken[index];
                 let may_have_come = hand.source != Source::Seen || hand.is_over(pose.position, node.radius_m);
                 *taken = is_hidden && (*taken || may_have_come);
+                let other = held.filter(|(j, ..)| *j != object);
+                let is_edge_unknown =
+                    other.is_some_and(|(j, ..)| !self.adjacent[j.min(object)][j.max(object)].is_known());
+                let is_in_reach = other.is_some_and(|(_, position, radius_m)| {
+                    let reach = radius_m + node.radius_m + self.method.object_contact.off_m;
+                    squared_distance(position, pose.position) <= reach * reach
+                });
                 let is_in_doubt = match pose.source {
                     Source::Never => false,
-                    Source::Seen => {
-                        let edge = |j: usize| self.adjacent[j.min(object)][j.max(object)];
-                        let held = interaction.held().filter(|j| *j != object);
-                        !touches[object].is_known() || held.is_some_and(|j| !edge(j).is_known())
-                    }
-                    _ => *taken || interaction.involves(object),
+                    Source::Seen => !touches[object].is_known() || is_edge_unknown,
+                    _ => *taken || interaction.involves(object) || is_edge_unknown && is_in_reach,
                 };
                 is_clear &= !is_in_doubt;
             }
