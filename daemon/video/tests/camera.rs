@@ -242,7 +242,8 @@ fn a_recording_that_vanishes_between_two_repetitions_ends_the_role_with_a_remedy
     }
     std::fs::remove_dir_all(&folder).unwrap();
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(70));
+    // It was being read, or it was to be opened again, which does not help as long as it is gone.
+    assert!([Some(70), Some(78)].contains(&output.status.code()), "{output:?}");
     let damaged = lines(&output, "AND-108");
     assert!(damaged.len() == 1 && damaged[0].contains("Copy it again"), "{damaged:?}");
 }

@@ -105,7 +105,14 @@ impl Watch {
 
     /// Where the context changed with the newest couple, it may have changed as many frames before.
     pub(super) fn gap(&self) -> u32 {
-        if self.is_doubtful() { self.gap.max(self.since_certain) } else { self.gap }
+        if self.is_doubtful() {
+            self.gap.max(self.since_certain)
+        } else if self.since_doubt <= 2 * self.persist_frames {
+            // Behind a gap, a change is believed as much later as the contact takes to be known again.
+            self.gap.max(self.persist_frames)
+        } else {
+            self.gap
+        }
     }
 
     /// The newest couple is certain.
