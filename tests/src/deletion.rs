@@ -174,11 +174,3 @@ pub fn try_deletions(job: &JobFile, correct: &[&Recording], seed: u64, cases: u6
     }
     tried
 }
-
-/// A number from the environment, with which a test can be run longer or with another seed.
-///
-/// # Panics
-/// If it is not a number.
-pub fn from_environment(name: &str, default: u64) -> u64 {
-    std::env::var(name).map_or(default, |value| value.parse().expect("a number"))
-}

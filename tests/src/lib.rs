@@ -22,6 +22,7 @@
 #![forbid(unsafe_code)]
 
 pub mod deletion;
+pub mod environment;
 pub mod fuzz;
 pub mod line;
 pub mod measure;

@@ -4,7 +4,8 @@
 use andon_core::verdict::Outcome;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{Recording, read};
-use andon_tests::deletion::{from_environment, jobs, judged, try_deletions};
+use andon_tests::deletion::{jobs, judged, try_deletions};
+use andon_tests::environment;
 use andon_tests::line::andond;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,7 +29,7 @@ fn seen(clip: &str) -> Recording {
 /// The second clip was not shown to the shipped job. `ANDON_SEED` and `ANDON_CASES` choose other deletions.
 #[test]
 fn nothing_is_accused_for_what_was_not_seen() {
-    let (seed, cases) = (from_environment("ANDON_SEED", 73), from_environment("ANDON_CASES", 60));
+    let (seed, cases) = (environment::number("ANDON_SEED", 73), environment::number("ANDON_CASES", 60));
     let path = root().join("config/jobs/polish-and-measure.toml");
     let job = JobFile::parse("the shipped job", &std::fs::read(path).unwrap()).unwrap();
     for clip in ["p1_none_r3", "p2_none_r3"] {

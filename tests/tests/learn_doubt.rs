@@ -10,11 +10,12 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{from_environment, jobs, judged, length_s, one_after_the_other, try_deletions};
+use andon_tests::deletion::{jobs, judged, length_s, one_after_the_other, try_deletions};
+use andon_tests::environment;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, perform};
 
 fn seed() -> u64 {
-    from_environment("ANDON_SEED", 71)
+    environment::number("ANDON_SEED", 71)
 }
 
 fn recording(person: u64, repetition: u64, flaw: Flaw) -> Recording {
@@ -33,7 +34,7 @@ fn taught() -> JobFile {
 
 #[test]
 fn nothing_is_accused_for_what_was_not_seen() {
-    let (job, cases) = (taught(), from_environment("ANDON_CASES", 120));
+    let (job, cases) = (taught(), environment::number("ANDON_CASES", 120));
     let whole: Vec<Recording> = (6..=11).map(|person| recording(person, 1, Flaw::None)).collect();
     // A correct job that is accused although all of it was seen says nothing about deletions.
     let accepted: Vec<&Recording> =

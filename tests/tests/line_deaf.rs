@@ -7,7 +7,7 @@
 //! This is the short form: of about a hundred calls of each role it lets every seventh fail. `make deaf` lets every one fail.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::deletion::from_environment;
+use andon_tests::environment;
 use andon_tests::line::{Line, Modbus, Settings, Watcher, role_id, status};
 use shm_schemas::{RoleId, RoleState};
 use std::path::{Path, PathBuf};
@@ -148,7 +148,7 @@ impl Bench {
 fn every_call_of(role: &'static str) {
     let mut bench = Bench::new();
     let mut longest = (Duration::ZERO, String::new());
-    let every = from_environment("ANDON_EVERY", 7) as usize;
+    let every = environment::number("ANDON_EVERY", 7) as usize;
     let mut fails = 1;
     while let Some((name, took)) = bench.inject(role, fails) {
         if took > longest.0 {

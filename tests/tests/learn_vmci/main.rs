@@ -11,7 +11,8 @@ use andon_core::verdict::{Level, Outcome};
 use andon_learn::job_file::JobFile;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{from_environment, jobs, judged, try_deletions};
+use andon_tests::deletion::{jobs, judged, try_deletions};
+use andon_tests::environment;
 use capture::{BOX, Capture, RATE_HZ, SHELF, TABLE};
 use std::sync::LazyLock;
 
@@ -113,7 +114,7 @@ fn a_way_back_that_is_cut_short_is_an_anomaly() {
 /// `ANDON_SEED` and `ANDON_CASES` choose other deletions.
 #[test]
 fn nothing_is_accused_for_what_was_not_seen() {
-    let (seed, cases) = (from_environment("ANDON_SEED", 72), from_environment("ANDON_CASES", 90));
+    let (seed, cases) = (environment::number("ANDON_SEED", 72), environment::number("ANDON_CASES", 90));
     for (number, job) in TAUGHT_BY_OTHERS.iter() {
         let whole = Capture::read(*number).recording();
         assert!(!jobs(&judged(job, &whole)).contains(&Outcome::Anomaly), "run {number} as it was recorded");

@@ -55,12 +55,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             began_ns: couple.captured_ns,
             extent: Extent {
                 gap_before: self.watch.gap(),
-                may_be_part: may_be_rest || !is_certain,
+                may_be_part: may_be_rest || !is_certain && self.watch.may_go_on(context),
                 ..Extent::default()
             },
             captured: 0,
             is_certain,
-            may_be_rest: may_be_rest || !is_certain && self.watch.may_go_on(context),
             is_concluded: false,
         });
         self.judge_context(couple, progress, emit);
@@ -70,7 +69,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     fn confirm_iu(&mut self, couple: &Couple, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         iu.is_certain = true;
-        iu.extent.may_be_part = iu.may_be_rest;
         activity.confirm_iu(progress.job);
         if self.comparisons.is_empty() && iu.context.is_touch() {
             self.judge_context(couple, progress, emit);
@@ -246,7 +244,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 reversals: iu.reversals,
                 ended: true,
                 gap_after: self.watch.gap(),
-                may_be_part: open.extent.may_be_part || self.watch.is_doubtful(),
+                may_be_part: open.extent.may_be_part || !open.is_certain || self.watch.is_doubtful(),
                 ..open.extent
             };
             if extent.gap_after > 0 {

@@ -23,8 +23,6 @@ pub(super) struct OpenIu {
     pub(super) captured: u32,
     /// It was seen well enough that it has happened.
     pub(super) is_certain: bool,
-    /// It may be the rest of an IU that began before something was not seen.
-    pub(super) may_be_rest: bool,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }

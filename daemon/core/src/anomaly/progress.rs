@@ -105,7 +105,12 @@ impl<'a> Progress<'a> {
 
     /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is the job's first.
     pub(super) fn set_start_seen(&mut self, context: Context) {
-        let is_first = !self.job.order_matters || self.opening(context).intersects(self.first());
+        self.begin_seen_with(self.opening(context));
+    }
+
+    /// The newest activity is one of these. If it is the first that came, and one with which a job begins, the start was seen.
+    fn begin_seen_with(&mut self, activities: ActivitySet) {
+        let is_first = !self.job.order_matters || activities.intersects(self.first());
         self.is_start_seen |= is_first && self.activities == 1;
     }
 
@@ -235,8 +240,7 @@ impl<'a> Progress<'a> {
 
     pub(super) fn set_done(&mut self, nominal: usize) {
         self.done |= self.first_variant(nominal);
-        let first = self.number(nominal) == Some(0) || !self.job.order_matters;
-        self.is_start_seen |= first && self.activities == 1;
+        self.begin_seen_with(self.first_variant(nominal));
     }
 
     pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, reason: Reason) {
