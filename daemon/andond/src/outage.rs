@@ -7,9 +7,6 @@ use shm_schemas::{Health, RoleId, RoleState};
 
 use crate::config::Config;
 
-/// One beat may be late.
-const LEAST_DEADLINE: Duration = Duration::from_millis(2 * Heartbeat::PERIOD.as_millis() as u64);
-
 /// What was noticed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Outage {
@@ -50,7 +47,7 @@ impl Outages {
     pub(crate) fn new(config: &Config, own: RoleId) -> Self {
         let watched = |role: RoleId| Watched {
             role,
-            deadline: config.health.deadline(role).unwrap_or(LEAST_DEADLINE).max(LEAST_DEADLINE),
+            deadline: Heartbeat::silence(config.health.deadline(role).unwrap_or_default()),
             alive: None,
             down_since: None,
         };

@@ -28,6 +28,11 @@ impl Heartbeat {
     /// 2 Hz, so that a late message still comes within the second that watchers allow.
     pub const PERIOD: Duration = Duration::from_millis(500);
 
+    /// How long others wait for a sign of life of a role with this deadline: one beat may be late.
+    pub fn silence(deadline: Duration) -> Duration {
+        deadline.max(2 * Self::PERIOD)
+    }
+
     /// Starts counting. The role is [`RoleState::Starting`].
     ///
     /// # Errors

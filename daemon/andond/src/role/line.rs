@@ -30,8 +30,7 @@ impl LineHealth {
     /// Expects every role that the configuration needs.
     pub(super) fn new(config: &Config) -> Self {
         let expected = |role| {
-            // One beat may be late.
-            let deadline = config.health.deadline(role)?.max(2 * Heartbeat::PERIOD);
+            let deadline = Heartbeat::silence(config.health.deadline(role)?);
             Some(RoleHealth { role, deadline, newest: None })
         };
         let mut roles: Vec<RoleHealth> = config.roles().into_iter().filter_map(expected).collect();

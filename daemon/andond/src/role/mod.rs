@@ -4,6 +4,7 @@ mod audit;
 mod capture;
 mod clock;
 mod cycle;
+mod disabled;
 mod encode;
 mod error;
 mod jobs;

@@ -3,12 +3,9 @@
 use std::time::Duration;
 
 use andon_ipc::{Heartbeat, MonotonicTime};
-use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Sight};
+use shm_schemas::{Health, Judging, RoleId, RoleState, Sight};
 
-/// A role speaks twice per second, and one message may be late. The same holds for the registers' `ready`.
-const SHORTEST_DEADLINE: Duration = Duration::from_millis(2 * Heartbeat::PERIOD.as_millis() as u64);
-/// A judge that has said nothing of itself for this long is not heard, as for the registers' `ready`.
-const JUDGE_DEADLINE: Duration = Duration::from_secs(2);
+use crate::handshake::watches;
 
 /// Without one of these nothing is judged, or nothing is kept.
 const NEEDED: [RoleId; 4] = [RoleId::Perceive, RoleId::Encode, RoleId::Judge, RoleId::Journal];
@@ -33,27 +30,21 @@ impl Line {
     /// Every role that is needed, and the camera where there is one, runs, the line sees its bench, and the judge watches a job.
     /// Silence is never ready.
     pub(super) fn is_ready(&self, now: MonotonicTime) -> bool {
-        let is_new = |sent_ns, deadline| now.since(MonotonicTime::from_nanoseconds(sent_ns)) <= deadline;
         let runs = |health: &Health| {
             health.state == RoleState::Running.code()
-                && is_new(health.stamp.sent_ns, deadline(health))
+                && now.since(MonotonicTime::from_nanoseconds(health.stamp.sent_ns)) <= deadline(health)
                 && sees(health)
         };
         let of = |role: RoleId| self.healths.iter().find(|health| health.role == role.code());
-        let watches = |judging: &Judging| {
-            judging.is_enabled != 0
-                && judging.phase != JudgePhase::NoJob.code()
-                && is_new(judging.stamp.sent_ns, JUDGE_DEADLINE)
-        };
         NEEDED.into_iter().all(|role| of(role).is_some_and(runs))
             && of(RoleId::Capture).is_none_or(runs)
-            && self.judging.as_ref().is_some_and(watches)
+            && self.judging.as_ref().is_some_and(|judging| watches(judging, now.nanoseconds()))
     }
 }
 
 /// How long the role may be silent: it says how the station is configured.
 fn deadline(health: &Health) -> Duration {
-    Duration::from_millis(health.deadline_ms.into()).max(SHORTEST_DEADLINE)
+    Heartbeat::silence(Duration::from_millis(health.deadline_ms.into()))
 }
 
 /// Whether the role reports no trouble with the line's sight: only perceive says anything of it, and 0 before it has looked.
@@ -64,6 +55,7 @@ fn sees(health: &Health) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use shm_schemas::JudgePhase;
 
     const S: u64 = 1_000_000_000;
 

@@ -36,6 +36,13 @@ const JUDGE_DEADLINE_NS: u64 = 2_000 * MS;
 /// A journal that needs longer than this for one row is broken: a slow disk syncs in 50 ms.
 const JOURNAL_DEADLINE_NS: u64 = 2_000 * MS;
 
+/// Whether the judge watches a job by what it has said last, unless that is too long ago.
+pub fn watches(judging: &Judging, now_ns: u64) -> bool {
+    judging.is_enabled != 0
+        && judging.phase != JudgePhase::NoJob.code()
+        && now_ns.saturating_sub(judging.stamp.sent_ns) <= JUDGE_DEADLINE_NS
+}
+
 /// The number of AND-302, which says in the judge's log why a job was refused.
 const JOB_REFUSED: u32 = 302;
 

@@ -156,7 +156,7 @@ impl Counts {
     pub(super) fn ready(&self, is_ready: bool, now: MonotonicTime) {
         self.ready.set(is_ready.into());
         let is_silent = |health: &&Health| {
-            let deadline = Duration::from_millis(health.deadline_ms.into()).max(2 * Heartbeat::PERIOD);
+            let deadline = Heartbeat::silence(Duration::from_millis(health.deadline_ms.into()));
             now.since(MonotonicTime::from_nanoseconds(health.stamp.sent_ns)) > deadline
         };
         for health in self.newest.iter().filter(is_silent) {

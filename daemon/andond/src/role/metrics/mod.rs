@@ -10,11 +10,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
-use andon_plc::handshake::Line;
-use shm_schemas::{Couples, Detections, Health, JudgePhase, Judging, Stamp, Verdict};
+use andon_plc::handshake::{Line, watches};
+use shm_schemas::{Couples, Detections, Health, Judging, Stamp, Verdict};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
+use super::disabled;
 use super::line::LineHealth;
 use crate::config::Config;
 use crate::log::{code, log};
@@ -23,8 +24,6 @@ use http::Server;
 
 /// The longest wait: a client waits no longer than this to be answered.
 const TURN: Duration = Duration::from_millis(50);
-/// A judge that has said nothing of itself for this long is not heard, as for the registers' `ready`.
-const JUDGE_DEADLINE: Duration = Duration::from_secs(2);
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -34,25 +33,9 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         cycle.run(&mut role)?;
     } else {
         log!(code::METRICS_OFF, "metrics.enable is false: nothing listens");
-        cycle.stepped(Instant::now());
-        cycle.run(&mut Disabled)?;
+        disabled::run(&mut cycle)?;
     }
     Ok(())
-}
-
-/// Without metrics in the configuration there is nothing to do; the unit is there all the same, and healthy.
-struct Disabled;
-
-impl Role for Disabled {
-    const INPUT_IS_STEADY: bool = false;
-
-    fn ports(&mut self) -> Vec<&mut dyn Port> {
-        Vec::new()
-    }
-
-    fn turn(&mut self, _cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        Ok(Turn::Idle)
-    }
 }
 
 struct Metrics {
@@ -159,10 +142,5 @@ fn latency(stamp: &Stamp) -> Option<Duration> {
 
 /// Whether the line could judge a part now. The PLC's own `ready` also waits for its reset after a fault.
 fn is_ready(line: &mut LineHealth, judging: Option<&Judging>, now: MonotonicTime) -> bool {
-    let watches = |judging: &Judging| {
-        judging.is_enabled != 0
-            && judging.phase != JudgePhase::NoJob.code()
-            && now.since(sent(&judging.stamp)) <= JUDGE_DEADLINE
-    };
-    line.line(now) == Line::Ready && judging.is_some_and(watches)
+    line.line(now) == Line::Ready && judging.is_some_and(|judging| watches(judging, now.nanoseconds()))
 }

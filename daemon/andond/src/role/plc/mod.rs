@@ -17,6 +17,7 @@ use shm_schemas::{AuditKind, Command, CommandSource, Health, Judging};
 use super::RoleError;
 use super::audit::Auditor;
 use super::cycle::{Cycle, Role, Turn};
+use super::disabled;
 use super::line::LineHealth;
 use super::output::Output;
 use crate::config::Config;
@@ -39,25 +40,9 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         cycle.run(&mut role)?;
     } else {
         log!(code::PLC_OFF, "plc.enable is false: nothing listens");
-        cycle.stepped(Instant::now());
-        cycle.run(&mut Disabled)?;
+        disabled::run(&mut cycle)?;
     }
     Ok(())
-}
-
-/// Without a PLC in the configuration there is nothing to do; the unit is there all the same, and healthy.
-struct Disabled;
-
-impl Role for Disabled {
-    const INPUT_IS_STEADY: bool = false;
-
-    fn ports(&mut self) -> Vec<&mut dyn Port> {
-        Vec::new()
-    }
-
-    fn turn(&mut self, _cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        Ok(Turn::Idle)
-    }
 }
 
 struct Plc {
