@@ -44,10 +44,10 @@
 //!     encoder.step(&frame, &mut |couples| judge.step(&couples, &mut |event| verdicts.extend(event.verdict())))?;
 //! }
 //!
-//! // In its 41st frame the IU is too long, so it has its verdict while it still continues.
+//! // That the hand rests is known from frame 3 on. In its 41st frame the IU is too long, so it has its verdict while it still continues.
 //! assert_eq!((verdicts[0].level, verdicts[0].outcome), (Level::Iu, Outcome::Anomaly));
 //! assert_eq!((verdicts[0].reason, verdicts[0].early), (Reason::TooLong, true));
-//! assert_eq!(verdicts[0].decided_ns, (40 + 5) * 33_333_333);
+//! assert_eq!(verdicts[0].decided_ns, (3 + 40 + 5) * 33_333_333);
 //! assert_eq!((verdicts[1].level, verdicts[1].outcome), (Level::Activity, Outcome::Anomaly));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

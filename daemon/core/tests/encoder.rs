@@ -49,19 +49,52 @@ fn there_is_one_couple_per_frame_with_the_time_of_the_frame_known_persist_frames
     }
 }
 
+/// For each frame, whether the right hand acts on the tool.
+fn acts(bench: &Bench) -> Vec<bool> {
+    encode(&bench.ids(), &bench.frames).iter().map(|couples| couples.hands[0].context.is_touch()).collect()
+}
+
 #[test]
-fn a_contact_begins_in_the_frame_in_which_the_distance_falls_below_the_limit() {
-    let bench = fill_the_box();
+fn a_hand_acts_on_an_object_from_when_it_rests_there_until_it_moves_away() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    // It is at the tool from frame 45 on and moves away after frame 75. At half of its speed it is within 3 cm for 10 frames before and after.
+    bench.hand(Side::Right, [-0.2, 0.0]).rest(15).go([0.0, 0.0], 30).rest(30).go([-0.2, 0.0], 30).rest(20);
+    let acts = acts(&bench);
+    let [first, last] =
+        [acts.iter().position(|acts| *acts), acts.iter().rposition(|acts| *acts)].map(Option::unwrap);
+    assert!((40..=45).contains(&first) && (75..=80).contains(&last), "{first} to {last}");
+    assert!(acts[first..=last].iter().all(|acts| *acts));
+}
+
+#[test]
+fn a_hand_acts_on_what_moves_with_it_from_the_first_moment() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).rest(5).go([0.4, 0.0], 30).rest(10);
+    assert!(acts(&bench)[3..].iter().all(|acts| *acts));
+}
+
+#[test]
+fn a_hand_that_passes_slowly_over_an_object_touches_nothing() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    // At 0.25 m/s it is within 3 cm for 7 frames.
+    bench.hand(Side::Right, [-0.3, 0.0]).rest(10).go([0.3, 0.0], 140).rest(10);
+    assert!(!acts(&bench).contains(&true));
+}
+
+#[test]
+fn what_a_hand_does_that_came_unseen_is_in_doubt_until_it_is_known_whether_it_holds_the_object() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench
+        .hand(Side::Right, [0.2, 0.0])
+        .rest(20)
+        .leave(Side::Right)
+        .rest(20)
+        .hand(Side::Right, [0.0, 0.0])
+        .rest(20);
     let couples = encode(&bench.ids(), &bench.frames);
-    let tips_to_tool = |frame: &Frame| {
-        let tool = frame.objects.iter().find(|object| object.id == TOOL).unwrap().position;
-        let apart = |tip: &[f32; 3]| ((tip[0] - tool[0]).powi(2) + (tip[1] - tool[1]).powi(2)).sqrt();
-        frame.hands[0].tips.iter().map(apart).fold(f32::INFINITY, f32::min)
-    };
-    let first = bench.frames.iter().position(|frame| tips_to_tool(frame) < 0.03).unwrap();
-    let begun = couples.iter().position(|couples| couples.hands[0].context.is_touch()).unwrap();
-    assert_eq!(begun, first);
-    assert!((couples[begun].hands[0].distances[0] - tips_to_tool(&bench.frames[begun])).abs() < 1e-6);
+    let first = couples.iter().position(|couples| couples.hands[0].context.is_touch()).unwrap();
+    assert!((40..=45).contains(&first), "{first}");
+    assert!(couples[40..first].iter().all(|couples| couples.hands[0].is_doubtful));
 }
 
 #[test]
@@ -141,7 +174,7 @@ fn an_object_hidden_for_longer_than_blind_ms_keeps_its_contact_but_is_not_sighte
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hide(TOOL).rest(40).show(TOOL).rest(10);
     let couples = encode(&bench.ids(), &bench.frames);
-    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 70)]);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 67)]);
     // 700 ms are 21 frames; the following ones are not sighted until the object is seen again.
     let blind: Vec<usize> = (0..70).filter(|frame| !couples[*frame].hands[0].is_in_sight()).collect();
     assert_eq!(blind, (41..60).collect::<Vec<_>>());
@@ -154,7 +187,7 @@ fn a_hand_that_leaves_the_picture_in_contact_keeps_it_and_is_out_of_sight_after_
     // It comes back elsewhere: when it let go is not known.
     bench.hand(Side::Right, [0.3, 0.3]).rest(20);
     let couples = encode(&bench.ids(), &bench.frames);
-    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 80)]);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 77)]);
     let out_of_sight: Vec<usize> = (0..80).filter(|frame| !couples[*frame].hands[0].is_in_sight()).collect();
     assert_eq!(out_of_sight, (41..80).collect::<Vec<_>>());
     assert!(couples[19].hands[0].is_hand_seen() && !couples[20].hands[0].is_hand_seen());
@@ -169,7 +202,7 @@ fn an_object_that_moves_while_its_holder_is_unseen_is_held() {
         frame.hands.clear();
     }
     let couples = encode(&bench.ids(), &bench.frames);
-    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 70)]);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 67)]);
     assert!(couples.iter().all(|couples| !couples.has_moved_unseen));
 }
 
@@ -196,8 +229,8 @@ fn what_was_not_measured_is_unknown_and_not_rest() {
     }
     let couples = encode(&bench.ids(), &bench.frames);
     let unknown: Vec<usize> = (0..80).filter(|frame| couples[*frame].hands[0].motion.is_none()).collect();
-    // Up to three frames from the gap, and from the ends of the recording, most positions are on one side: that is too imprecise.
-    assert_eq!(unknown, (0..3).chain(27..53).chain(77..80).collect::<Vec<_>>());
+    // Up to three frames from the gap, and from the end of the recording, most positions are on one side: that is too imprecise.
+    assert_eq!(unknown, (27..53).chain(77..80).collect::<Vec<_>>());
 }
 
 #[test]
@@ -211,7 +244,7 @@ fn a_hand_lost_for_less_than_blind_ms_is_held() {
         .hand(Side::Right, [0.0, 0.0])
         .rest(20);
     let couples = encode(&bench.ids(), &bench.frames);
-    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 55)]);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], 52)]);
     assert!(couples.iter().all(|couples| couples.hands[0].is_in_sight()));
 }
 
@@ -288,7 +321,7 @@ fn of_a_long_gap_only_the_beginning_is_filled_until_the_hand_is_out_of_sight() {
     assert_eq!(couples.iter().filter(|couples| !couples.hands[0].is_in_sight()).count(), 1);
     assert_eq!(couples.iter().filter(|couples| !couples.is_captured).count(), blind_frames + 1);
     // The hand is where it was: its contact goes on.
-    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], couples.len())]);
+    assert_eq!(contexts(&couples, Side::Right), [([1, TOOL, 0, 0], couples.len() - 3)]);
     assert!(couples.windows(2).all(|pair| pair[0].captured_ns < pair[1].captured_ns));
     assert!(couples.iter().all(|couples| couples.captured_ns <= couples.known_ns));
 }

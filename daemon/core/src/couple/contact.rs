@@ -70,10 +70,9 @@ impl Edge {
         self.believed
     }
 
-    /// Whether it is near in all frames of the window [`ahead`] of this age.
-    pub(super) fn is_lasting(self, age: usize, persist: u8) -> bool {
-        let frames = ahead(age, persist);
-        self.near & frames == frames
+    /// Whether it was known in at least half of the `persist` frames before the frame of this age.
+    pub(super) fn was_known(self, age: usize, persist: u8) -> bool {
+        2 * (self.known & window(persist, age + 1)).count_ones() + 1 >= persist.into()
     }
 
     /// Whether enough frames of the window [`ahead`] of this age show that the two are apart, and none that they are near.

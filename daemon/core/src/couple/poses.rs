@@ -122,7 +122,7 @@ impl HandPose {
     }
 
     /// The centre of the finger tips, where an object is held.
-    fn grip(&self) -> Point {
+    pub(super) fn grip(&self) -> Point {
         add(add(self.tips[0], self.tips[1]), self.tips[2]).map(|sum| sum / 3.0)
     }
 }

@@ -1,5 +1,6 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
+mod in_hand;
 mod sight;
 
 use super::contact::Edge;
@@ -12,6 +13,7 @@ use crate::capacity::{HANDS, OBJECTS};
 use crate::config::Method;
 use crate::input::{Frame, ObjectShape, Point, Side, Space};
 use heapless::Vec;
+use in_hand::InHand;
 
 /// An object as a node of the graph.
 #[derive(Clone, Debug)]
@@ -73,6 +75,8 @@ pub(super) struct Scene {
     objects: Vec<Node, OBJECTS>,
     /// From each hand to each object.
     touches: [[Edge; OBJECTS]; HANDS],
+    /// For each hand, whether it acts on the object.
+    in_hand: [[InHand; OBJECTS]; HANDS],
     /// Between each two objects, the lower index first.
     adjacent: [[Edge; OBJECTS]; OBJECTS],
     interactions: [Interaction; HANDS],
@@ -101,6 +105,7 @@ impl Scene {
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
+            in_hand: [[InHand::No; OBJECTS]; HANDS],
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
         }
@@ -233,6 +238,7 @@ impl Scene {
         for edge in self.touches.iter_mut().chain(&mut self.adjacent).flatten() {
             edge.believe(age, persist);
         }
+        self.update_in_hand(age);
         let hands = core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
             let interaction = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
@@ -249,13 +255,13 @@ impl Scene {
         }
     }
 
-    /// The edges from a hand to the objects that it touches: the one that it acts on, and others that it will touch long enough to act
-    /// on them. A hand that lets go of one object leaves those beside it at nearly the same time.
+    /// The edges from a hand to the objects that are in it: the one that it acts on, and others at which it rests. A hand that lets go of
+    /// one object leaves those beside it at nearly the same time, and does not act on them.
     fn touched(&self, hand: usize, age: usize) -> impl Iterator<Item = interaction::Edge> + Clone {
-        let (former, persist) = (self.interactions[hand].held(), self.method.persist_frames);
+        let former = self.interactions[hand].held();
         let is_touched = move |j: &usize| {
-            let edge = self.touches[hand][*j];
-            edge.is_believed() && (former == Some(*j) || edge.is_lasting(age, persist))
+            self.in_hand[hand][*j] == InHand::Yes
+                && (former == Some(*j) || self.rests(hand, *j, age) == Some(true))
         };
         (0..self.objects.len()).filter(is_touched).map(move |j| (j, self.distance_from_hand(hand, j, age)))
     }
@@ -309,7 +315,7 @@ impl Scene {
             ],
             sight: [self.sight(pose.unseen), sight(j), sight(l)],
             is_clear: self.clear[hand] >> age & 1 == 1,
-            is_doubtful: self.is_doubtful(hand, age),
+            is_doubtful: self.is_doubtful(hand, age) || self.in_hand[hand].contains(&InHand::Unknown),
             is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
         };
         // Only now it is known which objects the context rests on.

@@ -1,0 +1,123 @@
+//! When a hand that is near an object acts on it: from the moment at which it rests at the object, or the object moves with it, until
+//! it leaves (the in-hand relation of paper III-A.2).
+//!
+//! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
+//! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
+
+use super::super::geometry::{inverse, norm, rotated, subtract};
+use super::super::poses::Source;
+use super::Scene;
+use crate::capacity::HANDS;
+use crate::input::Point;
+
+/// Whether a hand acts on an object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum InHand {
+    /// It is not at the object, or only passes it.
+    #[default]
+    No,
+    /// It is at the object, and it has not been seen whether it acts on it.
+    Unknown,
+    /// It acts on the object.
+    Yes,
+}
+
+impl Scene {
+    /// Finds for the frame `age` frames before the newest which objects each hand acts on. Call it once for each frame, in order.
+    pub(super) fn update_in_hand(&mut self, age: usize) {
+        for hand in 0..HANDS {
+            for object in 0..self.objects.len() {
+                self.in_hand[hand][object] = self.next_in_hand(hand, object, age);
+                if self.in_hand[hand][object] == InHand::Unknown {
+                    // The frame does not show what the hand acts on.
+                    self.clear[hand] &= !(1 << age);
+                }
+            }
+        }
+    }
+
+    fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
+        let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
+        let is_at_it = edge.is_believed() || before == InHand::Yes && self.follows(hand, object, age);
+        match (before, is_at_it.then(|| self.rests(hand, object, age)).flatten()) {
+            _ if !is_at_it => InHand::No,
+            (InHand::Yes, _) if self.leaves(hand, object, age) => InHand::No,
+            (InHand::Yes, _) | (_, Some(true)) => InHand::Yes,
+            // A hand that came to the object unseen may hold it already.
+            (InHand::No, Some(false)) if edge.was_known(age, self.method.persist_frames) => InHand::No,
+            _ => InHand::Unknown,
+        }
+    }
+
+    /// Whether the hand is at the object, rests relative to it, and stays there for as long as a change takes to be believed; `None` where
+    /// that was not measured.
+    pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
+        if self.distance_from_hand(hand, object, age) > self.method.hand_contact.on_m {
+            return Some(false);
+        }
+        let (speed, path_m) =
+            self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
+        Some(speed < self.method.rest_speed_m_s && path_m <= self.rest_m())
+    }
+
+    /// How far something may move while a change is believed and still be at rest, in metres.
+    fn rest_m(&self) -> f32 {
+        self.method.rest_speed_m_s * f32::from(self.method.persist_frames) / self.method.rate_hz
+    }
+
+    /// Whether the hand moves away from the object, which does not follow, so that it is not at it any more when a change would be believed.
+    fn leaves(&self, hand: usize, object: usize, age: usize) -> bool {
+        let on_m = self.method.hand_contact.on_m;
+        let Some(newest) = self.newest_known(hand, object, age) else { return false };
+        let distance = self.distance_from_hand(hand, object, newest);
+        distance > on_m
+            && distance > self.distance_from_hand(hand, object, age)
+            && self.relative_path(hand, object, age).is_some_and(|path_m| path_m > on_m / 2.0)
+            && !self.follows(hand, object, age)
+    }
+
+    /// Whether the object moves with the hand: more than half as far as the two move apart. Two hands that carry a part together do not hold
+    /// it as stiffly as one.
+    fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
+        let path_m = self.newest_known(hand, object, age).zip(self.relative_path(hand, object, age));
+        path_m.is_some_and(|(newest, path_m)| {
+            let poses = &self.objects[object].poses;
+            let followed_m = norm(subtract(poses.ago(newest).position, poses.ago(age).position));
+            followed_m > f32::max(path_m / 2.0, self.rest_m())
+        })
+    }
+
+    /// The speed of the finger tips relative to the object, in m/s: in the bench frame or in that of the object, whichever is less, so that
+    /// the orientation of a part that turns without meaning does not matter.
+    fn relative_speed(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
+        let speed_in = |frame: usize| {
+            let motion =
+                self.kinematics(age, |age| Some(self.relative_positions(hand, object, age)?[frame]))?;
+            Some(norm(motion.velocity))
+        };
+        Some(f32::min(speed_in(0)?, speed_in(1)?))
+    }
+
+    /// How far the finger tips have moved relative to the object from this frame to the newest known one of those in which a change is
+    /// believed, in metres; in the bench frame or in that of the object, whichever is less.
+    fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
+        let from = self.relative_positions(hand, object, age)?;
+        let to = self.relative_positions(hand, object, self.newest_known(hand, object, age)?)?;
+        let moved = |frame: usize| norm(subtract(to[frame], from[frame]));
+        Some(f32::min(moved(0), moved(1)))
+    }
+
+    /// The newest frame up to `persist_frames` after this one in which both were known, as an age.
+    fn newest_known(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
+        let newest = age.saturating_sub(self.method.persist_frames.into());
+        (newest..age).find(|age| self.relative_positions(hand, object, *age).is_some())
+    }
+
+    /// Where the finger tips are from the object, in metres: in the bench frame and in that of the object. `None` where either is not known.
+    fn relative_positions(&self, hand: usize, object: usize, age: usize) -> Option<[Point; 2]> {
+        let (hand, object) = (self.hands[hand].ago(age), self.objects[object].poses.ago(age));
+        let is_known = hand.source == Source::Seen && object.source.is_known();
+        let apart = subtract(hand.grip(), object.position);
+        is_known.then(|| [apart, rotated(apart, inverse(object.orientation))])
+    }
+}
