@@ -4,13 +4,15 @@ use crate::HANDS;
 use crate::layout::{message, wire};
 use crate::stamp::Stamp;
 
-wire! { "andon.HandCouple", 28;
+wire! { "andon.HandCouple", 40;
     /// The feature couple of one hand.
     struct HandCouple {
         /// `x_c = [ID_h, ID_oj, ID_oj, ID_ol]`.
         x_c: [u16; 4],
         /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l` in metres; infinite without such a contact.
         distances_m: [f32; 2],
+        /// Where the hand acts in metres: `o_j` in the frame of `o_l`, or without `o_l` the finger tips on the bench; NaN where it was not seen.
+        position_m: [f32; 3],
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
         /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`.
@@ -22,7 +24,7 @@ wire! { "andon.HandCouple", 28;
     }
 }
 
-wire! { "andon.Couples", 120;
+wire! { "andon.Couples", 144;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.

@@ -10,7 +10,7 @@ use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Encoder, Motion};
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Side};
-use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
+use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 use std::f32::consts::TAU;
 use std::time::Instant;
 
@@ -95,6 +95,7 @@ fn nominal(side: Side, reference: &[Motion], after: u16) -> Vec<NominalIu<'_>> {
             threshold: 1e6,
             frames: any,
             reversals: any,
+            measures: MeasureBounds::ANY,
         })
         .to_vec()
 }

@@ -1,7 +1,7 @@
 //! The codes of inputs that no simulated worker gives. Each test takes the place of one role and feeds those after it by hand.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_core::job::Bounds;
+use andon_core::job::{Bounds, MeasureBounds};
 use andon_ipc::{ChannelMessage, Node, Stop, UtcTime, Wake, Writer};
 use andon_learn::job_file::JobFile;
 use andon_tests::line::{Line, Modbus, Settings, Watcher};
@@ -73,6 +73,7 @@ fn a_step_that_lasts_longer_than_can_be_compared_is_reported_and_not_judged() {
     for iu in job.activities.iter_mut().flat_map(|activity| &mut activity.ius) {
         let any = Bounds { min: 0, max: u32::MAX };
         (iu.frames, iu.reversals, iu.threshold) = (any, any, f32::MAX);
+        iu.measures = MeasureBounds::ANY;
     }
     std::fs::write(line.path("job.toml"), job.to_toml()).unwrap();
     let x_c = job.activities[0].ius[0].context.0;

@@ -25,6 +25,47 @@ pub struct Bounds {
     pub max: u32,
 }
 
+/// An inclusive range of lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Minimum of the right range.
+    pub min: f32,
+    /// Maximum of the right range.
+    pub max: f32,
+}
+
+/// What is right within a distance of a centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Around<const N: usize> {
+    /// The centre.
+    pub centre: [f32; N],
+    /// Maximum distance from it that is right.
+    pub max: f32,
+}
+
+/// The right measures of an IU in metres, see [`Measures`](crate::segment::Measures).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasureBounds {
+    /// Mean length of a stroke.
+    pub stroke_m: Range,
+    /// Length of the path.
+    pub path_m: Range,
+    /// The direction of the path.
+    pub axis: Around<2>,
+    /// Mean position.
+    pub place_m: Around<3>,
+}
+
+impl MeasureBounds {
+    /// Everything is right.
+    pub const ANY: Self = Self {
+        stroke_m: Range { min: 0.0, max: f32::INFINITY },
+        path_m: Range { min: 0.0, max: f32::INFINITY },
+        axis: Around { centre: [0.0; 2], max: f32::INFINITY },
+        place_m: Around { centre: [0.0; 3], max: f32::INFINITY },
+    };
+}
+
 /// One IU of a nominal activity.
 #[derive(Clone, Copy, Debug)]
 pub struct NominalIu<'a> {
@@ -37,8 +78,10 @@ pub struct NominalIu<'a> {
     pub threshold: f32,
     /// How long it may last, in frames of the grid.
     pub frames: Bounds,
-    /// How often the motion may reverse (see [`Iu::reversals`](crate::segment::Iu::reversals)): shows that a repeated motion was cut short.
+    /// How often the motion may reverse: shows that a repeated motion was cut short.
     pub reversals: Bounds,
+    /// What it may measure in metres.
+    pub measures: MeasureBounds,
 }
 
 /// A nominal activity: the sequence of IUs that it consists of.

@@ -13,7 +13,7 @@
 //! use andon_core::config::Method;
 //! use andon_core::couple::{Context, Encoder, Motion};
 //! use andon_core::input::{Frame, Hand, Object, ObjectShape, Side};
-//! use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
+//! use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 //! use andon_core::verdict::{Level, Outcome, Reason};
 //!
 //! // The job: the right hand rests on object 5 for about a second.
@@ -23,6 +23,7 @@
 //!     threshold: 2.0,
 //!     frames: Bounds { min: 20, max: 40 },
 //!     reversals: Bounds { min: 0, max: 1 },
+//!     measures: MeasureBounds::ANY,
 //! };
 //! let activities = [NominalActivity { activity: 0, ius: &[iu] }];
 //! let cost = LocalCost::Circular { bins: 8 };

@@ -9,8 +9,8 @@ use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::Encoder;
 use andon_core::input::{Frame, Side};
-use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
-use andon_core::segment::{Event, JobSegmenter};
+use andon_core::job::{Around, Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range};
+use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::{Level, Outcome, Verdict};
 use common::bench::{Bench, encode, shapes};
 use proptest::prelude::*;
@@ -53,7 +53,8 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
             reference: std::mem::take(&mut motions).leak(),
             threshold: 8.0,
             frames: Bounds { min: iu.frames * 7 / 10, max: iu.frames * 3 / 2 },
-            reversals: Bounds { min: iu.reversals * 7 / 10, max: iu.reversals * 3 / 2 + 3 },
+            reversals: Bounds { min: iu.measures.reversals * 9 / 10, max: iu.measures.reversals + 2 },
+            measures: measures(&iu.measures),
         }),
         _ => {}
     };
@@ -65,6 +66,17 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
     let cost = LocalCost::Circular { bins: 8 };
     Job { activities: nominal.leak(), order_matters: true, cost, max_slowdown: 2.0, min_captured: 0.0 }
 });
+
+/// Bounds as near to the measures as those of a few people.
+fn measures(shown: &Measures) -> MeasureBounds {
+    let around = |metres: f32| Range { min: 0.7 * metres, max: 1.4 * metres + 0.05 };
+    MeasureBounds {
+        stroke_m: around(shown.stroke_m.unwrap_or_default()),
+        path_m: around(shown.path_m),
+        axis: Around { centre: shown.axis, max: 0.5 },
+        place_m: Around { centre: shown.place_m, max: 0.04 },
+    }
+}
 
 /// The verdicts of a judge that does not know whether the frames begin with a job.
 fn judged(frames: &[Frame]) -> Vec<Verdict> {

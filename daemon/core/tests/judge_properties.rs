@@ -201,7 +201,7 @@ proptest! {
             for verdict in &ius {
                 let (iu, motions) = seen.next().unwrap();
                 prop_assert_eq!((verdict.began_ns, verdict.context), (iu.began_ns, iu.context));
-                whole.push(oracle::Seen { context: iu.context, motions, reversals: iu.reversals });
+                whole.push(oracle::Seen { context: iu.context, motions, reversals: iu.measures.reversals });
             }
             let (right, equal) = oracle::algorithm_1(&job, &whole);
             let ok: Vec<bool> = ius.iter().map(|verdict| verdict.outcome == Outcome::Ok).collect();

@@ -43,7 +43,7 @@ impl Default for ThresholdRule {
     }
 }
 
-/// How the bounds of duration and of reversals are derived from the demonstrations of an IU.
+/// How the bounds of duration and of the other measures are derived from the demonstrations of an IU.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoundsRule {
@@ -53,21 +53,14 @@ pub struct BoundsRule {
     pub max_duration: f64,
     /// Length in seconds of a pause that is no anomaly.
     pub pause_s: f64,
-    /// Minimum number of reversals, as a share of the smallest number in any demonstration.
-    pub min_reversals: f64,
-    /// Maximum number of reversals, as a multiple of the largest number in any demonstration.
-    pub max_reversals: f64,
+    /// The share of right jobs that the bounds of reversals, strokes, paths, axes and places together may accuse; 0 sets no such bounds.
+    pub false_alarms: f64,
 }
 
 impl BoundsRule {
     /// No bounds, as in the paper.
-    pub const NONE: Self = Self {
-        min_duration: 0.0,
-        max_duration: f64::MAX,
-        pause_s: 0.0,
-        min_reversals: 0.0,
-        max_reversals: f64::MAX,
-    };
+    pub const NONE: Self =
+        Self { min_duration: 0.0, max_duration: f64::MAX, pause_s: 0.0, false_alarms: 0.0 };
 }
 
 impl Default for BoundsRule {
@@ -78,9 +71,7 @@ impl Default for BoundsRule {
             // Half speed takes twice the time.
             max_duration: 2.5,
             pause_s: 3.0,
-            // Half of the strokes are missing at 0.5; one stroke more or less of six is 0.83.
-            min_reversals: 0.7,
-            max_reversals: 1.5,
+            false_alarms: 0.02,
         }
     }
 }

@@ -7,7 +7,7 @@ use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
 use andon_core::input::{Frame, ObjectShape, Side};
 use andon_core::job::Job;
-use andon_core::segment::{Event, JobSegmenter};
+use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::Verdict;
 
 /// The share of an IU whose motion must have been measured for it to be learnt: a reference is the mean of a few, and what is missing
@@ -21,8 +21,8 @@ pub struct Iu {
     pub context: Context,
     /// Its motion after the opening-closing filter, one motion per frame of the grid in which it was measured.
     pub motion: Vec<Motion>,
-    /// Number of times that the motion reversed its direction.
-    pub reversals: u32,
+    /// What was measured of it in metres.
+    pub measures: Measures,
     /// When it began, in nanoseconds of source time.
     pub began_ns: u64,
     /// When it ended and the next one began, in nanoseconds of source time.
@@ -204,7 +204,7 @@ impl Collector {
                     activity.ius.push(Iu {
                         context: iu.context,
                         motion,
-                        reversals: iu.reversals,
+                        measures: iu.measures,
                         began_ns: iu.began_ns,
                         ended_ns: iu.ended_ns,
                         frames: iu.frames,

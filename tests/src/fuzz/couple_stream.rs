@@ -8,7 +8,7 @@ use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
-use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
+use andon_core::job::{Around, Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range};
 
 /// Number of objects that the bytes can refer to.
 const KNOWN: u8 = 6;
@@ -77,12 +77,13 @@ struct Taught {
     threshold: f32,
     frames: Bounds,
     reversals: Bounds,
+    measures: MeasureBounds,
 }
 
 impl Taught {
     fn lend(&self) -> NominalIu<'_> {
-        let Self { context, threshold, frames, reversals, .. } = *self;
-        NominalIu { context, reference: &self.reference, threshold, frames, reversals }
+        let Self { context, threshold, frames, reversals, measures, .. } = *self;
+        NominalIu { context, reference: &self.reference, threshold, frames, reversals, measures }
     }
 }
 
@@ -99,6 +100,18 @@ fn taught(input: &mut Input<'_>) -> Taught {
         threshold: f32::from(input.byte()),
         frames: bounds(input),
         reversals: bounds(input),
+        measures: measures(input),
+    }
+}
+
+fn measures(input: &mut Input<'_>) -> MeasureBounds {
+    let metres = |input: &mut Input<'_>| f32::from(input.byte()) / 100.0;
+    let range = |input: &mut Input<'_>| Range { min: metres(input) / 10.0, max: 0.1 + metres(input) };
+    MeasureBounds {
+        stroke_m: range(input),
+        path_m: range(input),
+        axis: Around { centre: [metres(input), 0.0], max: metres(input) },
+        place_m: Around { centre: [0.0, metres(input), 0.0], max: metres(input) },
     }
 }
 
@@ -149,8 +162,10 @@ impl Line<'_> {
             };
             for _ in 0..frames {
                 captured_ns += 1 + u64::from(input.byte()) * 1_000_000;
+                let position = (input.below(4) != 0).then(|| [f32::from(input.byte()) / 100.0; 3]);
                 let hand = |side: Side| Couple {
                     context: contexts[side.index()],
+                    position,
                     sight,
                     is_clear,
                     is_doubtful,

@@ -14,6 +14,7 @@ pub fn write(couples: &Couples, message: &mut Message) {
         *place = HandCouple {
             x_c: couple.context.0,
             distances_m: couple.distances,
+            position_m: couple.position.unwrap_or([f32::NAN; 3]),
             x_m: couple.motion.unwrap_or_default().0,
             flags: bit(couple.motion.is_some(), flag::MEASURED)
                 | bit(couple.is_clear, flag::CLEAR)
@@ -32,6 +33,7 @@ pub fn read(message: &Message) -> Couples {
         captured_ns: message.described_ns,
         motion: (place.flags & flag::MEASURED != 0).then_some(Motion(place.x_m)),
         context: Context(place.x_c),
+        position: Some(place.position_m).filter(|position| position.iter().all(|value| value.is_finite())),
         distances: place.distances_m,
         sight: place.sight.map(sight),
         is_clear: place.flags & flag::CLEAR != 0,
@@ -70,6 +72,7 @@ mod tests {
         let couple = Couple {
             motion: Some(Motion([1, 2, -3, 4, 5, 6, 7])),
             context: Context([1, 5, 5, 6]),
+            position: Some([0.1, -0.2, 0.3]),
             distances: [0.01, 0.02],
             sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
             is_clear: true,

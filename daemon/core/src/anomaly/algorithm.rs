@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::set::ActivitySet;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion};
-use crate::segment::{Iu, Segmenter};
+use crate::segment::{Iu, Measures, Segmenter};
 use crate::verdict::{Outcome, Reason, Verdict};
 use heapless::Vec;
 
@@ -173,13 +173,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn push_motion(
         &mut self,
         motion: &Motion,
-        reversals: u32,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
-        iu.extent.reversals = reversals;
-        if self.comparisons.append(motion).is_err() {
+        if self.iu.is_some_and(|iu| !iu.is_concluded) && self.comparisons.append(motion).is_err() {
             self.conclude_unjudged(Reason::Overload, progress, emit);
         }
     }
@@ -196,12 +193,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         &mut self,
         couple: &Couple,
         is_captured: bool,
+        measures: Measures,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
+        iu.extent.measures = measures;
         iu.captured = iu.captured.saturating_add(is_captured.into());
         iu.extent.is_doubtful |= couple.is_doubtful;
         // While the hand is hidden, the IU may have ended already.
@@ -241,7 +240,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let extent = Extent {
                 frames: iu.frames,
                 measured: iu.measured,
-                reversals: iu.reversals,
+                measures: iu.measures,
                 ended: true,
                 gap_after: self.watch.gap(),
                 may_be_part: open.extent.may_be_part || !open.is_certain || self.watch.is_doubtful(),

@@ -48,7 +48,7 @@ impl Alignment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::job::Bounds;
+    use crate::job::{Bounds, MeasureBounds};
     use std::vec::Vec;
 
     /// The index with which each IU is aligned. Every letter is a context.
@@ -63,6 +63,7 @@ mod tests {
                 threshold: 0.0,
                 frames: any,
                 reversals: any,
+                measures: MeasureBounds::ANY,
             })
             .collect();
         let mut alignment = Alignment::new();

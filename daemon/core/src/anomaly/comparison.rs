@@ -5,6 +5,7 @@ use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
 use crate::input::Side;
 use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
+use crate::segment::{FRAMES_PER_REVERSAL, Measures};
 use crate::verdict::Reason;
 use heapless::Vec;
 
@@ -46,13 +47,13 @@ impl ComparisonResult {
     }
 }
 
-/// How long the IU is, how often its motion reversed, and what was not seen of it.
+/// How long the IU is, what it measures, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
     pub(super) frames: u32,
     /// In how many frames its motion was measured.
     pub(super) measured: u32,
-    pub(super) reversals: u32,
+    pub(super) measures: Measures,
     /// Whether the IU has ended.
     pub(super) ended: bool,
     /// It may have begun as many frames earlier.
@@ -65,19 +66,21 @@ pub(super) struct Extent {
     pub(super) is_doubtful: bool,
 }
 
-/// The shortest time in which a motion reverses, in frames of which nothing is known.
-const FRAMES_PER_REVERSAL: u32 = 4;
-
 impl Extent {
     /// The number of frames that the IU may have, from the fewest to the most.
-    fn possible_frames(&self) -> [u32; 2] {
+    pub(super) fn possible_frames(&self) -> [u32; 2] {
         [self.frames.saturating_sub(self.gap_after), self.frames.saturating_add(self.gap_before)]
     }
 
-    /// The most reversals that the IU may have.
-    fn max_reversals(&self) -> u32 {
-        let unknown = self.frames.saturating_sub(self.measured) + self.gap_before;
-        self.reversals.saturating_add(unknown / FRAMES_PER_REVERSAL)
+    /// How often the motion may have reversed in addition, in frames that were not seen.
+    pub(super) fn possible_reversals(&self) -> u32 {
+        self.measures.hidden_reversals.saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
+    }
+
+    /// In how much of the IU something may have happened that was not seen, as a share of its frames; more than 1 if most of it lies in a gap.
+    pub(super) fn hidden(&self) -> f32 {
+        let gaps = self.gap_before.saturating_add(self.gap_after);
+        self.measures.hidden + gaps as f32 / self.frames.max(1) as f32
     }
 
     /// Whether so much of the IU was measured that it can be right.
@@ -210,26 +213,18 @@ fn result(
     extent: Extent,
     max_slowdown: f32,
 ) -> ComparisonResult {
-    let NominalIu { frames, reversals, reference, .. } = *comparison.iu;
+    let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
     let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
     // An open IU may still become as slow as the bounds allow.
     let length = if extent.ended { extent.frames } else { frames.max };
-    let threshold = comparison.iu.threshold * slowdown_factor(length, reference.len(), max_slowdown);
-    let reason_if = |[min_frames, max_frames]: [u32; 2], max_reversals: u32| {
-        if min_frames > frames.max || extent.reversals > reversals.max {
-            Reason::TooLong
-        } else if extent.ended && (max_frames < frames.min || max_reversals < reversals.min) {
-            Reason::TooShort
-        } else if distance > f64::from(threshold) {
-            Reason::Motion
-        } else {
-            Reason::None
-        }
+    let threshold = threshold * slowdown_factor(length, reference.len(), max_slowdown);
+    let reason_if = |may_be_hidden: bool| match extent.broken(comparison.iu, may_be_hidden) {
+        Reason::None if distance > f64::from(threshold) => Reason::Motion,
+        reason => reason,
     };
-    let reason = reason_if([extent.frames; 2], extent.reversals);
+    let reason = reason_if(false);
     // What is right only if something happened unseen is neither right nor wrong.
-    let is_doubtful = reason != reason_if(extent.possible_frames(), extent.max_reversals())
-        || extent.explains(reason, comparison.is_unique);
+    let is_doubtful = reason != reason_if(true) || extent.explains(reason, comparison.is_unique);
     ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, is_doubtful }
 }

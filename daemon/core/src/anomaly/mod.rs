@@ -56,6 +56,7 @@ mod algorithm;
 mod alignment;
 mod comparison;
 mod hand;
+mod measure;
 mod places;
 mod progress;
 mod set;
@@ -243,7 +244,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Bench { hands, progress } = bench;
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
-            hand.continue_iu(couple, couples.is_captured, progress, emit_verdict);
+            let measures = segmenter.hand(couple.side).measures();
+            hand.continue_iu(couple, couples.is_captured, measures, progress, emit_verdict);
         }
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
             hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
@@ -298,8 +300,8 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                     hands[side.index()].begin_iu(couple, progress, emit_verdict);
                 }
             }
-            segment::Event::IuFrame { side, motion, reversals, .. } => {
-                hands[side.index()].push_motion(&motion, reversals, progress, emit_verdict)
+            segment::Event::IuFrame { side, motion, .. } => {
+                hands[side.index()].push_motion(&motion, progress, emit_verdict)
             }
             segment::Event::IuUnmeasured { side, .. } => hands[side.index()].skip_motion(),
             segment::Event::Eru { .. } => {}
@@ -342,4 +344,6 @@ fn is_usable(iu: &NominalIu<'_>) -> bool {
         && iu.threshold >= 0.0
         && is_ordered(&iu.frames)
         && is_ordered(&iu.reversals)
+        && iu.measures.path_m.min <= iu.measures.path_m.max
+        && iu.measures.stroke_m.min <= iu.measures.stroke_m.max
 }

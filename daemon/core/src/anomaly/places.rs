@@ -99,7 +99,7 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::job::Bounds;
+    use crate::job::{Bounds, MeasureBounds};
     use std::vec::Vec;
 
     const SEEN: Junction = Junction { hidden: 0, was_doubtful: false, is_doubtful: false };
@@ -117,6 +117,7 @@ mod tests {
             threshold: 0.0,
             frames: any,
             reversals: any,
+            measures: MeasureBounds::ANY,
         };
         letters.chars().map(iu).collect()
     }

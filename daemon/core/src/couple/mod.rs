@@ -12,7 +12,7 @@ mod scene;
 pub use encoder::{Encoder, Refused, Unusable};
 
 use crate::capacity::HANDS;
-use crate::input::Side;
+use crate::input::{Point, Side};
 
 /// Motion features `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]` (paper III-A.3).
 ///
@@ -66,6 +66,9 @@ pub struct Couple {
     pub motion: Option<Motion>,
     /// Context features.
     pub context: Context,
+    /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame. `None` where it was
+    /// not seen, or the hand does not act.
+    pub position: Option<Point>,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
     /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
@@ -87,6 +90,7 @@ impl Couple {
             captured_ns,
             motion: Some(Motion::default()),
             context: Context::IDLE,
+            position: None,
             distances: [f32::INFINITY; 2],
             sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
             is_clear: false,

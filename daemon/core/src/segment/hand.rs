@@ -1,7 +1,7 @@
 //! The segmentation of one hand.
 
 use super::filter::OpeningClosing;
-use super::reversals::Reversals;
+use super::measures::{Measures, Meter};
 use super::{Event, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
@@ -23,7 +23,7 @@ struct Eru {
 #[derive(Clone, Debug)]
 struct OpenIu {
     so_far: Iu,
-    reversals: Reversals,
+    meter: Meter,
     eru: Option<Eru>,
     /// Frames since the newest one whose motion was measured.
     unmeasured: u32,
@@ -54,7 +54,6 @@ struct OpenActivity {
 #[derive(Clone, Debug)]
 pub struct Segmenter {
     side: Side,
-    bins: u8,
     filter: OpeningClosing,
     /// The frames in the filter: the time of each, and how many before it were not measured.
     in_filter: Deque<(u64, u32), IN_FILTER>,
@@ -75,7 +74,6 @@ impl Segmenter {
         method.check()?;
         Ok(Self {
             side,
-            bins: method.bins,
             filter: OpeningClosing::new(method.filter_frames),
             in_filter: Deque::new(),
             context: Context::IDLE,
@@ -102,6 +100,7 @@ impl Segmenter {
         if let Some(iu) = &mut self.iu {
             iu.so_far.frames = iu.so_far.frames.saturating_add(1);
             iu.so_far.is_in_sight &= couple.is_in_sight();
+            iu.meter.push(couple.position);
             let Some(motion) = couple.motion else {
                 iu.unmeasured = iu.unmeasured.saturating_add(1);
                 return;
@@ -113,6 +112,11 @@ impl Segmenter {
                 self.take_filtered(motion, emit);
             }
         }
+    }
+
+    /// The measures of the open IU so far; those of nothing if none is open.
+    pub fn measures(&self) -> Measures {
+        self.iu.as_ref().map(|iu| iu.meter.measures()).unwrap_or_default()
     }
 
     /// Whether an activity would begin with this couple, if it were the next one.
@@ -168,15 +172,14 @@ impl Segmenter {
             ended_ns: began_ns,
             frames: 0,
             measured: 0,
-            reversals: 0,
+            measures: Measures::default(),
             is_in_sight: true,
         };
         if let Some(activity) = &mut self.activity {
             // It continues, so whether it matches is open again.
             activity.matched = false;
         }
-        let reversals = Reversals::new(context, self.bins);
-        self.iu = Some(OpenIu { so_far, reversals, eru: None, unmeasured: 0 });
+        self.iu = Some(OpenIu { so_far, meter: Meter::default(), eru: None, unmeasured: 0 });
         emit(Event::IuBegan { side: self.side, context, began_ns });
     }
 
@@ -188,7 +191,7 @@ impl Segmenter {
             self.filter.clear();
         }
         let side = self.side;
-        if let Some(OpenIu { so_far, eru, unmeasured, .. }) = self.iu.take() {
+        if let Some(OpenIu { so_far, meter, eru, unmeasured }) = self.iu.take() {
             let context = so_far.context;
             if unmeasured > 0 {
                 emit(Event::IuUnmeasured { side, frames: unmeasured });
@@ -196,7 +199,7 @@ impl Segmenter {
             if let Some(Eru { motion, began_ns }) = eru {
                 emit(Event::Eru { side, context, motion, began_ns, ended_ns });
             }
-            emit(Event::IuEnded { side, iu: Iu { ended_ns, ..so_far } });
+            emit(Event::IuEnded { side, iu: Iu { ended_ns, measures: meter.measures(), ..so_far } });
             if let Some(activity) = &mut self.activity {
                 activity.ended_ns = ended_ns;
             }
@@ -222,8 +225,6 @@ impl Segmenter {
                 iu.eru = Some(Eru { motion, began_ns });
             }
         }
-        let reversals = iu.reversals.push(motion);
-        iu.so_far.reversals = reversals;
-        emit(Event::IuFrame { side, motion, captured_ns: began_ns, reversals });
+        emit(Event::IuFrame { side, motion, captured_ns: began_ns });
     }
 }

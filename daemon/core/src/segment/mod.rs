@@ -3,16 +3,18 @@
 mod filter;
 mod hand;
 mod job;
-mod reversals;
+mod measures;
 
 pub use hand::Segmenter;
 pub use job::JobSegmenter;
+pub(crate) use measures::FRAMES_PER_REVERSAL;
+pub use measures::Measures;
 
 use crate::couple::{Context, Motion};
 use crate::input::Side;
 
 /// An Interaction Unit (IU) that has ended: the time in which the context of a hand is the same.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Iu {
     /// Its context.
     pub context: Context,
@@ -24,15 +26,14 @@ pub struct Iu {
     pub frames: u32,
     /// In how many of them its motion was measured.
     pub measured: u32,
-    /// How often its motion reversed, that is turned by more than a quarter from its direction; rest is ignored. The count shows
-    /// that a repeated motion, such as polishing strokes, was cut short.
-    pub reversals: u32,
+    /// What was measured of it in metres.
+    pub measures: Measures,
     /// Whether all its couples were in sight ([`Couple::is_in_sight`](crate::couple::Couple::is_in_sight)).
     pub is_in_sight: bool,
 }
 
 /// An event of the segmentation. Times are those of the couples (`captured_ns`). Ends are exclusive: what follows begins there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
     /// A job began, with its first touch or on command.
     JobBegan {
@@ -67,8 +68,6 @@ pub enum Event {
         motion: Motion,
         /// Its time, in nanoseconds.
         captured_ns: u64,
-        /// How often the motion of the IU has reversed so far.
-        reversals: u32,
     },
     /// The next frames of the IU have no motion, because it could not be measured.
     IuUnmeasured {

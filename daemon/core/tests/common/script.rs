@@ -2,8 +2,8 @@
 
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
-use andon_core::input::Side;
-use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
+use andon_core::input::{Point, Side};
+use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::segment::{Event, Segmenter};
 use andon_core::verdict::{Outcome, Reason, Verdict};
 
@@ -42,12 +42,16 @@ pub(crate) fn idle(frames: usize) -> Part {
 }
 
 impl Part {
-    fn motion(&self, frame: usize) -> Motion {
-        let direction = match self.motions {
+    fn direction(&self, frame: usize) -> i8 {
+        match self.motions {
             Still => 0,
             Toward(direction) => direction,
             Strokes(strokes) => [1, 5][frame * 2 * strokes / self.frames % 2],
-        };
+        }
+    }
+
+    fn motion(&self, frame: usize) -> Motion {
+        let direction = self.direction(frame);
         match self.context {
             [0, 0, 0, 0] => Motion::default(),
             [0, 0, ..] => Motion([0, 0, 0, 0, 0, direction, 0]),
@@ -57,16 +61,28 @@ impl Part {
     }
 }
 
+/// The position 2 cm on in this direction, of 8.
+fn walked(position: &mut Point, direction: i8) -> Point {
+    let angle = f32::from(direction - 1) * std::f32::consts::FRAC_PI_4;
+    if direction > 0 {
+        position[0] += 0.02 * angle.cos();
+        position[1] += 0.02 * angle.sin();
+    }
+    *position
+}
+
 fn sight(is_seen: bool) -> Sight {
     if is_seen { Sight::Seen } else { Sight::Unseen }
 }
 
 fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
     let frames = parts.iter().flat_map(|part| (0..part.frames).map(move |frame| (part, frame)));
+    let mut position = [0.0; 3];
     frames
         .enumerate()
         .map(|(index, (part, frame))| Couple {
             motion: Some(part.motion(frame)),
+            position: (part.seen && part.sighted).then(|| walked(&mut position, part.direction(frame))),
             context: Context(part.context),
             distances: [0.01, 0.01],
             sight: [sight(part.seen), sight(part.sighted), Sight::Seen],
@@ -129,7 +145,11 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
                     reference: motions.leak(),
                     threshold: 3.0,
                     frames: Bounds { min: iu.frames / 2, max: iu.frames + iu.frames / 2 },
-                    reversals: Bounds { min: iu.reversals.saturating_sub(1), max: iu.reversals + 1 },
+                    reversals: Bounds {
+                        min: iu.measures.reversals.saturating_sub(1),
+                        max: iu.measures.reversals + 1,
+                    },
+                    measures: MeasureBounds::ANY,
                 })
                 .collect();
             NominalActivity { activity: number as u16, ius: ius.leak() }

@@ -40,8 +40,6 @@ impl Variation {
     pub fn ladder() -> Vec<Self> {
         let paper = Self::paper();
         let bounds = BoundsRule::default();
-        let still =
-            BoundsRule { min_reversals: 0.0, max_reversals: bounds.max_reversals, ..BoundsRule::NONE };
         let left_out = Self {
             name: "+ leave one out",
             rule: ThresholdRule::LeaveOneOut { sigmas: 2.0, border_s: 0.0 },
@@ -54,17 +52,17 @@ impl Variation {
             ..circular.clone()
         };
         let borders = Self { name: "+ slack at borders", rule: ThresholdRule::default(), ..wider.clone() };
-        let reversals = Self {
-            name: "+ bounds of reversals",
-            bounds: BoundsRule { min_reversals: bounds.min_reversals, ..still },
+        let measures = Self {
+            name: "+ bounds of measures",
+            bounds: BoundsRule { false_alarms: bounds.false_alarms, ..BoundsRule::NONE },
             ..borders.clone()
         };
-        let duration = Self { name: "+ bounds of duration", bounds, ..reversals.clone() };
+        let duration = Self { name: "+ bounds of duration", bounds, ..measures.clone() };
         let default = Self {
             name: "+ slack for the slow (default)",
             max_slowdown: TeachOptions::DEFAULT_MAX_SLOWDOWN,
             ..duration.clone()
         };
-        vec![paper, left_out, circular, wider, borders, reversals, duration, default]
+        vec![paper, left_out, circular, wider, borders, measures, duration, default]
     }
 }

@@ -17,13 +17,13 @@ use crate::recording::{NamedObject, object_name};
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
-use andon_core::job::{Bounds, Job, LocalCost, NominalActivity, NominalIu};
+use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 
 /// The value of `format`.
 pub(crate) const FORMAT: &str = "andon.job";
 
 /// The value of `version`.
-pub(crate) const VERSION: i64 = 1;
+pub(crate) const VERSION: i64 = 2;
 
 /// One IU of a nominal activity, owned.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +36,8 @@ pub struct TaughtIu {
     pub frames: Bounds,
     /// Bounds of the number of times that the motion reverses its direction.
     pub reversals: Bounds,
+    /// Bounds of what it measures in metres.
+    pub measures: MeasureBounds,
     /// The barycentre, one motion per frame of the grid.
     pub reference: Vec<Motion>,
     /// The number of demonstrations that the threshold is derived from.
@@ -140,6 +142,7 @@ impl TaughtIu {
             threshold: self.threshold,
             frames: self.frames,
             reversals: self.reversals,
+            measures: self.measures,
         }
     }
 }

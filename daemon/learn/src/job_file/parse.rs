@@ -10,7 +10,7 @@ use andon_core::capacity::INTERACTION_POINTS;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
 use andon_core::input::{ObjectShape, Point, Space};
-use andon_core::job::{Bounds, LocalCost};
+use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -126,6 +126,10 @@ struct IuText {
     threshold: f32,
     frames: BoundsText,
     reversals: BoundsText,
+    stroke_m: Option<[f32; 2]>,
+    path_m: Option<[f32; 2]>,
+    axis: Option<[f32; 3]>,
+    place_m: Option<[f32; 4]>,
     reference: Vec<String>,
 }
 
@@ -254,17 +258,30 @@ fn activity_of(index: usize, text: ActivityText) -> Result<TaughtActivity, JobFa
             key: format!("activity[{index}].iu[{number}].reference"),
             problem: fault.to_string(),
         })?;
+        let measures = measures_of(&iu);
         Ok(TaughtIu {
             context: Context(iu.context),
             threshold: iu.threshold,
             frames: bounds_of(iu.frames),
             reversals: bounds_of(iu.reversals),
+            measures,
             reference,
             demonstrations: iu.demonstrations,
         })
     };
     let ius = text.iu.into_iter().enumerate().map(iu).collect::<Result<_, JobFault>>()?;
     Ok(TaughtActivity { activity: text.activity, ius })
+}
+
+fn measures_of(iu: &IuText) -> MeasureBounds {
+    let any = MeasureBounds::ANY;
+    let range = |given: Option<[f32; 2]>, any| given.map_or(any, |[min, max]| Range { min, max });
+    MeasureBounds {
+        stroke_m: range(iu.stroke_m, any.stroke_m),
+        path_m: range(iu.path_m, any.path_m),
+        axis: iu.axis.map_or(any.axis, |[x, y, max]| Around { centre: [x, y], max }),
+        place_m: iu.place_m.map_or(any.place_m, |[x, y, z, max]| Around { centre: [x, y, z], max }),
+    }
 }
 
 fn bounds_of(BoundsText(min, max): BoundsText) -> Bounds {

@@ -5,7 +5,7 @@ use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::job::{Bounds, LocalCost};
+use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range};
 use std::fmt::Write as _;
 
 /// Appends a line. Writing to a `String` cannot fail, so the result is ignored here, once.
@@ -49,7 +49,15 @@ impl JobFile {
         );
         line!(
             text,
-            "# times that the motion reverses its direction. A row of the reference has a number of frames, and the"
+            "# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way;"
+        );
+        line!(
+            text,
+            "# `axis` (cos 2a, sin 2a for a way along the angle a) and `place_m` are a centre and the maximum distance from"
+        );
+        line!(
+            text,
+            "# it, in metres, in the frame of the other part. A row of the reference has a number of frames, and the"
         );
         line!(text, "# motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.");
         self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
@@ -107,6 +115,7 @@ impl JobFile {
         line!(text, "threshold = {:?}", iu.threshold);
         line!(text, "frames = {}", bounds_text(iu.frames));
         line!(text, "reversals = {}", bounds_text(iu.reversals));
+        measures_text(text, &iu.measures);
         line!(text, "reference = [");
         for row in runs::rows(&iu.reference) {
             line!(text, "  {row:?},");
@@ -142,11 +151,28 @@ fn rule_text(rule: ThresholdRule) -> String {
 }
 
 fn bounds_rule_text(rule: BoundsRule) -> String {
-    let BoundsRule { min_duration, max_duration, pause_s, min_reversals, max_reversals } = rule;
+    let BoundsRule { min_duration, max_duration, pause_s, false_alarms } = rule;
     format!(
         "min_duration = {min_duration:?}, max_duration = {max_duration:?}, pause_s = {pause_s:?}, \
-         min_reversals = {min_reversals:?}, max_reversals = {max_reversals:?}"
+         false_alarms = {false_alarms:?}"
     )
+}
+
+/// What is right whatever it measures is left out.
+fn measures_text(text: &mut String, bounds: &MeasureBounds) {
+    for (name, Range { min, max }) in [("stroke_m", bounds.stroke_m), ("path_m", bounds.path_m)] {
+        if max.is_finite() {
+            line!(text, "{name} = [{min:?}, {max:?}]");
+        }
+    }
+    let Around { centre: [x, y], max } = bounds.axis;
+    if max.is_finite() {
+        line!(text, "axis = [{x:?}, {y:?}, {max:?}]");
+    }
+    let Around { centre: [x, y, z], max } = bounds.place_m;
+    if max.is_finite() {
+        line!(text, "place_m = [{x:?}, {y:?}, {z:?}, {max:?}]");
+    }
 }
 
 fn bounds_text(Bounds { min, max }: Bounds) -> String {

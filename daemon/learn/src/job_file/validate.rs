@@ -5,7 +5,7 @@ use crate::recording::NamedObject;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
 use andon_core::input::ObjectShape;
-use andon_core::job::Bounds;
+use andon_core::job::{Bounds, MeasureBounds, Range};
 
 /// Checks everything that the types do not guarantee.
 pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
@@ -63,6 +63,17 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
     for (key, Bounds { min, max }) in [("frames", iu.frames), ("reversals", iu.reversals)] {
         rule(min <= max, &key_of(key), || format!("the minimum {min} is greater than the maximum {max}"))?;
     }
+    let MeasureBounds { stroke_m, path_m, axis, place_m } = iu.measures;
+    for (key, Range { min, max }) in [("stroke_m", stroke_m), ("path_m", path_m)] {
+        rule(0.0 <= min && min <= max, &key_of(key), || format!("{min} to {max} is no range of lengths"))?;
+    }
+    for (key, max) in [("axis", axis.max), ("place_m", place_m.max)] {
+        rule(max >= 0.0, &key_of(key), || {
+            format!("the maximum distance {max} is not a number of at least 0")
+        })?;
+    }
+    let is_finite = axis.centre.iter().chain(&place_m.centre).all(|value| value.is_finite());
+    rule(is_finite, &key_of("axis"), || "a centre of axis or place_m is not a number".to_owned())?;
     rule(!iu.reference.is_empty(), &key_of("reference"), || "it has no rows".to_owned())?;
     let bins = job.method.bins as i8;
     let is_possible = |Motion([a, t1, p1, j1, t2, p2, j2]): &Motion| {

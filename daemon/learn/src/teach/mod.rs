@@ -5,6 +5,7 @@
 //! The same runs give the same job, byte for byte.
 
 mod bounds;
+mod measures;
 mod options;
 mod report;
 mod sampling;
@@ -23,6 +24,8 @@ use crate::warp::Warp;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS};
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
+use andon_core::segment::Measures;
+use measures::Rates;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use threshold::learn;
@@ -46,6 +49,7 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
         options,
         warp: Warp::new(options.cost),
         tables: Barycentres::new(options.cost, options.method.bins),
+        rates: rates(runs, &agreement, options.bounds.false_alarms),
         ius: Vec::new(),
     };
     let activities =
@@ -57,6 +61,22 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     }
     let report = TeachReport::new(runs.len(), options, &job, agreement.disagreements, teacher.ius);
     Ok((job, report))
+}
+
+fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64) -> Rates {
+    let sequences = agreement.sequences.iter();
+    let ius: Vec<_> = sequences
+        .flat_map(|sequence| {
+            let contexts = sequence.contexts.iter().enumerate();
+            contexts.map(move |(index, context)| (*context, measures_of(runs, sequence, index)))
+        })
+        .collect();
+    Rates::new(false_alarms, ius.iter().map(|(context, shown)| (*context, shown.as_slice())))
+}
+
+/// The measures of the demonstrations of an IU.
+fn measures_of(runs: &[Run], sequence: &Sequence, index: usize) -> Vec<Measures> {
+    sequence.shown.iter().map(|&(run, activity)| runs[run].activities[activity].ius[index].measures).collect()
 }
 
 fn check_capacities(agreement: &Agreement) -> Result<(), TeachError> {
@@ -116,6 +136,7 @@ struct Teacher<'a> {
     options: &'a TeachOptions,
     warp: Warp,
     tables: Barycentres,
+    rates: Rates,
     ius: Vec<IuReport>,
 }
 
@@ -140,12 +161,13 @@ impl Teacher<'_> {
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?;
         let context = sequence.contexts[index];
         let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
-        let reversals: Vec<u32> = shown.iter().map(|iu| iu.reversals).collect();
+        let (reversals, measures) = self.rates.bounds(context, &measures_of(self.runs, sequence, index));
         let taught = TaughtIu {
             context,
             threshold: learned.threshold(*rule, f64::from(method.rate_hz)) as f32,
             frames: bounds.frames(context, method.rate_hz, &frames),
-            reversals: bounds.reversals(context, &reversals),
+            reversals,
+            measures,
             reference: learned.reference.clone(),
             demonstrations: shown.len() as u32,
         };

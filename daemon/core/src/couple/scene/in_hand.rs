@@ -1,5 +1,5 @@
-//! When a hand that is near an object acts on it: from the moment at which it rests at the object, or the object moves with it, until
-//! it leaves (the in-hand relation of paper III-A.2).
+//! What is near and interacts. A hand that is near an object acts on it from the moment at which it rests at the object, or the
+//! object moves with it, until it leaves (the in-hand relation of paper III-A.2). An object touches another unless it passes by.
 //!
 //! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
@@ -44,9 +44,31 @@ impl Scene {
             (InHand::Yes, _) if self.leaves(hand, object, age) => InHand::No,
             (InHand::Yes, _) | (_, Some(true)) => InHand::Yes,
             // A hand that came to the object unseen may hold it already.
-            (InHand::No, Some(false)) if edge.was_known(age, self.method.persist_frames) => InHand::No,
+            (InHand::No, _) if edge.was_known(age, self.method.persist_frames) => InHand::No,
             _ => InHand::Unknown,
         }
+    }
+
+    /// Finds for the same frame which objects touch. A part that is carried past another does not: while a change is believed, it moves
+    /// farther than the contact is long.
+    pub(super) fn update_meets(&mut self, age: usize) {
+        for i in 0..self.objects.len() {
+            for j in i + 1..self.objects.len() {
+                self.meets[i][j] =
+                    self.adjacent[i][j].is_believed() && (self.meets[i][j] || !self.passes(i, j, age));
+            }
+        }
+    }
+
+    fn passes(&self, i: usize, j: usize, age: usize) -> bool {
+        let newest = age.saturating_sub(self.method.persist_frames.into());
+        let apart = |age: usize| {
+            let [one, other] = [i, j].map(|object| self.objects[object].poses.ago(age));
+            let is_known = one.source.is_known() && other.source.is_known();
+            is_known.then(|| subtract(one.position, other.position))
+        };
+        let path_m = apart(age).zip(apart(newest)).map(|(from, to)| norm(subtract(to, from)));
+        path_m.is_some_and(|path_m| path_m > self.method.object_contact.on_m)
     }
 
     /// Whether the hand is at the object, rests relative to it, and stays there for as long as a change takes to be believed; `None` where

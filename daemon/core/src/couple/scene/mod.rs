@@ -4,7 +4,7 @@ mod in_hand;
 mod sight;
 
 use super::contact::Edge;
-use super::geometry::Cloud;
+use super::geometry::{Cloud, dot, inverse, rotated, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
@@ -79,6 +79,8 @@ pub(super) struct Scene {
     in_hand: [[InHand; OBJECTS]; HANDS],
     /// Between each two objects, the lower index first.
     adjacent: [[Edge; OBJECTS]; OBJECTS],
+    /// Whether the two touch, rather than pass each other.
+    meets: [[bool; OBJECTS]; OBJECTS],
     interactions: [Interaction; HANDS],
 }
 
@@ -107,6 +109,7 @@ impl Scene {
             touches: [[Edge::default(); OBJECTS]; HANDS],
             in_hand: [[InHand::No; OBJECTS]; HANDS],
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
+            meets: [[false; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
         }
     }
@@ -239,6 +242,7 @@ impl Scene {
             edge.believe(age, persist);
         }
         self.update_in_hand(age);
+        self.update_meets(age);
         let hands = core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
             let interaction = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
@@ -268,9 +272,10 @@ impl Scene {
 
     /// The edges from an object to the objects that it touches.
     fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = interaction::Edge> {
-        let edge = move |l: usize| self.adjacent[j.min(l)][j.max(l)];
-        let believed = (0..self.objects.len()).filter(move |l| *l != j && edge(*l).is_believed());
-        believed.map(move |l| (l, self.points(j, age).distance(&self.points(l, age))))
+        let meets = move |l: &usize| self.meets[j.min(*l)][j.max(*l)];
+        (0..self.objects.len())
+            .filter(meets)
+            .map(move |l| (l, self.points(j, age).distance(&self.points(l, age))))
     }
 
     fn distance_from_hand(&self, hand: usize, j: usize, age: usize) -> f32 {
@@ -309,6 +314,7 @@ impl Scene {
                 (Some(j), None) => Context([h.unwrap_or(0), j, 0, 0]),
                 _ => Context::IDLE,
             },
+            position: from_hand.and_then(|j| self.position(hand, j, l, age)),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 j.zip(l).map_or(f32::INFINITY, |(j, l)| self.points(j, age).distance(&self.points(l, age))),
@@ -322,6 +328,18 @@ impl Scene {
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
+    }
+
+    /// Where a hand acts on `o_j`, see [`Couple::position`].
+    fn position(&self, hand: usize, j: usize, l: Option<usize>, age: usize) -> Option<Point> {
+        let pose =
+            |object: usize| Some(self.objects[object].poses.ago(age)).filter(|pose| pose.source.is_known());
+        let Some(l) = l else {
+            let hand = self.hands[hand].ago(age);
+            return (hand.source == Source::Seen).then(|| hand.grip());
+        };
+        let (of_j, of_l) = (pose(j)?, pose(l)?);
+        Some(rotated(subtract(of_j.position, of_l.position), inverse(of_l.orientation)))
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.
@@ -382,6 +400,6 @@ impl Scene {
 }
 
 fn squared_distance(one: Point, other: Point) -> f32 {
-    let apart = super::geometry::subtract(one, other);
-    super::geometry::dot(apart, apart)
+    let apart = subtract(one, other);
+    dot(apart, apart)
 }

@@ -1,0 +1,203 @@
+//! What is measured of an IU in metres. DTW forgives a motion that was cut short, repeated too often or made small; measures do not.
+
+use crate::input::Point;
+
+/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
+const MOVED_M: f32 = 0.015;
+
+/// In as many frames in a row that were not seen, a motion may have reversed.
+pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;
+
+/// The share of a frame that is missing between two that were seen: what happened in it can be told.
+const SINGLE_FRAME: f32 = 0.2;
+
+/// The measures of one IU, so far or whole.
+///
+/// They rest on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the bench
+/// ([`Couple::position`](crate::couple::Couple::position)).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measures {
+    /// How often the motion reversed, that is came back by more than 15 mm. A stroke lies between two reversals.
+    pub reversals: u32,
+    /// Mean length of a stroke in metres; `None` before the first whole one.
+    pub stroke_m: Option<f32>,
+    /// Length of the path in metres, in steps of 15 mm.
+    pub path_m: f32,
+    /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and `sin 2α` for
+    /// a path along the angle `α` from the x axis, and shorter the more the path turns. Zero before the first step.
+    pub axis: [f32; 2],
+    /// Mean position in metres.
+    pub place_m: Point,
+    /// How often the motion may have reversed in addition, in frames that were not seen.
+    pub hidden_reversals: u32,
+    /// The share of the frames that were not seen, where what happened in them cannot be told; 0 to 1.
+    pub hidden: f32,
+}
+
+/// Measures an IU frame by frame, in fixed memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Meter {
+    frames: u32,
+    /// Frames with a position.
+    known: u32,
+    /// Frames without one since the newest position.
+    unknown: u32,
+    /// Frames without a position, weighted by what may have happened in them.
+    hidden: f32,
+    hidden_reversals: u32,
+    sum: [f64; 3],
+    /// Where the newest step ended.
+    step: Option<Point>,
+    path_m: f32,
+    /// The sum of the steps with their directions doubled.
+    axis: [f32; 2],
+    /// Where the motion last reversed, and the position since then that is farthest from there.
+    reversed: Point,
+    farthest: Point,
+    reversals: u32,
+    /// The sum of the lengths of whole strokes.
+    strokes_m: f32,
+}
+
+impl Meter {
+    /// Takes the next frame, with the position if it is known.
+    pub(super) fn push(&mut self, position: Option<Point>) {
+        self.frames = self.frames.saturating_add(1);
+        let Some(position) = position else {
+            self.unknown = self.unknown.saturating_add(1);
+            return;
+        };
+        self.end_gap();
+        self.known = self.known.saturating_add(1);
+        for (sum, value) in self.sum.iter_mut().zip(position) {
+            *sum += f64::from(value);
+        }
+        match self.step {
+            None => (self.step, self.reversed, self.farthest) = (Some(position), position, position),
+            Some(from) => self.walk(from, position),
+        }
+        self.turn(position);
+    }
+
+    fn end_gap(&mut self) {
+        let unknown = core::mem::take(&mut self.unknown);
+        self.hidden_reversals = self.hidden_reversals.saturating_add(unknown / FRAMES_PER_REVERSAL);
+        self.hidden += if unknown > 1 { unknown as f32 } else { SINGLE_FRAME * unknown as f32 };
+    }
+
+    /// Steps of at least [`MOVED_M`], so that neither noise nor the frame rate lengthens the path.
+    fn walk(&mut self, from: Point, to: Point) {
+        let step_m = distance(from, to);
+        if step_m < MOVED_M {
+            return;
+        }
+        self.step = Some(to);
+        self.path_m += step_m;
+        // cos 2α = (x² - y²) / r² and sin 2α = 2 x y / r².
+        let [x, y] = [to[0] - from[0], to[1] - from[1]];
+        self.axis[0] += (x * x - y * y) / step_m;
+        self.axis[1] += 2.0 * x * y / step_m;
+    }
+
+    /// The motion has reversed at the farthest position once it has come back from there.
+    fn turn(&mut self, position: Point) {
+        let length_m = distance(self.reversed, self.farthest);
+        if distance(self.reversed, position) > length_m {
+            self.farthest = position;
+        } else if length_m > MOVED_M && distance(self.farthest, position) > MOVED_M {
+            // What comes before the first reversal is the way to the first stroke.
+            self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
+            self.reversals = self.reversals.saturating_add(1);
+            (self.reversed, self.farthest) = (self.farthest, position);
+        }
+    }
+
+    /// The measures so far.
+    pub(super) fn measures(&self) -> Measures {
+        let mut ended = *self;
+        ended.end_gap();
+        let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
+        let known = f64::from(self.known.max(1));
+        Measures {
+            reversals: self.reversals,
+            stroke_m: (self.reversals > 1).then(|| self.strokes_m / (self.reversals - 1) as f32),
+            path_m: self.path_m,
+            axis: self.axis.map(per_path),
+            place_m: self.sum.map(|sum| (sum / known) as f32),
+            hidden_reversals: ended.hidden_reversals,
+            hidden: (ended.hidden / self.frames.max(1) as f32).min(1.0),
+        }
+    }
+}
+
+fn distance(a: Point, b: Point) -> f32 {
+    let square: f32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+    libm::sqrtf(square)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f32::consts::TAU;
+    use std::vec::Vec;
+
+    fn measure(positions: impl IntoIterator<Item = Option<Point>>) -> Measures {
+        let mut meter = Meter::default();
+        positions.into_iter().for_each(|position| meter.push(position));
+        meter.measures()
+    }
+
+    /// Strokes of 7 cm along the angle, each to and fro in 24 frames, from the middle.
+    fn strokes(count: usize, angle: f32) -> Vec<Option<Point>> {
+        let at = |frame: usize| 0.035 * libm::sinf(frame as f32 * TAU / 24.0);
+        let position = |frame: usize| [at(frame) * libm::cosf(angle), at(frame) * libm::sinf(angle), 0.0];
+        (0..=24 * count).map(|frame| Some(position(frame))).collect()
+    }
+
+    #[test]
+    fn six_strokes_to_and_fro_reverse_twelve_times() {
+        let measures = measure(strokes(6, 0.0));
+        assert_eq!(measures.reversals, 12);
+        assert!((measures.stroke_m.unwrap_or_default() - 0.07).abs() < 0.001, "{measures:?}");
+        assert!((0.7..=0.84).contains(&measures.path_m), "{measures:?}");
+        assert!(measures.place_m[0].abs() < 0.001 && measures.hidden == 0.0);
+    }
+
+    #[test]
+    fn strokes_across_have_the_opposite_axis() {
+        for (angle, axis) in [(0.0, [1.0, 0.0]), (TAU / 4.0, [-1.0, 0.0]), (TAU / 8.0, [0.0, 1.0])] {
+            let found = measure(strokes(3, angle)).axis;
+            assert!((found[0] - axis[0]).abs() < 0.01 && (found[1] - axis[1]).abs() < 0.01, "{found:?}");
+        }
+    }
+
+    #[test]
+    fn noise_adds_neither_path_nor_reversals() {
+        let noise = [0.0, 0.004, -0.004, 0.003, -0.002];
+        let measures = measure((0..500).map(|frame| Some([noise[frame % 5], noise[frame % 3], 0.0])));
+        assert_eq!((measures.reversals, measures.path_m, measures.axis), (0, 0.0, [0.0; 2]));
+    }
+
+    #[test]
+    fn a_full_circle_reverses_twice() {
+        let circle = |frame: i32| {
+            let angle = frame as f32 * TAU / 40.0;
+            Some([0.05 * libm::cosf(angle), 0.05 * libm::sinf(angle), 0.0])
+        };
+        assert_eq!(measure((0..=200).map(circle)).reversals, 9);
+    }
+
+    #[test]
+    fn frames_that_are_not_seen_lengthen_nothing_and_are_counted() {
+        let whole = measure(strokes(6, 0.0));
+        let half = measure(strokes(6, 0.0).into_iter().enumerate().map(|(k, p)| p.filter(|_| k % 2 == 0)));
+        assert_eq!((half.reversals, half.hidden_reversals), (12, 0));
+        assert!(half.path_m < whole.path_m + 0.001 && (half.hidden - 0.1).abs() < 0.01, "{half:?}");
+        let gap = measure(
+            strokes(6, 0.0).into_iter().enumerate().map(|(k, p)| p.filter(|_| !(20..60).contains(&k))),
+        );
+        assert_eq!(gap.hidden_reversals, 10);
+        assert!(gap.reversals < 12 && gap.reversals + gap.hidden_reversals >= 12, "{gap:?}");
+        assert!((gap.hidden - 40.0 / 145.0).abs() < 0.01, "{gap:?}");
+    }
+}
