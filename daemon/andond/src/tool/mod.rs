@@ -27,6 +27,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::atomic::folder_of;
 use crate::cli::{self, ConfigArgs};
 use crate::config::Config;
 use crate::taken::{self, Taken};
@@ -42,11 +43,10 @@ const DEFAULT_CONFIGS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/and
 /// # Errors
 /// Why it cannot, with the file.
 fn check_writable(path: &Path) -> Result<(), ToolError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let tried = if path.exists() {
         File::options().append(true).open(path).map(|_| ())
     } else {
-        tempfile::tempfile_in(folder).map(|_| ())
+        tempfile::tempfile_in(folder_of(path)).map(|_| ())
     };
     tried.map_err(cannot_write(path))
 }

@@ -32,7 +32,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let mut recording = Recording::open(&arguments.recording, &config)?;
     compatibility::recording(&file, recording.header())
         .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
-    let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
+    let names = Names::of_objects(&file.objects);
     let mut printer = Printer {
         names: &names,
         json: arguments.json,

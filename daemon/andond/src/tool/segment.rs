@@ -24,8 +24,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
         check_writable(file)?;
     }
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    let names =
-        Names::new(recording.header().objects.iter().map(|object| (object.shape.id, object.name.clone())));
+    let names = Names::of_objects(&recording.header().objects);
     let segmented = segment(&mut recording, &config, arguments)?;
     let printed =
         if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };

@@ -92,9 +92,8 @@ fn tell_outage(outage: &Outage) {
 
 /// The UTC time of day at which the monotonic clock showed this.
 fn clock(then: MonotonicTime) -> String {
-    let ago = MonotonicTime::now().since(then).as_nanos();
-    let utc_ns = i128::from(UtcTime::now().nanoseconds()) - i128::try_from(ago).unwrap_or_default();
-    jiff::Timestamp::from_nanosecond(utc_ns)
+    let utc_ns = UtcTime::at(then).nanoseconds();
+    jiff::Timestamp::from_nanosecond(utc_ns.into())
         .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%H:%M:%S UTC").to_string())
 }
 

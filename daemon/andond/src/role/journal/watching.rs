@@ -2,11 +2,10 @@
 
 use std::collections::{HashMap, VecDeque};
 
-use andon_ipc::MonotonicTime;
+use andon_ipc::{MonotonicTime, UtcTime};
 use andon_journal::{Journal, JournalError};
 use shm_schemas::{Health, RoleId, Sight};
 
-use super::utc_ns;
 use crate::config::Config;
 use crate::outage::{Outage, Outages};
 use crate::sight;
@@ -57,7 +56,8 @@ impl Watching {
             let trouble = sight::trouble_of(health);
             let before = std::mem::replace(&mut self.trouble, trouble);
             if before != trouble {
-                let utc_ns = utc_ns(MonotonicTime::from_nanoseconds(health.sight_since_ns));
+                let utc_ns =
+                    UtcTime::at(MonotonicTime::from_nanoseconds(health.sight_since_ns)).nanoseconds();
                 if before.is_some() {
                     self.push(Change::Ended { cause: Cause::Sight, utc_ns });
                 }
@@ -83,11 +83,15 @@ impl Watching {
         let (role, cause) = (outage.role, Cause::Role(outage.role));
         if !self.down.contains(&role) {
             self.down.push(role);
-            self.push(Change::Began { cause, utc_ns: utc_ns(outage.began), why: outage.why() });
+            self.push(Change::Began {
+                cause,
+                utc_ns: UtcTime::at(outage.began).nanoseconds(),
+                why: outage.why(),
+            });
         }
         if let Some(ended) = outage.ended {
             self.down.retain(|down| *down != role);
-            self.push(Change::Ended { cause, utc_ns: utc_ns(ended) });
+            self.push(Change::Ended { cause, utc_ns: UtcTime::at(ended).nanoseconds() });
         }
     }
 

@@ -113,7 +113,7 @@ impl Metrics {
         while let Some(judging) = self.judging.take()? {
             self.newest_judging = Some(*judging);
         }
-        let is_new = |stamp: &Stamp| sent(stamp) >= self.began;
+        let is_new = |stamp: &Stamp| MonotonicTime::sent(stamp) >= self.began;
         while let Some(detections) = self.detections.take()? {
             self.counts.latency(Stage::Detections, latency(&detections.stamp));
         }
@@ -130,14 +130,10 @@ impl Metrics {
     }
 }
 
-fn sent(stamp: &Stamp) -> MonotonicTime {
-    MonotonicTime::from_nanoseconds(stamp.sent_ns)
-}
-
 /// From the frame that a message rests on to the message; `None` where there was no frame.
 fn latency(stamp: &Stamp) -> Option<Duration> {
     let captured = MonotonicTime::from_nanoseconds(stamp.captured_ns);
-    (stamp.captured_ns > 0).then(|| sent(stamp).since(captured))
+    (stamp.captured_ns > 0).then(|| MonotonicTime::sent(stamp).since(captured))
 }
 
 /// Whether the line could judge a part now. The PLC's own `ready` also waits for its reset after a fault.
