@@ -221,7 +221,7 @@ fn a_judge_that_does_not_hear_encode_says_so_and_opens_its_channel_again() {
     claim(&line, RoleId::Encode, 7, 40, || line.log("judge").contains("AND-616"));
     line.wait_for_log("judge", "AND-616", "40 messages of encode have not come");
     watcher.until("the judge's state", |watcher| watcher.is(RoleId::Judge, RoleState::Fault));
-    // What is sent then comes, through the connection that was made anew.
+    // What is sent then comes, through the new connection.
     let mut encode = Sender::<Couples>::new(&line, RoleId::Encode, &[RoleId::Judge]);
     encode.send(|message| message.described_ns = INTERVAL_NS);
     watcher.until("the judge", |watcher| watcher.is(RoleId::Judge, RoleState::Running));

@@ -6,6 +6,7 @@
 
 mod support;
 
+use andon_learn::recording;
 use shm_schemas::{DepthFormat, VerdictLevel as Level, VerdictOutcome as Outcome, flag};
 use support::{Clip, MetricLine, Read, capture, count, number};
 
@@ -90,11 +91,11 @@ fn a_recording_in_a_loop_goes_on_in_time() {
 fn in_metric_mode_a_job_is_taught_from_one_recording_and_three_strokes_of_six_are_found_in_another() {
     let whole = POLISHING.only_bag();
     let mut teacher = MetricLine::new(&whole, None);
-    let (tracks, seen) = teacher.record();
-    let frames = &seen[..seen.len() - 1];
-    assert_eq!(frames.len(), POLISHING.frames - 1);
-    let mut landmarks = frames.iter().flat_map(|frame| frame.hands()).flat_map(|hand| hand.landmarks_m);
-    assert!(landmarks.any(|[_, _, height]| height > 0.0), "in the plane every height is zero");
+    let tracks = teacher.record();
+    let recorded = recording::read("recorded", &std::fs::read(&tracks).unwrap()).unwrap();
+    assert_eq!(recorded.frames.len(), POLISHING.frames - 1);
+    let mut tips = recorded.frames.iter().flat_map(|frame| &frame.hands).flat_map(|hand| hand.tips);
+    assert!(tips.any(|[_, _, height]| height > 0.0), "in the plane every height is zero");
     let job = teacher.teach(&tracks);
 
     let same = MetricLine::new(&whole, Some(&job)).judge();

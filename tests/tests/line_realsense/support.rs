@@ -3,7 +3,7 @@
 use andon_ipc::{FrameReader, Node, Stop};
 use andon_tests::line::{Line, Watcher, andond};
 use serde_json::Value;
-use shm_schemas::{Detections, FrameHeader, RoleId, RoleState, Verdict, VerdictLevel, VerdictOutcome, flag};
+use shm_schemas::{FrameHeader, RoleId, RoleState, Verdict, VerdictLevel, VerdictOutcome, flag};
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
@@ -214,17 +214,24 @@ impl MetricLine {
         Self { line }
     }
 
-    /// Plays the recording into a track file with the real `andond record`. Returns its path, and the detections on the channel.
-    pub(crate) fn record(&mut self) -> (PathBuf, Vec<Detections>) {
+    /// Plays the recording into a track file with the real `andond record`.
+    pub(crate) fn record(&mut self) -> PathBuf {
         let out = self.line.path("recorded.tracks.jsonl");
+        // On a busy machine frames may not reach the recorder. It says so, and that one should record again.
+        assert!((0..5).any(|_| self.records_all(&out)), "{}", self.line.log("perceive"));
+        out
+    }
+
+    /// Whether every frame reached the recorder.
+    fn records_all(&mut self, out: &Path) -> bool {
         self.line.start("steward");
-        let node = Node::open(&self.line.station, RoleId::Tool, PATIENCE, &Stop::new().unwrap()).unwrap();
-        let mut reader = node.reader::<Detections>().unwrap();
+        // The recorder waits for a steward for two seconds only.
+        drop(Watcher::join(&self.line.station));
         let mut recorder = Command::new(andond())
             .args(["record", "--config"])
             .arg(self.line.config())
             .arg("--out")
-            .arg(&out)
+            .arg(out)
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
@@ -234,18 +241,13 @@ impl MetricLine {
         for role in PLAYING {
             self.line.start(role);
         }
-        let mut seen = Vec::new();
         let until = Instant::now() + 4 * PATIENCE;
-        while seen.last().is_none_or(|last: &Detections| last.flags & flag::END_OF_STREAM == 0) {
+        while recorder.try_wait().unwrap().is_none() {
             assert!(Instant::now() < until, "{}", self.line.log("perceive"));
-            node.wait(&mut [&mut reader], Duration::from_millis(200)).unwrap();
-            while let Some(message) = reader.take().unwrap() {
-                seen.push(*message);
-            }
+            std::thread::sleep(Duration::from_millis(50));
         }
-        assert!(recorder.wait().unwrap().success());
         self.stop();
-        (out, seen)
+        recorder.wait().unwrap().success()
     }
 
     /// Teaches a job from a track file.
