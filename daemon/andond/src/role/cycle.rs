@@ -34,15 +34,6 @@ pub enum Turn {
     Left,
 }
 
-/// Why a role is no longer in its cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// It was asked to stop.
-    Stopped,
-    /// It left by itself: [`Turn::Left`].
-    Left,
-}
-
 /// A role's own logic.
 pub trait Role {
     /// Whether messages come all the time while the line works. If so, silence is logged and shows in the role's health.
@@ -115,20 +106,19 @@ impl<'n> Cycle<'n> {
     ///
     /// # Errors
     /// What ends the role.
-    pub fn run<R: Role>(&mut self, role: &mut R) -> Result<Ended, RoleError> {
+    pub fn run<R: Role>(&mut self, role: &mut R) -> Result<(), RoleError> {
         // The first turn waits for nothing: a role without input is ready at once.
         let mut patience = Duration::ZERO;
         loop {
             self.wake = self.node.wait(&mut role.ports(), patience)?;
             if self.wake == Wake::Stop {
-                role.stop(self)?;
-                return Ok(Ended::Stopped);
+                return role.stop(self);
             }
             if R::INPUT_IS_STEADY {
                 self.liveness.note(&self.wake);
             }
             if self.turn(role)? == Turn::Left {
-                return Ok(Ended::Left);
+                return Ok(());
             }
             self.beat()?;
             patience = role.patience();

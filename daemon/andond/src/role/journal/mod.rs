@@ -33,8 +33,7 @@ const NEXT_ROWS: Duration = Duration::from_millis(20);
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
     let Some(mut role) = Keeper::open(&mut cycle, config)? else { return Ok(()) };
-    cycle.run(&mut role)?;
-    Ok(())
+    cycle.run(&mut role)
 }
 
 struct Keeper {

@@ -30,12 +30,11 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
     if config.metrics.enable {
         let mut role = Metrics::open(&mut cycle, config)?;
-        cycle.run(&mut role)?;
+        cycle.run(&mut role)
     } else {
         log!(code::METRICS_OFF, "metrics.enable is false: nothing listens");
-        disabled::run(&mut cycle)?;
+        disabled::run(&mut cycle)
     }
-    Ok(())
 }
 
 struct Metrics {
