@@ -1,12 +1,9 @@
 //! What a line keeps through the faults of its surroundings: its journal, its configuration, and who has changed what.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, Modbus, ROLES, Settings, Watcher, control, role_id, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, ROLES, Settings, Watcher, control, role_id, status};
 use shm_schemas::{RoleId, RoleState};
 use std::time::{Duration, Instant};
-
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let until = Instant::now() + PATIENCE;

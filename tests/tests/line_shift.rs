@@ -3,16 +3,13 @@
 
 mod plc_python;
 
-use andon_tests::line::{Line, Settings};
+use andon_tests::line::{Line, PATIENCE, Settings};
 use andon_tests::simulator::Flaw;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
-
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(120);
 
 /// One verdict, as the PLC has counted it or as the journal has it.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@
 use andon_core::job::Bounds;
 use andon_ipc::{ChannelMessage, Node, Stop, UtcTime, Wake, Writer};
 use andon_learn::job_file::JobFile;
-use andon_tests::line::{Line, Modbus, Settings, Watcher};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher};
 use rustix::process::Signal;
 use shm_schemas::{
     ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
@@ -13,8 +13,6 @@ use shm_schemas::{
 use std::path::Path;
 use std::time::Duration;
 
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 /// From one frame to the next.
 const INTERVAL_NS: u64 = 33_333_333;
 

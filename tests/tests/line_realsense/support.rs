@@ -3,7 +3,7 @@
 use andon_core::input::Frame;
 use andon_ipc::{FrameReader, Node, Stop};
 use andon_learn::recording;
-use andon_tests::line::{Line, Watcher, andond};
+use andon_tests::line::{Line, PATIENCE, Watcher, andond};
 use serde_json::Value;
 use shm_schemas::{FrameHeader, RoleId, RoleState, Verdict, VerdictLevel, VerdictOutcome, flag};
 use std::fs;
@@ -12,9 +12,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// On a busy machine the SDK itself now and then loses a picture, or pairs one with the depth beside its own. Then it is played again.
 const TRIES: usize = 5;
@@ -267,7 +264,7 @@ impl MetricLine {
         for role in PLAYING {
             self.line.start(role);
         }
-        let until = Instant::now() + 4 * PATIENCE;
+        let until = Instant::now() + PATIENCE;
         while recorder.try_wait().unwrap().is_none() {
             assert!(Instant::now() < until, "{}", self.line.log("perceive"));
             std::thread::sleep(Duration::from_millis(50));
@@ -291,7 +288,7 @@ impl MetricLine {
         for role in PLAYING {
             self.line.start(role);
         }
-        let until = Instant::now() + 4 * PATIENCE;
+        let until = Instant::now() + PATIENCE;
         while !watcher.is(RoleId::Judge, RoleState::Finished) {
             assert!(Instant::now() < until, "{}", self.line.log("perceive"));
             watcher.listen(Duration::from_millis(100));
