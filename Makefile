@@ -39,11 +39,12 @@ deny:
 	cargo deny --offline --locked check bans licenses sources
 
 # Everything is built and run once, with RealSense; then the one test that needs a build without it. Tests of the line start the
-# programs in the target folder, so these are built first.
+# programs in the target folder, so these are built first. `cargo test` does the same, one program after the other.
 test: setup test-packages lint
 	python3 daemon/realsense/provision.py $(RUNTIME) --recorder
 	cargo build $(REALSENSE) --all-targets
-	cargo test $(REALSENSE)
+	tests/setup/side_by_side.py $(REALSENSE)
+	cargo test $(REALSENSE) --doc
 	cargo test --locked --workspace $(OBJDETECT) --test camera a_camera_that_this_build_does_not_support
 
 # Prints one table and writes target/bench/report.json. The Python peers are fetched once, into target/bench/venv.

@@ -94,7 +94,7 @@ fn a_steward_of_other_limits_is_refused_while_members_hold_the_old_ones() {
     let node = bench.node(RoleId::Perceive);
     let _reader = node.frame_reader().unwrap();
     drop(first);
-    let refused = Steward::create(&bench.station, Limits { frame_bytes: 100 }).unwrap_err();
+    let refused = bench.try_steward(Limits { frame_bytes: 100 }).unwrap_err();
     assert!(matches!(refused, Error::LayoutMismatch { channel: Channel::Frame, .. }), "{refused}");
     assert!(refused.to_string().contains("perceive"), "{refused}");
 }

@@ -3,7 +3,7 @@
 
 mod ipc_support;
 
-use andon_ipc::{Channel, Death, Departure, Error, Node, Reader, Steward, Wake};
+use andon_ipc::{Channel, Death, Departure, Error, Node, Reader, Wake};
 use ipc_support::{Bench, PATIENCE, SMALL};
 use shm_schemas::{RoleId, Verdict};
 use std::os::unix::fs::PermissionsExt;
@@ -183,7 +183,7 @@ fn a_service_whose_description_cannot_be_read_stays_with_those_who_use_it() {
         std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o400)).unwrap();
     }
 
-    let refused = Steward::create(&bench.station, SMALL).unwrap_err();
+    let refused = bench.try_steward(SMALL).unwrap_err();
     assert!(matches!(refused, Error::ServiceUnreadable { channel: Channel::Verdict, .. }), "{refused}");
     assert!(refused.to_string().contains("journal (pid"), "who must stop is named: {refused}");
     assert!(descriptions.iter().all(|path| path.exists()));

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use andon_core::config::Method;
+use andon_core::input::{Frame, Side};
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::rule::ThresholdRule;
@@ -94,6 +95,28 @@ fn a_run_that_disagrees_is_named_with_the_iu_where_it_does() {
 #[test]
 fn nothing_can_be_taught_from_nothing() {
     assert!(matches!(teach(&[], &options()), Err(TeachError::NoRun)));
+}
+
+/// A run whose recording was changed.
+fn changed(change: impl Fn(&mut Frame)) -> Run {
+    let performance = Performance { seed: SEED, person: 1, repetition: 1, noise: Noise::default() };
+    let (mut recording, _) = perform(&performance, Flaw::None);
+    recording.frames.iter_mut().for_each(change);
+    Run::new("changed", "", &recording, &Method::default()).unwrap()
+}
+
+#[test]
+fn nothing_can_be_taught_from_runs_that_have_nothing_in_common() {
+    let without_hands = || changed(|frame| frame.hands.clear());
+    let runs = [without_hands(), without_hands()];
+    assert!(matches!(teach(&runs, &options()), Err(TeachError::NothingInCommon(2))));
+    let with_the_other_hand = changed(|frame| {
+        for hand in &mut frame.hands {
+            hand.side = if hand.side == Side::Right { Side::Left } else { Side::Right };
+        }
+    });
+    let runs = [run(1, 1, Flaw::None), with_the_other_hand];
+    assert!(matches!(teach(&runs, &options()), Err(TeachError::NothingInCommon(2))));
 }
 
 /// A release state lasts until the hand comes back.

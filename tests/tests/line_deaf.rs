@@ -8,14 +8,11 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::environment;
-use andon_tests::line::{Line, Modbus, Settings, Watcher, role_id, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, role_id, status};
 use shm_schemas::{RoleId, RoleState};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
-
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A library in which one call of `shm_open` for a connection fails as when a process has no file descriptor left for a moment. It leaves a note.
 const SHIM: &str = r#"

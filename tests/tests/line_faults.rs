@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{Node, Stop};
-use andon_tests::line::{Line, ROLES, Settings, Watcher, andond, role_id};
+use andon_tests::line::{Line, PATIENCE, ROLES, Settings, Watcher, andond, role_id};
 use shm_schemas::{Layout, RoleId, RoleState, Verdict};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
@@ -157,8 +157,7 @@ fn a_steward_of_another_version_is_refused_while_the_old_roles_run() {
 #[test]
 fn a_message_that_is_no_command_is_counted_and_logged_and_the_line_goes_on() {
     let (line, mut watcher) = up(Settings::live());
-    let node =
-        Node::open(&line.station, RoleId::Tool, Duration::from_secs(60), &Stop::new().unwrap()).unwrap();
+    let node = Node::open(&line.station, RoleId::Tool, PATIENCE, &Stop::new().unwrap()).unwrap();
     let mut commands = node.writer::<shm_schemas::Command>().unwrap();
     let mut message = commands.loan().unwrap();
     message.kind = 200;

@@ -1,12 +1,9 @@
 //! What a line keeps through the faults of its surroundings: its journal, its configuration, and who has changed what.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, Modbus, ROLES, Settings, Watcher, control, role_id, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, ROLES, Settings, Watcher, control, role_id, status};
 use shm_schemas::{RoleId, RoleState};
 use std::time::{Duration, Instant};
-
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let until = Instant::now() + PATIENCE;
@@ -203,13 +200,15 @@ fn a_role_that_was_down_leaves_a_row_from_begin_to_end_and_tail_says_so() {
     let mut watcher = line.up();
     let mut tail = std::process::Command::new(andon_tests::line::andond());
     tail.args(["tail", "--config"]).arg(line.config());
-    tail.stdout(std::process::Stdio::null()).stderr(std::fs::File::create(line.path("tail.log")).unwrap());
-    let mut tail = tail.spawn().unwrap();
-    // It must have heard encode before it can miss it.
-    let heard = Instant::now() + Duration::from_secs(3);
-    while Instant::now() < heard {
-        watcher.listen(Duration::from_millis(100));
-    }
+    let [said, verdicts] = ["tail.log", "tail.verdicts"].map(|name| line.path(name));
+    let file = |path| std::fs::File::create(path).unwrap();
+    let mut tail = tail.stdout(file(&verdicts)).stderr(file(&said)).spawn().unwrap();
+    // It must have heard encode before it can miss it: it listens when it shows a verdict.
+    until("tail's first verdict", || std::fs::metadata(&verdicts).unwrap().len() > 0);
+    let beat = |watcher: &Watcher| watcher.health(RoleId::Encode).unwrap().stamp.seq;
+    watcher.listen(Duration::from_millis(100));
+    let heard = beat(&watcher);
+    watcher.until("four more signs of life", |watcher| beat(watcher) >= heard + 4);
     line.role("encode").kill();
     until("the row", || text(&line, "history", &[]).contains("-- not watching until ?: encode was down"));
     until("tail", || std::fs::read_to_string(line.path("tail.log")).unwrap().contains("encode is down"));

@@ -3,16 +3,13 @@
 
 mod plc_python;
 
-use andon_tests::line::{Line, Modbus, Settings, Watcher, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, status};
 use shm_schemas::{VerdictLevel, VerdictOutcome};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
-
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Sends these bytes and reads until the server closes.
 fn ask(port: u16, request: &str) -> String {

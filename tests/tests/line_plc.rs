@@ -3,7 +3,7 @@
 
 mod plc_python;
 
-use andon_tests::line::{Line, Modbus, Settings, Watcher, control, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, control, status};
 use plc_python::all_output;
 use rustix::process::Signal;
 use shm_schemas::{Refusal, Verdict, VerdictLevel};
@@ -39,7 +39,7 @@ fn a_result_is_offered_only_once_the_journal_has_it() {
         std::thread::sleep(Duration::from_millis(20));
     }
     line.role("journal").signal(Signal::CONT);
-    let until = std::time::Instant::now() + Duration::from_secs(60);
+    let until = std::time::Instant::now() + PATIENCE;
     while plc.result() < unwritten {
         assert!(std::time::Instant::now() < until, "the result is never offered");
         std::thread::sleep(Duration::from_millis(20));
@@ -212,7 +212,7 @@ fn enable_holds_before_its_first_write() {
 /// Kills a role, waits until the PLC sees it, starts the role, and waits until the PLC sees the line ready.
 fn kill_and_start(line: &mut Line, plc: &mut Modbus, role: &'static str) {
     line.role(role).kill();
-    let until = std::time::Instant::now() + Duration::from_secs(60);
+    let until = std::time::Instant::now() + PATIENCE;
     while plc.status().unwrap() & status::READY != 0 {
         assert!(std::time::Instant::now() < until, "{role} is gone and the line is still ready");
         std::thread::sleep(Duration::from_millis(5));

@@ -1,7 +1,7 @@
 //! What a line says of its own sight: in the log, in the health, to the PLC, by its tools and in the journal.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, Watcher, andond};
+use andon_tests::line::{Line, PATIENCE, Watcher, andond};
 use shm_schemas::{RoleId, Sight};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -51,9 +51,9 @@ fn line_that_shows(filter: &str) -> Line {
     line_with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "12", "-vf", &filter])
 }
 
-/// Runs a command until it prints this; panics after a minute.
+/// Runs a command until it prints this; panics after [`PATIENCE`].
 fn until_printed(line: &Line, command: &str, expected: &str) -> std::process::Output {
-    let until = Instant::now() + Duration::from_secs(60);
+    let until = Instant::now() + PATIENCE;
     loop {
         let output = line.command(command, &[]);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -70,9 +70,9 @@ fn until_sees(watcher: &mut Watcher, sight: Sight) {
     });
 }
 
-/// Waits for a message with this code and these words; panics after a minute. Other messages with the code may come before it.
+/// Waits for a message with this code and these words; panics after [`PATIENCE`]. Other messages with the code may come before it.
 fn until_logged(line: &Line, role: &str, code: &str, words: &str) {
-    let until = Instant::now() + Duration::from_secs(60);
+    let until = Instant::now() + PATIENCE;
     let is_logged =
         || line.log(role).lines().any(|message| message.contains(code) && message.contains(words));
     while !is_logged() {

@@ -4,7 +4,7 @@
 use andon_core::job::{Bounds, MeasureBounds};
 use andon_ipc::{ChannelMessage, Node, Stop, UtcTime, Wake, Writer};
 use andon_learn::job_file::JobFile;
-use andon_tests::line::{Line, Modbus, Settings, Watcher};
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher};
 use rustix::process::Signal;
 use shm_schemas::{
     ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
@@ -13,8 +13,6 @@ use shm_schemas::{
 use std::path::Path;
 use std::time::Duration;
 
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 /// From one frame to the next.
 const INTERVAL_NS: u64 = 33_333_333;
 
@@ -222,7 +220,7 @@ fn a_judge_that_does_not_hear_encode_says_so_and_opens_its_channel_again() {
     claim(&line, RoleId::Encode, 7, 40, || line.log("judge").contains("AND-616"));
     line.wait_for_log("judge", "AND-616", "40 messages of encode have not come");
     watcher.until("the judge's state", |watcher| watcher.is(RoleId::Judge, RoleState::Fault));
-    // What is sent then comes, through the connection that was made anew.
+    // What is sent then comes, through the new connection.
     let mut encode = Sender::<Couples>::new(&line, RoleId::Encode, &[RoleId::Judge]);
     encode.send(|message| message.described_ns = INTERVAL_NS);
     watcher.until("the judge", |watcher| watcher.is(RoleId::Judge, RoleState::Running));

@@ -55,7 +55,7 @@ fn the_line_says_what_it_cannot_see_and_cries_no_wolf() {
 /// truly show most of a hand.
 #[test]
 fn hand_and_markers_are_found_in_noise_and_in_the_dark() {
-    for (filter, least_hand) in [
+    for (filter, min_hand) in [
         ("noise=alls=10:allf=t", 98.0),
         ("noise=alls=20:allf=t", 95.0),
         ("eq=brightness=-0.25", 95.0),
@@ -64,7 +64,7 @@ fn hand_and_markers_are_found_in_noise_and_in_the_dark() {
         let clips = ["tests/footage/p1_J1_r1.mp4", "tests/footage/p2_J1_r1.mp4"];
         let table = table(&["--every", "2", "--filter", filter, clips[0], clips[1]]);
         let [hand, markers] = found(table.last().unwrap());
-        assert!(hand >= least_hand, "{filter}: hand: {table:#?}");
+        assert!(hand >= min_hand, "{filter}: hand: {table:#?}");
         assert!(markers >= 97.0, "{filter}: markers: {table:#?}");
     }
 }

@@ -14,7 +14,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         // A pipe or a terminal has no file before it.
         return std::fs::write(path, bytes);
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(path);
     // As readable as a file that is written in place: the user's mask applies. One that is there keeps its rights.
     let rights =
         std::fs::metadata(path).map_or_else(|_| Permissions::from_mode(0o666), |meta| meta.permissions());
@@ -24,6 +24,11 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.persist(path)?;
     // The rename itself must survive a loss of power.
     File::open(folder)?.sync_all()
+}
+
+/// The folder that a path names; that of the process for a mere file name.
+pub(crate) fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 #[cfg(test)]

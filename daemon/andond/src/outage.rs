@@ -64,7 +64,7 @@ impl Outages {
         if !works {
             return None;
         }
-        let (start, now) = (health.stamp.epoch, MonotonicTime::from_nanoseconds(health.stamp.sent_ns));
+        let (start, now) = (health.stamp.epoch, MonotonicTime::sent(&health.stamp));
         let before = watched.alive.replace((start, now));
         let restarted = before.filter(|(known, _)| *known != start).map(|(_, last)| last);
         let began = watched.down_since.take().or(restarted)?;

@@ -27,6 +27,33 @@ pub fn trouble_of(health: &Health) -> Option<Sight> {
     (health.role == RoleId::Perceive.code() && sight != Sight::Clear).then_some(sight)
 }
 
+/// Finds when the line stops seeing its bench and when it sees it again.
+#[derive(Debug, Default)]
+pub struct SightChanges {
+    trouble: Option<Sight>,
+}
+
+/// What was wrong before, and what is wrong now.
+#[derive(Clone, Copy, Debug)]
+pub struct SightChange {
+    /// `None` where nothing was.
+    pub before: Option<Sight>,
+    /// `None` where nothing is.
+    pub now: Option<Sight>,
+}
+
+impl SightChanges {
+    /// Takes what a role says of itself.
+    pub fn hear(&mut self, health: &Health) -> Option<SightChange> {
+        if health.role != RoleId::Perceive.code() || health.sight == 0 {
+            return None;
+        }
+        let now = trouble_of(health);
+        let before = std::mem::replace(&mut self.trouble, now);
+        (before != now).then_some(SightChange { before, now })
+    }
+}
+
 /// The code that the log has for it; its meaning is the sentence that people read. `None` where nothing is wrong.
 pub fn code(sight: Sight) -> Option<&'static Code> {
     Some(match sight {

@@ -24,8 +24,7 @@ struct Tally {
 
 fn tally(node: &Node, report: Sender<[u32; 3]>) -> Result<(), RoleError> {
     let mut role = Tally { verdicts: node.reader()?, counts: [0; 3], report };
-    Cycle::new(node)?.run(&mut role)?;
-    Ok(())
+    Cycle::new(node)?.run(&mut role)
 }
 
 impl Role for Tally {

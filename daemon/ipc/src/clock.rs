@@ -3,6 +3,7 @@
 //! Messages carry all of them as plain nanoseconds (`sent_ns`, `source_ns`, `decided_utc_ns`): wire types hold numbers only.
 
 use rustix::time::{ClockId, clock_gettime};
+use shm_schemas::Stamp;
 use std::ops::Add;
 use std::time::{Duration, SystemTime};
 
@@ -18,6 +19,11 @@ impl MonotonicTime {
         let now = clock_gettime(ClockId::Monotonic);
         // Neither is negative: this clock counts from the start of the machine.
         Self(u64::try_from(now.tv_sec).unwrap_or(0) * NS_PER_S + u64::try_from(now.tv_nsec).unwrap_or(0))
+    }
+
+    /// When a message was sent.
+    pub const fn sent(stamp: &Stamp) -> Self {
+        Self(stamp.sent_ns)
     }
 }
 
@@ -58,7 +64,7 @@ macro_rules! measurable {
 }
 
 measurable! {
-    MonotonicTime, such as "Stamp::sent_ns";
+    MonotonicTime, such as "Stamp::captured_ns";
     SourceTime, such as "FrameHeader::source_ns";
 }
 
@@ -72,6 +78,13 @@ impl UtcTime {
         let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
         // 2^64 ns end in 2554.
         Self(since_1970.as_nanos() as u64)
+    }
+
+    /// The time at which the monotonic clock showed this, by what both clocks show now.
+    pub fn at(then: MonotonicTime) -> Self {
+        let ago = MonotonicTime::now().since(then);
+        // 2^64 ns are 584 years.
+        Self(Self::now().0.saturating_sub(ago.as_nanos() as u64))
     }
 
     /// The time as messages carry it, such as `Verdict::decided_utc_ns`.

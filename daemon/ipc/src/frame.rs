@@ -209,9 +209,9 @@ impl FrameReader {
         self.subscription.losses().newest_of(epoch)
     }
 
-    /// Makes the connection anew with the next look, although iceoryx2 has not said that one could not be made. What was lost
+    /// Connects again with the next look, although iceoryx2 has not said that one could not be made. What was lost
     /// meanwhile is counted, and what the writer still has comes.
-    pub fn make_anew(&mut self) {
+    pub fn reconnect(&mut self) {
         self.subscription.recreate();
     }
 

@@ -58,7 +58,7 @@ impl Heartbeat {
         self.counts.received += 1;
         self.counts.stamp.frame_seq = stamp.frame_seq;
         self.counts.stamp.captured_ns = stamp.captured_ns;
-        let lateness = MonotonicTime::now().since(MonotonicTime::from_nanoseconds(stamp.sent_ns));
+        let lateness = MonotonicTime::now().since(MonotonicTime::sent(stamp));
         self.counts.lateness_us = u32::try_from(lateness.as_micros()).unwrap_or(u32::MAX);
     }
 

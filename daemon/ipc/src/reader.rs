@@ -47,9 +47,9 @@ impl<T: ChannelMessage> Reader<T> {
         self.0.losses().newest_of(epoch)
     }
 
-    /// Makes the connection anew with the next look, although iceoryx2 has not said that one could not be made. What was lost
+    /// Connects again with the next look, although iceoryx2 has not said that one could not be made. What was lost
     /// meanwhile is counted, and what the writer still has comes.
-    pub fn make_anew(&mut self) {
+    pub fn reconnect(&mut self) {
         self.0.recreate();
     }
 

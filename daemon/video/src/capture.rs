@@ -36,7 +36,7 @@ pub fn run(
             source: None,
             presence: Presence::Unknown,
             rate: RateWatch::new(config.camera.rate_hz.into()),
-        })?;
+        })
     } else {
         let mut is_first_round = true;
         let open = |frames: &mut FrameWriter| {
@@ -47,9 +47,8 @@ pub fn run(
             }
             Ok(film)
         };
-        cycle.run(&mut Player::new(frames, &config.camera, open))?;
+        cycle.run(&mut Player::new(frames, &config.camera, open))
     }
-    Ok(())
 }
 
 fn describe(format: PictureFormat) -> String {

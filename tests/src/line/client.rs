@@ -1,11 +1,10 @@
 //! A Modbus client of plain bytes. It shares no code with the server.
 
+use super::PATIENCE;
 use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
 
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 /// Addresses of registers, as `REGISTERS.md` lists them.
 const STATUS: u16 = 0;
 const LOST: u16 = 9;

@@ -29,6 +29,10 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
+/// Whatever must happen sooner or later has happened by then, also on a machine that does twenty other things; only a test that fails
+/// waits for so long.
+pub const PATIENCE: Duration = Duration::from_secs(300);
+
 /// The roles of a line without pictures, in the order in which a target starts them.
 pub const ROLES: [&str; 6] = ["steward", "perceive", "encode", "judge", "journal", "plc"];
 
@@ -192,9 +196,9 @@ impl Line {
         fs::read_to_string(self.log_path(role)).unwrap_or_default()
     }
 
-    /// Waits for a message with this code, which must contain this remedy, in a role's log; panics after a minute.
+    /// Waits for a message with this code, which must contain this remedy, in a role's log; panics after [`PATIENCE`].
     pub fn wait_for_log(&self, role: &str, code: &str, remedy: &str) {
-        let until = Instant::now() + Duration::from_secs(60);
+        let until = Instant::now() + PATIENCE;
         loop {
             let log = self.log(role);
             if let Some(message) = log.lines().find(|message| message.contains(code)) {

@@ -84,9 +84,9 @@ impl Process {
         self.child.try_wait().unwrap()
     }
 
-    /// Waits for the end and gives the exit status; panics after a minute, which no role takes.
+    /// Waits for the end and gives the exit status; panics after [`super::PATIENCE`].
     pub fn wait(&mut self) -> ExitStatus {
-        let until = Instant::now() + Duration::from_secs(60);
+        let until = Instant::now() + super::PATIENCE;
         loop {
             if let Some(status) = self.ended() {
                 return status;

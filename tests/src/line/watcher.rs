@@ -1,11 +1,9 @@
 //! A member of the station that reads what the line sends.
 
+use super::PATIENCE;
 use andon_ipc::{MonotonicTime, Node, Reader, Station, Stop};
 use shm_schemas::{Health, RoleId, RoleState, Verdict};
 use std::time::{Duration, Instant};
-
-/// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Reads verdicts and health and keeps them.
 pub struct Watcher {
@@ -39,7 +37,7 @@ impl Watcher {
         }
     }
 
-    /// Listens until the condition holds; panics with its name after a minute.
+    /// Listens until the condition holds; panics with its name after [`PATIENCE`].
     pub fn until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
         let until = Instant::now() + PATIENCE;
         while !holds(self) {

@@ -1,12 +1,12 @@
 //! A station for each test, and processes in it.
 #![allow(clippy::unwrap_used, clippy::panic, dead_code, unreachable_pub)]
 
-use andon_ipc::{Limits, Node, Station, Steward, Stop};
+use andon_ipc::{Error, Limits, Node, Station, Steward, Stop};
 use shm_schemas::RoleId;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, ChildStdout, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// For what must happen sooner or later. Only a test that fails waits for this long.
@@ -29,7 +29,21 @@ impl Bench {
     }
 
     pub fn steward(&self) -> Steward {
-        Steward::create(&self.station, SMALL).unwrap()
+        self.try_steward(SMALL).unwrap()
+    }
+
+    /// The lock of a steward that was dropped is held a moment longer where another test of this process has just forked: until the child
+    /// becomes another program.
+    pub fn try_steward(&self, limits: Limits) -> Result<Steward, Error> {
+        let until = Instant::now() + PATIENCE;
+        loop {
+            match Steward::create(&self.station, limits) {
+                Err(Error::StewardRunning { .. }) if Instant::now() < until => {
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+                created => return created,
+            }
+        }
     }
 
     pub fn node(&self, role: RoleId) -> Node {

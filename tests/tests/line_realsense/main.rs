@@ -24,14 +24,8 @@ fn every_byte_of_a_recording_is_on_the_channel_with_the_optics_and_the_times_of_
     let bag = RUBBING.bag();
     let (colour, depth) = (bag.pixels("colour"), bag.pixels("depth"));
     let depth_of = |k: usize| &depth[(k + 1) * DEPTH_BYTES..][..DEPTH_BYTES];
-    // On a busy machine the SDK itself now and then pairs a picture with the depth beside its own.
-    let is_paired = |played: &[Read]| {
-        played.iter().enumerate().all(|(k, read)| read.bytes[COLOUR_BYTES..] == *depth_of(k))
-    };
-    let mut plays = (0..5).map(|_| capture(&bag, false).frames(usize::MAX));
-    let (played, end) = plays.find(|(played, _)| is_paired(played)).expect("each picture has its own depth");
-    // The SDK finds no depth for the first frame.
-    assert_eq!(played.len(), RUBBING.frames - 1);
+    let (played, end) = bag
+        .play(|played| played.iter().enumerate().all(|(k, read)| read.bytes[COLOUR_BYTES..] == *depth_of(k)));
     for (k, Read { header, bytes }) in played.iter().enumerate() {
         assert_eq!(bytes[..COLOUR_BYTES], colour[(k + 1) * COLOUR_BYTES..][..COLOUR_BYTES], "colour {k}");
         assert!(header.source_ns.abs_diff(k as u64 * 1_000_000_000 / 30) < 1000, "{k}: {}", header.source_ns);
@@ -60,8 +54,7 @@ fn every_byte_of_a_recording_is_on_the_channel_with_the_optics_and_the_times_of_
 #[test]
 fn the_extrinsics_on_the_channel_lead_from_a_marker_to_its_depth() {
     let bag = RUBBING.bag();
-    let mut line = capture(&bag, false);
-    let (played, _) = line.frames(usize::MAX);
+    let (played, _) = bag.play(|_| true);
     let mut checked = 0;
     for (k, read) in played.iter().enumerate() {
         for (pixel, distance) in bag.markers(k + 1) {
@@ -90,11 +83,9 @@ fn a_recording_in_a_loop_goes_on_in_time() {
 fn in_metric_mode_a_job_is_taught_from_one_recording_and_three_strokes_of_six_are_found_in_another() {
     let whole = POLISHING.only_bag();
     let mut teacher = MetricLine::new(&whole, None);
-    let (tracks, seen) = teacher.record();
-    let frames = &seen[..seen.len() - 1];
-    assert_eq!(frames.len(), POLISHING.frames - 1);
-    let mut landmarks = frames.iter().flat_map(|frame| frame.hands()).flat_map(|hand| hand.landmarks_m);
-    assert!(landmarks.any(|[_, _, height]| height > 0.0), "in the plane every height is zero");
+    let (tracks, frames) = teacher.record(POLISHING.frames - 1);
+    let mut tips = frames.iter().flat_map(|frame| &frame.hands).flat_map(|hand| hand.tips);
+    assert!(tips.any(|[_, _, height]| height > 0.0), "in the plane every height is zero");
     let job = teacher.teach(&tracks);
 
     let same = MetricLine::new(&whole, Some(&job)).judge();

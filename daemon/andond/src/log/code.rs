@@ -87,7 +87,7 @@ table! {
         "Light the hands, take off gloves in the colour of the bench, and let the camera see the whole hand";
     INFO 221 SIGHT_BACK: "the line sees its bench again", "";
     ERROR 222 CAMERA_MOVED: "the camera looks elsewhere than it did",
-        "Put the camera back; where bench.calibration is set, calibrate anew with `andond calibrate` and restart perceive instead. Without a calibration the new view counts after ten seconds";
+        "Put the camera back; where bench.calibration is set, calibrate again with `andond calibrate` and restart perceive instead. Without a calibration the new view counts after ten seconds";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
     ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",

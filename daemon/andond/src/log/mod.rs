@@ -53,11 +53,17 @@ pub enum Remedy {
 }
 
 impl Code {
-    /// Logs an error whose code is found at run time. All other messages are logged with [`log!`].
-    pub fn log_error(&'static self, error: &dyn fmt::Display, remedy: Remedy) {
+    /// Logs an error or a warning whose code is found at run time. All other messages are logged with [`log!`].
+    pub fn log_found(&'static self, what: &dyn fmt::Display, remedy: Remedy) {
         let remedy = if remedy == Remedy::OfCode { self.remedy } else { "" };
         self.note();
-        tracing::error!(code = self.name, "{}", self.text(format_args!("{error}"), remedy));
+        let message = format_args!("{what}");
+        let text = self.text(message, remedy);
+        if self.level == tracing::Level::WARN {
+            tracing::warn!(code = self.name, "{text}");
+        } else {
+            tracing::error!(code = self.name, "{text}");
+        }
     }
 
     /// The text of a message with this code. For [`log!`], which formats it only where the level is on.

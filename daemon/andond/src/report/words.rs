@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use andon_core::couple::Context;
 use andon_core::input::Side;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_learn::recording::NamedObject;
 
 /// Names of the objects, by id.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,11 @@ impl Names {
     /// Names by id; an object without a name is called by its number.
     pub fn new(names: impl IntoIterator<Item = (u16, String)>) -> Self {
         Self(names.into_iter().collect())
+    }
+
+    /// The names in the head of a recording, or in a job file.
+    pub fn of_objects(objects: &[NamedObject]) -> Self {
+        Self::new(objects.iter().map(|object| (object.shape.id, object.name.clone())))
     }
 
     /// The name of object `id`.

@@ -20,7 +20,7 @@ const STUCK: Duration = Duration::from_secs(30);
 const FIRST_PAUSE: Duration = Duration::from_millis(250);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 
-/// A reader that stays deaf is made anew once a second.
+/// A reader that stays deaf connects again once a second.
 const LOG_DEAF_EVERY: Duration = Duration::from_secs(60);
 
 /// What a role did in a turn.
@@ -31,15 +31,6 @@ pub enum Turn {
     /// A step of its work has gone through. The first one makes the role ready.
     Stepped,
     /// It leaves the cycle, and whoever ran it decides what comes next.
-    Left,
-}
-
-/// Why a role is no longer in its cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// It was asked to stop.
-    Stopped,
-    /// It left by itself: [`Turn::Left`].
     Left,
 }
 
@@ -115,26 +106,32 @@ impl<'n> Cycle<'n> {
     ///
     /// # Errors
     /// What ends the role.
-    pub fn run<R: Role>(&mut self, role: &mut R) -> Result<Ended, RoleError> {
+    pub fn run<R: Role>(&mut self, role: &mut R) -> Result<(), RoleError> {
         // The first turn waits for nothing: a role without input is ready at once.
         let mut patience = Duration::ZERO;
         loop {
             self.wake = self.node.wait(&mut role.ports(), patience)?;
             if self.wake == Wake::Stop {
-                role.stop(self)?;
-                return Ok(Ended::Stopped);
+                return role.stop(self);
             }
             if R::INPUT_IS_STEADY {
                 self.liveness.note(&self.wake);
             }
             if self.turn(role)? == Turn::Left {
-                return Ok(Ended::Left);
+                return Ok(());
             }
-            if self.liveness.beat()? {
-                self.node.check_root()?;
-            }
+            self.beat()?;
             patience = role.patience();
         }
+    }
+
+    /// Gives the signs of life that are due. As often it looks whether the station is still there, also while a turn waits: a player
+    /// waits for the time of its next message in every turn, and in few other places.
+    fn beat(&mut self) -> Result<(), RoleError> {
+        if self.liveness.beat()? {
+            self.node.check_root()?;
+        }
+        Ok(())
     }
 
     fn turn(&mut self, role: &mut impl Role) -> Result<Turn, RoleError> {
@@ -209,11 +206,11 @@ impl<'n> Cycle<'n> {
         Ok(sample)
     }
 
-    /// Nothing waits: makes the input anew where the role before it has sent something that has not come.
+    /// Nothing waits: connects the input again where the role before it has sent something that has not come.
     fn listen_closely(&mut self, input: &mut impl Input) -> Result<(), RoleError> {
         let Some(upstream) = &mut self.upstream else { return Ok(()) };
         let Some(missing) = upstream.missing(self.node, input)? else { return Ok(()) };
-        input.make_anew();
+        input.reconnect();
         self.liveness.failing();
         if self.deaf_logged.is_none_or(|at| at.elapsed() >= LOG_DEAF_EVERY) {
             self.deaf_logged = Some(Instant::now());
@@ -251,7 +248,7 @@ impl<'n> Cycle<'n> {
                         error.report();
                     }
                     self.liveness.failing();
-                    self.liveness.beat()?;
+                    self.beat()?;
                     if !self.wait_until(MonotonicTime::now() + pause)? {
                         return Ok(None);
                     }
@@ -276,7 +273,7 @@ impl<'n> Cycle<'n> {
             if self.node.stop().wait(left.min(WAIT)) {
                 return Ok(false);
             }
-            self.liveness.beat()?;
+            self.beat()?;
         }
         self.waited += began.elapsed();
         Ok(true)
@@ -289,9 +286,7 @@ impl<'n> Cycle<'n> {
             match self.node.wait_for_room(writer, WAIT)? {
                 Wake::Room => break,
                 Wake::Stop => return Err(RoleError::Stopped),
-                _ => {
-                    self.liveness.beat()?;
-                }
+                _ => self.beat()?,
             }
             if began.elapsed() > STUCK {
                 return Err(RoleError::NoProgress(STUCK));
@@ -325,8 +320,8 @@ pub trait Input {
     /// Whether a reader that is new gets the newest message that was sent before it was there.
     fn has_history(&self) -> bool;
 
-    /// Makes the connection anew with the next look.
-    fn make_anew(&mut self);
+    /// Connects again with the next look.
+    fn reconnect(&mut self);
 }
 
 impl<T: Flagged> Input for Reader<T> {
@@ -352,8 +347,8 @@ impl<T: Flagged> Input for Reader<T> {
         T::CHANNEL.qos().history > 0
     }
 
-    fn make_anew(&mut self) {
-        Reader::make_anew(self);
+    fn reconnect(&mut self) {
+        Reader::reconnect(self);
     }
 }
 
@@ -381,8 +376,8 @@ impl Input for FrameReader {
         Channel::Frame.qos().history > 0
     }
 
-    fn make_anew(&mut self) {
-        FrameReader::make_anew(self);
+    fn reconnect(&mut self) {
+        FrameReader::reconnect(self);
     }
 }
 

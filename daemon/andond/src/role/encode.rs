@@ -23,8 +23,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         ready: Vec::new(),
         visibility: Visibility::new(config),
     };
-    Cycle::new(node)?.run(&mut role)?;
-    Ok(())
+    Cycle::new(node)?.run(&mut role)
 }
 
 struct Encode<'a> {

@@ -94,7 +94,7 @@ impl RoleError {
     /// Logs the error and returns the exit code. To be called once.
     pub fn report(&self) -> Exit {
         let Some((code, remedy, exit)) = self.classify() else { return Exit::Stopped };
-        code.log_error(self, remedy);
+        code.log_found(self, remedy);
         exit
     }
 
@@ -161,13 +161,13 @@ impl RoleError {
 /// Logs an error of the camera.
 pub fn report_camera(error: &OpenError) {
     let (code, remedy) = classify_camera(error);
-    code.log_error(error, remedy);
+    code.log_found(error, remedy);
 }
 
 /// Logs an error of the journal.
 pub(super) fn report_journal(error: &JournalError) {
     let (code, remedy, _) = classify_journal(error);
-    code.log_error(error, remedy);
+    code.log_found(error, remedy);
 }
 
 fn classify_camera(error: &OpenError) -> (&'static Code, Remedy) {

@@ -44,7 +44,7 @@ impl LineHealth {
         if let Some(role) = self.roles.iter_mut().find(|role| role.role.code() == health.role) {
             // A role that restarts between two messages has departed all the same.
             if role.newest.is_some_and(|known| known.stamp.epoch != health.stamp.epoch) {
-                self.departure = self.departure.max(sent(health));
+                self.departure = self.departure.max(MonotonicTime::sent(&health.stamp));
             }
             role.newest = Some(*health);
         }
@@ -86,7 +86,7 @@ impl RoleHealth {
     fn line(&self, now: MonotonicTime, departure: MonotonicTime) -> (Line, &'static str) {
         let missing = Line::Fault { fault: Fault::Role, detail: code::ROLE_DIED.number };
         let Some(health) = &self.newest else { return (missing, "has not been heard yet") };
-        let sent = sent(health);
+        let sent = MonotonicTime::sent(&health.stamp);
         if sent < departure {
             return (missing, "is gone, or has not been heard since another process has gone");
         }
@@ -117,10 +117,6 @@ impl RoleHealth {
             Err(_) => (fault(Fault::Role), "is of another version"),
         }
     }
-}
-
-fn sent(health: &Health) -> MonotonicTime {
-    MonotonicTime::from_nanoseconds(health.stamp.sent_ns)
 }
 
 #[cfg(test)]

@@ -38,7 +38,7 @@ use crate::taken::Taken;
 
 pub(crate) use jobs::{job_files, load as load_job, read as read_job};
 
-pub use cycle::{Cycle, Ended, Flagged, Input, Role, Turn};
+pub use cycle::{Cycle, Flagged, Input, Role, Turn};
 pub use error::{RoleError, report_camera};
 pub use liveness::Liveness;
 pub use output::{Output, Publish};

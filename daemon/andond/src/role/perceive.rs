@@ -34,8 +34,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         source_epoch: 0,
         missed: 0,
     };
-    Cycle::new(node)?.run(&mut role)?;
-    Ok(())
+    Cycle::new(node)?.run(&mut role)
 }
 
 struct Perceive<'a> {

@@ -1,12 +1,12 @@
 //! Tells what the line's own sight is worth: once in the log, and in the health of `perceive` for as long as it lasts.
 
 use andon_perception::Detections;
-use andon_perception::sight::{Expected, Look, Spell, Trouble};
+use andon_perception::sight::{Expected, Look, Spell};
 use shm_schemas::{FrameHeader, Sight};
 
 use super::Liveness;
 use crate::config::Config;
-use crate::log::{code, log};
+use crate::log::{Remedy, code, log};
 use crate::sight;
 
 /// Follows what `perceive` sees.
@@ -42,8 +42,11 @@ impl SightWatch {
                 |at_ns: u64| header.stamp.captured_ns.saturating_sub(header.source_ns.saturating_sub(at_ns));
             match spell {
                 Some(Spell { trouble, since_ns }) => {
-                    liveness.sees(sight::of_trouble(trouble), monotonic_ns(since_ns));
-                    log_trouble(trouble);
+                    let trouble = sight::of_trouble(trouble);
+                    liveness.sees(trouble, monotonic_ns(since_ns));
+                    if let Some(code) = sight::code(trouble) {
+                        code.log_found(&code.meaning, Remedy::OfCode);
+                    }
                 }
                 None => {
                     liveness.sees(Sight::Clear, header.stamp.captured_ns);
@@ -55,24 +58,5 @@ impl SightWatch {
             }
             (self.newest, self.has_looked) = (spell, true);
         }
-    }
-}
-
-fn log_trouble(trouble: Trouble) {
-    match trouble {
-        Trouble::Frozen => log!(code::PICTURE_FROZEN, "the same picture comes again and again"),
-        Trouble::Black => log!(code::PICTURE_BLACK, "the picture is black"),
-        Trouble::White => log!(code::PICTURE_WHITE, "the picture is white"),
-        Trouble::Covered => log!(code::LENS_COVERED, "something lies over the lens"),
-        Trouble::Blurred => log!(code::PICTURE_BLURRED, "the picture is blurred"),
-        Trouble::Noisy => log!(code::PICTURE_NOISY, "there is too much noise in the picture"),
-        Trouble::CameraMoved => log!(code::CAMERA_MOVED, "all parts that lay still have jumped together"),
-        Trouble::TooFewFrames => {
-            log!(code::TOO_FEW_FRAMES, "fewer than half of the camera's pictures are looked at")
-        }
-        Trouble::NoMarkers => {
-            log!(code::MARKERS_FOREIGN, "none of the station's markers has been seen so far")
-        }
-        Trouble::NoHands => log!(code::HANDS_NOT_FOUND, "parts move, and no hand is found"),
     }
 }

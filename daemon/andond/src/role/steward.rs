@@ -26,8 +26,7 @@ pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(),
         .with_deadline(config.health.deadline(RoleId::Steward));
     let mut role =
         Reaper { steward: &mut steward, config, auditor: Auditor::open(&node)?, unreaped: Vec::new() };
-    Cycle::new(&node)?.run(&mut role)?;
-    Ok(())
+    Cycle::new(&node)?.run(&mut role)
 }
 
 struct Reaper<'c> {

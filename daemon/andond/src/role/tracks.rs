@@ -20,8 +20,7 @@ use crate::wire;
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let output = Output::new(node.writer()?, &[RoleId::Encode]);
     let mut player = Player::new(output, &config.camera, |_: &mut _| Tracks::open(config));
-    Cycle::new(node)?.run(&mut player)?;
-    Ok(())
+    Cycle::new(node)?.run(&mut player)
 }
 
 struct Tracks {

@@ -76,7 +76,7 @@ struct Sent {
 
 impl Sent {
     fn hear(&mut self, health: &Health, has_history: bool) {
-        self.said = MonotonicTime::from_nanoseconds(health.stamp.sent_ns);
+        self.said = MonotonicTime::sent(&health.stamp);
         if health.sent_epoch != self.epoch {
             self.epoch = health.sent_epoch;
             self.before = if has_history { 0 } else { health.sent };

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use andon_journal::History;
 
 use super::{ToolError, cannot_write, running_config};
+use crate::atomic::folder_of;
 use crate::backup::{self, Kind};
 use crate::cli::Backup;
 use crate::config::Config;
@@ -24,10 +25,9 @@ pub fn run(arguments: &Backup) -> Result<Code, ToolError> {
         contents.push(bytes);
     }
     let archive = &arguments.archive;
-    let folder = archive.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let write = || -> std::io::Result<()> {
         // Beside it first: a backup that is broken off leaves the one before it. It holds what is not for everybody.
-        let file = tempfile::NamedTempFile::new_in(folder)?;
+        let file = tempfile::NamedTempFile::new_in(folder_of(archive))?;
         backup::write(file.reopen()?, manifest.clone(), &contents)?;
         file.persist(archive)?;
         Ok(())

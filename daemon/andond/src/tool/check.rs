@@ -13,6 +13,7 @@ use andon_journal::{History, Query};
 use andon_learn::recording::TrackReader;
 
 use super::{ToolError, existing_config_files};
+use crate::atomic::folder_of;
 use crate::cli::Check;
 use crate::config::{Config, Source};
 use crate::exit::Code;
@@ -130,8 +131,7 @@ impl Checks<'_> {
         } else if path.exists() {
             unusable_journal(&path)
         } else {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new("."));
+            let folder = folder_of(&path);
             let refused = tempfile::tempfile_in(folder).err();
             refused.map(|error| format!("cannot be made: {}: {error}", folder.display()))
         };

@@ -25,10 +25,13 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use andon_core::input::Frame;
 use indicatif::{ProgressBar, ProgressStyle};
 
+use crate::atomic::folder_of;
 use crate::cli::{self, ConfigArgs};
 use crate::config::Config;
+use crate::recording::Recording;
 use crate::taken::{self, Taken};
 
 pub use error::ToolError;
@@ -42,11 +45,10 @@ const DEFAULT_CONFIGS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/and
 /// # Errors
 /// Why it cannot, with the file.
 fn check_writable(path: &Path) -> Result<(), ToolError> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let tried = if path.exists() {
         File::options().append(true).open(path).map(|_| ())
     } else {
-        tempfile::tempfile_in(folder).map(|_| ())
+        tempfile::tempfile_in(folder_of(path)).map(|_| ())
     };
     tried.map_err(cannot_write(path))
 }
@@ -110,6 +112,24 @@ fn config_files(arguments: &ConfigArgs) -> Vec<PathBuf> {
         return vec![named.into()];
     }
     DEFAULT_CONFIGS.iter().map(PathBuf::from).find(|path| path.exists()).into_iter().collect()
+}
+
+/// Shows `take` every frame of a recording, with a progress bar, and says at the end what the recording has to warn of.
+fn each_frame(
+    recording: &mut Recording,
+    path: &Path,
+    mut take: impl FnMut(Frame) -> Result<(), ToolError>,
+) -> Result<(), ToolError> {
+    let bar = progress(recording.count(), path);
+    while let Some(frame) = recording.next_frame()? {
+        bar.inc(1);
+        take(frame)?;
+    }
+    bar.finish_and_clear();
+    if let Some(warning) = recording.warning() {
+        eprintln!("{warning}");
+    }
+    Ok(())
 }
 
 /// A progress bar on standard error that counts frames. It shows nothing where standard error is not a terminal.

@@ -11,7 +11,7 @@ use andon_learn::recording::{Header, Landmarks, NamedObject, TrackWriter};
 use shm_schemas::{Detections, flag};
 
 use super::join::join;
-use super::{ToolError, cannot_write, check_writable, load_config, progress};
+use super::{ToolError, cannot_write, check_writable, each_frame, load_config};
 use crate::cli::Record;
 use crate::config::Config;
 use crate::exit::Code;
@@ -39,12 +39,7 @@ fn record_film(film: &Path, out: &Path, config: &Config) -> Result<Code, ToolErr
     let mut recording = Recording::open(film, config)?;
     let mut recorder =
         Recorder::create(out, Header { landmarks: Landmarks::Five, ..recording.header().clone() })?;
-    let bar = progress(recording.count(), film);
-    while let Some(frame) = recording.next_frame()? {
-        bar.inc(1);
-        recorder.write(frame)?;
-    }
-    bar.finish_and_clear();
+    each_frame(&mut recording, film, |frame| recorder.write(frame).map(drop))?;
     recorder.finish()?;
     Ok(Code::Stopped)
 }

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use andon_core::anomaly::Judge;
 use andon_core::couple::{Couple, Couples, Encoder};
+use andon_core::dtw::OnlineDtw;
+use andon_core::input::Frame;
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
@@ -32,7 +34,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let mut recording = Recording::open(&arguments.recording, &config)?;
     compatibility::recording(&file, recording.header())
         .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
-    let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
+    let names = Names::of_objects(&file.objects);
     let mut printer = Printer {
         names: &names,
         json: arguments.json,
@@ -97,33 +99,19 @@ fn replay(
     let bar = progress(recording.count(), &arguments.recording);
     file.with_job(|job: &Job<'_>| -> Result<(), ToolError> {
         let mut judge = Judge::<Vec<_>>::with_memory(job, file.method)?;
-        let mut verdicts: Vec<Verdict> = Vec::new();
         let mut newest: Option<Couples> = None;
         loop {
             let frame = recording.next_frame()?;
-            let mut take = |couples: Couples| {
-                judge.step(&couples, &mut |event| verdicts.extend(event.verdict()));
-                newest = Some(couples);
-            };
-            match &frame {
-                // A recording has no late frames, except where its clock was stepped; they are ignored.
-                Some(frame) => drop(encoder.step(frame, &mut take)),
-                None => encoder.flush(&mut take),
-            }
-            if frame.is_none() {
-                judge.finish(&mut |event| verdicts.extend(event.verdict()));
-            }
+            let verdicts = judge_next(frame.as_ref(), &mut encoder, &mut judge, &mut newest);
             bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
                 .map_err(ToolError::Print)?;
             if let (Some(annotator), Some(view)) = (annotator.as_mut(), recording.view()) {
                 let couples: &[Couple] = newest.as_ref().map_or(&[], |couples| &couples.hands);
-                let drawn = match &frame {
-                    Some(_) => annotator.draw(view, couples, &verdicts),
-                    None => annotator.draw_end(view, &verdicts),
-                };
-                drawn?;
+                match &frame {
+                    Some(_) => annotator.draw(view, couples, &verdicts)?,
+                    None => annotator.draw_end(view, &verdicts)?,
+                }
             }
-            verdicts.clear();
             if frame.is_none() {
                 return Ok(());
             }
@@ -138,6 +126,29 @@ fn replay(
         eprintln!("{warning}");
     }
     Ok(())
+}
+
+/// The verdicts that the next frame leads to, or the end of the recording; `newest` becomes the newest couples.
+fn judge_next<'j>(
+    frame: Option<&Frame>,
+    encoder: &mut Encoder,
+    judge: &mut Judge<'j, Vec<OnlineDtw<'j>>>,
+    newest: &mut Option<Couples>,
+) -> Vec<Verdict> {
+    let mut verdicts = Vec::new();
+    let mut take = |couples: Couples| {
+        judge.step(&couples, &mut |event| verdicts.extend(event.verdict()));
+        *newest = Some(couples);
+    };
+    match frame {
+        // A recording has no late frames, except where its clock was stepped; they are ignored.
+        Some(frame) => drop(encoder.step(frame, &mut take)),
+        None => {
+            encoder.flush(&mut take);
+            judge.finish(&mut |event| verdicts.extend(event.verdict()));
+        }
+    }
+    verdicts
 }
 
 fn annotator(

@@ -6,7 +6,7 @@ use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
 
-use super::{ToolError, cannot_write, check_writable, load_config, progress};
+use super::{ToolError, cannot_write, check_writable, each_frame, load_config};
 use crate::cli::Segment;
 use crate::config::Config;
 use crate::exit::Code;
@@ -24,8 +24,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
         check_writable(file)?;
     }
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    let names =
-        Names::new(recording.header().objects.iter().map(|object| (object.shape.id, object.name.clone())));
+    let names = Names::of_objects(&recording.header().objects);
     let segmented = segment(&mut recording, &config, arguments)?;
     let printed =
         if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };
@@ -48,22 +47,17 @@ fn segment(recording: &mut Recording, config: &Config, arguments: &Segment) -> R
     let mut encoder = Encoder::new(method, &recording.header().shapes())?;
     let mut segmenter = JobSegmenter::new(&method)?;
     let mut segmented = Segmented::default();
-    let bar = progress(recording.count(), &arguments.recording);
     let mut take = |couples: andon_core::couple::Couples| {
         segmented.couples.extend(couples.hands);
         segmenter.step(&couples, &mut |event| segmented.lines.extend(line(event)));
     };
-    while let Some(frame) = recording.next_frame()? {
-        bar.inc(1);
+    each_frame(recording, &arguments.recording, |frame| {
         // A recording has no late frames, except where its clock was stepped; they are ignored.
         let _ = encoder.step(&frame, &mut take);
-    }
+        Ok(())
+    })?;
     encoder.flush(&mut take);
     segmenter.finish(&mut |event| segmented.lines.extend(line(event)));
-    bar.finish_and_clear();
-    if let Some(warning) = recording.warning() {
-        eprintln!("{warning}");
-    }
     segmented.lines.sort_by(|a, b| a.began_s.total_cmp(&b.began_s));
     Ok(segmented)
 }

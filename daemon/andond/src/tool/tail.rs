@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, UtcTime, Wake};
-use shm_schemas::{Health, RoleId, Sight, Verdict as Message};
+use shm_schemas::{Health, RoleId, Verdict as Message};
 
 use super::join::join;
 use super::{ToolError, running_config};
@@ -14,7 +14,8 @@ use crate::config::Config;
 use crate::exit::Code;
 use crate::outage::{Outage, Outages};
 use crate::report::{Names, VerdictLine, verdict_sentence};
-use crate::{sight, wire};
+use crate::sight::{self, SightChange, SightChanges};
+use crate::wire;
 
 /// A role that falls silent is told of within this time after its deadline.
 const WAIT: Duration = Heartbeat::PERIOD;
@@ -30,7 +31,7 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
     let mut outages = Outages::new(&config, RoleId::Tool);
     let mut verdicts: Reader<Message> = node.reader()?;
     let mut health: Reader<Health> = node.reader()?;
-    let mut blind = None;
+    let mut sight = SightChanges::default();
     let names = names(&config);
     let mut lost = 0;
     loop {
@@ -42,7 +43,9 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
             _ => (),
         }
         while let Some(health) = health.take()? {
-            tell_sight(&health, &mut blind);
+            if let Some(change) = sight.hear(&health) {
+                tell_sight(change);
+            }
             if let Some(outage) = outages.hear(&health) {
                 tell_outage(&outage);
             }
@@ -63,17 +66,10 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
 }
 
 /// Says once when the line stops seeing its bench, and once when it sees it again. Not among the verdicts, which programs read.
-fn tell_sight(health: &Health, blind: &mut Option<Sight>) {
-    if health.role != RoleId::Perceive.code() {
-        return;
-    }
-    let now = sight::trouble_of(health);
-    if *blind != now {
-        match now.and_then(sight::code) {
-            Some(code) => eprintln!("not watching: {}. {}", code.meaning, code.remedy),
-            None => eprintln!("watching again"),
-        }
-        *blind = now;
+fn tell_sight(change: SightChange) {
+    match change.now.and_then(sight::code) {
+        Some(code) => eprintln!("not watching: {}. {}", code.meaning, code.remedy),
+        None => eprintln!("watching again"),
     }
 }
 
@@ -92,9 +88,8 @@ fn tell_outage(outage: &Outage) {
 
 /// The UTC time of day at which the monotonic clock showed this.
 fn clock(then: MonotonicTime) -> String {
-    let ago = MonotonicTime::now().since(then).as_nanos();
-    let utc_ns = i128::from(UtcTime::now().nanoseconds()) - i128::try_from(ago).unwrap_or_default();
-    jiff::Timestamp::from_nanosecond(utc_ns)
+    let utc_ns = UtcTime::at(then).nanoseconds();
+    jiff::Timestamp::from_nanosecond(utc_ns.into())
         .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%H:%M:%S UTC").to_string())
 }
 

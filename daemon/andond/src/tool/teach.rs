@@ -12,7 +12,7 @@ use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
 
-use super::{ToolError, cannot_write, check_writable, load_config_to_learn, progress};
+use super::{ToolError, cannot_write, check_writable, each_frame, load_config_to_learn};
 use crate::atomic;
 use crate::cli::{self, Cost, Teach};
 use crate::config::Config;
@@ -108,16 +108,11 @@ fn read_runs(
 
 fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, ToolError> {
     let mut recording = Recording::open(path, config)?;
-    let bar = progress(recording.count(), path);
     let mut frames = Vec::new();
-    while let Some(frame) = recording.next_frame()? {
+    each_frame(&mut recording, path, |frame| {
         frames.push(frame);
-        bar.inc(1);
-    }
-    bar.finish_and_clear();
-    if let Some(warning) = recording.warning() {
-        eprintln!("{warning}");
-    }
+        Ok(())
+    })?;
     let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
     let refused = |source| ToolError::Read { path: path.into(), source, remedy: "let this user read it" };
     let sha256 = sha256_hex(&bytes_of(path).map_err(refused)?);

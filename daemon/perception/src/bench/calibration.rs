@@ -21,6 +21,9 @@ const MAX_SIDE_ERROR: f64 = 0.02;
 /// Maximum distance of a marker from its stated position, in metres: the accuracy of a ruler on a bench.
 const MAX_CENTRE_ERROR_M: f64 = 0.003;
 
+/// Three markers are in a line where their triangle is lower than this share of its longest side: a ruler places a marker no better.
+const MIN_HEIGHT: f64 = 0.01;
+
 /// Where a calibration is compared with a lens, as shares of the picture: around its middle, where the markers lay.
 const GRID: [f64; 3] = [0.25, 0.5, 0.75];
 /// A camera agrees with its own calibration to this, in pixels: a lens bends the picture by less, and `MAX_CENTRE_ERROR_M` is
@@ -59,7 +62,7 @@ pub struct Calibration {
 pub enum CalibrationError {
     /// Too few markers were named.
     #[error(
-        "{0} markers are named for the calibration: at least {MIN_MARKERS} are needed, no three of them in a line"
+        "{0} markers are named for the calibration: at least {MIN_MARKERS} are needed, no three of these in a line"
     )]
     TooFew(usize),
     /// A marker has no usable position or size, or is named twice.
@@ -84,8 +87,10 @@ pub enum CalibrationError {
         /// Distance from its stated position, in metres.
         centre_error_m: f64,
     },
-    /// Three markers are in a line, or two at one position.
-    #[error("the positions of the markers give no plane: no three of them may be in a line")]
+    /// No four markers lie so that no three of them are in a line.
+    #[error(
+        "the positions of the markers give no plane: four of them must lie so that no three are in a line"
+    )]
     Degenerate,
     /// The positions are those of a mirrored bench.
     #[error("the positions of the markers are mirrored: x runs to the right and y away from the worker")]
@@ -202,6 +207,9 @@ pub fn calibrate(
             return Err(CalibrationError::Marker(marker.id));
         }
     }
+    if !give_a_plane(markers) {
+        return Err(CalibrationError::Degenerate);
+    }
     let pairs = find(image, markers, dictionary)?;
     let bench_from_image = fit(&pairs)?;
     let calibration = Calibration {
@@ -216,6 +224,19 @@ pub fn calibrate(
         return Err(CalibrationError::Mirrored);
     }
     with_residuals(calibration, &plane, &pairs)
+}
+
+/// Whether four of the markers lie so that no three of them are in a line: otherwise many planes fit them.
+fn give_a_plane(markers: &[BenchMarker]) -> bool {
+    let is_triangle = |corners: [usize; 3]| is_triangle(corners.map(|index| markers[index].centre));
+    let are_general = |a, b, c, d| [[a, b, c], [a, b, d], [a, c, d], [b, c, d]].into_iter().all(is_triangle);
+    (0..markers.len()).any(|a| (0..a).any(|b| (0..b).any(|c| (0..c).any(|d| are_general(a, b, c, d)))))
+}
+
+fn is_triangle([a, b, c]: [BenchPoint; 3]) -> bool {
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let twice_the_area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+    twice_the_area.abs() > MIN_HEIGHT * longest * longest
 }
 
 /// Every named marker with its marker in the picture.

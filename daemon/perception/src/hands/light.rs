@@ -86,9 +86,9 @@ mod tests {
     fn nothing_leaps_where_the_dark_begins() {
         let mut tensor = input(0.2, 0.299);
         brighten(&mut tensor);
-        let most =
+        let max =
             tensor.iter().zip(input(0.2, 0.299)).map(|(new, old)| (new - old).abs()).fold(0.0, f32::max);
-        assert!(most < 0.01, "{most}");
+        assert!(max < 0.01, "{max}");
     }
 
     #[test]

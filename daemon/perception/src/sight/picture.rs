@@ -145,18 +145,19 @@ impl Count {
     fn picture(self, fingerprint: u64) -> Picture {
         let share = |count: u32| count as f32 / self.points.max(1) as f32;
         let noise = self.noise();
-        let least = EDGE.max(OVER_NOISE * noise);
-        let over = |steps: &Histogram, least: f32| steps[(least.ceil() as usize).min(256)..].iter().sum();
-        let sharp: u32 = over(&self.near, least);
+        let min_step = EDGE.max(OVER_NOISE * noise);
+        let over =
+            |steps: &Histogram, min_step: f32| steps[(min_step.ceil() as usize).min(256)..].iter().sum();
+        let sharp: u32 = over(&self.near, min_step);
         // Shades and vignettes reach over so many pixels as well, but not so steeply.
-        let wide: u32 = over(&self.wide, 2.0 * least);
+        let wide: u32 = over(&self.wide, 2.0 * min_step);
         Picture {
             black: share(self.black),
             white: share(self.white),
             noise,
             edges: share(sharp),
             wide_edges: share(wide),
-            sharpness: self.sharpness(2.0 * least),
+            sharpness: self.sharpness(2.0 * min_step),
             cells: self.cells.map(|(sum, count)| (sum / count.max(1)) as u8),
             fingerprint,
         }
@@ -177,8 +178,8 @@ impl Count {
         0.0
     }
 
-    fn sharpness(&self, least: f32) -> Option<f32> {
-        let on_edges = self.far.iter().filter(|[_, far]| *far >= least);
+    fn sharpness(&self, min_step: f32) -> Option<f32> {
+        let on_edges = self.far.iter().filter(|[_, far]| *far >= min_step);
         let mut ratios: Vec<f32> = on_edges.map(|[near, far]| (near / far).min(1.0)).collect();
         if (ratios.len() as u32) < MIN_EDGE_POINTS {
             return None;

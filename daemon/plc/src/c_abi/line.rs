@@ -32,7 +32,7 @@ impl Line {
     pub(super) fn is_ready(&self, now: MonotonicTime) -> bool {
         let runs = |health: &Health| {
             health.state == RoleState::Running.code()
-                && now.since(MonotonicTime::from_nanoseconds(health.stamp.sent_ns)) <= deadline(health)
+                && now.since(MonotonicTime::sent(&health.stamp)) <= deadline(health)
                 && sees(health)
         };
         let of = |role: RoleId| self.healths.iter().find(|health| health.role == role.code());

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use andon_ipc::{MonotonicTime, Node, Port, Reader, UtcTime};
+use andon_ipc::{Node, Port, Reader, UtcTime};
 use andon_journal::{Journal, JournalError, Retention};
 use shm_schemas::{Audit, AuditKind, Health, Verdict};
 
@@ -33,8 +33,7 @@ const NEXT_ROWS: Duration = Duration::from_millis(20);
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
     let Some(mut role) = Keeper::open(&mut cycle, config)? else { return Ok(()) };
-    cycle.run(&mut role)?;
-    Ok(())
+    cycle.run(&mut role)
 }
 
 struct Keeper {
@@ -245,11 +244,4 @@ impl Keeper {
         }
         (self.lost, self.removed) = (lost, removed);
     }
-}
-
-/// The UTC time at which the monotonic clock showed this.
-fn utc_ns(then: MonotonicTime) -> u64 {
-    let ago = MonotonicTime::now().since(then);
-    // 2^64 ns are 584 years.
-    UtcTime::now().nanoseconds().saturating_sub(ago.as_nanos() as u64)
 }

@@ -2,14 +2,13 @@
 
 use std::collections::{HashMap, VecDeque};
 
-use andon_ipc::MonotonicTime;
+use andon_ipc::{MonotonicTime, UtcTime};
 use andon_journal::{Journal, JournalError};
-use shm_schemas::{Health, RoleId, Sight};
+use shm_schemas::{Health, RoleId};
 
-use super::utc_ns;
 use crate::config::Config;
 use crate::outage::{Outage, Outages};
-use crate::sight;
+use crate::sight::SightChanges;
 
 /// Changes that wait while nothing can be written: more than come in an hour of the worst line.
 const MAX_WAITING: usize = 1024;
@@ -31,8 +30,7 @@ enum Change {
 /// Collects begins and ends from the health of the roles.
 pub(super) struct Watching {
     outages: Outages,
-    /// What the line cannot see by the newest health.
-    trouble: Option<Sight>,
+    sight: SightChanges,
     /// Roles whose begin has been noted and whose end has not.
     down: Vec<RoleId>,
     waiting: VecDeque<Change>,
@@ -44,7 +42,7 @@ impl Watching {
     pub(super) fn new(config: &Config) -> Self {
         Self {
             outages: Outages::new(config, RoleId::Journal),
-            trouble: None,
+            sight: SightChanges::default(),
             down: Vec::new(),
             waiting: VecDeque::new(),
             rows: HashMap::new(),
@@ -53,18 +51,14 @@ impl Watching {
 
     /// Takes what a role says of itself.
     pub(super) fn hear(&mut self, health: &Health) {
-        if health.role == RoleId::Perceive.code() && health.sight != 0 {
-            let trouble = sight::trouble_of(health);
-            let before = std::mem::replace(&mut self.trouble, trouble);
-            if before != trouble {
-                let utc_ns = utc_ns(MonotonicTime::from_nanoseconds(health.sight_since_ns));
-                if before.is_some() {
-                    self.push(Change::Ended { cause: Cause::Sight, utc_ns });
-                }
-                if let Some(trouble) = trouble {
-                    let why = trouble.name().to_owned();
-                    self.push(Change::Began { cause: Cause::Sight, utc_ns, why });
-                }
+        if let Some(change) = self.sight.hear(health) {
+            let utc_ns = UtcTime::at(MonotonicTime::from_nanoseconds(health.sight_since_ns)).nanoseconds();
+            if change.before.is_some() {
+                self.push(Change::Ended { cause: Cause::Sight, utc_ns });
+            }
+            if let Some(trouble) = change.now {
+                let why = trouble.name().to_owned();
+                self.push(Change::Began { cause: Cause::Sight, utc_ns, why });
             }
         }
         if let Some(outage) = self.outages.hear(health) {
@@ -83,11 +77,15 @@ impl Watching {
         let (role, cause) = (outage.role, Cause::Role(outage.role));
         if !self.down.contains(&role) {
             self.down.push(role);
-            self.push(Change::Began { cause, utc_ns: utc_ns(outage.began), why: outage.why() });
+            self.push(Change::Began {
+                cause,
+                utc_ns: UtcTime::at(outage.began).nanoseconds(),
+                why: outage.why(),
+            });
         }
         if let Some(ended) = outage.ended {
             self.down.retain(|down| *down != role);
-            self.push(Change::Ended { cause, utc_ns: utc_ns(ended) });
+            self.push(Change::Ended { cause, utc_ns: UtcTime::at(ended).nanoseconds() });
         }
     }
 

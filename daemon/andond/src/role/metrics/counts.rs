@@ -157,7 +157,7 @@ impl Counts {
         self.ready.set(is_ready.into());
         let is_silent = |health: &&Health| {
             let deadline = Heartbeat::silence(Duration::from_millis(health.deadline_ms.into()));
-            now.since(MonotonicTime::from_nanoseconds(health.stamp.sent_ns)) > deadline
+            now.since(MonotonicTime::sent(&health.stamp)) > deadline
         };
         for health in self.newest.iter().filter(is_silent) {
             if let Ok(role) = RoleId::try_from(health.role) {

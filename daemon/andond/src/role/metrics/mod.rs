@@ -30,12 +30,11 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
     if config.metrics.enable {
         let mut role = Metrics::open(&mut cycle, config)?;
-        cycle.run(&mut role)?;
+        cycle.run(&mut role)
     } else {
         log!(code::METRICS_OFF, "metrics.enable is false: nothing listens");
-        disabled::run(&mut cycle)?;
+        disabled::run(&mut cycle)
     }
-    Ok(())
 }
 
 struct Metrics {
@@ -113,7 +112,7 @@ impl Metrics {
         while let Some(judging) = self.judging.take()? {
             self.newest_judging = Some(*judging);
         }
-        let is_new = |stamp: &Stamp| sent(stamp) >= self.began;
+        let is_new = |stamp: &Stamp| MonotonicTime::sent(stamp) >= self.began;
         while let Some(detections) = self.detections.take()? {
             self.counts.latency(Stage::Detections, latency(&detections.stamp));
         }
@@ -130,14 +129,10 @@ impl Metrics {
     }
 }
 
-fn sent(stamp: &Stamp) -> MonotonicTime {
-    MonotonicTime::from_nanoseconds(stamp.sent_ns)
-}
-
 /// From the frame that a message rests on to the message; `None` where there was no frame.
 fn latency(stamp: &Stamp) -> Option<Duration> {
     let captured = MonotonicTime::from_nanoseconds(stamp.captured_ns);
-    (stamp.captured_ns > 0).then(|| sent(stamp).since(captured))
+    (stamp.captured_ns > 0).then(|| MonotonicTime::sent(stamp).since(captured))
 }
 
 /// Whether the line could judge a part now. The PLC's own `ready` also waits for its reset after a fault.

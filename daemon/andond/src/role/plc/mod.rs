@@ -37,12 +37,11 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
             return Ok(());
         };
         let mut role = Plc::open(server, &mut cycle, config)?;
-        cycle.run(&mut role)?;
+        cycle.run(&mut role)
     } else {
         log!(code::PLC_OFF, "plc.enable is false: nothing listens");
-        disabled::run(&mut cycle)?;
+        disabled::run(&mut cycle)
     }
-    Ok(())
 }
 
 struct Plc {

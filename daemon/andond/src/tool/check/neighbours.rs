@@ -3,6 +3,7 @@
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
+use crate::atomic::folder_of;
 use crate::config::{Config, Source};
 
 /// What this station shares with one beside it.
@@ -22,11 +23,10 @@ pub(super) fn faults(config: &Config) -> Vec<String> {
 
 /// The other files of the folder, in the order of their names.
 fn beside(own: &Path, ours: &[PathBuf]) -> Vec<PathBuf> {
-    let folder = own.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let is_ours = |path: &PathBuf| {
         ours.iter().any(|file| std::fs::canonicalize(file).ok() == std::fs::canonicalize(path).ok())
     };
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let entries = std::fs::read_dir(folder_of(own)).into_iter().flatten().flatten().map(|entry| entry.path());
     let is_toml = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "toml");
     let mut files: Vec<PathBuf> = entries.filter(|path| is_toml(path) && !is_ours(path)).collect();
     files.sort();

@@ -56,7 +56,7 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// What is missing, or the role that ended, with the end of its log.
 pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
     let file = job::load(&arguments.job)?;
-    let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())));
+    let names = Names::of_objects(&file.objects);
     let clips = clips(&arguments.clips)?;
     let mut line = Line::start(arguments, &clips[0])?;
     println!("watching the job {:?} with {} roles, one process each", file.name, ROLES.len() + 1);
@@ -107,6 +107,25 @@ fn own_folder() -> std::io::Result<tempfile::TempDir> {
     tempfile::Builder::new().prefix("andon-").tempdir_in("/tmp")
 }
 
+fn no_files(source: std::io::Error) -> ToolError {
+    ToolError::Demo { what: "its files".into(), source }
+}
+
+/// Writes what the demo's station has of its own.
+fn own_config(folder: &Path, job: &Path, clip: &Path) -> std::io::Result<PathBuf> {
+    let text = format!(
+        "[station]\nname = {STATION:?}\nroot = {folder:?}\njob = {:?}\n[camera]\nsource = \"video\"\npath = {:?}\n\
+         [journal]\npath = {:?}\n[plc]\nenable = true\nport = {}\n",
+        std::path::absolute(job)?,
+        std::path::absolute(clip)?,
+        folder.join("journal.sqlite"),
+        free_port()?
+    );
+    let path = folder.join("demo.toml");
+    std::fs::write(&path, text)?;
+    Ok(path)
+}
+
 /// The running line.
 struct Line {
     // Declared in the order in which they must be dropped: the readers, the roles, their directory.
@@ -131,22 +150,9 @@ struct Outcome {
 
 impl Line {
     fn start(arguments: &Demo, clip: &Path) -> Result<Self, ToolError> {
-        let fault = |source| ToolError::Demo { what: "its files".into(), source };
-        let folder = own_folder().map_err(fault)?;
-        let own = folder.path().join("demo.toml");
-        let job = std::path::absolute(&arguments.job).map_err(fault)?;
-        let text = format!(
-            "[station]\nname = {STATION:?}\nroot = {:?}\njob = {:?}\n[camera]\nsource = \"video\"\npath = {:?}\n\
-             [journal]\npath = {:?}\n[plc]\nenable = true\nport = {}\n",
-            folder.path(),
-            job,
-            std::path::absolute(clip).map_err(fault)?,
-            folder.path().join("journal.sqlite"),
-            free_port().map_err(fault)?
-        );
-        std::fs::write(&own, text).map_err(fault)?;
+        let folder = own_folder().map_err(no_files)?;
         let mut configs = config_files(&arguments.config);
-        configs.push(own);
+        configs.push(own_config(folder.path(), &arguments.job, clip).map_err(no_files)?);
         let config = Config::load(&configs)?;
         let mut roles = vec![Running::start("steward", &configs, folder.path())?];
         let stop = Stop::on_signals()?;
@@ -216,15 +222,14 @@ impl Line {
     }
 
     fn clip_config(&self, clip: &Path, speed: Speed) -> Result<PathBuf, ToolError> {
-        let fault = |source| ToolError::Demo { what: "its files".into(), source };
         let path = self.folder.path().join("clip.toml");
         let speed = match speed {
             Speed::File => "file",
             Speed::Max => "max",
         };
-        let clip = std::path::absolute(clip).map_err(fault)?;
+        let clip = std::path::absolute(clip).map_err(no_files)?;
         std::fs::write(&path, format!("[camera]\nsource = \"video\"\npath = {clip:?}\nspeed = {speed:?}\n"))
-            .map_err(fault)?;
+            .map_err(no_files)?;
         Ok(path)
     }
 

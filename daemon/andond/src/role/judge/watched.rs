@@ -1,0 +1,130 @@
+//! The job that is watched, and what the judge says of it.
+
+use andon_core::anomaly::{self, Event};
+use andon_core::couple::Couples;
+use andon_core::dtw::OnlineDtw;
+use andon_core::job::Job;
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_ipc::UtcTime;
+use andon_learn::job_file::JobFile;
+use shm_schemas::{JudgePhase, PartId};
+
+use super::super::RoleError;
+use super::super::cycle::Cycle;
+use super::Ports;
+use crate::log::{code, log};
+use crate::report::{Names, verdict_sentence};
+use crate::wire;
+use crate::wire::verdict::{Sender, station_name};
+
+/// A judge with as much memory as its job needs.
+type Judge<'j> = anomaly::Judge<'j, Vec<OnlineDtw<'j>>>;
+
+pub(super) struct Watched<'j> {
+    job: &'j Job<'j>,
+    file: &'j JobFile,
+    sender: Sender,
+    names: Names,
+    judge: Judge<'j>,
+    /// The time of the newest couples.
+    newest_ns: u64,
+    /// What the judge has said and nobody has heard yet.
+    events: Vec<Event>,
+}
+
+impl<'j> Watched<'j> {
+    pub(super) fn new(job: &'j Job<'j>, file: &'j JobFile, station: &str) -> Result<Self, RoleError> {
+        let sender = Sender {
+            job_id: file.id,
+            model_hash: file.model_hash(),
+            station: station_name(station),
+            part: PartId::NONE,
+        };
+        let names = Names::of_objects(&file.objects);
+        let judge = judge(job, file)?;
+        Ok(Self { job, file, sender, names, judge, newest_ns: 0, events: Vec::new() })
+    }
+
+    /// Judges the next couples.
+    pub(super) fn step(
+        &mut self,
+        couples: &Couples,
+        ports: &mut Ports,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<(), RoleError> {
+        // Their time never goes back, except where the source has started again.
+        if couples.captured_ns < std::mem::replace(&mut self.newest_ns, couples.captured_ns) {
+            self.break_off(ports, cycle)?;
+        }
+        self.judge.step(couples, &mut |event| self.events.push(event));
+        self.publish(ports, cycle)
+    }
+
+    /// Starts a job on command.
+    pub(super) fn start(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        self.judge.start(&mut |event| self.events.push(event));
+        self.publish(ports, cycle)?;
+        ports.state.phase(JudgePhase::Running);
+        Ok(())
+    }
+
+    /// Ends the job; what comes next belongs to a new one.
+    pub(super) fn finish(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        self.judge.finish(&mut |event| self.events.push(event));
+        self.begin_again(ports, cycle)
+    }
+
+    /// Ends the job where its couples break off, or are not watched any more.
+    pub(super) fn break_off(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        self.judge.break_off(&mut |event| self.events.push(event));
+        self.begin_again(ports, cycle)
+    }
+
+    fn begin_again(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        self.judge = judge(self.job, self.file)?;
+        self.publish(ports, cycle)?;
+        ports.state.phase(JudgePhase::Waiting);
+        Ok(())
+    }
+
+    /// Logs and sends what the judge has said.
+    fn publish(&mut self, ports: &mut Ports, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        for event in self.events.drain(..) {
+            match event {
+                Event::JobBegan { .. } => {
+                    log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name);
+                    ports.state.phase(JudgePhase::Running);
+                    // One that comes in the midst of a job is that of the next part.
+                    self.sender.part = ports.state.part();
+                }
+                Event::Verdict(verdict) => {
+                    let is_end = verdict.level == Level::Job;
+                    ports.state.phase(if is_end { JudgePhase::Waiting } else { JudgePhase::Running });
+                    log_verdict(&verdict, &self.names);
+                    let sender = &self.sender;
+                    ports.verdicts.send(cycle, |message| {
+                        wire::verdict::write(&verdict, sender, UtcTime::now(), message);
+                    })?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn judge<'j>(job: &'j Job<'j>, file: &JobFile) -> Result<Judge<'j>, RoleError> {
+    Judge::with_memory(job, file.method).map_err(|error| RoleError::Method(format!("{error:?}")))
+}
+
+/// What a technician reads: jobs and anomalies, each IU only on request.
+fn log_verdict(verdict: &Verdict, names: &Names) {
+    let sentence = verdict_sentence(verdict, names);
+    match (verdict.outcome, verdict.level) {
+        (Outcome::Ok, Level::Job) => log!(code::JOB_OK, "{sentence}"),
+        (Outcome::Ok, Level::Iu | Level::Activity) => tracing::debug!("{sentence}"),
+        (Outcome::Anomaly, Level::Job) => log!(code::JOB_ANOMALY, "{sentence}"),
+        (Outcome::Anomaly, Level::Iu | Level::Activity) => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
+        (Outcome::NotJudged, _) if verdict.reason == Reason::Overload => log!(code::OVERLOAD, "{sentence}"),
+        (Outcome::NotJudged, _) => log!(code::NOT_JUDGED, "{sentence}"),
+    }
+}

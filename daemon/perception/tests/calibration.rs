@@ -1,0 +1,136 @@
+//! The bench plane from a drawn picture of four markers: where it is right, and why it is refused.
+
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use andon_perception::bench::{BenchMarker, Calibration, CalibrationError, calibrate};
+use andon_perception::metric::{Distortion, Lens};
+use andon_perception::{BenchPoint, Dictionary};
+use common::{DAYLIGHT, Drawn, gray, picture, straight_down};
+
+const SIDE_M: f64 = 0.04;
+
+/// The corners of a rectangle.
+const CORNERS: [[f64; 2]; 4] = [[-0.25, -0.18], [0.25, -0.18], [0.25, 0.18], [-0.25, 0.18]];
+
+/// The markers from 0 on, as they are named.
+fn named(centres: &[[f64; 2]]) -> Vec<BenchMarker> {
+    let marker =
+        |(id, [x, y]): (u16, [f64; 2])| BenchMarker { id, centre: BenchPoint::new(x, y), side_m: SIDE_M };
+    (0..).zip(centres.iter().copied()).map(marker).collect()
+}
+
+/// Calibrates by a picture of the markers from 0 on, which lie here.
+fn calibrated(lie: &[[f64; 2]], named: &[BenchMarker]) -> Result<Calibration, CalibrationError> {
+    let drawn: Vec<_> = (0..).zip(lie).map(|(id, centre)| Drawn::new(id, *centre, SIDE_M, 0.0)).collect();
+    let pixels = picture(640, 480, &straight_down(640, 480, 800.0), &drawn, Dictionary::default(), DAYLIGHT);
+    calibrate(&gray(640, 480, &pixels), named, Dictionary::default())
+}
+
+fn refused(lie: &[[f64; 2]], named: &[BenchMarker]) -> CalibrationError {
+    calibrated(lie, named).unwrap_err()
+}
+
+#[test]
+fn a_calibration_is_read_as_it_was_written_and_places_a_pixel_on_the_bench() {
+    let calibration = calibrated(&CORNERS, &named(&CORNERS)).unwrap();
+    assert!(calibration.centre_error_m < 0.001 && calibration.side_error < 0.01, "{calibration:?}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.toml");
+    calibration.save(&path).unwrap();
+    assert_eq!(Calibration::load(&path).unwrap(), calibration);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
+}
+
+#[test]
+fn fewer_than_four_markers_are_too_few() {
+    assert!(matches!(refused(&CORNERS, &named(&CORNERS)[..3]), CalibrationError::TooFew(3)));
+}
+
+#[test]
+fn a_marker_without_a_usable_position_or_side_or_that_is_named_twice_is_named_in_the_message() {
+    let changes: [fn(&mut BenchMarker); 4] = [
+        |marker| marker.side_m = 0.0,
+        |marker| marker.side_m = f64::INFINITY,
+        |marker| marker.centre.x = f64::NAN,
+        |marker| marker.id = 1,
+    ];
+    for change in changes {
+        let mut markers = named(&CORNERS);
+        change(&mut markers[2]);
+        let id = markers[2].id;
+        let error = refused(&CORNERS, &markers);
+        assert!(matches!(error, CalibrationError::Marker(named) if named == id), "{error}");
+    }
+}
+
+#[test]
+fn markers_that_are_not_in_the_picture_are_named() {
+    let mut markers = named(&CORNERS);
+    (markers[1].id, markers[3].id) = (11, 13);
+    let error = refused(&CORNERS, &markers);
+    assert!(matches!(&error, CalibrationError::NotSeen(ids) if *ids == [11, 13]), "{error}");
+}
+
+#[test]
+fn a_marker_that_does_not_lie_where_it_is_said_to_lie_or_is_of_another_size_is_refused() {
+    let mut elsewhere = CORNERS;
+    elsewhere[2][0] += 0.02;
+    let error = refused(&elsewhere, &named(&CORNERS));
+    assert!(matches!(error, CalibrationError::Residual { .. }), "{error}");
+    let mut larger = named(&CORNERS);
+    larger[3].side_m = 0.042;
+    let error = refused(&CORNERS, &larger);
+    assert!(matches!(error, CalibrationError::Residual { id: 3, .. }), "{error}");
+}
+
+#[test]
+fn markers_in_a_line_or_at_one_position_give_no_plane_unless_there_are_four_others() {
+    let in_a_line = [[-0.25, 0.0], [-0.1, 0.0], [0.1, 0.0], [0.25, 0.0]];
+    let three_in_a_line = [[-0.25, 0.1], [0.0, 0.1], [0.25, 0.1], [0.0, -0.1]];
+    for centres in [in_a_line, three_in_a_line] {
+        let error = refused(&centres, &named(&centres));
+        assert!(matches!(error, CalibrationError::Degenerate), "{error}");
+    }
+    let mut at_one_position = CORNERS;
+    at_one_position[1] = at_one_position[0];
+    let error = refused(&CORNERS, &named(&at_one_position));
+    assert!(matches!(error, CalibrationError::Degenerate), "{error}");
+    let with_a_fifth = [[-0.25, -0.18], [0.25, -0.18], [0.25, 0.18], [-0.25, 0.18], [0.0, -0.18]];
+    calibrated(&with_a_fifth, &named(&with_a_fifth)).unwrap();
+}
+
+#[test]
+fn a_bench_whose_y_runs_towards_the_worker_is_mirrored() {
+    let mirrored = CORNERS.map(|[x, y]| [x, -y]);
+    assert!(matches!(refused(&CORNERS, &named(&mirrored)), CalibrationError::Mirrored));
+}
+
+#[test]
+fn a_camera_with_another_lens_does_not_fit_a_calibration() {
+    let calibration = calibrated(&CORNERS, &named(&CORNERS)).unwrap();
+    let lens =
+        |focal| Lens { focal, centre: [319.5, 239.5], distortion: Distortion::None, coefficients: [0.0; 5] };
+    calibration.bench_frame(&lens([600.0, 600.0])).unwrap();
+    let error = calibration.bench_frame(&lens([600.0, 900.0])).unwrap_err();
+    assert!(matches!(error, CalibrationError::OtherCamera { pixels } if pixels > 2.0), "{error}");
+}
+
+#[test]
+fn a_file_that_is_missing_or_no_calibration_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bench.toml");
+    let error = Calibration::load(&path).unwrap_err();
+    assert!(matches!(error, CalibrationError::File { verb: "read", .. }), "{error}");
+    let calibration = calibrated(&CORNERS, &named(&CORNERS)).unwrap();
+    let error = calibration.save(&folder.path().join("none/bench.toml")).unwrap_err();
+    assert!(matches!(error, CalibrationError::File { verb: "written", .. }), "{error}");
+    std::fs::write(&path, "width = 640\n").unwrap();
+    let error = Calibration::load(&path).unwrap_err();
+    assert!(matches!(error, CalibrationError::Content { .. }), "{error}");
+    let singular = Calibration { bench_from_image: [[0.0; 3]; 3], ..calibration };
+    singular.save(&path).unwrap();
+    let error = Calibration::load(&path).unwrap_err();
+    assert!(error.to_string().contains("no homography"), "{error}");
+}
