@@ -6,6 +6,7 @@ use andon_ipc::MonotonicTime;
 use andon_journal::{Journal, JournalError};
 use shm_schemas::{Health, RoleId, Sight};
 
+use super::alive::Alive;
 use super::utc_ns;
 use crate::config::Config;
 use crate::outage::{Outage, Outages};
@@ -30,6 +31,8 @@ enum Change {
 
 /// Collects begins and ends from the health of the roles.
 pub(super) struct Watching {
+    /// The role that watches, which nobody else watches for the journal.
+    own: Alive,
     outages: Outages,
     /// What the line cannot see by the newest health.
     trouble: Option<Sight>,
@@ -43,6 +46,7 @@ pub(super) struct Watching {
 impl Watching {
     pub(super) fn new(config: &Config) -> Self {
         Self {
+            own: Alive::new(config),
             outages: Outages::new(config, RoleId::Journal),
             trouble: None,
             down: Vec::new(),
@@ -74,7 +78,11 @@ impl Watching {
 
     /// Finds who has fallen silent.
     pub(super) fn look(&mut self) {
-        for outage in self.outages.look(MonotonicTime::now()) {
+        let now = MonotonicTime::now();
+        for outage in self.outages.look(now) {
+            self.note(&outage);
+        }
+        if let Some(outage) = self.own.beat(now) {
             self.note(&outage);
         }
     }
