@@ -1,13 +1,14 @@
 //! Channels `account`, `kept` and `journalled`: the PLC's account, which the journal keeps on disk, and the rows that it is owed.
 
 use crate::layout::{message, wire};
+use crate::part::PartId;
 use crate::stamp::Stamp;
 use crate::verdict::Verdict;
 
 /// Results that can wait behind the offered one.
 pub const WAITING_RESULTS: usize = 8;
 
-wire! { "andon.Account", 184;
+wire! { "andon.Account", 216;
     /// What the PLC has been told and what it is owed. From it a new start of the role `plc` goes on where the last one ended.
     struct Account {
         /// The identity of the journal that the rows are of.
@@ -40,18 +41,20 @@ wire! { "andon.Account", 184;
         error_detail: u32,
         /// The job that the PLC has loaded; 0 where it has loaded none.
         wanted_job: u32,
-        /// Keeps the size a multiple of 8.
-        reserved: u32,
+        /// 1 when the PLC has given a part id, or has said that there is none; else 0.
+        gives_parts: u32,
         /// The latched fault as its number on the registers; 0 is none.
         error: u16,
         /// 1 when the result that was offered last has been acknowledged, else 0.
         is_acknowledged: u8,
         /// 1 when a result was lost and nobody has reset it, else 0.
         has_overrun: u8,
+        /// The part id that the PLC has given last.
+        part: PartId,
     }
 }
 
-wire! { "andon.AccountUpdate", 240;
+wire! { "andon.AccountUpdate", 272;
     /// From plc to the journal: keep this account, and send the rows after `after_row`.
     struct AccountUpdate {
         /// The stamp. It belongs to no frame.
@@ -68,7 +71,7 @@ wire! { "andon.AccountUpdate", 240;
 }
 message!(AccountUpdate);
 
-wire! { "andon.AccountKept", 232;
+wire! { "andon.AccountKept", 264;
     /// From the journal to plc: this account is on disk.
     struct AccountKept {
         /// The stamp. It belongs to no frame.

@@ -13,17 +13,21 @@ class Unusable(Exception):
     """systemd-nspawn cannot be used here, and why."""
 
 
-def make(folder, package):
-    """The root of the base for this package; it is made again when the package depends on something else."""
+def needs(package):
+    """The packages that this one depends on."""
     fields = subprocess.run(["dpkg-deb", "--field", package, "Depends"], check=True, capture_output=True, text=True)
-    names = sorted({alternatives.split("|")[0].split("(")[0].strip() for alternatives in fields.stdout.split(",")})
+    return sorted({alternatives.split("|")[0].split("(")[0].strip() for alternatives in fields.stdout.split(",")})
+
+
+def make(folder, names, codename=None):
+    """The root of a Debian with these packages, of this machine's release if none is named; it is made again for other packages."""
     root, made_for = folder / "base", folder / "base.packages"
     if made_for.exists() and made_for.read_text().split() == names:
         return root
     print(f"making a bare Debian with {len(names)} packages in {root}", flush=True)
     made_for.unlink(missing_ok=True)
     shutil.rmtree(root, ignore_errors=True)
-    sources = debian_sources()
+    sources = debian_sources(codename)
     site, codename = sources[0][:2]
     step("debootstrap", "--variant=minbase", f"--include={BOOT}", codename, root, site)
     lines = [f"deb {site} {release} {component}\n" for site, release, component in sources]
@@ -35,8 +39,9 @@ def make(folder, package):
     return root
 
 
-def debian_sources():
-    """Where this machine's own apt gets its Debian from: site, release and component; the release itself comes first."""
+def debian_sources(wanted_codename):
+    """Where this machine's own apt gets its Debian from, of another release if one is named: site, release and component; the release
+    itself comes first."""
     wanted = ["apt-get", "indextargets", "--format", "$(REPO_URI) $(RELEASE) $(COMPONENT)"]
     wanted += ["Created-By: Packages", "Origin: Debian"]
     listed = subprocess.run(wanted, check=True, capture_output=True, text=True).stdout.split("\n")
@@ -44,7 +49,9 @@ def debian_sources():
     sources = [line.split() for line in listed if codename in line]
     if not any(release == codename for _, release, _ in sources):
         raise Unusable(f"apt knows no mirror of Debian {codename}: run apt-get update")
-    return sorted(sources, key=lambda source: source[1] != codename)
+    sources = sorted(sources, key=lambda source: source[1] != codename)
+    other = wanted_codename or codename
+    return [(site, release.replace(codename, other), component) for site, release, component in sources]
 
 
 def codename_of(os_release):

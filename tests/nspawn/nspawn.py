@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Installs the package on a bare Debian, boots it, and checks there what the units and the README promise.
 
-    nspawn.py PACKAGE FOLDER [--short]     FOLDER takes the base, the machine and report.json
+    nspawn.py PACKAGE FOLDER [--short] [--release NAME]     FOLDER takes the base, the machine and report.json
 
 The machine is a container (systemd-nspawn) with a systemd and a kernel's view of its own and no network. `--short` stops
 one role instead of all seven, and ends after 20 minutes at the latest. Where containers cannot be used it says SKIPPED
@@ -27,12 +27,16 @@ from machine import Machine
 # nothing else to do the short form takes four.
 LIMIT_MIN = {"long": 40, "short": 20}
 
+# What the checks need on the machine beside the package.
+TOOLS = ["needrestart"]
+
 
 def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("package", type=Path)
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--short", action="store_true")
+    arguments.add_argument("--release", help="of Debian, such as trixie; that of this machine if none is named")
     options = arguments.parse_args()
     options.folder.mkdir(parents=True, exist_ok=True)
     form = "short" if options.short else "long"
@@ -43,7 +47,7 @@ def main():
     report = {"package": options.package.name, "form": form}
     try:
         need_tools()
-        root = base.make(options.folder, options.package)
+        root = base.make(options.folder, base.needs(options.package) + TOOLS, options.release)
         with Machine(root, options.folder / "machine") as machine:
             well = check(machine, options, report)
     except Unusable as reason:

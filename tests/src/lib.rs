@@ -26,4 +26,5 @@ pub mod environment;
 pub mod fuzz;
 pub mod line;
 pub mod measure;
+pub mod python;
 pub mod simulator;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::line::{Line, Modbus, PATIENCE, ROLES, Settings, Watcher, control, role_id, status};
+use rustix::process::Signal;
 use shm_schemas::{RoleId, RoleState};
 use std::time::{Duration, Instant};
 
@@ -226,6 +227,35 @@ fn a_role_that_was_down_leaves_a_row_from_begin_to_end_and_tail_says_so() {
     // The steward has seen who died.
     until("the death", || audit(&line).contains("death"));
     assert!(audit(&line).contains("encode (pid "), "{}", audit(&line));
+}
+
+#[test]
+fn a_journal_that_was_down_leaves_a_row_of_its_own_and_one_that_comes_up_with_its_line_none() {
+    let mut line = Line::new(Settings::live());
+    let mut watcher = line.up();
+    let outages = |line: &Line| text(line, "history", &[]).matches("journal was down").count();
+    assert_eq!(outages(&line), 0);
+    for (number, how) in [Signal::KILL, Signal::TERM].into_iter().enumerate() {
+        line.role("journal").signal(how);
+        line.role("journal").wait();
+        std::thread::sleep(Duration::from_millis(300));
+        line.start("journal");
+        let pid = line.role("journal").pid();
+        watcher.until("the journal", |watcher| watcher.runs(RoleId::Journal, pid));
+        until("the row", || outages(&line) == number + 1);
+    }
+    let history = text(&line, "history", &[]);
+    let rows: Vec<_> = history.lines().filter(|row| row.ends_with("journal was down")).collect();
+    assert!(rows.iter().all(|row| row.contains("until 2")), "from begin to end: {history}");
+    // What stands still for longer than its deadline is down as well.
+    line.role("journal").signal(Signal::STOP);
+    std::thread::sleep(Duration::from_millis(3500));
+    line.role("journal").signal(Signal::CONT);
+    until("the row", || outages(&line) == 3);
+    drop(watcher);
+    line.stop();
+    line.up();
+    assert_eq!(outages(&line), 3, "nobody else worked meanwhile");
 }
 
 #[test]

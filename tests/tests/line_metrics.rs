@@ -1,9 +1,8 @@
 //! The metrics of a running line, fetched as a monitoring system fetches them.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-mod plc_python;
-
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, status};
+use andon_tests::python::{all_output, python};
 use shm_schemas::{VerdictLevel, VerdictOutcome};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
@@ -142,12 +141,12 @@ print('parsed', *sorted(family.name for family in parse(sys.stdin.read())))
 fn the_text_is_openmetrics_and_nothing_else_is_served() {
     let (_line, mut watcher, port) = measured();
     until(port, &mut watcher, "a role", |found, _| found.keys().any(|name| name.contains("role_running")));
-    let mut parser = Command::new(plc_python::python());
+    let mut parser = Command::new(python());
     let parser =
         parser.args(["-c", PARSE]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut parser = parser.spawn().unwrap();
     parser.stdin.take().unwrap().write_all(scrape(port).as_bytes()).unwrap();
-    let said = plc_python::all_output(&parser.wait_with_output().unwrap());
+    let said = all_output(&parser.wait_with_output().unwrap());
     assert!(said.contains("parsed andon_disk_free_bytes andon_frames_captured"), "{said}");
 
     // A client that says nothing holds up the next one only for a moment.

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_core::job::{Bounds, MeasureBounds};
-use andon_ipc::{ChannelMessage, Node, Stop, UtcTime, Wake, Writer};
+use andon_ipc::{UtcTime, Wake};
 use andon_learn::job_file::JobFile;
-use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher};
+use andon_tests::line::{Line, Modbus, PATIENCE, Sender, Settings, Watcher, stand_in};
 use rustix::process::Signal;
 use shm_schemas::{
     ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
@@ -15,34 +15,6 @@ use std::time::Duration;
 
 /// From one frame to the next.
 const INTERVAL_NS: u64 = 33_333_333;
-
-/// Takes the place of a role that does not run.
-fn stand_in(line: &Line, role: RoleId) -> Node {
-    Node::open(&line.station, role, PATIENCE, &Stop::new().unwrap()).unwrap()
-}
-
-/// A writer in the place of a role.
-struct Sender<T: ChannelMessage> {
-    node: Node,
-    writer: Writer<T>,
-}
-
-impl<T: ChannelMessage> Sender<T> {
-    /// It waits for these readers, so that nothing is lost, not even before they are there.
-    fn new(line: &Line, role: RoleId, readers: &[RoleId]) -> Self {
-        let node = stand_in(line, role);
-        let mut writer = node.writer().unwrap();
-        writer.follow(readers);
-        Self { node, writer }
-    }
-
-    fn send(&mut self, fill: impl FnOnce(&mut T)) {
-        assert_eq!(self.node.wait_for_room(&mut self.writer, PATIENCE).unwrap(), Wake::Room);
-        let mut message = self.writer.loan().unwrap();
-        fill(&mut message);
-        self.writer.send(message).unwrap();
-    }
-}
 
 /// Makes it the verdict on a job that was done right.
 fn job_done(verdict: &mut Verdict) {

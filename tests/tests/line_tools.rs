@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::line::{Line, ROLES, Settings, andond};
+use std::path::Path;
 use std::process::Command;
 
 #[test]
@@ -74,4 +75,35 @@ fn a_bench_is_calibrated_from_a_picture_and_a_picture_without_markers_is_refused
     assert_eq!(output.status.code(), Some(64), "{errors}");
     assert!(errors.contains("were not found in the picture"), "{errors}");
     assert!(!out.exists());
+}
+
+/// Teaches a job from the worker's own recording under a limit for the size of a file, in blocks of 512 bytes.
+fn teach(line: &Line, job: &Path, blocks: u32) -> std::process::Output {
+    Command::new("sh")
+        .args(["-c", &format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"")])
+        .arg(andond())
+        .args(["teach", "--config"])
+        .arg(line.config())
+        .arg("--out")
+        .arg(job)
+        .arg(line.tracks())
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn a_job_that_cannot_be_written_to_its_end_leaves_the_one_before_it() {
+    let line = Line::new(Settings::default());
+    let jobs = line.path("jobs");
+    std::fs::create_dir(&jobs).unwrap();
+    let job = jobs.join("job.toml");
+    std::fs::write(&job, "the job before").unwrap();
+    // As on a disk that is full after the first kilobyte.
+    let failed = teach(&line, &job, 2);
+    assert!(!failed.status.success());
+    assert_eq!(std::fs::read_to_string(&job).unwrap(), "the job before");
+    assert_eq!(std::fs::read_dir(&jobs).unwrap().count(), 1, "nothing else is left");
+    let taught = teach(&line, &job, 1_000_000);
+    assert!(taught.status.success(), "{}", String::from_utf8_lossy(&taught.stderr));
+    assert!(std::fs::metadata(&job).unwrap().len() > 1024);
 }

@@ -314,11 +314,14 @@ pub struct History {
     /// Show only the job with this number
     #[arg(long)]
     pub job: Option<u32>,
+    /// Show only the part with this id; an empty one shows what was judged without
+    #[arg(long, value_name = "ID")]
+    pub part: Option<String>,
     /// Show only anomalies and what could not be judged
     #[arg(long)]
     pub nok: bool,
     /// Show who has changed what instead: commands, job loads, configuration, program
-    #[arg(long, conflicts_with_all = ["job", "nok"])]
+    #[arg(long, conflicts_with_all = ["job", "part", "nok"])]
     pub audit: bool,
     /// Print comma-separated values instead of a table
     #[arg(long)]

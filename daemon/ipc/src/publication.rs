@@ -42,11 +42,12 @@ impl<P: Payload + ?Sized, H: Header> Publication<P, H> {
     ) -> Result<Self, Refused<PublishSubscribe<P, H>>> {
         let alarm = Alarm::default();
         let make = || {
+            let listener = listen(&services, channel)?;
             let builder = configure(services.messages.publisher_builder());
             let builder = builder.max_loaned_samples(channel.qos().loans);
             let publisher = builder.set_degradation_handler(alarm.handler()).create();
             let publisher = publisher.map_err(|e| publisher_refused(channel, e))?;
-            Ok((publisher, Outbound::new(&services, channel)?))
+            Ok((publisher, Outbound::new(&services, channel, listener)?))
         };
         match make() {
             Ok((publisher, outbound)) => Ok(Self { publisher, outbound, alarm, services }),
@@ -133,15 +134,23 @@ struct Outbound {
     looked: Instant,
 }
 
+/// The listener of [`Outbound`], which must exist before the publisher: a reader that comes up after that one has looked for readers is
+/// heard, and after the listener the notifier, whose coming readers answer at once.
+fn listen<M>(services: &Services<M>, channel: Channel) -> Result<Listener<Transport>, Attempt> {
+    let listener = services.back.listener_builder().create();
+    listener.map_err(|e| Attempt::Failed(Error::transport(channel, "creating a listener", e)))
+}
+
 impl Outbound {
-    fn new<M>(services: &Services<M>, channel: Channel) -> Result<Self, Attempt> {
-        let failed = |what, why: String| Attempt::Failed(Error::Transport { channel, what, why });
-        // The listener first: readers answer at once when they hear that the notifier came up.
-        let listener = services.back.listener_builder().create();
-        let listener = listener.map_err(|e| failed("creating a listener", format!("{e:?}")))?;
+    fn new<M>(
+        services: &Services<M>,
+        channel: Channel,
+        listener: Listener<Transport>,
+    ) -> Result<Self, Attempt> {
         let notifier =
             services.forward.notifier_builder().default_event_id(EventId::new(event::SAMPLE)).create();
-        let notifier = notifier.map_err(|e| failed("creating a notifier", format!("{e:?}")))?;
+        let notifier =
+            notifier.map_err(|e| Attempt::Failed(Error::transport(channel, "creating a notifier", e)))?;
         Ok(Self {
             channel,
             notifier,

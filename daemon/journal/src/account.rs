@@ -1,7 +1,7 @@
 //! The PLC's account, kept beside the verdicts that it counts.
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
-use shm_schemas::{Account, WAITING_RESULTS};
+use shm_schemas::{Account, PartId, WAITING_RESULTS};
 
 use super::row::{signed, unsigned};
 
@@ -32,8 +32,8 @@ pub(super) fn write(connection: &Connection, account: &Account) -> rusqlite::Res
         .prepare_cached(
             "INSERT OR REPLACE INTO account (id, boot, number, row, epoch, seq, sequence, lost, has_overrun, error,
              error_detail, shown_row, shown_sequence, is_acknowledged, waiting, wanted_job,
-             wanted_hash)
-             VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)",
+             wanted_hash, part)
+             VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)",
         )?
         .execute(params![
             account.boot,
@@ -52,12 +52,14 @@ pub(super) fn write(connection: &Connection, account: &Account) -> rusqlite::Res
             waiting_text(account),
             account.wanted_job,
             signed(account.wanted_hash),
+            (account.gives_parts != 0).then_some(account.part.text()),
         ])?;
     Ok(())
 }
 
 fn account(row: &Row<'_>, journal: u64) -> rusqlite::Result<Account> {
     let number = |column: &str| row.get(column).map(unsigned);
+    let part: Option<String> = row.get("part")?;
     let mut account = Account {
         journal,
         boot: row.get("boot")?,
@@ -75,6 +77,8 @@ fn account(row: &Row<'_>, journal: u64) -> rusqlite::Result<Account> {
         is_acknowledged: row.get("is_acknowledged")?,
         wanted_job: row.get("wanted_job")?,
         wanted_hash: number("wanted_hash")?,
+        gives_parts: part.is_some().into(),
+        part: part.and_then(|id| PartId::new(id.as_bytes()).ok()).unwrap_or(PartId::NONE),
         ..Account::default()
     };
     read_waiting(&row.get::<_, String>("waiting")?, &mut account);

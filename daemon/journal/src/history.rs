@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
-use shm_schemas::{RoleId, Sight, VerdictLevel, VerdictOutcome, verdict_kind};
+use shm_schemas::{PartId, RoleId, Sight, VerdictLevel, VerdictOutcome, verdict_kind};
 
 use super::audit::Deed;
 use super::error::JournalError;
@@ -18,6 +18,8 @@ pub struct Query {
     pub since_utc_ns: Option<u64>,
     /// Only those of this job.
     pub job_id: Option<u32>,
+    /// Only those of this part; one that is none asks for those without.
+    pub part: Option<PartId>,
     /// Only anomalies and what could not be judged.
     pub nok: bool,
 }
@@ -149,6 +151,7 @@ const QUERY: &str = "
         NULL AS last_seq, part
     FROM verdict
     WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
+        AND (?4 IS NULL OR part = ?4)
     UNION ALL
     SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
         NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, ''
@@ -250,9 +253,10 @@ impl History {
         mut visit: impl FnMut(Entry) -> Result<(), JournalError>,
     ) -> Result<(), JournalError> {
         let failed = |source| JournalError::of(&self.path, 0, source);
+        let part = query.part.as_ref().map(PartId::text);
         let mut statement = self.connection.prepare(QUERY).map_err(failed)?;
         let mut rows = statement
-            .query(params![query.since_utc_ns.map_or(0, signed), query.job_id, query.nok])
+            .query(params![query.since_utc_ns.map_or(0, signed), query.job_id, query.nok, part])
             .map_err(failed)?;
         while let Some(row) = rows.next().map_err(failed)? {
             visit(entry(row).map_err(failed)?)?;

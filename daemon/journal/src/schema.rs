@@ -126,6 +126,9 @@ pub(super) const MIGRATIONS: &[&str] = &[
     "
     ALTER TABLE verdict ADD COLUMN part TEXT NOT NULL DEFAULT '';  -- the part that was worked on; empty: none was given
 ",
+    "
+    ALTER TABLE account ADD COLUMN part TEXT;  -- the part id that the PLC has given last; NULL: it gives none
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

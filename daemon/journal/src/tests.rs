@@ -184,7 +184,7 @@ fn queries_select_verdicts_and_never_hide_a_gap() {
     bench.send(1, [1, 2]);
     let mut nok = verdict(1, 5);
     nok.outcome = VerdictOutcome::Anomaly.code();
-    nok.job_id = 4;
+    (nok.job_id, nok.part) = (4, PartId::new(b"A-17").unwrap());
     bench.append(&nok).unwrap();
     let mut blind = verdict(1, 6);
     blind.outcome = VerdictOutcome::NotJudged.code();
@@ -193,6 +193,9 @@ fn queries_select_verdicts_and_never_hide_a_gap() {
     assert_eq!(bench.lines(&Query { nok: true, ..all }), ["lost 1 3-4", "v 1 5", "v 1 6"]);
     assert_eq!(bench.lines(&Query { job_id: Some(4), ..all }), ["lost 1 3-4", "v 1 5"]);
     assert_eq!(bench.lines(&Query { since_utc_ns: Some(6_000_000_000), ..all }), ["v 1 6"]);
+    assert_eq!(bench.lines(&Query { part: Some(nok.part), ..all }), ["lost 1 3-4", "v 1 5"]);
+    let without = bench.lines(&Query { part: Some(PartId::NONE), ..all });
+    assert_eq!(without, ["v 1 1", "v 1 2", "lost 1 3-4", "v 1 6"]);
 }
 
 #[test]
@@ -435,6 +438,8 @@ fn the_account_of_the_plc_is_kept_and_before_the_first_it_says_where_the_journal
         is_acknowledged: 1,
         wanted_job: 12,
         wanted_hash: u64::MAX,
+        gives_parts: 1,
+        part: PartId::new(b"A-17").unwrap(),
         journal: bench.journal.identity(),
         ..Account::default()
     };
@@ -443,7 +448,8 @@ fn the_account_of_the_plc_is_kept_and_before_the_first_it_says_where_the_journal
     bench.journal.keep(&account).unwrap();
     let again = Journal::open(&bench.path(), KEEP).unwrap();
     assert_eq!(again.account().unwrap(), account);
-    account.number = 1;
+    // To say that there is none is not the same as to say nothing.
+    (account.number, account.part) = (1, PartId::NONE);
     bench.journal.keep(&account).unwrap();
     assert_eq!(bench.journal.account().unwrap(), account, "the newest takes the place of the one before");
 }

@@ -7,11 +7,15 @@
 mod client;
 mod journalled;
 mod process;
+mod shift;
+mod stand_in;
 mod watcher;
 
 pub use client::{Modbus, control, status};
 pub use journalled::Journalled;
 pub use process::{Process, andond, own_memory_kib};
+pub use shift::{Counted, Kept, Shift, account, kept};
+pub use stand_in::{Sender, stand_in};
 pub use watcher::{Watcher, role_id};
 
 use crate::simulator::{Flaw, Noise, Performance, perform};
@@ -87,13 +91,14 @@ impl Line {
         line
     }
 
-    /// As [`Line::new`], with the job a second time, under the number 2.
+    /// As [`Line::new`], with the job in a folder, from which a PLC may load it, and a second time there, under the number 2.
     pub fn with_second_job(settings: Settings) -> Self {
         let line = Self::new(settings);
         let folder = line.path("jobs");
         fs::create_dir(&folder).unwrap();
         let mut job = JobFile::parse("job.toml", &fs::read(line.path("job.toml")).unwrap()).unwrap();
         assert_eq!(job.id, 1);
+        fs::copy(line.path("job.toml"), folder.join("one.toml")).unwrap();
         job.id = 2;
         fs::write(folder.join("two.toml"), job.to_toml()).unwrap();
         line.reconfigure("job = \"job.toml\"\n", &format!("job = \"job.toml\"\njobs = {folder:?}\n"));
@@ -157,8 +162,9 @@ impl Line {
         watcher
     }
 
-    /// Lets the worker do the job once more at the end of the recording, with this flaw.
-    pub fn work_once_more(&self, flaw: Flaw) {
+    /// Lets the worker do the job once more at the end of the recording, with this flaw. Returns when that begins, and how long the
+    /// recording is now, in seconds. One that is repeated goes on with its time.
+    pub fn work_once_more(&self, flaw: Flaw) -> (f64, f64) {
         let mut recording = recording::read("work", &fs::read(self.tracks()).unwrap()).unwrap();
         let (more, _) = perform(&performance(9, 1), flaw);
         let newest_ns = |frames: &[Frame]| frames.last().unwrap().captured_ns;
@@ -168,8 +174,11 @@ impl Line {
             frame.captured_ns += later_ns;
             frame
         });
+        let seconds = |ns: u64| ns as f64 / 1e9;
+        let began_s = seconds(newest_ns(&recording.frames) + step_ns - recording.frames[0].captured_ns);
         recording.frames.extend(shifted);
         save(&self.tracks(), &recording);
+        (began_s, seconds(newest_ns(&recording.frames) + step_ns - recording.frames[0].captured_ns))
     }
 
     /// Changes the frames of the recording before it is played.

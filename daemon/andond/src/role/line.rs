@@ -15,10 +15,15 @@ pub(super) struct LineHealth {
     roles: Vec<RoleHealth>,
     /// When the newest departure of a writer was noticed. Which one left shows by who sends no health after that.
     departure: MonotonicTime,
+    /// A role that has started again since the last look: that is told once, also where everybody has been heard since.
+    restarted: Option<RoleId>,
     was_ready: bool,
     /// The first role that keeps the line from being ready, and what is the matter with it.
     culprit: Option<(RoleId, &'static str)>,
 }
+
+/// A role of the line is not there.
+const MISSING: Line = Line::Fault { fault: Fault::Role, detail: code::ROLE_DIED.number };
 
 struct RoleHealth {
     role: RoleId,
@@ -36,7 +41,7 @@ impl LineHealth {
         let mut roles: Vec<RoleHealth> = config.roles().into_iter().filter_map(expected).collect();
         // The steward carries no data: another role names the cause better.
         roles.sort_by_key(|expected| expected.role == RoleId::Steward);
-        Self { roles, departure: MonotonicTime::default(), was_ready: false, culprit: None }
+        Self { roles, departure: MonotonicTime::default(), restarted: None, was_ready: false, culprit: None }
     }
 
     /// Takes the health that a role has sent.
@@ -45,6 +50,7 @@ impl LineHealth {
             // A role that restarts between two messages has departed all the same.
             if role.newest.is_some_and(|known| known.stamp.epoch != health.stamp.epoch) {
                 self.departure = self.departure.max(MonotonicTime::sent(&health.stamp));
+                self.restarted = Some(role.role);
             }
             role.newest = Some(*health);
         }
@@ -57,6 +63,10 @@ impl LineHealth {
 
     /// The state of the line now.
     pub(super) fn line(&mut self, now: MonotonicTime) -> Line {
+        if let Some(role) = self.restarted.take().filter(|_| self.was_ready) {
+            self.culprit = Some((role, "has started again"));
+            return MISSING;
+        }
         let departure = self.departure;
         let unhealthy = self
             .roles
@@ -84,14 +94,13 @@ impl LineHealth {
 impl RoleHealth {
     /// The state of the line as far as this role determines it, and what is the matter with the role.
     fn line(&self, now: MonotonicTime, departure: MonotonicTime) -> (Line, &'static str) {
-        let missing = Line::Fault { fault: Fault::Role, detail: code::ROLE_DIED.number };
-        let Some(health) = &self.newest else { return (missing, "has not been heard yet") };
+        let Some(health) = &self.newest else { return (MISSING, "has not been heard yet") };
         let sent = MonotonicTime::sent(&health.stamp);
         if sent < departure {
-            return (missing, "is gone, or has not been heard since another process has gone");
+            return (MISSING, "is gone, or has not been heard since another process has gone");
         }
         if now.since(sent) > self.deadline {
-            return (missing, "gives no sign of life");
+            return (MISSING, "gives no sign of life");
         }
         let fault = |fault| Line::Fault { fault, detail: health.last_error };
         match RoleState::try_from(health.state) {
@@ -196,7 +205,13 @@ mod tests {
         let mut restarted = health(RoleId::Steward, RoleState::Running, 10 * S + 1);
         restarted.stamp.epoch = 7;
         line.received(&restarted);
-        assert_eq!(fault_of(line.line(at(10 * S + 2))), Some(Fault::Role));
+        // By the time of the look everybody has been heard again.
+        for role in RoleId::ALL.iter().filter(|role| **role != RoleId::Steward) {
+            line.received(&health(*role, RoleState::Running, 10 * S + 2));
+        }
+        assert_eq!(fault_of(line.line(at(10 * S + 3))), Some(Fault::Role));
+        assert_eq!(line.cause(), "steward has started again");
+        assert_eq!(line.line(at(10 * S + 4)), Line::Ready);
     }
 
     #[test]

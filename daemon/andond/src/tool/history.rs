@@ -6,6 +6,7 @@ use std::time::Duration;
 use andon_journal::{Format, History, JournalError, Query};
 use jiff::Timestamp;
 
+use super::part::part_id;
 use super::{ToolError, running_config};
 use crate::cli::History as Arguments;
 use crate::exit::Code;
@@ -17,7 +18,8 @@ use crate::exit::Code;
 pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let since = arguments.since.as_deref();
     let since_utc_ns = since.map(|text| since_ns(text, Timestamp::now())).transpose()?;
-    let query = Query { since_utc_ns, job_id: arguments.job, nok: arguments.nok };
+    let part = arguments.part.as_deref().map(|id| part_id("--part", id)).transpose()?;
+    let query = Query { since_utc_ns, job_id: arguments.job, part, nok: arguments.nok };
     let path = running_config(&arguments.config)?.config.journal_path();
     let history = History::open(&path)?;
     let mut out = BufWriter::new(stdout().lock());

@@ -20,7 +20,7 @@ const AGAIN: Duration = Duration::from_millis(250);
 /// # Errors
 /// An id that is none, a station that cannot be joined, and a judge that refuses or does not answer.
 pub fn run(arguments: &Part) -> Result<Code, ToolError> {
-    let part = PartId::new(arguments.id.as_bytes()).map_err(|bad| refused_option(&arguments.id, bad))?;
+    let part = part_id("ID", &arguments.id)?;
     let node = join(&load_config(&arguments.config)?)?;
     match tell(&node, part)? {
         Some(Refusal::None) => Ok(Code::Stopped),
@@ -29,12 +29,15 @@ pub fn run(arguments: &Part) -> Result<Code, ToolError> {
     }
 }
 
-fn refused_option(given: &str, bad: BadPart) -> ToolError {
-    let expected = match bad {
-        BadPart::TooLong => "give at most 32 characters",
-        BadPart::NotPrintable(_) => "give letters, digits and signs of ASCII",
-    };
-    ToolError::Option { option: "ID", given: given.to_owned(), expected }
+/// The part id that was given for this option.
+pub(super) fn part_id(option: &'static str, given: &str) -> Result<PartId, ToolError> {
+    PartId::new(given.as_bytes()).map_err(|bad| {
+        let expected = match bad {
+            BadPart::TooLong => "give at most 32 characters",
+            BadPart::NotPrintable(_) => "give letters, digits and signs of ASCII",
+        };
+        ToolError::Option { option, given: given.to_owned(), expected }
+    })
 }
 
 /// Sends the command until it is answered; `None` where it is not.

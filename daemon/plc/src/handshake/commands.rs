@@ -101,7 +101,7 @@ pub(super) struct Commands {
     /// The job that the PLC has loaded: it is wanted for good.
     job: Option<Job>,
     job_refused_ns: Option<u64>,
-    /// The part id that the PLC has given last, in this start of the role.
+    /// The part id that the PLC has given last.
     part: Option<PartId>,
 }
 
@@ -132,8 +132,9 @@ impl Commands {
         self.refusal
     }
 
-    /// The job that the PLC has loaded, for the account.
+    /// What the PLC wants for good, for the account.
     pub(super) fn save(&self, account: &mut Account) {
+        (account.gives_parts, account.part) = self.part.map_or((0, PartId::NONE), |part| (1, part));
         (account.wanted_job, account.wanted_hash) = self.job.map_or((0, 0), |job| (job.id, job.hash));
     }
 
@@ -141,11 +142,12 @@ impl Commands {
     pub(super) fn resume(&mut self, account: &Account) {
         let kept = Job { id: account.wanted_job, hash: account.wanted_hash };
         self.job = self.job.or((kept.id != 0).then_some(kept));
+        self.part = self.part.or((account.gives_parts != 0).then_some(account.part));
     }
 
-    /// The wanted job, to see when it changes.
-    pub(super) fn wanted(&self) -> Option<Job> {
-        self.job
+    /// The wanted job and part, to see when they change.
+    pub(super) fn wanted(&self) -> (Option<Job>, Option<PartId>) {
+        (self.job, self.part)
     }
 
     /// Whether the judge has the job that is wanted.
@@ -216,18 +218,22 @@ impl Commands {
         Some(UnderWay { command, is_asked, since_ns: now_ns, sent_ns: None })
     }
 
-    /// What is wanted for good and the judge has not. The part id comes before `enable`, so that no job begins without it.
+    /// What is wanted for good and the judge has not. Part id and job come before `enable`, so that nothing is judged without them.
     fn missing(&self, wants_enable: bool, judging: &Judging, now_ns: u64) -> Option<Asked> {
-        let retries_job = self
-            .job_refused_ns
-            .is_none_or(|refused_ns| now_ns.saturating_sub(refused_ns) >= REFUSED_AGAIN_NS);
+        let is_enabled = judging.is_enabled != 0;
+        if is_enabled && !wants_enable {
+            return Some(Asked::plain(CommandKind::Disable));
+        }
         if let Some(part) = self.part.filter(|part| *part != judging.part) {
             return Some(Asked::part(part));
         }
-        if wants_enable != (judging.is_enabled != 0) {
-            return Some(Asked::plain(if wants_enable { CommandKind::Enable } else { CommandKind::Disable }));
+        if let Some(job) = self.job.filter(|job| !job.is_in_force(judging)) {
+            let retries = self
+                .job_refused_ns
+                .is_none_or(|refused_ns| now_ns.saturating_sub(refused_ns) >= REFUSED_AGAIN_NS);
+            return retries.then(|| Asked::job(job));
         }
-        self.job.filter(|job| !job.is_in_force(judging) && retries_job).map(Asked::job)
+        (wants_enable && !is_enabled).then(|| Asked::plain(CommandKind::Enable))
     }
 
     /// The judge has said how it is. Returns the trouble that its answer means.
@@ -248,7 +254,8 @@ impl Commands {
         self.under_way = None;
         let command = under_way.command;
         let is_done = refusal == Refusal::None.code();
-        if command.kind == CommandKind::LoadJob {
+        // One that a client asks for says nothing of the one that is wanted.
+        if command.kind == CommandKind::LoadJob && !under_way.is_asked {
             self.job_refused_ns = (!is_done).then_some(now_ns);
         }
         match (is_done, under_way.is_asked) {

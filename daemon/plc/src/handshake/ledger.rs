@@ -57,9 +57,9 @@ impl Ledger {
         self.boot != 0
     }
 
-    /// The number of this start; 0 while it is not known.
+    /// The number of this start; 0 until the journal keeps it: after a loss of power the next start would have the same number.
     pub(super) fn boot(&self) -> u32 {
-        self.boot
+        if self.kept == 0 { 0 } else { self.boot }
     }
 
     /// The journal has said what it keeps.

@@ -14,7 +14,7 @@ mod ledger;
 mod queue;
 mod results;
 
-use shm_schemas::{Account, AccountKept, CommandKind, Journalled, JudgePhase, Judging, Refusal};
+use shm_schemas::{Account, AccountKept, CommandKind, Journalled, JudgePhase, Judging, PartId, Refusal};
 
 pub use commands::LineCommand;
 pub use fault::{Fault, Line};
@@ -55,8 +55,8 @@ pub struct Settings {
     pub hold_ns: u64,
 }
 
-/// What must be kept as soon as it changes: what was acknowledged and lost, the latched fault, the wanted job.
-type Vital = (u32, u32, bool, Option<(Fault, u32)>, Option<Job>);
+/// What must be kept as soon as it changes: what was acknowledged and lost, the latched fault, the wanted job and part.
+type Vital = (u32, u32, bool, Option<(Fault, u32)>, (Option<Job>, Option<PartId>));
 
 /// The state machine.
 #[derive(Debug)]
@@ -198,7 +198,7 @@ impl Handshake {
             }
         }
         if risen & control::SET_PART != 0 {
-            self.commands.set_part();
+            self.account_for(|machine| machine.commands.set_part());
         }
         if risen & control::ACKNOWLEDGE != 0 {
             self.acknowledge(written.acknowledge_sequence);
@@ -219,8 +219,9 @@ impl Handshake {
 
     /// The next command that the judge must be sent. It comes again until the judge has answered.
     pub fn next_command(&mut self, now_ns: u64) -> Option<LineCommand> {
-        let (judging, _) = self.judging.filter(|_| self.ledger.is_open())?;
-        self.commands.next(self.ledger.boot(), self.is_enabled(), &judging, now_ns)
+        let boot = self.ledger.boot();
+        let (judging, _) = self.judging.filter(|_| boot != 0)?;
+        self.commands.next(boot, self.is_enabled(), &judging, now_ns)
     }
 
     /// What the registers show now.
@@ -375,8 +376,8 @@ impl Handshake {
         if !self.is_online(now_ns) {
             return Some("this role has stood still");
         }
-        if !self.ledger.is_open() {
-            return Some("the journal has not said yet what it keeps");
+        if self.ledger.boot() == 0 {
+            return Some("the journal does not keep yet that this role has started");
         }
         if !self.is_enabled() {
             return Some("the PLC has not set `enable`, or has cleared it");

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 use super::*;
-use shm_schemas::{PartId, Verdict, VerdictLevel, VerdictOutcome};
+use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome};
 
 pub(super) const WRITES: Settings = Settings { writes: true, hold_ns: 0 };
 pub(super) const ENABLED: Control = Control {
@@ -429,7 +429,7 @@ fn a_command_without_an_answer_is_sent_again_under_its_number_and_then_refused()
 }
 
 #[test]
-fn a_judge_that_starts_again_is_given_enable_and_the_loaded_job_and_until_then_nothing_is_ready() {
+fn a_judge_that_starts_again_is_given_the_loaded_job_and_then_enable_and_until_then_nothing_is_ready() {
     let (mut machine, command) = asked(control::LOAD_JOB, 7);
     let with_job = Judging { job_id: 7, model_hash: 9, ..watching() };
     answer(&mut machine, &command, Refusal::None, with_job);
@@ -437,13 +437,12 @@ fn a_judge_that_starts_again_is_given_enable_and_the_loaded_job_and_until_then_n
     let configured = Judging { is_enabled: 0, ..watching() };
     machine.judging(&configured, 0);
     assert!(!has(&machine, 0, status::READY));
-    let enable = machine.next_command(0).unwrap();
-    assert_eq!(enable.kind, CommandKind::Enable);
-    answer(&mut machine, &enable, Refusal::None, watching());
-    assert!(!has(&machine, 0, status::READY), "it watches another job");
     let load = machine.next_command(0).unwrap();
     assert_eq!((load.kind, load.job_id, load.model_hash), (CommandKind::LoadJob, 7, 9));
-    answer(&mut machine, &load, Refusal::None, with_job);
+    answer(&mut machine, &load, Refusal::None, Judging { is_enabled: 0, ..with_job });
+    let enable = machine.next_command(0).unwrap();
+    assert_eq!(enable.kind, CommandKind::Enable);
+    answer(&mut machine, &enable, Refusal::None, with_job);
     assert!(has(&machine, 0, status::READY));
 }
 
@@ -619,6 +618,52 @@ fn a_part_id_is_given_to_the_judge_until_it_has_it_and_again_before_enable_after
     assert_eq!((again.kind, again.part.text()), (CommandKind::SetPart, "A-17"));
     answer(&mut machine, &again, Refusal::None, Judging { is_enabled: 0, ..with_id });
     assert_eq!(machine.next_command(0).unwrap().kind, CommandKind::Enable);
+}
+
+#[test]
+fn a_job_that_a_client_asks_for_in_vain_does_not_keep_the_judge_from_the_one_that_is_wanted() {
+    let (mut machine, load) = asked(control::LOAD_JOB, 7);
+    let loaded = Judging { job_id: 7, model_hash: 9, ..watching() };
+    answer(&mut machine, &load, Refusal::None, loaded);
+    // Again and again, and the judge has started again meanwhile.
+    for _ in 0..3 {
+        machine.write(ENABLED, 0);
+        machine.write(Control { word: control::ENABLE | control::LOAD_JOB, load_job_id: 8, ..ENABLED }, 0);
+        let vain = machine.next_command(0).unwrap();
+        assert_eq!((vain.kind, vain.job_id), (CommandKind::LoadJob, 8));
+        answer(&mut machine, &vain, Refusal::NoSuchJob, Judging { is_enabled: 0, ..watching() });
+    }
+    let wanted = machine.next_command(0).unwrap();
+    assert_eq!((wanted.kind, wanted.job_id), (CommandKind::LoadJob, 7));
+    answer(&mut machine, &wanted, Refusal::None, Judging { is_enabled: 0, ..loaded });
+    assert_eq!(machine.next_command(0).unwrap().kind, CommandKind::Enable, "nothing is judged before");
+}
+
+#[test]
+fn a_start_whose_number_is_not_on_disk_has_none_and_commands_nothing() {
+    let (mut machine, journal) = (ready(WRITES), Journal::new(77));
+    machine.kept(&journal.says(), 0);
+    set(&mut machine, control::ABORT);
+    let update = machine.update(0).unwrap();
+    assert_eq!((update.account.boot, machine.image(0).boot, machine.next_command(0)), (1, 0, None));
+    assert!(!has(&machine, 0, status::READY));
+    machine.kept(&AccountKept { journal: 77, account: update.account, ..AccountKept::default() }, 0);
+    assert_eq!((machine.image(0).boot, machine.next_command(0).unwrap().kind), (1, CommandKind::Abort));
+    assert!(has(&machine, 0, status::READY));
+}
+
+#[test]
+fn a_part_id_survives_a_restart_of_this_role_and_of_the_judge_together() {
+    for (given, kept) in [(&b"A-17"[..], "A-17"), (b"", "")] {
+        let (mut machine, mut journal) = ready_with_journal(WRITES);
+        machine.write(with_part(given), 0);
+        journal.settle(&mut machine, 0);
+        let mut machine = restarted(WRITES, &mut journal);
+        let scanned = PartId::new(b"scanned").unwrap();
+        machine.judging(&Judging { part: scanned, ..watching() }, 0);
+        let again = machine.next_command(0).unwrap();
+        assert_eq!((again.kind, again.part.text()), (CommandKind::SetPart, kept));
+    }
 }
 
 #[test]

@@ -243,7 +243,7 @@ pub const MAP: &[Register] = &[
         48,
         "boot",
         Get::U32(|i| i.boot),
-        "counts the starts of this role; 0 until the journal has said what it keeps, and until then nothing is offered",
+        "counts the starts of this role; 0 until the journal keeps the number, and until then nothing is offered",
     ),
     read(
         50,

@@ -1,5 +1,6 @@
 //! `journal`: verdicts to the database, and from there to the role `plc`, which hears of no others.
 
+mod alive;
 mod delivery;
 mod watching;
 

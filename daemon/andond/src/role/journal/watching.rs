@@ -6,6 +6,7 @@ use andon_ipc::{MonotonicTime, UtcTime};
 use andon_journal::{Journal, JournalError};
 use shm_schemas::{Health, RoleId};
 
+use super::alive::Alive;
 use crate::config::Config;
 use crate::outage::{Outage, Outages};
 use crate::sight::SightChanges;
@@ -29,6 +30,8 @@ enum Change {
 
 /// Collects begins and ends from the health of the roles.
 pub(super) struct Watching {
+    /// The role that watches, which nobody else watches for the journal.
+    own: Alive,
     outages: Outages,
     sight: SightChanges,
     /// Roles whose begin has been noted and whose end has not.
@@ -41,6 +44,7 @@ pub(super) struct Watching {
 impl Watching {
     pub(super) fn new(config: &Config) -> Self {
         Self {
+            own: Alive::new(config),
             outages: Outages::new(config, RoleId::Journal),
             sight: SightChanges::default(),
             down: Vec::new(),
@@ -68,7 +72,11 @@ impl Watching {
 
     /// Finds who has fallen silent.
     pub(super) fn look(&mut self) {
-        for outage in self.outages.look(MonotonicTime::now()) {
+        let now = MonotonicTime::now();
+        for outage in self.outages.look(now) {
+            self.note(&outage);
+        }
+        if let Some(outage) = self.own.beat(now) {
             self.note(&outage);
         }
     }

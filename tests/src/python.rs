@@ -1,11 +1,13 @@
 //! A Python with pymodbus and with Prometheus's own library, for tests with clients that are not ours.
+#![allow(clippy::unwrap_used)]
 
-use std::path::{Path, PathBuf};
+use crate::line::andond;
+use std::path::PathBuf;
 use std::process::{Command, Output};
 
-/// Its program. It is made once under `target`.
-pub(crate) fn python() -> PathBuf {
-    let venv = Path::new(env!("CARGO_TARGET_TMPDIR")).join("line-venv");
+/// Its program. It is made once, under the target folder.
+pub fn python() -> PathBuf {
+    let venv = andond().parent().unwrap().join("../tmp/line-venv");
     let python = venv.join("bin/python");
     let is_complete = || {
         Command::new(&python)
@@ -41,6 +43,6 @@ pub(crate) fn python() -> PathBuf {
 }
 
 /// What a program has printed.
-pub(crate) fn all_output(output: &Output) -> String {
+pub fn all_output(output: &Output) -> String {
     format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
 }
