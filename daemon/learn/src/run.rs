@@ -2,6 +2,7 @@
 
 use crate::digest::sha256_hex;
 use crate::recording::{self, NamedObject, Recording, TrackError};
+use crate::statistics::median;
 use andon_core::anomaly::{self, Judge};
 use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
@@ -132,6 +133,24 @@ impl Run {
         }
         encoder.flush(&mut |made| couples.push(made));
         Ok(couples)
+    }
+
+    /// Whether this run was recorded frame by frame as the other one was.
+    pub(crate) fn shows_the_same(&self, other: &Self) -> bool {
+        self.frames == other.frames
+    }
+
+    /// Frames per second, from the median time between two of them; 0 if there are fewer than two.
+    pub(crate) fn captured_rate_hz(&self) -> f64 {
+        let seconds = |pair: &[Frame]| (pair[1].captured_ns - pair[0].captured_ns) as f64 * 1e-9;
+        let period_s = median(&self.frames.windows(2).map(seconds).collect::<Vec<_>>());
+        if period_s > 0.0 { 1.0 / period_s } else { 0.0 }
+    }
+
+    /// What was seen from one time, in nanoseconds of source time, until before another.
+    pub(crate) fn frames_between(&self, began_ns: u64, ended_ns: u64) -> &[Frame] {
+        let index = |time_ns: u64| self.frames.partition_point(|frame| frame.captured_ns < time_ns);
+        &self.frames[index(began_ns)..index(ended_ns)]
     }
 
     /// The verdicts that the live judge gives on this run, which is a whole job.

@@ -151,6 +151,7 @@ fn outcome(
         bounds: variation.bounds,
         // The experiment judges recordings with all their frames, and teaches hundreds of times.
         measure_rate: false,
+        examine_runs: false,
         ..TeachOptions::new("experiment 2", "", *method)
     };
     let mut outcome = Outcome {
