@@ -3,7 +3,7 @@
 
 use andon_core::config::Method;
 use andon_core::job::LocalCost;
-use andon_learn::analysis::report;
+use andon_learn::analysis::{report, selection};
 use andon_learn::cluster::Table;
 use andon_learn::experiment::{Confusion, Outcome, Split, Variation, experiment_1, experiment_2};
 use andon_learn::folder::{self, Labelled};
@@ -29,7 +29,7 @@ fn outcome(variation: Variation, split: Split) -> Outcome {
 }
 
 fn default_rules() -> Variation {
-    Variation::ladder().pop().unwrap()
+    Variation::ladder(Method::default().bins).pop().unwrap()
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn simulated_executions_are_segmented_as_their_scripts_intend() {
 
 #[test]
 fn the_protocol_counts_1050_ius_and_420_activities_of_which_140_are_wrong() {
-    let outcome = outcome(Variation::paper(), Split::Random);
+    let outcome = outcome(Variation::paper(Method::default().bins), Split::Random);
     let count = |Confusion { true_negative, false_positive, false_negative, true_positive }| {
         (true_negative + false_positive, false_negative + true_positive)
     };
@@ -90,9 +90,14 @@ fn boxing_measuring_and_assembly_are_one_motion_in_three_of_five_contexts() {
     // The layout of drill and brick makes no difference, compared with the differences between other interactions.
     let drilling = one.drilling.as_ref().unwrap();
     assert!((drilling.other_layout - drilling.same_layout).abs() < 0.1 * drilling.other_kinds);
-    let report = report(&one.analysis, one.drilling.as_ref(), "four people").unwrap();
+    let selection = selection(&all, &method, cost);
+    let report = report(&one.analysis, one.drilling.as_ref(), selection.as_ref(), "four people").unwrap();
     // The page fetches nothing: the only address in it is the name of SVG.
     let page = report.page.replace("http://www.w3.org/2000/svg", "");
     assert!(!page.contains("://") && !page.contains("src=") && !page.contains("href="));
-    assert_eq!(report.page.matches("<svg").count(), 10, "two matrices, the elbow, drilling, and six kinds");
+    assert_eq!(
+        report.page.matches("<svg").count(),
+        11,
+        "two matrices, the elbow, drilling, candidates, six kinds"
+    );
 }

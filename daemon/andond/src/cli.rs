@@ -405,6 +405,13 @@ pub struct Experiment {
     /// Which experiment of the paper: 1 or 2
     #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
     pub number: u8,
-    /// Folder of recordings (track files)
-    pub recordings: PathBuf,
+    /// Folder of recordings (track files); several with --ladder
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// How motions are compared [default: circular in experiment 1, each rule's own in experiment 2]
+    #[arg(long, value_enum)]
+    pub cost: Option<Cost>,
+    /// What each rule gains in experiment 2, all folders side by side in one table
+    #[arg(long)]
+    pub ladder: bool,
 }

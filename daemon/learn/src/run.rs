@@ -97,8 +97,7 @@ impl Run {
     /// # Errors
     /// If the method or the objects cannot be used.
     pub fn new(name: &str, sha256: &str, recording: &Recording, method: &Method) -> Result<Self, RunError> {
-        let unusable = |unusable| RunError::Unusable { name: name.to_owned(), unusable };
-        let mut run = Self {
+        let run = Self {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
             objects: recording.header.objects.clone(),
@@ -106,17 +105,26 @@ impl Run {
             couples: Vec::new(),
             activities: Vec::new(),
         };
-        run.couples = run.encode(run.frames.iter(), method).map_err(unusable)?;
+        run.encoded_with(method)
+    }
+
+    /// The same recording, encoded and segmented with other constants.
+    ///
+    /// # Errors
+    /// If the method cannot be used.
+    pub(crate) fn encoded_with(&self, method: &Method) -> Result<Self, RunError> {
+        let unusable = |unusable| RunError::Unusable { name: self.name.clone(), unusable };
+        let couples = self.encode(self.frames.iter(), method).map_err(unusable)?;
         let mut segmenter =
             JobSegmenter::new(method).map_err(|fault| unusable(couple::Unusable::Method(fault)))?;
         let mut collector = Collector::default();
-        for couples in &run.couples {
+        for couples in &couples {
             segmenter.step(couples, &mut |event| collector.take(event));
         }
         segmenter.finish(&mut |event| collector.take(event));
-        run.activities =
+        let activities =
             collector.activities.into_iter().filter(|activity| !activity.ius.is_empty()).collect();
-        Ok(run)
+        Ok(Self { couples, activities, ..self.clone() })
     }
 
     fn encode<'a>(
