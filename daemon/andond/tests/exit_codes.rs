@@ -30,6 +30,13 @@ fn a_wrong_command_line_ends_with_64() {
 }
 
 #[test]
+fn several_folders_are_for_the_ladder_of_the_second_experiment() {
+    for arguments in [&["experiment", "2", "a", "b"][..], &["experiment", "1", "--ladder", "a"]] {
+        ends(arguments, 64, "experiment 2 --ladder A B");
+    }
+}
+
+#[test]
 fn a_recording_that_is_not_there_ends_with_64() {
     ends(&["segment", "no-such-film.mp4"], 64, "no-such-film.mp4");
     ends(&["segment", "no-such.tracks.jsonl"], 64, "give a film");
