@@ -102,6 +102,13 @@ fn two_runs_with_half_of_the_strokes_do_not_hide_each_other() {
     assert_eq!(names, ["p5", "p6"], "{report}");
 }
 
+#[test]
+fn two_runs_that_count_alike_are_enough_to_find_a_third_with_half_of_the_strokes() {
+    let report = taught(&[run(1, Flaw::None), run(2, Flaw::None), run(5, Flaw::J1)]);
+    assert!(refused(&report).contains("p5 is not like the others"), "{report}");
+    assert!(taught(&correct(3)).is_trusted());
+}
+
 /// A hand that waits is no other motion, but takes its time.
 #[test]
 fn a_run_that_takes_far_longer_than_the_others_is_named_with_its_seconds() {

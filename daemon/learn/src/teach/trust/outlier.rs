@@ -49,6 +49,14 @@ impl Measure {
         }
     }
 
+    /// Fewer demonstrations than this cannot tell which of them is the odd one. Two that count alike are enough to find a third.
+    const fn min_runs(self) -> usize {
+        match self {
+            Self::Reversals => 3,
+            _ => MIN_RUNS,
+        }
+    }
+
     /// The least spread of the logarithm: four demonstrations may be alike by chance. Durations and ways of simulated people differ by
     /// 0.05 to 0.2 (standard deviation), the reversals of six strokes by 0.03 and their DTW distances by 0.3.
     const fn least_spread(self) -> f64 {
@@ -142,22 +150,25 @@ fn of_iu(
     found: &mut Vec<(usize, f64, Outlier)>,
 ) -> Result<(), Refused> {
     let shown: Vec<(usize, &Iu)> = sequence.well_shown(runs, index).collect();
-    if shown.len() < MIN_RUNS {
-        return Ok(());
-    }
     let motions: Vec<&[Motion]> = shown.iter().map(|(_, iu)| iu.motion.as_slice()).collect();
     let distances = warp.matrix(&motions)?;
-    for measure in Measure::ALL {
+    for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
         let values = values(measure, runs, &shown);
         for (at, &(run, iu)) in shown.iter().enumerate() {
             let (value, others) = left_out(measure, &values, &distances, at);
             let share = measure.exceeds(value, &others);
             if share > 1.0 {
-                let others = [f64::min as fn(f64, f64) -> f64, f64::max]
-                    .map(|choose| others.iter().copied().fold(others[0], choose));
-                let (run_name, activity) = (runs[run].name.clone(), sequence.activity);
-                let context = iu.context;
-                let outlier = Outlier { run: run_name, activity, iu: index, context, measure, value, others };
+                let least = others.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = others.iter().copied().fold(0.0, f64::max);
+                let outlier = Outlier {
+                    run: runs[run].name.clone(),
+                    activity: sequence.activity,
+                    iu: index,
+                    context: iu.context,
+                    measure,
+                    value,
+                    others: [least, most],
+                };
                 found.push((run, share, outlier));
             }
         }
