@@ -19,7 +19,7 @@ fn text(path: &Path) -> &str {
 /// The job file that `teach` writes from the line's recording with these options.
 fn taught(line: &Line, options: &[&str]) -> String {
     let (tracks, out) = (line.tracks(), line.path("taught.toml"));
-    let arguments = [&[text(&tracks), text(&tracks), "--out", text(&out)], options].concat();
+    let arguments = [&[text(&tracks), "--force", "--out", text(&out)], options].concat();
     stdout(&line.command("teach", &arguments));
     std::fs::read_to_string(out).unwrap()
 }
@@ -42,7 +42,7 @@ fn teach_takes_the_rule_the_cost_and_the_order_that_it_was_given() {
         let job = taught(&line, &["--rule", rule]);
         assert!(job.contains(&format!("rule = {{ name = \"{written}\"")), "{job}");
     }
-    for cost in ["ordinal", "circular"] {
+    for cost in ["normalised", "ordinal", "circular"] {
         let job = taught(&line, &["--cost", cost]);
         assert!(job.contains(&format!("\ncost = \"{cost}\"\n")), "{job}");
     }
@@ -50,6 +50,21 @@ fn teach_takes_the_rule_the_cost_and_the_order_that_it_was_given() {
         let job = taught(&line, &["--order", order]);
         assert!(job.contains(&format!("\norder_matters = {order}\n")), "{job}");
     }
+}
+
+#[test]
+fn teach_writes_what_it_cannot_trust_only_by_force() {
+    let line = Line::new(Settings::default());
+    let (tracks, out) = (line.tracks(), line.path("taught.toml"));
+    let arguments = ["teach", text(&tracks), text(&tracks), "--out", text(&out)];
+    let output = line.command(arguments[0], &arguments[1..]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.starts_with("not usable, because ") && said.contains("\nnot written: "), "{said}");
+    assert!(!out.exists());
+    let said = stdout(&line.command("teach", &[&arguments[1..], &["--force"]].concat()));
+    assert!(said.starts_with("not usable, because ") && said.contains("\nwritten: "), "{said}");
+    assert!(out.exists());
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use andon_core::job::LocalCost;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.
@@ -28,7 +29,7 @@ pub struct ConfigArgs {
 pub enum Command {
     /// Start every role, play the shipped clips and print what a technician would read
     Demo(Demo),
-    /// Learn a job from recordings of correct runs
+    /// Learn a job from recordings of correct runs; exit 0: written, 1: the runs cannot be trusted and nothing was written
     Teach(Teach),
     /// Judge a recording against a taught job; exit 0: all correct, 1: an anomaly, 2: something could not be judged
     Replay(Replay),
@@ -120,6 +121,9 @@ pub struct Teach {
     /// Whether the order of the activities matters [default: where all runs agree on one]
     #[arg(long)]
     pub order: Option<bool>,
+    /// Write the job also where the report says that the runs cannot be trusted, and over a file that is there
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// How thresholds are taught.
@@ -136,10 +140,23 @@ pub enum ThresholdRule {
 /// How motions are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Cost {
-    /// The paper's: features are numbers.
+    /// The paper's: features are numbers, each divided by the length of its range.
+    Normalised,
+    /// Features are numbers, each in its own unit.
     Ordinal,
     /// Directions are points on a circle.
     Circular,
+}
+
+impl Cost {
+    /// The cost with this number of direction bins.
+    pub fn local(self, bins: u8) -> LocalCost {
+        match self {
+            Self::Normalised => LocalCost::Normalised { bins },
+            Self::Ordinal => LocalCost::Ordinal,
+            Self::Circular => LocalCost::Circular { bins },
+        }
+    }
 }
 
 /// `andond replay`
@@ -391,6 +408,13 @@ pub struct Experiment {
     /// Which experiment of the paper: 1 or 2
     #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
     pub number: u8,
-    /// Folder of recordings (track files)
-    pub recordings: PathBuf,
+    /// Folder of recordings (track files); several with --ladder
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// How motions are compared [default: circular in experiment 1, each rule's own in experiment 2]
+    #[arg(long, value_enum)]
+    pub cost: Option<Cost>,
+    /// What each rule gains in experiment 2, all folders side by side in one table
+    #[arg(long)]
+    pub ladder: bool,
 }

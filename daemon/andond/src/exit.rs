@@ -9,6 +9,8 @@ use std::process::ExitCode;
 pub enum Code {
     /// It was asked to stop, or its work is done.
     Stopped = 0,
+    /// A tool has found what speaks against doing what it was asked for, and has not done it: it says what, and what to do.
+    Declined = 1,
     /// The command line is wrong (`EX_USAGE`). A restart would not help: the units do not try.
     Usage = 64,
     /// Something that it needs has failed (`EX_SOFTWARE`): the log says what. The unit starts it again.

@@ -30,6 +30,13 @@ fn a_wrong_command_line_ends_with_64() {
 }
 
 #[test]
+fn several_folders_are_for_the_ladder_of_the_second_experiment() {
+    for arguments in [&["experiment", "2", "a", "b"][..], &["experiment", "1", "--ladder", "a"]] {
+        ends(arguments, 64, "experiment 2 --ladder A B");
+    }
+}
+
+#[test]
 fn a_recording_that_is_not_there_ends_with_64() {
     ends(&["segment", "no-such-film.mp4"], 64, "no-such-film.mp4");
     ends(&["segment", "no-such.tracks.jsonl"], 64, "give a film");
@@ -48,12 +55,23 @@ fn a_result_that_cannot_be_written_is_refused_before_the_work() {
 }
 
 #[test]
+fn a_job_that_is_there_is_replaced_only_by_force() {
+    let folder = tempfile::tempdir().unwrap();
+    let there = folder.path().join("there.toml");
+    std::fs::write(&there, "a job").unwrap();
+    // The recording is not even looked for.
+    ends(&["teach", "no-such-film.mp4", "--out", there.to_str().unwrap()], 64, "it is there already");
+    assert_eq!(std::fs::read_to_string(there).unwrap(), "a job");
+}
+
+#[test]
 fn asking_whether_a_result_can_be_written_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let (there, new) = (folder.path().join("there.toml"), folder.path().join("new.toml"));
     std::fs::write(&there, "a job").unwrap();
     for out in [&there, &new] {
-        ends(&["teach", "no-such-film.mp4", "--out", out.to_str().unwrap()], 64, "no-such-film.mp4");
+        let arguments = ["teach", "no-such-film.mp4", "--force", "--out", out.to_str().unwrap()];
+        ends(&arguments, 64, "no-such-film.mp4");
     }
     assert_eq!(std::fs::read_to_string(there).unwrap(), "a job");
     assert!(!new.exists());

@@ -7,13 +7,32 @@ use crate::couple::{Context, Motion};
 /// How two motion features are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LocalCost {
-    /// As in the paper: every feature is a number on an ordered range, and the cost is the squared Euclidean distance.
+    /// As in the paper (IV-A): every feature is a number, divided by the length of its range so that all lie in `[0, 1]`, and the cost is
+    /// the squared Euclidean distance. A direction is one of the N + 1 numbers 0 to N, the acceleration one of 3, joint motion one of 2: a
+    /// direction that is one bin off counts 1/N² of a joint motion that has ended. The opening-closing filter, which the paper
+    /// applies after this, takes least and greatest values only, so that it makes no difference which of the two comes first.
+    Normalised {
+        /// N, the number of direction bins around the circle.
+        bins: u8,
+    },
+    /// As `Normalised`, but without the division: every feature counts in its own unit.
     Ordinal,
     /// Directions are points on the unit circle and rest is its centre; the other features are compared as in `Ordinal`.
     Circular {
         /// N, the number of direction bins around the circle.
         bins: u8,
     },
+}
+
+impl LocalCost {
+    /// How people and files name it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Normalised { .. } => "normalised",
+            Self::Ordinal => "ordinal",
+            Self::Circular { .. } => "circular",
+        }
+    }
 }
 
 /// An inclusive range of counts.

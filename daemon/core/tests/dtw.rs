@@ -8,8 +8,11 @@ use andon_core::job::LocalCost;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-const COSTS: [LocalCost; 5] = [
+const COSTS: [LocalCost; 8] = [
     LocalCost::Ordinal,
+    LocalCost::Normalised { bins: 7 },
+    LocalCost::Normalised { bins: 8 },
+    LocalCost::Normalised { bins: 13 },
     LocalCost::Circular { bins: 8 },
     LocalCost::Circular { bins: 12 },
     // No scale that fits two bytes is good enough for 7 bins, and 16 bins leave no nibble for rest: both take the portable path.
@@ -23,7 +26,15 @@ mod oracle {
 
     pub(super) fn cost(cost: LocalCost, a: &Motion, b: &Motion) -> f64 {
         let squared = |f: usize| (f64::from(a.0[f]) - f64::from(b.0[f])).powi(2);
-        let LocalCost::Circular { bins } = cost else { return (0..7).map(squared).sum() };
+        let bins = match cost {
+            LocalCost::Ordinal => return (0..7).map(squared).sum(),
+            LocalCost::Normalised { bins } => {
+                let n = f64::from(bins);
+                let ranges = [2.0, n, n, 1.0, n, n, 1.0];
+                return (0..7).map(|f| squared(f) / (ranges[f] * ranges[f])).sum();
+            }
+            LocalCost::Circular { bins } => bins,
+        };
         let point = |direction: i8| match direction {
             0 => (0.0, 0.0),
             bin => (f64::from(bin) * std::f64::consts::TAU / f64::from(bins)).sin_cos(),

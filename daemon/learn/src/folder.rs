@@ -9,6 +9,9 @@ use std::path::{Path, PathBuf};
 /// The ending of a track file's name.
 const ENDING: &str = ".tracks.jsonl";
 
+/// What a person did who made no mistake, where others of the folder did.
+pub(crate) const CORRECT: &str = "none";
+
 /// A run whose name says who did what.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Labelled {

@@ -2,6 +2,7 @@
 
 use crate::digest::sha256_hex;
 use crate::recording::{self, NamedObject, Recording, TrackError};
+use crate::statistics::median;
 use andon_core::anomaly::{self, Judge};
 use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
@@ -96,8 +97,7 @@ impl Run {
     /// # Errors
     /// If the method or the objects cannot be used.
     pub fn new(name: &str, sha256: &str, recording: &Recording, method: &Method) -> Result<Self, RunError> {
-        let unusable = |unusable| RunError::Unusable { name: name.to_owned(), unusable };
-        let mut run = Self {
+        let run = Self {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
             objects: recording.header.objects.clone(),
@@ -105,17 +105,26 @@ impl Run {
             couples: Vec::new(),
             activities: Vec::new(),
         };
-        run.couples = run.encode(run.frames.iter(), method).map_err(unusable)?;
+        run.encoded_with(method)
+    }
+
+    /// The same recording, encoded and segmented with other constants.
+    ///
+    /// # Errors
+    /// If the method cannot be used.
+    pub(crate) fn encoded_with(&self, method: &Method) -> Result<Self, RunError> {
+        let unusable = |unusable| RunError::Unusable { name: self.name.clone(), unusable };
+        let couples = self.encode(self.frames.iter(), method).map_err(unusable)?;
         let mut segmenter =
             JobSegmenter::new(method).map_err(|fault| unusable(couple::Unusable::Method(fault)))?;
         let mut collector = Collector::default();
-        for couples in &run.couples {
+        for couples in &couples {
             segmenter.step(couples, &mut |event| collector.take(event));
         }
         segmenter.finish(&mut |event| collector.take(event));
-        run.activities =
+        let activities =
             collector.activities.into_iter().filter(|activity| !activity.ius.is_empty()).collect();
-        Ok(run)
+        Ok(Self { couples, activities, ..self.clone() })
     }
 
     fn encode<'a>(
@@ -132,6 +141,24 @@ impl Run {
         }
         encoder.flush(&mut |made| couples.push(made));
         Ok(couples)
+    }
+
+    /// Whether this run was recorded frame by frame as the other one was.
+    pub(crate) fn shows_the_same(&self, other: &Self) -> bool {
+        self.frames == other.frames
+    }
+
+    /// Frames per second, from the median time between two of them; 0 if there are fewer than two.
+    pub(crate) fn captured_rate_hz(&self) -> f64 {
+        let seconds = |pair: &[Frame]| (pair[1].captured_ns - pair[0].captured_ns) as f64 * 1e-9;
+        let period_s = median(&self.frames.windows(2).map(seconds).collect::<Vec<_>>());
+        if period_s > 0.0 { 1.0 / period_s } else { 0.0 }
+    }
+
+    /// What was seen from one time, in nanoseconds of source time, until before another.
+    pub(crate) fn frames_between(&self, began_ns: u64, ended_ns: u64) -> &[Frame] {
+        let index = |time_ns: u64| self.frames.partition_point(|frame| frame.captured_ns < time_ns);
+        &self.frames[index(began_ns)..index(ended_ns)]
     }
 
     /// The verdicts that the live judge gives on this run, which is a whole job.

@@ -15,9 +15,10 @@ pub(crate) fn deviation(values: &[f64], freedom: usize) -> f64 {
     }
 }
 
-/// The median, for an even number of values the lower of the two in the middle; 0 if there are no values.
+/// The median, for an even number of values the mean of the two in the middle; 0 if there are no values.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or_default()
+    let from = sorted.len().saturating_sub(1) / 2;
+    mean(&sorted[from..(sorted.len() / 2 + 1).min(sorted.len())])
 }

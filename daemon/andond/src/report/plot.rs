@@ -100,15 +100,16 @@ fn draw_timeline(
     }
     draw_context(out, timeline, names, axis, y);
     y += LANE + GAP;
+    let mut motions = timeline.couples.iter().filter_map(|couple| couple.motion);
+    let is_flat = motions.all(|motion| motion.0[1] == 0 && motion.0[4] == 0);
     for (feature, (title, min, max)) in FEATURES.iter().enumerate() {
-        let motions = || timeline.couples.iter().filter_map(|couple| couple.motion);
-        let values = || motions().map(|motion| f64::from(motion.0[feature]));
-        // Plane mode has no elevation, and an empty lane shows nothing.
-        if title.starts_with('θ') && values().all(|value| value == 0.0) {
+        // Plane mode has no elevation, and an empty lane shows nothing. With one angle less, the other needs no letter.
+        if is_flat && title.starts_with('θ') {
             continue;
         }
+        let title = if is_flat { title.replace('φ', "direction") } else { (*title).to_owned() };
         let max = if *max > 1.0 { f64::from(bins) } else { *max };
-        draw_steps(out, title, (*min, max), timeline, feature, axis, y);
+        draw_steps(out, &title, (*min, max), timeline, feature, axis, y);
         y += LANE + GAP;
     }
     y + GAP

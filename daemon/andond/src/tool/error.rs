@@ -75,6 +75,9 @@ pub enum ToolError {
         /// What the system said.
         source: io::Error,
     },
+    /// A result would replace a file that is there.
+    #[error("{}: it is there already; name another file, or replace it with --force", .0.display())]
+    Exists(PathBuf),
     /// The job file that the command needs is not there.
     #[error("job {}: {source}; teach it with `andond teach`", path.display())]
     NoJob {
@@ -237,11 +240,13 @@ impl ToolError {
             Self::RoleEnded { .. } => Code::Fault,
             Self::Silence { .. } => Code::NoProgress,
             Self::Archive(ArchiveError::Running(_)) => Code::Fault,
+            Self::Teach(error) if error.is_of_runs() => Code::Declined,
             Self::Option { .. }
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }
             | Self::Write { .. }
+            | Self::Exists(_)
             | Self::Recording(_)
             | Self::Run { .. }
             | Self::MixedSpaces(_)

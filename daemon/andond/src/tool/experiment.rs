@@ -1,15 +1,15 @@
 //! `andond experiment`: the paper's experiments on a folder of recordings.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use andon_core::config::Method;
-use andon_learn::experiment::{Split, Table, Variation, experiment_1, experiment_2};
+use andon_learn::experiment::{Ladder, Outcome, Split, Table, Variation, experiment_1, experiment_2};
 use andon_learn::folder::{self, Labelled};
 use andon_learn::teach::TeachOptions;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::ToolError;
-use crate::cli::Experiment;
+use crate::cli::{Cost, Experiment};
 use crate::exit::Code;
 
 /// Seed of k-means++ and of the random splits: any will do, and the same folder must give the same figures.
@@ -18,23 +18,56 @@ pub(super) const SEED: u64 = 1;
 /// Runs the command.
 ///
 /// # Errors
-/// A folder without the recordings that the experiment needs, or a damaged one.
+/// A folder without the recordings that the experiment needs, a damaged one, or more folders than are used.
 pub fn run(arguments: &Experiment) -> Result<Code, ToolError> {
-    let method = method(&arguments.recordings)?;
-    let all = read(&arguments.recordings, &method)?;
-    let bar = percent_bar("computing");
-    let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
-    let text = if arguments.number == 1 {
-        let cost = TeachOptions::new("", "", method).cost;
-        experiment_1(&all, &method, cost, SEED, &mut progress)?.to_string()
-    } else {
-        let splits = [Split::Random, Split::LeavePersonOut];
-        let outcomes = experiment_2(&all, &method, &Variation::ladder(), &splits, SEED, &mut progress)?;
-        Table(outcomes).to_string()
+    let text = match (arguments.number, arguments.ladder, arguments.recordings.as_slice()) {
+        (1, false, [folder]) => first(folder, arguments.cost)?,
+        (2, false, [folder]) => {
+            Table(second(folder, arguments.cost, &[Split::Random, Split::LeavePersonOut])?).to_string()
+        }
+        (2, true, folders) => ladder(folders, arguments.cost)?,
+        (_, ladder, _) => {
+            let expected =
+                "it is for experiment 2, and only it takes several folders: experiment 2 --ladder A B";
+            return Err(ToolError::Option { option: "--ladder", given: ladder.to_string(), expected });
+        }
     };
-    bar.finish_and_clear();
     println!("{text}");
     Ok(Code::Stopped)
+}
+
+fn first(folder: &Path, cost: Option<Cost>) -> Result<String, ToolError> {
+    let method = method(folder)?;
+    let all = read(folder, &method)?;
+    let cost = cost.map_or(TeachOptions::new("", "", method).cost, |cost| cost.local(method.bins));
+    let bar = percent_bar("computing");
+    let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
+    let result = experiment_1(&all, &method, cost, SEED, &mut progress)?;
+    bar.finish_and_clear();
+    Ok(result.to_string())
+}
+
+fn second(folder: &Path, cost: Option<Cost>, splits: &[Split]) -> Result<Vec<Outcome>, ToolError> {
+    let method = method(folder)?;
+    let all = read(folder, &method)?;
+    let mut variations = Variation::ladder(method.bins);
+    if let Some(cost) = cost {
+        variations = Variation::with_cost(variations, cost.local(method.bins));
+    }
+    let bar = percent_bar("computing");
+    let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
+    let outcomes = experiment_2(&all, &method, &variations, splits, SEED, &mut progress)?;
+    bar.finish_and_clear();
+    Ok(outcomes)
+}
+
+fn ladder(folders: &[PathBuf], cost: Option<Cost>) -> Result<String, ToolError> {
+    let outcomes = |folder: &PathBuf| {
+        let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
+        Ok((name, second(folder, cost, &[Split::Random])?))
+    };
+    let folders = folders.iter().map(outcomes).collect::<Result<_, ToolError>>()?;
+    Ok(Ladder(folders).to_string())
 }
 
 /// The constants of the method, in the space of the folder's recordings. All others are the defaults, so that no station's

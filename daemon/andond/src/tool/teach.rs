@@ -5,7 +5,6 @@ use std::sync::Mutex;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use andon_core::config::Method;
-use andon_core::job::LocalCost;
 use andon_learn::digest::sha256_hex;
 use andon_learn::recording as learn;
 use andon_learn::rule::ThresholdRule;
@@ -14,7 +13,7 @@ use andon_learn::teach::{TeachOptions, teach};
 
 use super::{ToolError, cannot_write, check_writable, each_frame, load_config_to_learn};
 use crate::atomic;
-use crate::cli::{self, Cost, Teach};
+use crate::cli::{self, Teach};
 use crate::config::Config;
 use crate::exit::Code;
 use crate::recording::Recording;
@@ -25,9 +24,12 @@ const FALSE_ALARMS: f64 = 0.01;
 /// Runs the command.
 ///
 /// # Errors
-/// What is missing or damaged, or why nothing can be learned from it.
+/// What is missing or damaged, a file that is there already, or why nothing can be learned.
 pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let config = load_config_to_learn(&arguments.config)?;
+    if arguments.out.exists() && !arguments.force {
+        return Err(ToolError::Exists(arguments.out.clone()));
+    }
     check_writable(&arguments.out)?;
     let method = common_method(&arguments.recordings, &config)?;
     let runs = read_runs(&arguments.recordings, &config, &method)?;
@@ -36,10 +38,7 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     options.id = arguments.id;
     options.order_matters = arguments.order;
     if let Some(cost) = arguments.cost {
-        options.cost = match cost {
-            Cost::Ordinal => LocalCost::Ordinal,
-            Cost::Circular => LocalCost::Circular { bins: method.bins },
-        };
+        options.cost = cost.local(method.bins);
     }
     if let Some(rule) = arguments.rule {
         options.rule = match rule {
@@ -49,8 +48,12 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
         };
     }
     let (job, report) = teach(&runs, &options)?;
-    atomic::write(&arguments.out, job.to_toml().as_bytes()).map_err(cannot_write(&arguments.out))?;
     println!("{report}");
+    if !report.is_trusted() && !arguments.force {
+        println!("not written: {}; --force writes it all the same", arguments.out.display());
+        return Ok(Code::Declined);
+    }
+    atomic::write(&arguments.out, job.to_toml().as_bytes()).map_err(cannot_write(&arguments.out))?;
     println!("written: {}", arguments.out.display());
     Ok(Code::Stopped)
 }

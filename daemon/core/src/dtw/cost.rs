@@ -6,7 +6,7 @@ use core::f64::consts::TAU;
 
 /// Maximum local cost. The shortest path to a cell is no longer than the longer sequence (along the diagonal, then straight), and
 /// the sum of `IU_FRAMES` such costs is still below [`UNREACHED`], so no sum wraps. All ordinal costs of `i8` features
-/// (7 * 255²) are smaller: the cap never changes an ordinal cost, and a circular one only if a feature is far out of range.
+/// (7 * 255²) are smaller: the cap never changes an ordinal cost, and another one only if a feature is far out of range.
 const COST_CAP: i32 = (1 << 20) - 1;
 
 /// Sums start here. That leaves 0 for cells that are not reached, which is the value that the shifts of the SIMD path fill in.
@@ -30,7 +30,8 @@ const MAX_BINS: u8 = i8::MAX as u8;
 
 /// Local costs as integers, in units of `1 / scale`.
 ///
-/// Ordinal costs are integers already (scale 1). A circular cost is `2 - 2 cos(k 2π/N)` between directions that are `k` bins
+/// Ordinal costs are integers already (scale 1). Normalised costs are multiples of 1/4 (`a_h` has the range 2) and of 1/N² (directions have
+/// the range N), so that they are exact at the scale 4N², or N² if that is a multiple of 4. A circular cost is `2 - 2 cos(k 2π/N)` between directions that are `k` bins
 /// apart, and 1 between a direction and rest. It is rounded at a scale that makes the relative error of every cost at most 1e-5
 /// (for N = 8 the scale is 408, because 408 √2 = 576.999). The sum along a warping path, and so the minimum sum, has at most the
 /// same relative error, and the distance half of it.
@@ -40,23 +41,40 @@ pub(super) struct IntegerCosts {
     scale: i32,
     /// Maximum relative error of a cost.
     error: f64,
-    /// N, or 0 for ordinal costs.
+    /// Cost of an `a_h` that differs by 1.
+    step: i32,
+    /// Cost of a direction, as a number, that differs by 1; unused for circular costs.
+    bin: i32,
+    /// N, or 0 where a direction is a number.
     bins: u8,
-    /// Cost of directions that differ by this many bins; unused for ordinal costs.
+    /// Cost of directions that differ by this many bins; unused where a direction is a number.
     circle: [i32; MAX_BINS as usize],
 }
 
 impl IntegerCosts {
     pub(super) fn new(cost: LocalCost) -> Self {
-        let mut costs = Self { scale: 1, error: 0.0, bins: 0, circle: [0; MAX_BINS as usize] };
-        if let LocalCost::Circular { bins } = cost {
-            costs.bins = bins.clamp(1, MAX_BINS);
-            (costs.scale, costs.error) = choose_scale(costs.bins);
-            for (apart, cost) in (0..costs.bins).zip(&mut costs.circle) {
-                *cost = libm::round(exact_chord(apart, costs.bins) * f64::from(costs.scale)) as i32;
+        let mut costs =
+            Self { scale: 1, error: 0.0, step: 1, bin: 1, bins: 0, circle: [0; MAX_BINS as usize] };
+        match cost {
+            LocalCost::Ordinal => {}
+            LocalCost::Normalised { bins } => {
+                let square = square(bins.clamp(1, MAX_BINS));
+                costs.scale = if square % 4 == 0 { square } else { 4 * square };
+                (costs.step, costs.bin) = (costs.scale / 4, costs.scale / square);
             }
+            LocalCost::Circular { bins } => costs.round_circle(bins.clamp(1, MAX_BINS)),
         }
         costs
+    }
+
+    /// Rounds the costs between `bins` directions on a circle.
+    fn round_circle(&mut self, bins: u8) {
+        self.bins = bins;
+        (self.scale, self.error) = choose_scale(bins);
+        self.step = self.scale;
+        for (apart, cost) in (0..bins).zip(&mut self.circle) {
+            *cost = libm::round(exact_chord(apart, bins) * f64::from(self.scale)) as i32;
+        }
     }
 
     /// Units of a cost of 1.
@@ -64,7 +82,12 @@ impl IntegerCosts {
         self.scale
     }
 
-    /// N, or 0 for ordinal costs.
+    /// Cost of an `a_h` that differs by 1.
+    pub(super) fn step(&self) -> i32 {
+        self.step
+    }
+
+    /// N, or 0 where a direction is a number.
     pub(super) fn bins(&self) -> u8 {
         self.bins
     }
@@ -78,10 +101,8 @@ impl IntegerCosts {
     pub(super) fn between(&self, a: &Motion, b: &Motion) -> i32 {
         // The features of `Motion`: a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl.
         let [a, b] = [&a.0, &b.0];
-        if self.bins == 0 {
-            return a.iter().zip(b).map(|(a, b)| square(a.abs_diff(*b))).sum();
-        }
-        let ordered = [0, 3, 6].map(|f| square(a[f].abs_diff(b[f])).saturating_mul(self.scale));
+        let number = |f: usize, unit: i32| square(a[f].abs_diff(b[f])).saturating_mul(unit);
+        let ordered = [number(0, self.step), number(3, self.scale), number(6, self.scale)];
         let directions = [1, 2, 4, 5].map(|f| self.direction(a[f], b[f]));
         ordered.into_iter().chain(directions).fold(0, i32::saturating_add).min(COST_CAP)
     }
@@ -89,9 +110,9 @@ impl IntegerCosts {
     /// Cost of two directions.
     pub(super) fn direction(&self, a: i8, b: i8) -> i32 {
         if self.bins == 0 {
-            return square(a.abs_diff(b));
+            return square(a.abs_diff(b)).saturating_mul(self.bin);
         }
-        match (self.bin(a), self.bin(b)) {
+        match (self.bin_of(a), self.bin_of(b)) {
             (0, 0) => 0,
             (0, _) | (_, 0) => self.scale,
             (a, b) => self.circle[usize::from(a.abs_diff(b))],
@@ -99,7 +120,7 @@ impl IntegerCosts {
     }
 
     /// The bin that a feature stands for: a value beyond `1..=N` continues around the circle.
-    fn bin(&self, feature: i8) -> u8 {
+    fn bin_of(&self, feature: i8) -> u8 {
         if (0..=self.bins as i8).contains(&feature) {
             return feature as u8;
         }

@@ -1,8 +1,9 @@
 //! The report: one page with everything, and each picture and table as a file.
 
+use super::candidates::Selection;
 use super::compare::{Analysis, AnalysisError};
 use super::drilling::Drilling;
-use super::picture::{Execution, LEGEND, Shown, elbow, escaped, heat, warping};
+use super::picture::{self, Execution, LEGEND, Shown, elbow, escaped, heat, warping};
 use crate::cluster::{MotionClusters, Table};
 use crate::warp::Warp;
 use std::fmt::Write as _;
@@ -47,6 +48,7 @@ th:first-child,td:first-child{text-align:left}.l{text-align:left}.z{color:#8b949
 pub fn report(
     analysis: &Analysis,
     drilling: Option<&Drilling>,
+    selection: Option<&Selection>,
     source: &str,
 ) -> Result<Report, AnalysisError> {
     let mut page = Page { html: String::new(), files: Vec::new() };
@@ -56,6 +58,9 @@ pub fn report(
     page.clusters(analysis);
     if let Some(drilling) = drilling {
         page.drilling(drilling);
+    }
+    if let Some(selection) = selection {
+        page.selection(selection);
     }
     page.traces(analysis)?;
     Ok(Report {
@@ -254,6 +259,21 @@ impl Page {
             ),
         );
         self.files.push(("drilling.csv".to_owned(), drilling.matrix.csv()));
+    }
+
+    fn selection(&mut self, selection: &Selection) {
+        self.heading("Selection of candidates");
+        self.figure(
+            "selection",
+            picture::selection(selection, "selection of candidates"),
+            &format!(
+                "How to read it: {} against the nominal activities of all names, which other people taught. Each line is the DTW distance to the \
+                 reference of the IU as a share of its threshold: while the IU goes on, the least that it can still become, at its end the distance. \
+                 A candidate drops out (✕) where its context differs, or where its line crosses the threshold. What remains is what was done; if \
+                 nothing remains, the activity is an anomaly.",
+                selection.run
+            ),
+        );
     }
 
     fn traces(&mut self, analysis: &Analysis) -> Result<(), AnalysisError> {

@@ -1,5 +1,6 @@
 //! Why an experiment could not be carried out.
 
+use crate::run::RunError;
 use crate::teach::TeachError;
 use andon_core::anomaly::Unusable;
 
@@ -8,7 +9,7 @@ use andon_core::anomaly::Unusable;
 pub enum ExperimentError {
     /// There are not enough recordings.
     #[error(
-        "the second experiment needs more than 14 correct executions (p<person>_none_r<repetition>) and some flawed ones \
+        "the second experiment needs at least 3 correct executions (p<person>_none_r<repetition>; the paper has 21) and some flawed ones \
          (p<person>_J1_r1, p<person>_J2_r1); there are {correct} and {flawed}"
     )]
     TooFew {
@@ -20,6 +21,9 @@ pub enum ExperimentError {
     /// No job could be taught.
     #[error(transparent)]
     Teach(#[from] TeachError),
+    /// An execution cannot be encoded without the filter.
+    #[error(transparent)]
+    Run(#[from] RunError),
     /// A taught job cannot be used by the judge.
     #[error("the taught job cannot be used by the judge: {0:?}")]
     Unusable(Unusable),

@@ -3,6 +3,7 @@
 mod confusion;
 mod error;
 mod first;
+mod ladder;
 mod score;
 mod second;
 mod table;
@@ -11,6 +12,7 @@ mod variation;
 pub use confusion::{Confusion, Rounds};
 pub use error::ExperimentError;
 pub use first::{FirstExperiment, Segmentation, run as experiment_1};
+pub use ladder::Ladder;
 pub use second::{Outcome, Split, run as experiment_2};
 pub use table::Table;
 pub use variation::Variation;

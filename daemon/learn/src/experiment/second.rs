@@ -4,17 +4,20 @@ use super::confusion::{Confusion, Rounds};
 use super::error::ExperimentError;
 use super::score::score;
 use super::variation::Variation;
-use crate::folder::Labelled;
+use crate::folder::{CORRECT, Labelled};
 use crate::job_file::JobFile;
-use crate::run::Run;
+use crate::run::{Run, RunError};
 use crate::teach::{TeachOptions, teach};
 use andon_core::config::Method;
 use andon_core::verdict::{self, Level, Verdict};
 use oorandom::Rand64;
 use std::collections::BTreeSet;
 
-/// Number of correct executions in a training set, of the paper's 21.
-const TRAINING: usize = 14;
+/// Share of the correct executions that are in a training set: 14 of the paper's 21.
+const TRAINING: (usize, usize) = (2, 3);
+
+/// Fewer correct executions than this cannot be divided.
+const MIN_CORRECT: usize = 3;
 
 /// Number of rounds of the cross-validation.
 const ROUNDS: usize = 10;
@@ -22,14 +25,11 @@ const ROUNDS: usize = 10;
 /// The name of the flawed executions, and the IU that the paper's subjects perform wrongly: index of the activity, index of the IU in it.
 const FLAWS: [(&str, usize, usize); 2] = [("J1", 0, 1), ("J2", 1, 1)];
 
-/// The name of the correct executions.
-const CORRECT: &str = "none";
-
 /// How executions are divided into a training set and a test set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Split {
-    /// The paper's split: 10 rounds, each trained with 14 of the 21 correct executions at random and tested with the others and all flawed
-    /// ones.
+    /// The paper's split: 10 rounds, each trained with two thirds of the correct executions at random (14 of 21) and tested with the others
+    /// and all flawed ones.
     Random,
     /// One round per person, tested with all executions of this person and trained with the correct ones of the others.
     LeavePersonOut,
@@ -63,6 +63,14 @@ pub struct Outcome {
     pub correct_jobs: u32,
     /// The number of correct executions whose job verdict is OK.
     pub correct_jobs_ok: u32,
+    /// The number of flawed executions that were tested.
+    pub flawed_jobs: u32,
+    /// The number of flawed executions with an anomaly in any verdict.
+    pub flawed_jobs_found: u32,
+    /// The number of `J1` that were tested.
+    pub j1: u32,
+    /// The number of `J1` in which the IU that stopped halfway was judged correct.
+    pub j1_missed: u32,
 }
 
 /// Runs the experiment with each variation under each split; the outcomes are in the order of splits, then variations. `seed` is that of the
@@ -80,9 +88,14 @@ pub fn run(
 ) -> Result<Vec<Outcome>, ExperimentError> {
     let mut outcomes = Vec::new();
     let steps = (variations.len() * splits.len()) as f64;
+    let unfiltered = Method { filter_frames: 1, ..*method };
+    // Where no variation is without the filter, nothing is encoded again.
+    let needs_both = variations.iter().any(|variation| !variation.is_filtered);
+    let raw = if needs_both { encoded_again(all, &unfiltered)? } else { Vec::new() };
     for &split in splits {
         let rounds = rounds(all, split, seed)?;
         for variation in variations {
+            let (all, method) = if variation.is_filtered { (all, method) } else { (&raw[..], &unfiltered) };
             outcomes.push(outcome(all, method, variation, split, &rounds)?);
             progress(outcomes.len() as f64 / steps);
         }
@@ -90,17 +103,22 @@ pub fn run(
     Ok(outcomes)
 }
 
+fn encoded_again(all: &[Labelled], method: &Method) -> Result<Vec<Labelled>, RunError> {
+    let again = |one: &Labelled| Ok(Labelled { run: one.run.encoded_with(method)?, ..one.clone() });
+    all.iter().map(again).collect()
+}
+
 /// The indices of the training executions, and of the test executions.
 type Round = (Vec<usize>, Vec<usize>);
 
 fn rounds(all: &[Labelled], split: Split, seed: u64) -> Result<Vec<Round>, ExperimentError> {
-    let is_flawed = |one: &Labelled| FLAWS.iter().any(|(word, ..)| *word == one.what);
+    let is_flawed = |one: &Labelled| one.what != CORRECT;
     let indices = |keep: &dyn Fn(&Labelled) -> bool| -> Vec<usize> {
         (0..all.len()).filter(|&index| keep(&all[index])).collect()
     };
     let correct = indices(&|one| one.what == CORRECT);
     let flawed = indices(&is_flawed);
-    if correct.len() <= TRAINING || flawed.is_empty() {
+    if correct.len() < MIN_CORRECT || flawed.is_empty() {
         return Err(ExperimentError::TooFew { correct: correct.len(), flawed: flawed.len() });
     }
     Ok(match split {
@@ -125,7 +143,7 @@ fn random_rounds(correct: &[usize], flawed: &[usize], seed: u64) -> Vec<Round> {
         for last in (1..training.len()).rev() {
             training.swap(last, random.rand_range(0..last as u64 + 1) as usize);
         }
-        let mut test = training.split_off(TRAINING);
+        let mut test = training.split_off(TRAINING.0 * training.len() / TRAINING.1);
         test.extend(flawed);
         (training, test)
     };
@@ -145,12 +163,13 @@ fn outcome(
     rounds: &[Round],
 ) -> Result<Outcome, ExperimentError> {
     let options = TeachOptions {
-        cost: variation.cost(method.bins),
+        cost: variation.cost,
         max_slowdown: variation.max_slowdown,
         rule: variation.rule,
         bounds: variation.bounds,
         // The experiment judges recordings with all their frames, and teaches hundreds of times.
         measure_rate: false,
+        examine_runs: false,
         ..TeachOptions::new("experiment 2", "", *method)
     };
     let mut outcome = Outcome {
@@ -161,6 +180,10 @@ fn outcome(
         accused_in_j2: 0,
         correct_jobs: 0,
         correct_jobs_ok: 0,
+        flawed_jobs: 0,
+        flawed_jobs_found: 0,
+        j1: 0,
+        j1_missed: 0,
     };
     for (training, test) in rounds {
         let runs: Vec<Run> = training.iter().map(|&index| all[index].run.clone()).collect();
@@ -178,12 +201,19 @@ fn outcome(
 impl Outcome {
     /// Counts one execution in the newest round.
     fn count(&mut self, one: &Labelled, job: &JobFile, verdicts: &[Verdict]) {
-        let flaw = FLAWS.iter().find(|(name, ..)| *name == one.what);
-        if flaw.is_none() {
-            let is_ok =
-                |verdict: &Verdict| verdict.level == Level::Job && verdict.outcome == verdict::Outcome::Ok;
+        let job_is = |outcome| verdicts.iter().any(|one| one.level == Level::Job && one.outcome == outcome);
+        if one.what == CORRECT {
             self.correct_jobs += 1;
-            self.correct_jobs_ok += u32::from(verdicts.iter().any(is_ok));
+            self.correct_jobs_ok += u32::from(job_is(verdict::Outcome::Ok));
+        } else {
+            self.flawed_jobs += 1;
+            self.flawed_jobs_found +=
+                u32::from(verdicts.iter().any(|one| one.outcome == verdict::Outcome::Anomaly));
+        }
+        let flaw = FLAWS.iter().find(|(name, ..)| *name == one.what);
+        if flaw.is_none() && one.what != CORRECT {
+            // Which of its IUs is wrong is not known.
+            return;
         }
         let (Some(ius), Some(activities)) = (self.ius.0.last_mut(), self.activities.0.last_mut()) else {
             return;
@@ -194,6 +224,9 @@ impl Outcome {
                 let is_wrong = flaw.is_some_and(|(_, activity, iu)| (*activity, *iu) == (number, index));
                 ius.count(is_wrong, is_accused);
                 self.accused_in_j2 += u32::from(!is_wrong && is_accused && one.what == "J2");
+                let is_j1 = is_wrong && one.what == "J1";
+                self.j1 += u32::from(is_j1);
+                self.j1_missed += u32::from(is_j1 && !is_accused);
             }
         }
     }

@@ -9,8 +9,10 @@ use andon_core::job::LocalCost;
 pub struct Variation {
     /// Its name in the table.
     pub name: &'static str,
-    /// Whether directions are compared as points on a circle.
-    pub(super) is_circular: bool,
+    /// Whether `x_m` passes through the opening-closing filter.
+    pub(super) is_filtered: bool,
+    /// How motions are compared.
+    pub(super) cost: LocalCost,
     /// The job's [`max_slowdown`](andon_core::job::Job::max_slowdown).
     pub(super) max_slowdown: f32,
     /// How thresholds are chosen.
@@ -20,32 +22,33 @@ pub struct Variation {
 }
 
 impl Variation {
-    /// The local cost with this number of direction bins.
-    pub(super) fn cost(&self, bins: u8) -> LocalCost {
-        if self.is_circular { LocalCost::Circular { bins } } else { LocalCost::Ordinal }
-    }
-
-    /// The paper's rules: ordinal costs, the mean and two standard deviations of the distances to the barycentre, and no bounds.
-    pub fn paper() -> Self {
+    /// The paper's rules with this number of direction bins: features in `[0, 1]`, the mean and two standard deviations of the distances to
+    /// the barycentre, and no bounds.
+    pub fn paper(bins: u8) -> Self {
         Self {
             name: "paper",
-            is_circular: false,
+            is_filtered: true,
+            cost: LocalCost::Normalised { bins },
             max_slowdown: 1.0,
             rule: ThresholdRule::PAPER,
             bounds: BoundsRule::NONE,
         }
     }
 
-    /// The paper's rules with one change added after the other; the last variation is the default.
-    pub fn ladder() -> Vec<Self> {
-        let paper = Self::paper();
+    /// The paper's rules, first without their filter, then with one change added after the other; the last variation is the default.
+    pub fn ladder(bins: u8) -> Vec<Self> {
+        let paper = Self::paper(bins);
         let bounds = BoundsRule::default();
+        let unfiltered = Self { name: "paper without the filter", is_filtered: false, ..paper.clone() };
+        let ordinal =
+            Self { name: "+ features in their own units", cost: LocalCost::Ordinal, ..paper.clone() };
         let left_out = Self {
             name: "+ leave one out",
             rule: ThresholdRule::LeaveOneOut { sigmas: 2.0, border_s: 0.0 },
-            ..paper.clone()
+            ..ordinal.clone()
         };
-        let circular = Self { name: "+ circular cost", is_circular: true, ..left_out.clone() };
+        let circular =
+            Self { name: "+ circular cost", cost: LocalCost::Circular { bins }, ..left_out.clone() };
         let wider = Self {
             name: "+ 4 sigmas",
             rule: ThresholdRule::LeaveOneOut { sigmas: 4.0, border_s: 0.0 },
@@ -63,6 +66,13 @@ impl Variation {
             max_slowdown: TeachOptions::DEFAULT_MAX_SLOWDOWN,
             ..duration.clone()
         };
-        vec![paper, left_out, circular, wider, borders, measures, duration, default]
+        vec![unfiltered, paper, ordinal, left_out, circular, wider, borders, measures, duration, default]
+    }
+
+    /// The same variations with this cost in each; those that differ in nothing else are left out.
+    pub fn with_cost(variations: Vec<Self>, cost: LocalCost) -> Vec<Self> {
+        let mut all: Vec<Self> = variations.into_iter().map(|one| Self { cost, ..one }).collect();
+        all.dedup_by(|next, one| Self { name: one.name, ..next.clone() } == *one);
+        all
     }
 }

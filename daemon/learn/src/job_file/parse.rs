@@ -72,6 +72,7 @@ enum SpaceText {
 #[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum CostText {
+    Normalised,
     Ordinal,
     Circular,
 }
@@ -188,6 +189,7 @@ fn parse(bytes: &[u8]) -> Result<JobFile, JobFault> {
 fn job_of(text: JobText) -> Result<JobFile, JobFault> {
     let bins = text.method.bins;
     let cost = match text.method.cost {
+        CostText::Normalised => LocalCost::Normalised { bins },
         CostText::Ordinal => LocalCost::Ordinal,
         CostText::Circular => LocalCost::Circular { bins },
     };

@@ -5,7 +5,7 @@ use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range};
+use andon_core::job::{Around, Bounds, MeasureBounds, Range};
 use std::fmt::Write as _;
 
 /// Appends a line. Writing to a `String` cannot fail, so the result is ignored here, once.
@@ -80,10 +80,7 @@ impl JobFile {
     fn method_text(&self, text: &mut String) {
         let method = &self.method;
         let space = method.space.name();
-        let cost = match self.cost {
-            LocalCost::Ordinal => "ordinal",
-            LocalCost::Circular { .. } => "circular",
-        };
+        let cost = self.cost.name();
         line!(text, "\n# The constants that the job was taught with and is judged with.\n[method]");
         line!(text, "space = {space:?}\ncost = {cost:?}");
         line!(

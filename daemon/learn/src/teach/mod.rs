@@ -2,7 +2,7 @@
 //!
 //! Contexts give the nominal activities ([`Disagreement`] says where a run differs), DBA the reference of each IU, a
 //! [`ThresholdRule`] its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of reversals.
-//! The same runs give the same job, byte for byte.
+//! The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in the report.
 
 mod bounds;
 mod measures;
@@ -11,13 +11,16 @@ mod report;
 mod sampling;
 mod sequence;
 mod threshold;
+mod trust;
 
 pub use options::{TeachError, TeachOptions};
-pub use report::{IuReport, Outlier, TeachReport};
+pub use report::{IuReport, TeachReport};
 pub use sequence::Disagreement;
+pub use trust::{Blind, Doubt, Measure, Outlier};
 
 use crate::barycentre::Barycentres;
-use crate::job_file::{JobFile, Provenance, Source, TaughtActivity, TaughtIu};
+use crate::job_file::{JobFile, Provenance, Source, TaughtActivity, TaughtIu, context_words};
+use crate::recording::object_name;
 use crate::rule::ThresholdRule;
 use crate::run::{Iu, Run};
 use crate::warp::Warp;
@@ -29,6 +32,7 @@ use measures::Rates;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use threshold::learn;
+use trust::{doubts_of, too_few_frames, without_copies};
 
 /// Teaches a job from correct runs of it.
 ///
@@ -39,9 +43,27 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     if runs.is_empty() {
         return Err(TeachError::NoRun);
     }
+    if !options.examine_runs {
+        return teach_different(runs, options, Vec::new());
+    }
+    let (different, twice) = without_copies(runs);
+    let doubts: Vec<Doubt> = twice.into_iter().chain(too_few_frames(&different, &options.method)).collect();
+    let sentences: Vec<String> = doubts.iter().map(|doubt| doubt_words(doubt, &different)).collect();
+    teach_different(&different, options, doubts).map_err(|nothing| match nothing {
+        nothing if sentences.is_empty() || !nothing.is_of_runs() => nothing,
+        nothing => TeachError::Doubtful { doubts: sentences, nothing: Box::new(nothing) },
+    })
+}
+
+/// Teaches a job from runs that are different. `doubts` is what speaks against them so far.
+fn teach_different(
+    runs: &[Run],
+    options: &TeachOptions,
+    mut doubts: Vec<Doubt>,
+) -> Result<(JobFile, TeachReport), TeachError> {
     let agreement = agree(runs);
     if agreement.sequences.is_empty() {
-        return Err(TeachError::NothingInCommon(runs.len()));
+        return Err(nothing_agrees(runs, &agreement));
     }
     check_capacities(&agreement)?;
     let mut teacher = Teacher {
@@ -51,15 +73,21 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
         tables: Barycentres::new(options.cost, options.method.bins),
         rates: rates(runs, &agreement, options.bounds.false_alarms),
         ius: Vec::new(),
+        blind: Vec::new(),
     };
     let activities =
         agreement.sequences.iter().map(|sequence| teacher.activity(sequence)).collect::<Result<_, _>>()?;
+    let (ius, blind) = (teacher.ius, teacher.blind);
     let mut job = job_file(runs, options, &agreement, activities);
     if options.measure_rate {
         let is_used = |index: &usize| agreement.disagreements.iter().all(|found| found.run != *index);
         job.min_rate_hz = needed_rate_hz((0..runs.len()).filter(is_used).map(|index| &runs[index]), &job);
     }
-    let report = TeachReport::new(runs.len(), options, &job, agreement.disagreements, teacher.ius);
+    if options.examine_runs {
+        // The lengths were checked when the IUs were learnt.
+        doubts.extend(doubts_of(runs, &agreement, options).unwrap_or_default());
+    }
+    let report = TeachReport::new(runs.len(), options, &job, agreement.disagreements, doubts, blind, ius);
     Ok((job, report))
 }
 
@@ -74,9 +102,27 @@ fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64) -> Rates {
     Rates::new(false_alarms, ius.iter().map(|(context, shown)| (*context, shown.as_slice())))
 }
 
-/// The measures of the demonstrations of an IU.
+/// The measures of the demonstrations of an IU that were seen well.
 fn measures_of(runs: &[Run], sequence: &Sequence, index: usize) -> Vec<Measures> {
-    sequence.shown.iter().map(|&(run, activity)| runs[run].activities[activity].ius[index].measures).collect()
+    sequence.well_shown(runs, index).map(|(_, iu)| iu.measures).collect()
+}
+
+/// Why there is nothing that all steps of a run agree on.
+fn nothing_agrees(runs: &[Run], agreement: &Agreement) -> TeachError {
+    // Where no step is common to most runs, there is nothing that a run could have had instead.
+    let has_common =
+        agreement.disagreements.iter().any(|found| found.others.is_some() || found.had.is_none());
+    if !has_common {
+        return TeachError::NothingInCommon(runs.len());
+    }
+    let words = |context| context_words(context, |id| object_name(&runs[0].objects, id));
+    let differences = agreement.disagreements.iter().map(|found| found.sentence(&words)).collect();
+    TeachError::NoneAgrees { runs: runs.len(), differences }
+}
+
+fn doubt_words(doubt: &Doubt, runs: &[Run]) -> String {
+    let words = |context| context_words(context, |id| object_name(&runs[0].objects, id));
+    format!("{}: {}", doubt.sentence(&words), doubt.remedy())
 }
 
 fn check_capacities(agreement: &Agreement) -> Result<(), TeachError> {
@@ -138,6 +184,7 @@ struct Teacher<'a> {
     tables: Barycentres,
     rates: Rates,
     ius: Vec<IuReport>,
+    blind: Vec<Blind>,
 }
 
 impl Teacher<'_> {
@@ -148,13 +195,14 @@ impl Teacher<'_> {
     }
 
     fn iu(&mut self, sequence: &Sequence, index: usize) -> Result<TaughtIu, TeachError> {
-        let shown: Vec<&Iu> = sequence
-            .shown
-            .iter()
-            .map(|&(run, activity)| &self.runs[run].activities[activity].ius[index])
-            .collect();
+        self.blind.extend(sequence.blind(self.runs, index));
+        let shown: Vec<(usize, &Iu)> = sequence.well_shown(self.runs, index).collect();
+        if shown.is_empty() {
+            return Err(self.never_seen(sequence, index));
+        }
+        self.check_lengths(sequence, index, &shown)?;
+        let shown: Vec<&Iu> = shown.into_iter().map(|(_, iu)| iu).collect();
         let motions: Vec<&[Motion]> = shown.iter().map(|iu| iu.motion.as_slice()).collect();
-        self.check_lengths(sequence, index, &motions)?;
         let TeachOptions { rule, bounds, max_slowdown, method, .. } = self.options;
         let leave_out = !matches!(rule, ThresholdRule::Paper { .. });
         let learned = learn(&mut self.warp, &self.tables, &motions, leave_out, *max_slowdown)
@@ -171,9 +219,17 @@ impl Teacher<'_> {
             reference: learned.reference.clone(),
             demonstrations: shown.len() as u32,
         };
-        let names = sequence.shown.iter().map(|&(run, _)| self.runs[run].name.clone()).collect();
-        self.ius.push(IuReport::new(sequence.activity, index, names, &learned, &taught));
+        self.ius.push(IuReport::new(sequence.activity, index, &learned, &taught));
         Ok(taught)
+    }
+
+    fn never_seen(&self, sequence: &Sequence, index: usize) -> TeachError {
+        let name = |id| object_name(&self.runs[0].objects, id);
+        TeachError::NeverSeen {
+            activity: usize::from(sequence.activity) + 1,
+            iu: index + 1,
+            what: context_words(sequence.contexts[index], name),
+        }
     }
 
     /// Compares each demonstration with its own first frame, so that one that cannot be compared is reported with its run.
@@ -181,9 +237,11 @@ impl Teacher<'_> {
         &mut self,
         sequence: &Sequence,
         index: usize,
-        motions: &[&[Motion]],
+        shown: &[(usize, &Iu)],
     ) -> Result<(), TeachError> {
-        for (motion, &(run, activity)) in motions.iter().zip(&sequence.shown) {
+        for &(run, iu) in shown {
+            let motion = iu.motion.as_slice();
+            let activity = sequence.shown.iter().find(|(other, _)| *other == run).map_or(0, |found| found.1);
             self.warp
                 .distance(motion, &motion[..1.min(motion.len())])
                 .map_err(|refused| iu_error(&self.runs[run].name, activity, index, refused))?;

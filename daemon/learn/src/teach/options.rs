@@ -31,6 +31,8 @@ pub struct TeachOptions {
     pub order_matters: Option<bool>,
     /// Whether it is measured how many frames per second the job needs; otherwise nothing is asked of the rate.
     pub measure_rate: bool,
+    /// Whether the runs are examined for what speaks against learning from them.
+    pub examine_runs: bool,
 }
 
 impl TeachOptions {
@@ -51,6 +53,7 @@ impl TeachOptions {
             bounds: BoundsRule::default(),
             order_matters: None,
             measure_rate: true,
+            examine_runs: true,
         }
     }
 
@@ -100,6 +103,38 @@ pub enum TeachError {
          and that all runs show the same job"
     )]
     NothingInCommon(usize),
+    /// There are steps that most runs have, and no run that has all of them and nothing else.
+    #[error(
+        "most of the {runs} runs share steps, and no run has exactly these: {}. Look at these places, and show runs that agree",
+        differences.join("; ")
+    )]
+    NoneAgrees {
+        /// Number of runs.
+        runs: usize,
+        /// Where each run differs, in words.
+        differences: Vec<String>,
+    },
+    /// No run shows an IU well enough.
+    #[error(
+        "activity {activity}, IU {iu} ({what}) was not seen well enough in any run: see that hand and parts stay in view, with at least half \
+         of the frames"
+    )]
+    NeverSeen {
+        /// Index of the activity in the job, from 1.
+        activity: usize,
+        /// Index of the IU in the activity, from 1.
+        iu: usize,
+        /// Its context in words.
+        what: String,
+    },
+    /// Something speaks against the runs, and nothing could be learned from them.
+    #[error("{}; {nothing}", doubts.join("; "))]
+    Doubtful {
+        /// What speaks against them, each with what to do.
+        doubts: Vec<String>,
+        /// Why nothing was learned.
+        nothing: Box<TeachError>,
+    },
     /// The job exceeds a capacity of the method.
     #[error("the job needs {needed} {what}; at most {max} can be judged: split the job")]
     Full {
@@ -132,4 +167,17 @@ pub enum TeachError {
         /// The values that it may have.
         range: &'static str,
     },
+}
+
+impl TeachError {
+    /// Whether it is the runs that nothing can be learned from, rather than a fault of the caller.
+    pub fn is_of_runs(&self) -> bool {
+        matches!(
+            self,
+            Self::NothingInCommon(_)
+                | Self::NoneAgrees { .. }
+                | Self::NeverSeen { .. }
+                | Self::Doubtful { .. }
+        )
+    }
 }

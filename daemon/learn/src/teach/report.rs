@@ -3,34 +3,17 @@
 use super::options::TeachOptions;
 use super::sequence::Disagreement;
 use super::threshold::{Learned, min_false_alarms};
+use super::trust::{Blind, Doubt, summary};
 use crate::job_file::{JobFile, TaughtIu, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
-use crate::statistics::{deviation, mean, median};
+use crate::statistics::{deviation, mean};
 use andon_core::couple::Context;
 use andon_core::job::Bounds;
 use std::fmt;
 
 /// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
 const ENOUGH_DEMONSTRATIONS: usize = 5;
-
-/// A demonstration is an outlier if its distance is more than this many times the median distance. Twice the median is common among correct
-/// runs of different people; three times the median was not seen.
-const OUTLIER_FACTOR: f64 = 2.5;
-
-/// Fewer demonstrations than this cannot tell which of them is the outlier.
-const MIN_DEMONSTRATIONS_FOR_OUTLIERS: usize = 4;
-
-/// A demonstration that is much further from the others than they are from each other.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Outlier {
-    /// The run's name.
-    pub run: String,
-    /// The demonstration's DTW distance to the barycentre.
-    pub distance: f64,
-    /// The median distance of all demonstrations.
-    pub median: f64,
-}
 
 /// What teaching found for one IU of a nominal activity.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,29 +34,11 @@ pub struct IuReport {
     pub frames: Bounds,
     /// Bounds of the number of reversals.
     pub reversals: Bounds,
-    /// Demonstrations that are far from the others.
-    pub outliers: Vec<Outlier>,
 }
 
 impl IuReport {
-    pub(super) fn new(
-        activity: u16,
-        iu: usize,
-        runs: Vec<String>,
-        learned: &Learned,
-        taught: &TaughtIu,
-    ) -> Self {
+    pub(super) fn new(activity: u16, iu: usize, learned: &Learned, taught: &TaughtIu) -> Self {
         let distances = if learned.left_out.is_empty() { &learned.own } else { &learned.left_out };
-        let median = median(distances);
-        let is_far = |distance: f64| {
-            distances.len() >= MIN_DEMONSTRATIONS_FOR_OUTLIERS && distance > OUTLIER_FACTOR * median
-        };
-        let outliers = runs
-            .into_iter()
-            .zip(distances)
-            .filter(|(_, distance)| is_far(**distance))
-            .map(|(run, &distance)| Outlier { run, distance, median })
-            .collect();
         Self {
             activity,
             iu,
@@ -83,7 +48,6 @@ impl IuReport {
             threshold: taught.threshold,
             frames: taught.frames,
             reversals: taught.reversals,
-            outliers,
         }
     }
 }
@@ -91,10 +55,14 @@ impl IuReport {
 /// What teaching found. `Display` prints it for people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TeachReport {
-    /// Number of runs that were given.
+    /// Number of different runs that were given.
     pub runs: usize,
+    /// What speaks against learning from them.
+    pub doubts: Vec<Doubt>,
     /// The runs that were left out, and why.
     pub disagreements: Vec<Disagreement>,
+    /// What was not learnt because too little of it was seen.
+    pub blind: Vec<Blind>,
     /// Whether the order of activities matters.
     pub order_matters: bool,
     /// Whether the caller decided that it does or does not.
@@ -114,11 +82,15 @@ impl TeachReport {
         options: &TeachOptions,
         job: &JobFile,
         disagreements: Vec<Disagreement>,
+        doubts: Vec<Doubt>,
+        blind: Vec<Blind>,
         ius: Vec<IuReport>,
     ) -> Self {
         Self {
             runs,
+            doubts,
             disagreements,
+            blind,
             order_matters: job.order_matters,
             order_was_given: options.order_matters.is_some(),
             rate_hz: [job.min_rate_hz, job.method.rate_hz],
@@ -128,60 +100,59 @@ impl TeachReport {
         }
     }
 
-    /// What people should know before they trust the job, one sentence each; empty if there is nothing.
+    /// Whether nothing speaks against learning from the runs.
+    pub fn is_trusted(&self) -> bool {
+        self.doubts.is_empty()
+    }
+
+    /// Number of runs that were learnt from.
+    fn used(&self) -> usize {
+        self.runs - self.disagreements.len()
+    }
+
+    /// What people should know of a job that can be used, one sentence each; empty if there is nothing.
     pub fn warnings(&self) -> Vec<String> {
-        let single = (self.runs == 1).then(|| {
-            format!(
-                "the job was taught from one run, so its thresholds are a guess from the spread of other people; record more runs, \
-                 {ENOUGH_DEMONSTRATIONS} should be enough"
-            )
-        });
-        let left_out = self.disagreements.iter().map(|found| self.disagreement_warning(found));
-        let of_ius = self.ius.iter().flat_map(|iu| self.iu_warnings(iu));
-        single.into_iter().chain(left_out).chain(of_ius).collect()
+        let words = |context| self.words(context);
+        let left_out =
+            self.disagreements.iter().map(|found| format!("left out was {}", found.sentence(&words)));
+        let others = [self.few_demonstrations(), self.not_seen(), self.false_alarms()];
+        left_out.chain(others.into_iter().flatten()).collect()
     }
 
-    fn disagreement_warning(&self, found: &Disagreement) -> String {
-        let words = |context: Option<Context>| {
-            context.map_or("the end of the activity".to_owned(), |context| self.words(context))
+    fn few_demonstrations(&self) -> Option<String> {
+        let fewest = self.ius.iter().min_by_key(|iu| iu.demonstrations)?;
+        let few = self.ius.iter().filter(|iu| iu.demonstrations < ENOUGH_DEMONSTRATIONS).count();
+        let missing =
+            ENOUGH_DEMONSTRATIONS.checked_sub(fewest.demonstrations).filter(|missing| *missing > 0)?;
+        Some(format!(
+            "{few} of {} IUs rest on fewer than {ENOUGH_DEMONSTRATIONS} demonstrations, activity {}, IU {} on {}: show {missing} more",
+            self.ius.len(),
+            fewest.activity + 1,
+            fewest.iu + 1,
+            fewest.demonstrations
+        ))
+    }
+
+    fn not_seen(&self) -> Option<String> {
+        let place = |blind: &Blind| {
+            let what = self.words(blind.context);
+            format!("{} in activity {}, IU {} ({what})", blind.run, blind.activity + 1, blind.iu + 1)
         };
-        format!(
-            "{} was left out: in activity {}, IU {} it has {}, the others have {}",
-            found.name,
-            found.activity + 1,
-            found.iu + 1,
-            words(found.had),
-            words(found.others)
-        )
+        let places: Vec<String> = self.blind.iter().map(place).collect();
+        (!places.is_empty())
+            .then(|| format!("too little was seen of {}: not learnt from these", places.join(", ")))
     }
 
-    fn iu_warnings(&self, iu: &IuReport) -> Vec<String> {
-        let name = format!("activity {}, IU {} ({})", iu.activity + 1, iu.iu + 1, self.words(iu.context));
-        let mut warnings = Vec::new();
-        if iu.demonstrations < ENOUGH_DEMONSTRATIONS && self.runs > 1 {
-            warnings.push(format!(
-                "{name} rests on only {} demonstrations; {ENOUGH_DEMONSTRATIONS} should be enough",
-                iu.demonstrations
-            ));
-        }
-        for Outlier { run, distance, median } in &iu.outliers {
-            warnings.push(format!(
-                "{name}: {run} has distance {distance:.1} where the median is {median:.1}; check that run, and leave it out if it is not \
-                 correct"
-            ));
-        }
-        let min_false_alarms = min_false_alarms(iu.demonstrations);
-        if let ThresholdRule::Conformal { false_alarms } = self.rule
-            && false_alarms < min_false_alarms
-        {
-            warnings.push(format!(
-                "{name}: {} demonstrations can promise {:.1} % false alarms at best, not {:.1} %",
-                iu.demonstrations,
-                100.0 * min_false_alarms,
+    fn false_alarms(&self) -> Option<String> {
+        let ThresholdRule::Conformal { false_alarms } = self.rule else { return None };
+        let fewest = self.ius.iter().map(|iu| iu.demonstrations).min()?;
+        (false_alarms < min_false_alarms(fewest)).then(|| {
+            format!(
+                "{fewest} demonstrations of an IU can promise {:.1} % false alarms at best, not {:.1} %",
+                100.0 * min_false_alarms(fewest),
                 100.0 * false_alarms
-            ));
-        }
-        warnings
+            )
+        })
     }
 
     fn words(&self, context: Context) -> String {
@@ -191,11 +162,17 @@ impl TeachReport {
 
 impl fmt::Display for TeachReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} runs, {} used", self.runs, self.runs - self.disagreements.len())?;
-        let reason = match (self.order_matters, self.order_was_given) {
-            (_, true) => "as you said",
-            (true, false) => "all runs agree on it",
-            (false, false) => "the runs differ, or there is only one",
+        for line in summary(self.used(), self.runs, &self.doubts, &|context| self.words(context)) {
+            writeln!(f, "{line}")?;
+        }
+        for warning in self.warnings() {
+            writeln!(f, "note: {warning}")?;
+        }
+        let reason = match (self.order_matters, self.order_was_given, self.used()) {
+            (_, true, _) => "as you said",
+            (true, false, _) => "all runs agree on it",
+            (false, false, 1) => "one run cannot show it",
+            (false, false, _) => "the runs differ",
         };
         let matters = if self.order_matters { "matters" } else { "does not matter" };
         writeln!(f, "the order of activities {matters} ({reason})")?;
@@ -206,6 +183,12 @@ impl fmt::Display for TeachReport {
                 "the job needs {needed:.1} of {all:.1} frames a second; a step with fewer is not judged (overload)"
             )?;
         }
+        self.write_table(f)
+    }
+}
+
+impl TeachReport {
+    fn write_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "activity  IU  shown  frames          reversals   distance         threshold  context")?;
         for iu in &self.ius {
             writeln!(
@@ -222,10 +205,28 @@ impl fmt::Display for TeachReport {
                 self.words(iu.context)
             )?;
         }
-        for warning in self.warnings() {
-            writeln!(f, "warning: {warning}")?;
-        }
-        Ok(())
+        writeln!(
+            f,
+            "shown: number of demonstrations; frames ({:.0} a second) and reversals of",
+            self.rate_hz[1]
+        )?;
+        writeln!(f, "the motion: from the least to the most that is right; distance: DTW distances of the")?;
+        writeln!(f, "demonstrations, mean and standard deviation; threshold: the greatest that is right")
+    }
+}
+
+impl Disagreement {
+    /// Where the run differs from the others, in words.
+    pub(super) fn sentence(&self, words: &dyn Fn(Context) -> String) -> String {
+        let words = |context: Option<Context>| context.map_or("the end of the activity".to_owned(), words);
+        format!(
+            "{}: in activity {}, IU {} it has {}, the others have {}",
+            self.name,
+            self.activity + 1,
+            self.iu + 1,
+            words(self.had),
+            words(self.others)
+        )
     }
 }
 

@@ -4,7 +4,7 @@ use super::Outcome;
 use andon_core::config::Method;
 use andon_core::job::LocalCost;
 use andon_core::verdict::{self, Level, Verdict};
-use andon_learn::analysis::report;
+use andon_learn::analysis::{report, selection};
 use andon_learn::experiment::{self as learn, Split, Table, Variation};
 use andon_learn::folder::{Labelled, label};
 use andon_learn::run::Run;
@@ -43,7 +43,8 @@ pub(super) fn experiment_2(seeds: RangeInclusive<u64>) -> Outcome {
                 eprintln!("seed {seed} {}: found {found:?}, expected {truth:?}", one.run.name);
             }
         }
-        let outcomes = learn::experiment_2(&runs, &method, &Variation::ladder(), &splits, seed, &mut |_| {})?;
+        let outcomes =
+            learn::experiment_2(&runs, &method, &Variation::ladder(method.bins), &splits, seed, &mut |_| {})?;
         if total.is_empty() {
             total = outcomes;
         } else {
@@ -62,20 +63,25 @@ fn add(total: &mut learn::Outcome, outcome: learn::Outcome) {
     total.accused_in_j2 += outcome.accused_in_j2;
     total.correct_jobs += outcome.correct_jobs;
     total.correct_jobs_ok += outcome.correct_jobs_ok;
+    total.flawed_jobs += outcome.flawed_jobs;
+    total.flawed_jobs_found += outcome.flawed_jobs_found;
+    total.j1 += outcome.j1;
+    total.j1_missed += outcome.j1_missed;
 }
 
-/// Experiment 1 with each seed and both local costs.
+/// Experiment 1 with each seed and every local cost.
 pub(super) fn experiment_1(seeds: RangeInclusive<u64>, folder: &Path) -> Outcome {
     let method = Method::default();
     for seed in seeds {
         let runs = labelled(simulator::experiment_1(seed, Noise::default()), &method)?;
-        for cost in [LocalCost::Ordinal, LocalCost::Circular { bins: method.bins }] {
+        let bins = method.bins;
+        for cost in [LocalCost::Normalised { bins }, LocalCost::Ordinal, LocalCost::Circular { bins }] {
             let result = learn::experiment_1(&runs, &method, cost, seed, &mut |_| {})?;
             println!("seed {seed}, {cost:?}\n{result}\n");
-            let report =
-                report(&result.analysis, result.drilling.as_ref(), &format!("seed {seed}, {cost:?}"))?;
-            let cost_name = if cost == LocalCost::Ordinal { "ordinal" } else { "circular" };
-            report.save(&folder.join(format!("{seed}_{cost_name}")))?;
+            let selection = selection(&runs, &method, cost);
+            let source = format!("seed {seed}, {cost:?}");
+            let report = report(&result.analysis, result.drilling.as_ref(), selection.as_ref(), &source)?;
+            report.save(&folder.join(format!("{seed}_{}", cost.name())))?;
         }
     }
     Ok(())

@@ -2,10 +2,12 @@
 
 mod elbow;
 mod heat;
+mod selection;
 mod svg;
 mod warping;
 
 pub(super) use elbow::elbow;
 pub(super) use heat::{LEGEND, heat};
+pub(super) use selection::selection;
 pub(super) use svg::escaped;
 pub(super) use warping::{Execution, Shown, warping};

@@ -8,7 +8,9 @@ const STYLE: &str = "<style>\
 .a{stroke:#8b949e;fill:none}.g{stroke:#8b949e;stroke-opacity:.35;fill:none}.w{stroke:#8b949e;stroke-opacity:.6;fill:none}\
 .b{stroke:#0b5cad;stroke-width:2;fill:none}.o{stroke:#c2410c;stroke-width:2;fill:none}.p{fill:#0b5cad}.d{fill:#c2410c}\
 .h{fill:#5b8def}.k{stroke:#fff;stroke-width:1.5}\
-@media(prefers-color-scheme:dark){.t{fill:#d0d7de}.b{stroke:#6cb6ff}.o{stroke:#ff9d5c}.p{fill:#6cb6ff}.d{fill:#ff9d5c}.k{stroke:#0d1117}}\
+.c0,.c1,.c2,.c3,.c4,.c5{stroke-width:2;fill:none}.c0{stroke:#0b5cad}.c1{stroke:#8250df}.c2{stroke:#1a7f37}.c3{stroke:#9a6700}.c4{stroke:#bf3989}.c5{stroke:#57606a}\
+@media(prefers-color-scheme:dark){.t{fill:#d0d7de}.b{stroke:#6cb6ff}.o{stroke:#ff9d5c}.p{fill:#6cb6ff}.d{fill:#ff9d5c}.k{stroke:#0d1117}\
+.c0{stroke:#6cb6ff}.c1{stroke:#c297ff}.c2{stroke:#57d364}.c3{stroke:#e3b341}.c4{stroke:#f778ba}.c5{stroke:#9da7b3}}\
 </style>";
 
 /// A picture that is being drawn.

@@ -4,7 +4,7 @@ use super::svg::Svg;
 use andon_core::couple::Motion;
 
 const WIDTH: f64 = 920.0;
-const LEFT: f64 = 92.0;
+const LEFT: f64 = 150.0;
 const RIGHT: f64 = 16.0;
 
 /// Height of one value of a feature, and of the gap between two lanes, in pixels like all sizes here.
@@ -41,11 +41,13 @@ pub(crate) fn warping(shown: &Shown<'_>, title: &str) -> String {
     let all = || shown.executions.iter().flat_map(|(motion, _)| motion.iter()).chain(shown.barycentre);
     // A feature that is always 0 has no lane; the first one always has a lane, so that there is at least one.
     let has_lane = |index: usize| index == 0 || all().any(|motion| motion.0[index] != 0);
+    // In the plane there is no elevation θ, and the one angle that is left needs no letter.
+    let is_flat = all().all(|motion| motion.0[1] == 0 && motion.0[4] == 0);
     let lanes: Vec<Lane> = FEATURES
         .into_iter()
         .filter(|(_, index, _)| has_lane(*index))
         .map(|(name, index, min)| Lane {
-            name,
+            name: if is_flat { name.replace('φ', "direction") } else { name.to_owned() },
             index,
             min,
             max: all().map(|motion| motion.0[index]).max().unwrap_or(1).max(1),
@@ -79,7 +81,7 @@ fn changes(motion: &[Motion], index: usize) -> usize {
 
 /// The part of the picture that shows one feature.
 struct Lane {
-    name: &'static str,
+    name: String,
     index: usize,
     min: i8,
     max: i8,
@@ -97,7 +99,7 @@ impl Lane {
 
     fn axis(&self, svg: &mut Svg, top: f64) {
         svg.line("a", [LEFT, top], [LEFT, top + self.height()]);
-        svg.text(LEFT - 26.0, top + 0.5 * self.height() + 4.0, "e", self.name);
+        svg.text(LEFT - 26.0, top + 0.5 * self.height() + 4.0, "e", &self.name);
         for value in [self.min, 0, self.max] {
             svg.text(LEFT - 6.0, top + self.y(value) + 3.5, "s e", &value.to_string());
         }

@@ -1,0 +1,201 @@
+//! Demonstrations of an IU that are not like the others.
+//!
+//! Each demonstration is held against all others, so that it cannot hide in a spread that it makes itself; centre and spread are medians, so
+//! that a second one like it does not hide it either. Ratios are compared: a slow person takes longer in every step.
+
+use super::MIN_RUNS;
+use crate::run::{Iu, Run};
+use crate::statistics::median;
+use crate::teach::options::TeachOptions;
+use crate::teach::sequence::{Agreement, Sequence};
+use crate::warp::{DistanceMatrix, Warp};
+use andon_core::couple::{Context, Motion};
+use andon_core::dtw::Refused;
+use andon_core::job::LocalCost;
+
+/// From a median absolute deviation to the standard deviation of a normal distribution.
+const DEVIATIONS_PER_MEDIAN: f64 = 1.4826;
+
+/// Fewer reversals than this are no strokes that are missing, but noise at the beginning or end of one.
+const MIN_REVERSALS: f64 = 4.0;
+
+/// As many reversals as a share of those of the others, or as few, may come from a tracker that loses a part for a moment: 9 of 13 were seen
+/// in correct runs, 7 of 12 are half of the strokes.
+const SEEN_REVERSALS: f64 = 2.0 / 3.0;
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// How long the IU lasted, in seconds.
+    Duration,
+    /// How often its motion reversed: the cycles of a repeated motion.
+    Reversals,
+    /// The length of the hand's way, in metres.
+    Path,
+    /// The median DTW distance to the other demonstrations.
+    Distance,
+}
+
+impl Measure {
+    /// All of them; what explains the others comes first.
+    const ALL: [Self; 4] = [Self::Reversals, Self::Duration, Self::Path, Self::Distance];
+
+    /// A demonstration stands out if it is more than this many spreads away from the centre of the others. Cycles are counted and not
+    /// measured, so that fewer are enough.
+    const fn most_spreads(self) -> f64 {
+        match self {
+            Self::Reversals => 3.2,
+            _ => 5.0,
+        }
+    }
+
+    /// Fewer demonstrations than this cannot tell which of them is the odd one. Two that count alike are enough to find a third.
+    const fn min_runs(self) -> usize {
+        match self {
+            Self::Reversals => 3,
+            _ => MIN_RUNS,
+        }
+    }
+
+    /// The least spread of the logarithm: four demonstrations may be alike by chance. Durations and ways of simulated people differ by
+    /// 0.05 to 0.2 (standard deviation), the reversals of six strokes by 0.03 and their DTW distances by 0.3.
+    const fn least_spread(self) -> f64 {
+        match self {
+            Self::Duration | Self::Path => 0.15,
+            Self::Reversals => 0.08,
+            Self::Distance => 0.3,
+        }
+    }
+
+    /// What is added before the logarithm is taken, because noise is not a share of what is small: the five frames of a contact, one
+    /// reversal, a hand's width, and the distance of two motions that differ in a frame or two.
+    const fn noise(self) -> f64 {
+        match self {
+            Self::Duration => 0.17,
+            Self::Reversals => 1.0,
+            Self::Path => 0.1,
+            Self::Distance => 2.0,
+        }
+    }
+
+    /// How far a value is away from the others, as a share of what is allowed.
+    fn exceeds(self, value: f64, others: &[f64]) -> f64 {
+        let log = |value: f64| (value + self.noise()).ln();
+        let logs: Vec<f64> = others.iter().copied().map(log).collect();
+        let centre = median(&logs);
+        let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
+        let spread = DEVIATIONS_PER_MEDIAN * median(&deviations);
+        let away = log(value) - centre;
+        let is_noise = match self {
+            Self::Reversals => {
+                let [few, many] = [value.min(median(others)), value.max(median(others))];
+                many - few < MIN_REVERSALS || few >= SEEN_REVERSALS * many
+            }
+            // Nobody is too much like the others.
+            Self::Distance => away < 0.0,
+            _ => false,
+        };
+        let allowed = self.most_spreads() * spread.hypot(self.least_spread());
+        if is_noise { 0.0 } else { away.abs() / allowed }
+    }
+}
+
+/// A demonstration of one IU that stands out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outlier {
+    /// The run's name.
+    pub run: String,
+    /// Index of the activity in the job, from 0.
+    pub activity: u16,
+    /// Index of the IU in the activity, from 0.
+    pub iu: usize,
+    /// The context of the IU.
+    pub context: Context,
+    /// In what it stands out.
+    pub measure: Measure,
+    /// Its value, in the unit of the measure.
+    pub value: f64,
+    /// The least and the greatest value of the others.
+    pub others: [f64; 2],
+}
+
+/// The demonstrations that stand out, at most one per run: the one that stands out most.
+pub(super) fn of_runs(
+    runs: &[Run],
+    agreement: &Agreement,
+    options: &TeachOptions,
+) -> Result<Vec<Outlier>, Refused> {
+    // What is like what does not depend on the cost by which the job is judged.
+    let mut warp = Warp::new(LocalCost::Circular { bins: options.method.bins });
+    let mut found: Vec<(usize, f64, Outlier)> = Vec::new();
+    for sequence in &agreement.sequences {
+        for index in 0..sequence.contexts.len() {
+            // How long a release state lasts says nothing about the work.
+            if sequence.contexts[index].is_touch() {
+                of_iu(runs, sequence, index, &mut warp, &mut found)?;
+            }
+        }
+    }
+    found.sort_by(|one, other| one.0.cmp(&other.0).then(other.1.total_cmp(&one.1)));
+    found.dedup_by_key(|(run, ..)| *run);
+    Ok(found.into_iter().map(|(.., outlier)| outlier).collect())
+}
+
+/// Adds the demonstrations of one IU that stand out, each with its run and with how far.
+fn of_iu(
+    runs: &[Run],
+    sequence: &Sequence,
+    index: usize,
+    warp: &mut Warp,
+    found: &mut Vec<(usize, f64, Outlier)>,
+) -> Result<(), Refused> {
+    let shown: Vec<(usize, &Iu)> = sequence.well_shown(runs, index).collect();
+    let motions: Vec<&[Motion]> = shown.iter().map(|(_, iu)| iu.motion.as_slice()).collect();
+    let distances = warp.matrix(&motions)?;
+    for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
+        let values = values(measure, runs, &shown);
+        for (at, &(run, iu)) in shown.iter().enumerate() {
+            let (value, others) = left_out(measure, &values, &distances, at);
+            let share = measure.exceeds(value, &others);
+            if share > 1.0 {
+                let least = others.iter().copied().fold(f64::INFINITY, f64::min);
+                let most = others.iter().copied().fold(0.0, f64::max);
+                let outlier = Outlier {
+                    run: runs[run].name.clone(),
+                    activity: sequence.activity,
+                    iu: index,
+                    context: iu.context,
+                    measure,
+                    value,
+                    others: [least, most],
+                };
+                found.push((run, share, outlier));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The value of each demonstration; those of the distance depend on which one is left out.
+fn values(measure: Measure, runs: &[Run], shown: &[(usize, &Iu)]) -> Vec<f64> {
+    let value = |&(run, iu): &(usize, &Iu)| match measure {
+        Measure::Duration => (iu.ended_ns - iu.began_ns) as f64 * 1e-9,
+        Measure::Reversals => f64::from(iu.measures.reversals),
+        Measure::Path => super::path::length_m(&runs[run], iu),
+        Measure::Distance => 0.0,
+    };
+    shown.iter().map(value).collect()
+}
+
+/// The value of the demonstration at this place, and those that the others have without it.
+fn left_out(measure: Measure, values: &[f64], distances: &DistanceMatrix, at: usize) -> (f64, Vec<f64>) {
+    let others = (0..values.len()).filter(|&other| other != at);
+    if measure != Measure::Distance {
+        return (values[at], others.map(|other| values[other]).collect());
+    }
+    let to_others = |from: usize| {
+        let others = (0..values.len()).filter(|&other| other != at && other != from);
+        median(&others.map(|other| distances.get(from, other)).collect::<Vec<_>>())
+    };
+    (to_others(at), others.map(to_others).collect())
+}
