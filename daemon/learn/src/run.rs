@@ -134,6 +134,18 @@ impl Run {
         Ok(couples)
     }
 
+    /// How far the object that an activity begins with is seen away from where it is seen first in it, at most, in metres.
+    pub(crate) fn moved_m(&self, activity: &Activity) -> f32 {
+        let (Some(first), Some(last)) = (activity.ius.first(), activity.ius.last()) else { return 0.0 };
+        let frames =
+            self.frames.iter().filter(|frame| (first.began_ns..last.ended_ns).contains(&frame.captured_ns));
+        let objects =
+            frames.flat_map(|frame| &frame.objects).filter(|object| object.id == first.context.0[1]);
+        let mut positions = objects.map(|object| object.position);
+        let Some([x, y, z]) = positions.next() else { return 0.0 };
+        positions.map(|at| (at[0] - x).hypot(at[1] - y).hypot(at[2] - z)).fold(0.0, f32::max)
+    }
+
     /// The verdicts that the live judge gives on this run, which is a whole job.
     ///
     /// # Errors

@@ -230,7 +230,7 @@ impl OpenActivity {
     /// The context as if the hand that was shown had done it.
     pub(super) fn as_shown(&self, context: Context) -> Context {
         match self.step {
-            Step::Shown(side) => by_hand(context, side),
+            Step::Shown(side) => context.by_hand(side),
             Step::NotShown | Step::Foreign => context,
         }
     }
@@ -295,12 +295,6 @@ impl OpenActivity {
             (before, best) => before.or(best),
         }
     }
-}
-
-/// The context if this hand touched what is touched.
-pub(super) fn by_hand(context: Context, side: Side) -> Context {
-    let Context([_, first, j, l]) = context;
-    if context.is_touch() { Context([side as u16, first, j, l]) } else { context }
 }
 
 /// Why a context is wrong here: whether any of these nominal activities has it.

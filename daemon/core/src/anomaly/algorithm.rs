@@ -1,6 +1,6 @@
 //! Algorithm 1 of the paper (III-D) for the activities of one hand.
 
-use super::activity::{Against, OpenActivity, Step, by_hand, context_reason};
+use super::activity::{Against, OpenActivity, Step, context_reason};
 use super::comparison::{Extent, Memory};
 use super::hand::{Finding, HandJudge, OpenIu};
 use super::progress::Progress;
@@ -390,7 +390,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// These contexts as this hand would have them.
     fn by_this_hand(&self, mut contexts: Vec<Context, ACTIVITIES>) -> Vec<Context, ACTIVITIES> {
-        contexts.iter_mut().for_each(|context| *context = by_hand(*context, self.side));
+        contexts.iter_mut().for_each(|context| *context = context.by_hand(self.side));
         contexts
     }
 

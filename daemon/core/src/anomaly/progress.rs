@@ -1,6 +1,5 @@
 //! The job level: which activities have come, which are missing, and in which order they came.
 
-use super::activity::by_hand;
 use crate::capacity::HANDS;
 use crate::couple::Context;
 use crate::input::Side;
@@ -153,7 +152,7 @@ impl<'a> Progress<'a> {
     /// The hand that was shown to begin an activity with this context: this one, or the other one if what that does there is still to come.
     pub(super) fn shown_hand(&self, side: Side, context: Context) -> Option<Side> {
         let other = side.other();
-        let of_other = self.opening(by_hand(context, other));
+        let of_other = self.opening(context.by_hand(other));
         if !self.opening(context).is_empty() {
             Some(side)
         } else if !of_other.without(self.tried() | self.underway[other.index()]).is_empty() {
@@ -221,7 +220,7 @@ impl<'a> Progress<'a> {
     pub(super) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
         let opening = Side::ALL
             .iter()
-            .fold(ActivitySet::EMPTY, |all, side| all | self.opening(by_hand(context, *side)));
+            .fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
         let is_none = opening.is_empty() && self.has_parts_of(context);
         !is_disturbed && (is_none || self.opening(context).intersects(self.may_follow()))
     }

@@ -5,13 +5,17 @@
 //! The same runs give the same job, byte for byte.
 
 mod bounds;
+mod left_out;
 mod options;
+mod order;
+mod relation;
 mod report;
 mod sampling;
 mod sequence;
 mod threshold;
 
 pub use options::{TeachError, TeachOptions};
+pub use order::OrderReport;
 pub use report::{IuReport, Outlier, TeachReport};
 pub use sequence::Disagreement;
 
@@ -52,10 +56,11 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
         agreement.sequences.iter().map(|sequence| teacher.activity(sequence)).collect::<Result<_, _>>()?;
     let mut job = job_file(runs, options, &agreement, activities);
     if options.measure_rate {
-        let is_used = |index: &usize| agreement.disagreements.iter().all(|found| found.run != *index);
-        job.min_rate_hz = needed_rate_hz((0..runs.len()).filter(is_used).map(|index| &runs[index]), &job);
+        job.min_rate_hz = needed_rate_hz(agreement.used.iter().map(|index| &runs[*index]), &job);
     }
-    let report = TeachReport::new(runs.len(), options, &job, agreement.disagreements, teacher.ius);
+    let used: Vec<&Run> = agreement.used.iter().map(|index| &runs[*index]).collect();
+    let rejected = (options.try_runs && used.len() > 1).then(|| left_out::rejected(&used, options));
+    let report = TeachReport::new(runs.len(), options, &job, agreement.disagreements, rejected, teacher.ius);
     Ok((job, report))
 }
 
@@ -79,11 +84,10 @@ fn job_file(
     agreement: &Agreement,
     activities: Vec<TaughtActivity>,
 ) -> JobFile {
-    let used_runs = runs.len() - agreement.disagreements.len();
     JobFile {
         id: options.id,
         name: options.name.clone(),
-        order_matters: options.order_matters.unwrap_or(agreement.has_one_order && used_runs > 1),
+        steps: relation::steps(runs, agreement, options.order_matters),
         cost: options.cost,
         max_slowdown: options.max_slowdown,
         min_rate_hz: 0.0,

@@ -1,6 +1,7 @@
 //! What teaching found, and whether the job can be trusted.
 
 use super::options::TeachOptions;
+use super::order::OrderReport;
 use super::sequence::Disagreement;
 use super::threshold::{Learned, min_false_alarms};
 use crate::job_file::{JobFile, TaughtIu, context_words};
@@ -13,6 +14,9 @@ use std::fmt;
 
 /// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
 const ENOUGH_DEMONSTRATIONS: usize = 5;
+
+/// How many more runs are asked for where the runs reject each other.
+const MORE_RUNS: usize = 3;
 
 /// A demonstration is an outlier if its distance is more than this many times the median distance. Twice the median is common among correct
 /// runs of different people; three times the median was not seen.
@@ -95,10 +99,10 @@ pub struct TeachReport {
     pub runs: usize,
     /// The runs that were left out, and why.
     pub disagreements: Vec<Disagreement>,
-    /// Whether the order of activities matters.
-    pub order_matters: bool,
-    /// Whether the caller decided that it does or does not.
-    pub order_was_given: bool,
+    /// The steps of the job and their order.
+    pub order: OrderReport,
+    /// The names of the runs that a job taught with the others would have rejected; `None` if it was not tried.
+    pub rejected: Option<Vec<String>>,
     /// How many frames per second the job needs, and how many the runs were encoded with.
     pub rate_hz: [f32; 2],
     /// The rule by which the thresholds were chosen.
@@ -114,13 +118,15 @@ impl TeachReport {
         options: &TeachOptions,
         job: &JobFile,
         disagreements: Vec<Disagreement>,
+        rejected: Option<Vec<String>>,
         ius: Vec<IuReport>,
     ) -> Self {
+        let order = OrderReport::new(job, runs - disagreements.len());
         Self {
             runs,
             disagreements,
-            order_matters: job.order_matters,
-            order_was_given: options.order_matters.is_some(),
+            order,
+            rejected,
             rate_hz: [job.min_rate_hz, job.method.rate_hz],
             rule: options.rule,
             ius,
@@ -192,13 +198,18 @@ impl TeachReport {
 impl fmt::Display for TeachReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "{} runs, {} used", self.runs, self.runs - self.disagreements.len())?;
-        let reason = match (self.order_matters, self.order_was_given) {
-            (_, true) => "as you said",
-            (true, false) => "all runs agree on it",
-            (false, false) => "the runs differ, or there is only one",
-        };
-        let matters = if self.order_matters { "matters" } else { "does not matter" };
-        writeln!(f, "the order of activities {matters} ({reason})")?;
+        write!(f, "{}", self.order)?;
+        if let Some(rejected) = &self.rejected {
+            let used = self.order.runs;
+            match rejected.len() {
+                0 => writeln!(f, "of your {used} runs the others would have rejected none")?,
+                count => writeln!(
+                    f,
+                    "of your {used} runs the others would have rejected {count} ({}); show {MORE_RUNS} more, from other people",
+                    rejected.join(", ")
+                )?,
+            }
+        }
         let [needed, all] = self.rate_hz;
         if needed > 0.0 {
             writeln!(
