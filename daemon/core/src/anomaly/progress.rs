@@ -313,7 +313,7 @@ impl<'a> Progress<'a> {
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
         // Otherwise the other one was accused.
-        let is_late = self.is_start_seen && (!law.is_required || self.may_precede.contains(activity));
+        let is_late = self.is_start_seen && !law.is_required;
         let is_behind = |other: &usize| is_late && self.job.law(*other).after().contains(activity);
         let too_late = (self.tried() | underway).without(ActivitySet::of(activity)).iter().find(is_behind);
         not_begun
@@ -431,10 +431,7 @@ impl<'a> Progress<'a> {
     fn outcome(&self) -> (Outcome, Fault) {
         let because = |reason, nearest| Fault { reason, nearest, broken: None };
         let missing = self.required().without(self.done | self.unjudged);
-        let overtaken =
-            self.tried().iter().fold(ActivitySet::EMPTY, |all, came| all | self.job.law(came).after());
-        let may_be_unseen =
-            |activity| self.may_be_unseen(activity) || (overtaken & self.may_precede).contains(activity);
+        let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
         match (self.fault, self.unjudged_reason, missing.lowest()) {
             (Some(fault), ..) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.
