@@ -70,8 +70,6 @@ pub struct BrokenOrder {
     pub fault: OrderFault,
     /// The other activity ([`crate::job::NominalActivity::activity`]).
     pub activity: u16,
-    /// The context of its first IU, as it was taught.
-    pub context: Context,
     /// How many of the runs that were shown keep the relation: all that have both.
     pub runs: u16,
 }

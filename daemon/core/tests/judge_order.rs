@@ -67,9 +67,7 @@ fn a_broken_law_is_told_with_the_first_frame_that_breaks_it_and_names_what_shoul
             short(&lifting),
             "l0 ActivityAnomaly WrongOrder!".replace('0', &lifting.activity.to_string())
         );
-        let context = polish(6)[0].context;
-        let broken =
-            BrokenOrder { fault, activity: 0, context: andon_core::couple::Context(context), runs: 6 };
+        let broken = BrokenOrder { fault, activity: 0, runs: 6 };
         assert_eq!((lifting.broken, job_of(&verdicts).broken), (Some(broken), Some(broken)));
         assert_eq!(lifting.began_ns, lifting.ended_ns, "at its first touch");
     }

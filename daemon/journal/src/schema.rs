@@ -126,6 +126,12 @@ pub(super) const MIGRATIONS: &[&str] = &[
     "
     ALTER TABLE verdict ADD COLUMN part TEXT NOT NULL DEFAULT '';  -- the part that was worked on; empty: none was given
 ",
+    "
+    ALTER TABLE verdict ADD COLUMN note TEXT NOT NULL DEFAULT 'None';    -- what was not shown before
+    ALTER TABLE verdict ADD COLUMN broken TEXT NOT NULL DEFAULT 'None';  -- how the order of the job was broken
+    ALTER TABLE verdict ADD COLUMN broken_activity INTEGER;              -- in relation to which activity
+    ALTER TABLE verdict ADD COLUMN broken_runs INTEGER NOT NULL DEFAULT 0;  -- and how many runs kept it
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

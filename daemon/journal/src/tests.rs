@@ -402,9 +402,18 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
     known.part = PartId::new(&[b'~'; shm_schemas::PART_BYTES]).unwrap();
     (known.stamp.frame_seq, known.stamp.captured_ns, known.stamp.sent_ns) = (4, 5, 6);
     (known.began_ns, known.ended_ns, known.decided_ns, known.early) = (7, 8, 9, 1);
+    (known.note, known.broken, known.broken_activity, known.broken_runs) = (4, 2, 10, 11);
     // Of another build: its numbers are kept as numbers.
-    let foreign =
-        Verdict { level: 77, outcome: 78, reason: 79, hand: 80, distance: 0.25, ..verdict(u64::MAX, 2) };
+    let foreign = Verdict {
+        level: 77,
+        outcome: 78,
+        reason: 79,
+        hand: 80,
+        note: 81,
+        broken: 82,
+        distance: 0.25,
+        ..verdict(u64::MAX, 2)
+    };
     bench.append(&known).unwrap();
     bench.append(&foreign).unwrap();
     let rows = bench.journal.rows_after(0, 10).unwrap();

@@ -35,6 +35,7 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let mut options = TeachOptions::new(&name, &today(), method);
     options.id = arguments.id;
     options.order_matters = arguments.order;
+    options.try_runs = true;
     if let Some(cost) = arguments.cost {
         options.cost = match cost {
             Cost::Ordinal => LocalCost::Ordinal,

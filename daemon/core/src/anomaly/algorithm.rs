@@ -91,12 +91,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else { return };
         match activity.against {
             _ if activity.step == Step::NotShown => {
-                let (outcome, reason) = (Outcome::Anomaly, Reason::Unknown);
-                self.conclude_iu(
-                    Finding { outcome, reason, nominal: None, result: None, early: true },
-                    progress,
-                    emit,
-                );
+                self.conclude_not_shown(couple, progress, emit);
                 return;
             }
             Against::Candidates(_) => self.begin_with_candidates(couple, progress, emit),
@@ -104,6 +99,20 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         progress.set_underway(self.side, candidates);
+    }
+
+    fn conclude_not_shown(
+        &mut self,
+        couple: &Couple,
+        progress: &mut Progress<'a>,
+        emit: &mut impl FnMut(Verdict),
+    ) {
+        if couple.is_in_sight() {
+            let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown(true) };
+            self.conclude_iu(finding, progress, emit);
+        } else {
+            self.conclude_unjudged(Reason::Blind, progress, emit);
+        }
     }
 
     fn begin_with_candidates(

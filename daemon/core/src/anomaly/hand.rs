@@ -61,7 +61,7 @@ pub(super) struct Finding {
 
 impl Finding {
     /// What is done otherwise than shown by a hand that was not shown to do it.
-    fn not_shown(early: bool) -> Self {
+    pub(super) fn not_shown(early: bool) -> Self {
         Self { outcome: Outcome::Ok, reason: Reason::None, nominal: None, result: None, early }
     }
 }
@@ -221,10 +221,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = self.activity.as_mut().filter(|activity| !activity.is_concluded) else { return };
         activity.is_concluded = true;
         let is_not_shown = outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none();
-        let (outcome, reason, nominal) =
-            if is_not_shown { (Outcome::Ok, Reason::None, None) } else { (outcome, reason, nominal) };
+        let (outcome, reason, nominal) = match (is_not_shown, activity.unjudged_reason) {
+            (false, _) => (outcome, reason, nominal),
+            (true, None) => (Outcome::Ok, Reason::None, None),
+            (true, Some(reason)) => (Outcome::NotJudged, reason, None),
+        };
+        if is_not_shown {
+            activity.step = Step::NotShown;
+        }
         let note = match activity.step {
-            _ if is_not_shown => Some(Note::Step),
+            Step::NotShown => Some(Note::Step),
             Step::Shown(side) if side != self.side => Some(Note::OtherHand),
             _ => activity.note,
         };

@@ -218,9 +218,8 @@ impl<'a> Progress<'a> {
     /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
     /// come, or a step that is none of the job's.
     pub(super) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
-        let opening = Side::ALL
-            .iter()
-            .fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
+        let opening =
+            Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
         let is_none = opening.is_empty() && self.has_parts_of(context);
         !is_disturbed && (is_none || self.opening(context).intersects(self.may_follow()))
     }
@@ -335,10 +334,8 @@ impl<'a> Progress<'a> {
     }
 
     fn broken(&self, fault: OrderFault, activity: usize, other: usize) -> BrokenOrder {
-        let nominal = self.job.activities.iter().find(|nominal| usize::from(nominal.activity) == other);
-        let context = nominal.and_then(|nominal| nominal.ius.first()).map_or(Context::IDLE, |iu| iu.context);
         let runs = self.job.law(activity).runs.min(self.job.law(other).runs);
-        BrokenOrder { fault, activity: other as u16, context, runs }
+        BrokenOrder { fault, activity: other as u16, runs }
     }
 
     /// Whether an activity comes a second time. It may also be that of the next job, if all between them was hidden.

@@ -9,7 +9,12 @@ use andon_core::verdict::Outcome;
 pub(super) fn rejected(runs: &[&Run], options: &TeachOptions) -> Vec<String> {
     let options = TeachOptions { try_runs: false, ..options.clone() };
     let is_rejected = |index: &usize| {
-        let others: Vec<Run> = runs.iter().enumerate().filter(|(other, _)| other != index).map(|(_, run)| (*run).clone()).collect();
+        let others: Vec<Run> = runs
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| other != index)
+            .map(|(_, run)| (*run).clone())
+            .collect();
         let Ok((job, _)) = teach(&others, &options) else { return true };
         let verdicts = job.with_job(|lent| runs[*index].judge(lent, &job.method));
         verdicts.map_or(true, |verdicts| verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly))
