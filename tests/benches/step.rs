@@ -49,6 +49,7 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
     let job = Job {
         activities: &activities,
         laws: &[],
+        rests: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
         min_captured: 0.0,

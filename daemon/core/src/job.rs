@@ -93,6 +93,8 @@ pub struct Job<'a> {
     pub activities: &'a [NominalActivity<'a>],
     /// The law of each activity, by its number; one that has none is [`Law::FREE`].
     pub laws: &'a [Law],
+    /// The objects at which a hand was shown to rest or to steady: that is no step, and no note.
+    pub rests: &'a [u16],
     /// How motions are compared.
     pub cost: LocalCost,
     /// Maximum of [`slowdown_factor`], at least 1. A DTW distance grows with the number of frames, and a slower motion has less

@@ -64,7 +64,14 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
         (0..).zip(activities).map(|(activity, ius)| NominalActivity { activity, ius: ius.leak() }).collect();
     assert_eq!(nominal.len(), 2);
     let cost = LocalCost::Circular { bins: 8 };
-    Job { activities: nominal.leak(), laws: &IN_ORDER, cost, max_slowdown: 2.0, min_captured: 0.0 }
+    Job {
+        activities: nominal.leak(),
+        laws: &IN_ORDER,
+        rests: &[],
+        cost,
+        max_slowdown: 2.0,
+        min_captured: 0.0,
+    }
 });
 
 /// The verdicts of a judge that does not know whether the frames begin with a job.

@@ -173,6 +173,8 @@ fn a_hand_that_rests_at_a_part_of_the_job_is_a_note_and_at_any_other_an_anomaly(
         let verdicts = judged(&job, &stream(&in_a_row(), &left));
         assert!(verdicts.iter().all(|verdict| verdict.outcome == Outcome::Ok), "{object}: {verdicts:#?}");
         assert_eq!(job_of(&verdicts).note, Some(Note::Step), "{object}");
+        let verdicts = judged(&Job { rests: &[object], ..job }, &stream(&in_a_row(), &left));
+        assert_eq!((short(&job_of(&verdicts)).as_str(), job_of(&verdicts).note), ("JobOk", None), "{object}");
     }
     let foreign = [&lift()[..], &[part([2, 9, 0, 0], 50, Still), idle(20)]].concat();
     assert_eq!(short(&job_of(&judged(&job, &stream(&in_a_row(), &foreign)))), "JobAnomaly WrongObject");

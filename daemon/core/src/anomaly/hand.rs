@@ -230,7 +230,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             activity.step = Step::NotShown;
         }
         let note = match activity.step {
-            Step::NotShown => Some(Note::Step),
+            Step::NotShown => (!progress.job.rests.contains(&activity.context.0[1])).then_some(Note::Step),
             Step::Shown(side) if side != self.side => Some(Note::OtherHand),
             _ => activity.note,
         };

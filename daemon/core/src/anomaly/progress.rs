@@ -168,7 +168,7 @@ impl<'a> Progress<'a> {
             let mut ius = self.job.activities.iter().flat_map(|nominal| nominal.ius);
             ius.any(|iu| iu.context.0[1..].contains(&id))
         };
-        context.0[1..].iter().all(|id| *id == 0 || has(*id))
+        context.0[1..].iter().all(|id| *id == 0 || self.job.rests.contains(id) || has(*id))
     }
 
     /// The activities with which a job may begin: those that no law puts behind another one.

@@ -138,6 +138,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
     Job {
         activities: nominal.leak(),
         laws: &[],
+        rests: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
         min_captured: 0.0,

@@ -138,6 +138,8 @@ pub struct JobFile {
     pub name: String,
     /// What the order asks of each activity, by its number.
     pub steps: Vec<TaughtStep>,
+    /// The objects at which a hand was shown to rest or to steady.
+    pub rests: Vec<u16>,
     /// How motions are compared.
     pub cost: LocalCost,
     /// The job's [`max_slowdown`](Job::max_slowdown), 1 or more.
@@ -171,7 +173,14 @@ impl JobFile {
         let laws: Vec<Law> = self.steps.iter().map(TaughtStep::law).collect();
         let Self { cost, max_slowdown, .. } = *self;
         let min_captured = self.min_rate_hz / self.method.rate_hz;
-        judge(&Job { activities: &activities, laws: &laws, cost, max_slowdown, min_captured })
+        judge(&Job {
+            activities: &activities,
+            laws: &laws,
+            rests: &self.rests,
+            cost,
+            max_slowdown,
+            min_captured,
+        })
     }
 
     /// Identifies the model: the same text gives the same number on every machine.

@@ -39,6 +39,7 @@ struct JobText {
     method: MethodText,
     #[serde(default)]
     object: Vec<ObjectText>,
+    rests: Vec<u16>,
     step: Vec<StepText>,
     activity: Vec<ActivityText>,
 }
@@ -219,6 +220,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
     Ok(JobFile {
         id: text.id,
         name: text.name,
+        rests: text.rests,
         steps: text.step.into_iter().map(step_of).collect(),
         cost,
         max_slowdown: text.method.max_slowdown,

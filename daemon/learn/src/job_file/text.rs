@@ -34,6 +34,8 @@ impl JobFile {
             line!(text, "# recognised any more.");
             line!(text, "min_rate_hz = {:?}", self.min_rate_hz);
         }
+        line!(text, "# The objects at which a hand may rest or steady: the runs show it, and it is no step.");
+        line!(text, "rests = {:?}", self.rests);
         self.provenance_text(&mut text);
         self.method_text(&mut text);
         self.objects.iter().for_each(|object| object_text(&mut text, object));

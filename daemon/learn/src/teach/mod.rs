@@ -87,6 +87,7 @@ fn job_file(
     JobFile {
         id: options.id,
         name: options.name.clone(),
+        rests: agreement.rests.clone(),
         steps: relation::steps(runs, agreement, options.order_matters),
         cost: options.cost,
         max_slowdown: options.max_slowdown,

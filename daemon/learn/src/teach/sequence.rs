@@ -9,7 +9,7 @@
 use crate::run::{Activity, Run};
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A variant needs at least this many runs: two could share the same slip.
 const MIN_VARIANT_RUNS: usize = 3;
@@ -59,6 +59,8 @@ pub(super) struct Agreement {
     pub(super) sequences: Vec<Sequence>,
     /// The runs that do something else, one entry per run. They are left out.
     pub(super) disagreements: Vec<Disagreement>,
+    /// The objects at which a hand rests or steadies in some of the runs that are used.
+    pub(super) rests: Vec<u16>,
     /// The runs that are used, by their indices.
     pub(super) used: Vec<usize>,
     /// For each activity of the job and each run that is used, the index of the activity in the run that is this step.
@@ -94,6 +96,7 @@ pub(super) fn agree(runs: &[Run]) -> Agreement {
     Agreement {
         sequences: (0u16..).zip(&shown_steps).flat_map(of_step).collect(),
         disagreements: disagreeing.into_iter().filter_map(|(_, found)| found).collect(),
+        rests: steps.rests(&used).into_iter().collect(),
         steps: shown_steps.iter().map(|step| at(step)).collect(),
         used,
     }
@@ -142,6 +145,13 @@ impl<'a> Steps<'a> {
             run.activities.iter().enumerate().map(step).collect()
         };
         Self { runs, steps: runs.iter().enumerate().map(steps_of).collect() }
+    }
+
+    /// The objects at which a hand rests or steadies in these runs.
+    fn rests(&self, runs: &[usize]) -> BTreeSet<u16> {
+        let of_run = |run: &usize| self.runs[*run].activities.iter().zip(&self.steps[*run]);
+        let rests = runs.iter().flat_map(of_run).filter(|(_, step)| step.is_none());
+        rests.map(|(activity, _)| object(activity)).collect()
     }
 
     /// The index in a run of the activity that is this step.
