@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
+use andon_learn::job_file::JobFile;
 use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
 
 /// Names of the objects, by id, and of the steps of the job, by the number of the activity.
@@ -19,10 +20,11 @@ impl Names {
         Self { objects: names.into_iter().collect(), steps: Vec::new() }
     }
 
-    /// The same, with the names of the steps; without them, a step is called by its number.
-    #[must_use]
-    pub fn with_steps(self, steps: impl IntoIterator<Item = String>) -> Self {
-        Self { steps: steps.into_iter().collect(), ..self }
+    /// The names of a job: its objects, and its steps, which are otherwise called by their numbers.
+    pub fn of_job(job: &JobFile) -> Self {
+        let objects = job.objects.iter().map(|object| (object.shape.id, object.name.clone()));
+        let steps = (0..job.steps.len()).map(|number| job.step_name(number)).collect();
+        Self { steps, ..Self::new(objects) }
     }
 
     /// The step that an activity of the job is, counted from 1.
@@ -165,7 +167,7 @@ mod tests {
              distance 3.50 over 2.25, decided early"
         );
         let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 0, runs: 6 };
-        let names = names.with_steps(["left hand: box".to_string()]);
+        let names = Names { steps: vec!["left hand: box".to_string()], ..names };
         let order = Verdict {
             level: Level::Activity,
             reason: Reason::WrongOrder,

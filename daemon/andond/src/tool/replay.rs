@@ -32,8 +32,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let mut recording = Recording::open(&arguments.recording, &config)?;
     compatibility::recording(&file, recording.header())
         .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
-    let names = Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone())))
-        .with_steps((0..file.steps.len()).map(|number| file.step_name(number)));
+    let names = Names::of_job(&file);
     let mut printer = Printer {
         names: &names,
         json: arguments.json,

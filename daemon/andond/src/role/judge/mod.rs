@@ -189,7 +189,7 @@ fn watch(
                 station: station_name(&config.station.name),
                 part: PartId::NONE,
             },
-            names: Names::new(file.objects.iter().map(|object| (object.shape.id, object.name.clone()))),
+            names: Names::of_job(&file),
             judge: judge(job, &file)?,
             newest_ns: 0,
             events: Vec::new(),
@@ -347,6 +347,7 @@ fn log_verdict(verdict: &CoreVerdict, names: &Names) {
     let sentence = verdict_sentence(verdict, names);
     match (verdict.outcome, verdict.level) {
         (Outcome::Ok, Level::Job) => log!(code::JOB_OK, "{sentence}"),
+        (Outcome::Ok, Level::Activity) if verdict.note.is_some() => log!(code::NOTE, "{sentence}"),
         (Outcome::Ok, Level::Iu | Level::Activity) => tracing::debug!("{sentence}"),
         (Outcome::Anomaly, Level::Job) => log!(code::JOB_ANOMALY, "{sentence}"),
         (Outcome::Anomaly, Level::Iu | Level::Activity) => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
