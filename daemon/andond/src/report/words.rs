@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_learn::job_file::JobFile;
 use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
+use andon_learn::job_file::JobFile;
 
 /// Names of the objects, by id, and of the steps of the job, by the number of the activity.
 #[derive(Clone, Debug, Default)]
