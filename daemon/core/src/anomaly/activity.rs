@@ -42,8 +42,8 @@ pub(super) struct OpenActivity {
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
-    /// What was not shown before in it.
-    pub(super) note: Option<Note>,
+    /// What was not shown before in that it comes now.
+    pub(super) order_note: Option<Note>,
     /// The relation to another activity that it breaks.
     pub(super) broken: Option<BrokenOrder>,
     /// The context of its first IU.
@@ -94,7 +94,7 @@ impl OpenActivity {
         Self {
             number,
             step,
-            note: None,
+            order_note: None,
             broken: None,
             context,
             began_ns,
@@ -225,6 +225,15 @@ impl OpenActivity {
     pub(super) fn follow(&mut self, nominal: Option<usize>) {
         self.against = Against::Following(nominal);
         self.nearest = nominal.or(self.nearest);
+    }
+
+    /// What was not shown before in this activity of a hand.
+    pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
+        match self.step {
+            Step::NotShown => (!job.rests.contains(&self.context.0[1])).then_some(Note::Step),
+            Step::Shown(shown) if shown != side => Some(Note::OtherHand),
+            _ => self.order_note,
+        }
     }
 
     /// The context as if the hand that was shown had done it.

@@ -357,7 +357,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let mut notes = candidates.iter().map(|nominal| progress.order_note(self.side, nominal));
         let note = notes.try_fold(None, |first, note| Some(first.or(Some(note?)))).flatten();
-        activity.note = activity.note.or(note);
+        activity.order_note = activity.order_note.or(note);
     }
 
     /// Decides on the activity after all events of one frame for both hands: that it is right, if no candidate can go on.

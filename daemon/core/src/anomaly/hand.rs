@@ -9,7 +9,7 @@ use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
-use crate::verdict::{Level, Note, Outcome, Reason, Verdict};
+use crate::verdict::{Level, Outcome, Reason, Verdict};
 
 /// An open IU.
 #[derive(Clone, Copy, Debug)]
@@ -207,6 +207,25 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
+    /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
+    fn without_accusation(
+        &mut self,
+        outcome: Outcome,
+        reason: Reason,
+        nominal: Option<usize>,
+    ) -> (Outcome, Reason, Option<usize>) {
+        let accuses_nobody = self.accuses_nobody();
+        match &mut self.activity {
+            Some(activity) if outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none() => {
+                activity.step = Step::NotShown;
+                let unjudged = activity.unjudged_reason;
+                unjudged
+                    .map_or((Outcome::Ok, Reason::None, None), |reason| (Outcome::NotJudged, reason, None))
+            }
+            _ => (outcome, reason, nominal),
+        }
+    }
+
     /// Gives the verdict on the activity, once.
     pub(super) fn conclude_activity(
         &mut self,
@@ -217,23 +236,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let accuses_nobody = self.accuses_nobody();
-        let Some(activity) = self.activity.as_mut().filter(|activity| !activity.is_concluded) else { return };
-        activity.is_concluded = true;
-        let is_not_shown = outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none();
-        let (outcome, reason, nominal) = match (is_not_shown, activity.unjudged_reason) {
-            (false, _) => (outcome, reason, nominal),
-            (true, None) => (Outcome::Ok, Reason::None, None),
-            (true, Some(reason)) => (Outcome::NotJudged, reason, None),
-        };
-        if is_not_shown {
-            activity.step = Step::NotShown;
+        if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
+            return;
         }
-        let note = match activity.step {
-            Step::NotShown => (!progress.job.rests.contains(&activity.context.0[1])).then_some(Note::Step),
-            Step::Shown(side) if side != self.side => Some(Note::OtherHand),
-            _ => activity.note,
-        };
+        let (outcome, reason, nominal) = self.without_accusation(outcome, reason, nominal);
+        let Some(activity) = &mut self.activity else { return };
+        activity.is_concluded = true;
+        let note = activity.note(self.side, progress.job);
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
         progress.set_note(note);
         match outcome {
