@@ -205,14 +205,14 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     let lines: Vec<&str> = csv.split("\r\n").collect();
     assert_eq!(
         lines[1],
-        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,0.000000000,\
+        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,None,None,0,0,0.000000000,\
          0.000000000,0.000000000,1,1,,,"
     );
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
     assert!(lines[2].ends_with(",1,2,2,,"));
     assert_eq!(lines.len(), 5);
     for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 28, "{line}");
+        assert_eq!(line.split(',').count(), 32, "{line}");
     }
 }
 
@@ -230,7 +230,7 @@ fn the_part_is_in_the_history_and_quoted_where_a_spreadsheet_would_cut_it() {
         String::from_utf8(text).unwrap()
     };
     let csv = text(Format::Csv);
-    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(28, ',').last().unwrap()).collect();
+    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(32, ',').last().unwrap()).collect();
     assert_eq!(ends, ["part", "A-17", "\"4,\"\"5\"\"\"", ""]);
     let table = text(Format::Table);
     assert!(table.contains("  part A-17\n"), "{table}");
