@@ -51,8 +51,8 @@ pub use layout::{Layout, Message};
 pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::Stamp;
 pub use verdict::{
-    HandCode, NO_INDEX, NO_PERCENT, STATION_BYTES, Verdict, VerdictLevel, VerdictOutcome, VerdictReason,
-    verdict_kind,
+    HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictNote,
+    VerdictOutcome, VerdictReason, verdict_kind,
 };
 
 /// Maximum number of hands in one message: those of one worker.

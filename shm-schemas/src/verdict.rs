@@ -79,6 +79,38 @@ codes! {
 }
 
 codes! {
+    /// What was not shown before and breaks no law: was it right?
+    enum VerdictNote: u8 {
+        /// Nothing.
+        None = 0,
+        /// The activity came before another one that had come first in all runs that were shown.
+        Order = 1,
+        /// The activity was done already.
+        Again = 2,
+        /// The other hand did it.
+        OtherHand = 3,
+        /// No activity of the job is done so, and all its parts belong to the job.
+        Step = 4,
+    }
+}
+
+codes! {
+    /// How an activity breaks the order of its job.
+    enum OrderFault: u8 {
+        /// It does not.
+        None = 0,
+        /// It began before another one had begun.
+        NotBegun = 1,
+        /// It began before another one had ended.
+        NotEnded = 2,
+        /// It began after another one.
+        TooLate = 3,
+        /// It was done already: the other one is itself.
+        Again = 4,
+    }
+}
+
+codes! {
     /// Which hand; the number is `ID_h` of the context features.
     enum HandCode: u8 {
         /// No hand: verdicts on jobs.
@@ -90,7 +122,7 @@ codes! {
     }
 }
 
-wire! { "andon.Verdict", 160;
+wire! { "andon.Verdict", 168;
     /// One verdict. The stamp names the newest frame that the decision depends on.
     struct Verdict {
         /// The stamp.
@@ -119,6 +151,10 @@ wire! { "andon.Verdict", 160;
         iu: u16,
         /// The nominal activity that it is compared with; [`NO_INDEX`] when none is near.
         nearest: u16,
+        /// The other activity of the order that was broken; [`NO_INDEX`] where that is not why.
+        broken_activity: u16,
+        /// How many of the runs that were shown keep that order.
+        broken_runs: u16,
         /// A [`VerdictLevel`]. Zero is none: an empty message is no verdict.
         level: u8,
         /// A [`VerdictOutcome`]. Zero is none.
@@ -135,6 +171,12 @@ wire! { "andon.Verdict", 160;
         part: PartId,
         /// How many of a hundred frames of the IU were captured; [`NO_PERCENT`] where that says nothing.
         captured_percent: u8,
+        /// A [`VerdictNote`].
+        note: u8,
+        /// An [`OrderFault`].
+        broken: u8,
+        /// Keeps the size a multiple of 8.
+        reserved: [u8; 2],
     }
 }
 message!(Verdict);

@@ -48,7 +48,8 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
         (0u16..).zip(&ius).map(|(activity, ius)| NominalActivity { activity, ius }).collect();
     let job = Job {
         activities: &activities,
-        order_matters: false,
+        laws: &[],
+        rests: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
         min_captured: 0.0,

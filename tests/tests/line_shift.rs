@@ -6,7 +6,6 @@ use andon_tests::simulator::Flaw;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-
 /// Waits until the PLC has counted so many more results.
 fn wait_for_results(line: &Line, more: usize, after: &str) {
     let (from, until) = (account(line).len(), Instant::now() + PATIENCE);

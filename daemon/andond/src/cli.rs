@@ -118,7 +118,8 @@ pub struct Teach {
     /// How motions are compared [default: circular]
     #[arg(long, value_enum)]
     pub cost: Option<Cost>,
-    /// Whether the order of the activities matters [default: where all runs agree on one]
+    /// Whether the steps must come in the order in which most runs have them, or may come in any [default: what all runs show is law where
+    /// the evidence is enough]
     #[arg(long)]
     pub order: Option<bool>,
     /// Write the job also where the report says that the runs cannot be trusted, and over a file that is there

@@ -19,6 +19,14 @@ impl Side {
     /// Both hands, in the order of every array with one item per hand.
     pub const ALL: [Self; HANDS] = [Self::Right, Self::Left];
 
+    /// The other hand.
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Right => Self::Left,
+            Self::Left => Self::Right,
+        }
+    }
+
     /// The index of this hand in [`ALL`](Self::ALL).
     pub fn index(self) -> usize {
         match self {

@@ -3,6 +3,7 @@
 //! Core borrows all of it from the caller, who loads the job file and owns its memory.
 
 use crate::couple::{Context, Motion};
+use crate::set::ActivitySet;
 
 /// How two motion features are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,10 +107,45 @@ pub struct NominalIu<'a> {
 /// A nominal activity: the sequence of IUs that it consists of.
 #[derive(Clone, Copy, Debug)]
 pub struct NominalActivity<'a> {
-    /// The number of the activity that this sequence fulfils, from 0. Several sequences may fulfil the same activity.
+    /// The number of the activity that this sequence fulfils, from 0 and below
+    /// [`ACTIVITIES`](crate::capacity::ACTIVITIES). Several sequences may fulfil the same activity.
     pub activity: u16,
     /// Its IUs in order.
     pub ius: &'a [NominalIu<'a>],
+}
+
+/// What the order of a job asks of one of its activities. Sets have the numbers of activities.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Law {
+    /// The activities that must have begun before it begins.
+    pub after_begin: ActivitySet,
+    /// The activities that must have ended before it begins.
+    pub after_end: ActivitySet,
+    /// The activities that had begun before it in all runs, without evidence enough for a law: another order is a note.
+    pub usually_after: ActivitySet,
+    /// Whether a job without it is not complete. What is optional accuses nobody where it is missing.
+    pub is_required: bool,
+    /// Whether it must not come a second time; otherwise that is a note.
+    pub is_once: bool,
+    /// How many of the runs that were shown have it.
+    pub runs: u16,
+}
+
+impl Law {
+    /// It is required, and may come at any time.
+    pub const FREE: Self = Self {
+        after_begin: ActivitySet::EMPTY,
+        after_end: ActivitySet::EMPTY,
+        usually_after: ActivitySet::EMPTY,
+        is_required: true,
+        is_once: false,
+        runs: 0,
+    };
+
+    /// The activities that must come before it.
+    pub fn after(&self) -> ActivitySet {
+        self.after_begin | self.after_end
+    }
 }
 
 /// A taught job.
@@ -117,8 +153,10 @@ pub struct NominalActivity<'a> {
 pub struct Job<'a> {
     /// The list `J`.
     pub activities: &'a [NominalActivity<'a>],
-    /// Whether the activities must come in the order of their numbers.
-    pub order_matters: bool,
+    /// The law of each activity, by its number; one that has none is [`Law::FREE`].
+    pub laws: &'a [Law],
+    /// The objects at which a hand was shown to rest or to steady: that is no step, and no note.
+    pub rests: &'a [u16],
     /// How motions are compared.
     pub cost: LocalCost,
     /// Maximum of [`slowdown_factor`], at least 1. A DTW distance grows with the number of frames, and a slower motion has less
@@ -128,6 +166,30 @@ pub struct Job<'a> {
     /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1: with fewer, the motion that
     /// was shown would not be recognised. 0 asks for nothing.
     pub min_captured: f32,
+}
+
+impl Job<'_> {
+    /// The law of the activity with this number.
+    pub fn law(&self, activity: usize) -> Law {
+        self.laws.get(activity).copied().unwrap_or(Law::FREE)
+    }
+
+    /// The numbers of its activities.
+    pub fn numbers(&self) -> ActivitySet {
+        self.activities.iter().map(|nominal| usize::from(nominal.activity)).collect()
+    }
+
+    /// The first activity whose number is too high, or whose law names one that the job does not have, or that can never come because laws put
+    /// it behind itself.
+    pub fn misplaced(&self) -> Option<u16> {
+        let all = self.numbers();
+        let may_come = |came: ActivitySet| -> ActivitySet {
+            all.iter().filter(|activity| self.law(*activity).after().without(came).is_empty()).collect()
+        };
+        let came = all.iter().fold(ActivitySet::EMPTY, |came, _| may_come(came));
+        let can_come = |activity: u16| came.contains(activity.into());
+        self.activities.iter().map(|nominal| nominal.activity).find(|activity| !can_come(*activity))
+    }
 }
 
 /// The factor by which the threshold of an IU of this many frames grows: its length as a multiple of that of its reference, limited to

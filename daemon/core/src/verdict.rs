@@ -50,6 +50,43 @@ pub enum Reason {
     Overload,
 }
 
+/// How an activity breaks the order of its job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrderFault {
+    /// It began before the other one had begun.
+    NotBegun,
+    /// It began before the other one had ended.
+    NotEnded,
+    /// It began after the other one.
+    TooLate,
+    /// It was done already: the other one is itself.
+    Again,
+}
+
+/// The relation between two activities that was broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BrokenOrder {
+    /// How.
+    pub fault: OrderFault,
+    /// The other activity ([`crate::job::NominalActivity::activity`]).
+    pub activity: u16,
+    /// How many of the runs that were shown keep the relation: all that have both.
+    pub runs: u16,
+}
+
+/// What was not shown before and breaks no law: was it right?
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Note {
+    /// The activity came before another one that had come first in all runs.
+    Order,
+    /// The activity was done already.
+    Again,
+    /// The other hand did it.
+    OtherHand,
+    /// No nominal activity is done so, and all its parts belong to the job.
+    Step,
+}
+
 /// One verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
@@ -75,6 +112,10 @@ pub struct Verdict {
     pub threshold: Option<f32>,
     /// How many of a hundred frames of the IU were captured; `None` where that says nothing: at its beginning, for activities and jobs.
     pub captured_percent: Option<u8>,
+    /// The relation that was broken, where that is why an activity or a job is wrong.
+    pub broken: Option<BrokenOrder>,
+    /// What was not shown before, of an activity; of a job, the first such thing in it.
+    pub note: Option<Note>,
     /// Whether it was given before the end of what is judged.
     pub early: bool,
     /// When what is judged began, in nanoseconds.

@@ -13,6 +13,7 @@ use andon_core::job::{Around, Bounds, Job, LocalCost, MeasureBounds, NominalActi
 use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::{Level, Outcome, Verdict};
 use common::bench::{Bench, encode, shapes};
+use common::work::IN_ORDER;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::sync::LazyLock;
@@ -64,7 +65,14 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
         (0..).zip(activities).map(|(activity, ius)| NominalActivity { activity, ius: ius.leak() }).collect();
     assert_eq!(nominal.len(), 2);
     let cost = LocalCost::Circular { bins: 8 };
-    Job { activities: nominal.leak(), order_matters: true, cost, max_slowdown: 2.0, min_captured: 0.0 }
+    Job {
+        activities: nominal.leak(),
+        laws: &IN_ORDER,
+        rests: &[],
+        cost,
+        max_slowdown: 2.0,
+        min_captured: 0.0,
+    }
 });
 
 /// Bounds as near to the measures as those of a few people.

@@ -5,11 +5,12 @@ mod common;
 
 use andon_core::anomaly::{Judge, Unusable};
 use andon_core::config::Method;
-use andon_core::job::{Bounds, Job, NominalActivity, NominalIu};
+use andon_core::job::{Bounds, Job, Law, NominalActivity, NominalIu};
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
-use common::work::{POLISH_OK, expect, forgiving, judged, measure, polish, polish_and_measure};
+use common::work::{IN_ORDER, POLISH_OK, expect, forgiving, judged, measure, polish, polish_and_measure};
 
 #[test]
 fn a_job_done_as_taught_is_right_as_soon_as_it_is_complete() {
@@ -53,7 +54,7 @@ fn polishing_cut_short_is_too_short_although_dtw_forgives_it() {
 #[test]
 fn a_wrong_object_is_an_anomaly_at_its_touch_and_the_following_ius_are_judged_on_their_own() {
     let wrong = polish(6).map(|mut part| {
-        part.context = part.context.map(|id| if id == 5 { 3 } else { id });
+        part.context = part.context.map(|id| if id == 5 { 9 } else { id });
         part
     });
     let right = [&wrong[..], &measure()].concat();
@@ -79,7 +80,7 @@ fn a_wrong_object_is_an_anomaly_at_its_touch_and_the_following_ius_are_judged_on
 #[test]
 fn the_wrong_order_is_an_anomaly_at_the_first_touch_if_the_order_matters() {
     let right = [measure(), polish(6)].concat();
-    let job = Job { order_matters: true, ..polish_and_measure() };
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
     let verdicts = expect(
         &job,
         &right,
@@ -129,7 +130,7 @@ fn a_missing_activity_makes_the_job_incomplete_and_is_named() {
 fn an_activity_done_twice_is_an_anomaly_at_its_second_touch_if_the_order_matters() {
     let right = [&polish(6)[..], &polish(6), &measure()].concat();
     expect(
-        &Job { order_matters: true, ..polish_and_measure() },
+        &Job { laws: &IN_ORDER, ..polish_and_measure() },
         &right,
         &[
             &POLISH_OK[..],
@@ -285,19 +286,12 @@ fn both_hands_at_once_have_verdicts_of_their_own() {
             "JobOk"
         ]
     );
-    // The same work with the other hand is wrong.
-    let swapped = hold.map(|mut part| {
-        part.context[0] = part.context[0].min(1);
-        part
-    });
-    let verdicts = judged(&job, &stream(&swapped, &[]));
-    assert_eq!(short(&verdicts[0]), "r0.0 IuAnomaly WrongObject!");
 }
 
 #[test]
 fn an_activity_may_follow_one_that_the_other_hand_is_still_doing() {
     let hold = [part([2, 4, 0, 0], 60, Toward(1)), part([2, 4, 4, 8], 60, Still), idle(20)];
-    let job = Job { order_matters: true, ..teach(&[&polish(6), &hold]) };
+    let job = Job { laws: &IN_ORDER, ..teach(&[&polish(6), &hold]) };
     let last = |right: &[Part], left: &[Part]| {
         let verdicts = judged(&job, &stream(right, left));
         short(verdicts.last().unwrap())
@@ -369,7 +363,7 @@ fn variants_fulfil_the_same_activity() {
         .iter()
         .map(|nominal| NominalActivity { activity: nominal.activity / 2, ..*nominal })
         .collect();
-    let job = Job { activities: &activities, order_matters: true, ..taught };
+    let job = Job { activities: &activities, laws: &IN_ORDER, ..taught };
     let right = [&other[..], &measure()].concat();
     let verdicts = judged(&job, &stream(&right, &[]));
     assert_eq!(short(verdicts.last().unwrap()), "JobOk");
@@ -419,6 +413,13 @@ fn a_job_that_cannot_be_used_is_refused_with_the_index_of_its_fault() {
         let activities = [NominalActivity { activity: 0, ius: &ius }];
         assert_eq!(refusal(&activities), Some(Unusable::Iu { nominal: 0, iu: 1 }));
     }
+    let behind = |activity| Law { after_end: ActivitySet::of(activity), ..Law::FREE };
+    for laws in [&[behind(0)][..], &[behind(2)], &[behind(1), behind(0)]] {
+        let refused = Judge::new(&Job { laws, ..job }, Method::default()).err();
+        assert_eq!(refused, Some(Unusable::Law { activity: 0 }), "{laws:?}");
+    }
+    let beyond = [NominalActivity { activity: 32, ..job.activities[0] }];
+    assert_eq!(refusal(&beyond), Some(Unusable::Law { activity: 32 }));
     let release_first = [job.activities[1].ius[2]];
     let activities = [NominalActivity { activity: 0, ius: &release_first }];
     assert_eq!(refusal(&activities), Some(Unusable::Iu { nominal: 0, iu: 0 }));

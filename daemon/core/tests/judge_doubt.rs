@@ -10,7 +10,7 @@ use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{away, expect, jobs, judged, measure, polish, polish_and_measure};
+use common::work::{IN_ORDER, away, expect, jobs, judged, measure, polish, polish_and_measure};
 
 #[test]
 fn the_beginning_of_every_job_is_an_event() {
@@ -69,7 +69,7 @@ fn a_job_in_which_objects_moved_without_a_hand_is_not_right() {
 
 #[test]
 fn a_judge_that_was_started_in_the_middle_of_a_job_accuses_nothing_that_came_before() {
-    let job = Job { order_matters: true, ..polish_and_measure() };
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
     let right = [polish(6), measure(), polish(6), measure()].concat();
     let couples = stream(&right, &[]);
     for start in (0..286).step_by(10) {
@@ -95,7 +95,7 @@ fn after_a_fault_the_next_job_is_right() {
         ("wrong object", [&[part([1, 9, 0, 0], 30, Still), idle(20)][..], &measure()].concat()),
     ];
     for order_matters in [false, true] {
-        let job = Job { order_matters, ..polish_and_measure() };
+        let job = Job { laws: if order_matters { &IN_ORDER } else { &[] }, ..polish_and_measure() };
         for (name, fault) in &faults {
             let right = [polish(6), measure()].concat();
             let mut couples = stream(&[&right[..], fault, &right, &right].concat(), &[]);
@@ -196,7 +196,7 @@ fn an_iu_with_fewer_frames_than_the_job_needs_is_neither_right_nor_wrong_and_its
 #[test]
 fn a_job_that_breaks_off_anywhere_accuses_nobody() {
     let (job, work) = (polish_and_measure(), stream(&[polish(6), measure()].concat(), &[]));
-    let job = Job { order_matters: true, ..job };
+    let job = Job { laws: &IN_ORDER, ..job };
     for cut in 1..work.len() {
         let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap().at_start_of_job();
         let mut verdicts = Vec::new();

@@ -9,7 +9,7 @@ use super::audit::Deed;
 use super::history::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
-                      threshold,early,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc,part\r\n";
+                      threshold,early,note,broken,broken_activity,broken_runs,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc,part\r\n";
 
 pub(super) const DEEDS_HEADER: &str = "utc,kind,who,what\r\n";
 
@@ -46,6 +46,7 @@ fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     write!(out, ",{},{},{}", or_empty(r.activity), or_empty(r.iu), or_empty(r.nearest))?;
     write!(out, ",{},{},{},{}", r.x_c[0], r.x_c[1], r.x_c[2], r.x_c[3])?;
     write!(out, ",{},{},{}", or_empty(r.distance), or_empty(r.threshold), u8::from(r.early))?;
+    write!(out, ",{},{},{},{}", r.note, r.broken, or_empty(r.broken_activity), r.broken_runs)?;
     write!(out, ",{},{},{}", seconds(r.began_ns), seconds(r.ended_ns), seconds(r.decided_ns))?;
     write!(out, ",{},{},,,{}\r\n", r.epoch, r.seq, quoted(&r.part))
 }
@@ -60,7 +61,7 @@ fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
     let last_seq = or_empty(gap.last_seq);
     write!(
         out,
-        "{},gap,,,,{},,,,,,,,,,,,,,,,,,{},{},{last_seq},,\r\n",
+        "{},gap,,,,{},,,,,,,,,,,,,,,,,,,,,,{},{},{last_seq},,\r\n",
         utc(gap.utc_ns),
         gap.why,
         gap.epoch,
@@ -70,7 +71,12 @@ fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
 
 fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()> {
     let end = or_empty(blind.ended_utc_ns.map(utc));
-    write!(out, "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,{end},\r\n", utc(blind.began_utc_ns), blind.why)
+    write!(
+        out,
+        "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,,,,,{end},\r\n",
+        utc(blind.began_utc_ns),
+        blind.why
+    )
 }
 
 fn or_empty(value: Option<impl Display>) -> String {

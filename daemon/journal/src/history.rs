@@ -56,6 +56,14 @@ pub struct Record {
     pub distance: Option<f32>,
     pub threshold: Option<f32>,
     pub early: bool,
+    /// What was not shown before; `None` as a word.
+    pub note: String,
+    /// How the order of the job was broken; `None` as a word.
+    pub broken: String,
+    /// In relation to which activity.
+    pub broken_activity: Option<u16>,
+    /// And how many runs kept it.
+    pub broken_runs: u16,
     pub began_ns: u64,
     pub ended_ns: u64,
     pub decided_ns: u64,
@@ -148,18 +156,18 @@ pub struct History {
 const QUERY: &str = "
     SELECT id AS position, 2 AS rank, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
         nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns, decided_utc_ns,
-        NULL AS last_seq, part
+        NULL AS last_seq, part, note, broken, broken_activity, broken_runs
     FROM verdict
     WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
         AND (?4 IS NULL OR part = ?4)
     UNION ALL
     SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, ''
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, '', '', '', NULL, 0
     FROM gap
     WHERE utc_ns >= ?1
     UNION ALL
     SELECT before_verdict, 0, 0, 0, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, ''
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, '', '', '', NULL, 0
     FROM not_watching
     WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
     ORDER BY position, rank";
@@ -301,6 +309,10 @@ fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
         distance: row.get("distance")?,
         threshold: row.get("threshold")?,
         early: row.get("early")?,
+        note: row.get("note")?,
+        broken: row.get("broken")?,
+        broken_activity: row.get("broken_activity")?,
+        broken_runs: row.get("broken_runs")?,
         began_ns: number("began_ns")?,
         ended_ns: number("ended_ns")?,
         decided_ns: number("decided_ns")?,

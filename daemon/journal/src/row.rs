@@ -1,7 +1,10 @@
 //! Writes a verdict as a row, and the gaps before it.
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
-use shm_schemas::{HandCode, NO_INDEX, PartId, Stamp, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{
+    HandCode, NO_INDEX, OrderFault, PartId, Stamp, Verdict, VerdictLevel, VerdictNote, VerdictOutcome,
+    VerdictReason,
+};
 
 use super::{Confirmed, Written};
 
@@ -93,9 +96,9 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
         .prepare_cached(
             "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
              nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns,
-             decided_utc_ns, frame_seq, captured_ns, sent_ns, part)
+             decided_utc_ns, frame_seq, captured_ns, sent_ns, part, note, broken, broken_activity, broken_runs)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21,
-             ?22, ?23, ?24, ?25, ?26, ?27)",
+             ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31)",
         )?
         .execute(params![
             signed(stamp.epoch),
@@ -125,6 +128,10 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
             signed(stamp.captured_ns),
             signed(stamp.sent_ns),
             verdict.part.text(),
+            word(VerdictNote::try_from(verdict.note).map(VerdictNote::name), verdict.note),
+            word(OrderFault::try_from(verdict.broken).map(OrderFault::name), verdict.broken),
+            index(verdict.broken_activity),
+            verdict.broken_runs,
         ])?;
     Ok(())
 }
@@ -170,6 +177,10 @@ fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
         reason: code(VerdictReason::ALL, VerdictReason::name, VerdictReason::code, &text("reason")?),
         hand: code(HandCode::ALL, HandCode::name, HandCode::code, &text("hand")?),
         early: row.get("early")?,
+        note: code(VerdictNote::ALL, VerdictNote::name, VerdictNote::code, &text("note")?),
+        broken: code(OrderFault::ALL, OrderFault::name, OrderFault::code, &text("broken")?),
+        broken_activity: index("broken_activity")?,
+        broken_runs: row.get("broken_runs")?,
         // Rows are written by this; where another program has put something else, that is none.
         part: PartId::new(text("part")?.as_bytes()).unwrap_or(PartId::NONE),
         ..Verdict::default()

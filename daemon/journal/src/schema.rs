@@ -128,6 +128,10 @@ pub(super) const MIGRATIONS: &[&str] = &[
 ",
     "
     ALTER TABLE account ADD COLUMN part TEXT;  -- the part id that the PLC has given last; NULL: it gives none
+    ALTER TABLE verdict ADD COLUMN note TEXT NOT NULL DEFAULT 'None';    -- what was not shown before
+    ALTER TABLE verdict ADD COLUMN broken TEXT NOT NULL DEFAULT 'None';  -- how the order of the job was broken
+    ALTER TABLE verdict ADD COLUMN broken_activity INTEGER;              -- in relation to which activity
+    ALTER TABLE verdict ADD COLUMN broken_runs INTEGER NOT NULL DEFAULT 0;  -- and how many runs kept it
 ",
 ];
 

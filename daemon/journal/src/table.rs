@@ -30,7 +30,7 @@ fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     let index = |value: Option<u16>| value.map(|value| (value + 1).to_string()).unwrap_or_default();
     writeln!(
         out,
-        "{:20} {:16} {:13} {:5} {:>4} {:>3}  {:18} {:>8} {:>10}{}{}",
+        "{:20} {:16} {:13} {:5} {:>4} {:>3}  {:18} {:>8} {:>10}{}{}{}",
         utc(r.decided_utc_ns),
         r.kind(),
         if r.reason == "None" { "" } else { &r.reason },
@@ -41,6 +41,7 @@ fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
         number(r.distance),
         number(r.threshold),
         if r.early { "  early" } else { "" },
+        if r.note == "None" { String::new() } else { format!("  note {}", r.note) },
         if r.part.is_empty() { String::new() } else { format!("  part {}", r.part) },
     )
 }

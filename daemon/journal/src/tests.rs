@@ -208,14 +208,14 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     let lines: Vec<&str> = csv.split("\r\n").collect();
     assert_eq!(
         lines[1],
-        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,0.000000000,\
+        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,None,None,0,0,0.000000000,\
          0.000000000,0.000000000,1,1,,,"
     );
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
     assert!(lines[2].ends_with(",1,2,2,,"));
     assert_eq!(lines.len(), 5);
     for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 28, "{line}");
+        assert_eq!(line.split(',').count(), 32, "{line}");
     }
 }
 
@@ -233,7 +233,7 @@ fn the_part_is_in_the_history_and_quoted_where_a_spreadsheet_would_cut_it() {
         String::from_utf8(text).unwrap()
     };
     let csv = text(Format::Csv);
-    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(28, ',').last().unwrap()).collect();
+    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(32, ',').last().unwrap()).collect();
     assert_eq!(ends, ["part", "A-17", "\"4,\"\"5\"\"\"", ""]);
     let table = text(Format::Table);
     assert!(table.contains("  part A-17\n"), "{table}");
@@ -405,9 +405,18 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
     known.part = PartId::new(&[b'~'; shm_schemas::PART_BYTES]).unwrap();
     (known.stamp.frame_seq, known.stamp.captured_ns, known.stamp.sent_ns) = (4, 5, 6);
     (known.began_ns, known.ended_ns, known.decided_ns, known.early) = (7, 8, 9, 1);
+    (known.note, known.broken, known.broken_activity, known.broken_runs) = (4, 2, 10, 11);
     // Of another build: its numbers are kept as numbers.
-    let foreign =
-        Verdict { level: 77, outcome: 78, reason: 79, hand: 80, distance: 0.25, ..verdict(u64::MAX, 2) };
+    let foreign = Verdict {
+        level: 77,
+        outcome: 78,
+        reason: 79,
+        hand: 80,
+        note: 81,
+        broken: 82,
+        distance: 0.25,
+        ..verdict(u64::MAX, 2)
+    };
     bench.append(&known).unwrap();
     bench.append(&foreign).unwrap();
     let rows = bench.journal.rows_after(0, 10).unwrap();

@@ -6,7 +6,7 @@ use crate::statistics::median;
 use andon_core::anomaly::{self, Judge};
 use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
-use andon_core::input::{Frame, ObjectShape, Side};
+use andon_core::input::{Frame, ObjectShape, Point, Side};
 use andon_core::job::Job;
 use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::Verdict;
@@ -161,6 +161,20 @@ impl Run {
         &self.frames[index(began_ns)..index(ended_ns)]
     }
 
+    /// How far an activity moves the object that it begins with, in metres: no farther than that is seen away from where it is seen first,
+    /// nor than the hand is, in the middle half of the time. A hand that rests at an object which the other one moves does not move it.
+    pub(crate) fn moved_m(&self, activity: &Activity) -> f32 {
+        let (Some(first), Some(last)) = (activity.ius.first(), activity.ius.last()) else { return 0.0 };
+        let quarter_ns = (last.ended_ns - first.began_ns) / 4;
+        let middle = first.began_ns + quarter_ns..=last.ended_ns - quarter_ns;
+        let frames = || self.frames.iter().filter(|frame| middle.contains(&frame.captured_ns));
+        let objects = frames().flat_map(|frame| &frame.objects);
+        let hands = frames().flat_map(|frame| &frame.hands).filter(|hand| hand.side == activity.side);
+        let of_object =
+            objects.filter(|object| object.id == first.context.0[1]).map(|object| object.position);
+        extent_m(of_object).min(extent_m(hands.map(|hand| hand.middle_knuckle)))
+    }
+
     /// The verdicts that the live judge gives on this run, which is a whole job.
     ///
     /// # Errors
@@ -191,6 +205,12 @@ impl Run {
         };
         (0..phases).filter_map(at_phase).collect()
     }
+}
+
+/// How far these positions are away from the first one, at most, in metres.
+fn extent_m(mut positions: impl Iterator<Item = Point>) -> f32 {
+    let Some([x, y, z]) = positions.next() else { return 0.0 };
+    positions.map(|at| (at[0] - x).hypot(at[1] - y).hypot(at[2] - z)).fold(0.0, f32::max)
 }
 
 /// The verdicts of a judge that knows that these couples begin with a job.

@@ -79,7 +79,7 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
     assert!(matches!(refused(b"format = "), JobFault::Toml(_)));
     assert!(matches!(refused(good.replace("andon.job", "other").as_bytes()), JobFault::Format(_)));
     assert!(matches!(
-        refused(good.replacen("version = 1", "version = 99", 1).as_bytes()),
+        refused(good.replacen("version = 2", "version = 99", 1).as_bytes()),
         JobFault::Version(99)
     ));
     assert!(matches!(refused(invalid.to_toml().as_bytes()), JobFault::Invalid { .. }));

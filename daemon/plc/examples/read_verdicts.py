@@ -29,10 +29,11 @@ LEVELS = {1: "iu", 2: "activity", 3: "job"}
 OUTCOMES = {1: "ok", 2: "anomaly", 3: "not_judged"}
 REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong", "NotCompleted", "Unknown", "Blind",
            "Overload"]
+NOTES = [None, "Order", "Again", "OtherHand", "Step"]
 
 
 class Verdict(ctypes.Structure):
-    """`shm_schemas::Verdict`, 160 bytes."""
+    """`shm_schemas::Verdict`, 168 bytes."""
 
     _fields_ = [
         ("seq", ctypes.c_uint64),
@@ -52,6 +53,8 @@ class Verdict(ctypes.Structure):
         ("activity", ctypes.c_uint16),
         ("iu", ctypes.c_uint16),
         ("nearest", ctypes.c_uint16),
+        ("broken_activity", ctypes.c_uint16),
+        ("broken_runs", ctypes.c_uint16),
         ("level", ctypes.c_uint8),
         ("outcome", ctypes.c_uint8),
         ("reason", ctypes.c_uint8),
@@ -60,6 +63,9 @@ class Verdict(ctypes.Structure):
         ("station", ctypes.c_char * 16),
         ("part", ctypes.c_char * 32),
         ("captured_percent", ctypes.c_uint8),
+        ("note", ctypes.c_uint8),
+        ("broken", ctypes.c_uint8),
+        ("reserved", ctypes.c_uint8 * 2),
     ]
 
     @staticmethod
@@ -116,6 +122,7 @@ def as_dict(verdict):
         "distance": number(verdict.distance),
         "threshold": number(verdict.threshold),
         "nearest": index(verdict.nearest),
+        "note": NOTES[verdict.note] if verdict.note < len(NOTES) else None,
         "early": bool(verdict.early),
         "part": verdict.part.decode("ascii") or None,
         "latency_us": (time.clock_gettime_ns(time.CLOCK_MONOTONIC) - verdict.sent_ns) / 1000,

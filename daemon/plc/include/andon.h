@@ -90,6 +90,58 @@ enum AndonReason {
 };
 
 /**
+ * What was not shown before.
+ */
+enum AndonNote {
+  /**
+   * Nothing.
+   */
+  ANDON_NOTE_NONE = 0,
+  /**
+   * The activity came before another one that had come first in all runs that were shown.
+   */
+  ANDON_NOTE_ORDER = 1,
+  /**
+   * The activity was done already.
+   */
+  ANDON_NOTE_AGAIN = 2,
+  /**
+   * The other hand did it.
+   */
+  ANDON_NOTE_OTHER_HAND = 3,
+  /**
+   * No activity of the job is done so, and all its parts belong to the job.
+   */
+  ANDON_NOTE_STEP = 4,
+};
+
+/**
+ * How the order of the job was broken.
+ */
+enum AndonOrderFault {
+  /**
+   * It does not.
+   */
+  ANDON_ORDER_FAULT_NONE = 0,
+  /**
+   * It began before another one had begun.
+   */
+  ANDON_ORDER_FAULT_NOT_BEGUN = 1,
+  /**
+   * It began before another one had ended.
+   */
+  ANDON_ORDER_FAULT_NOT_ENDED = 2,
+  /**
+   * It began after another one.
+   */
+  ANDON_ORDER_FAULT_TOO_LATE = 3,
+  /**
+   * It was done already: the other one is itself.
+   */
+  ANDON_ORDER_FAULT_AGAIN = 4,
+};
+
+/**
  * Which hand.
  */
 enum AndonHand {
@@ -257,6 +309,14 @@ typedef struct AndonVerdict {
    */
   uint16_t nearest;
   /**
+   * Index of the other nominal activity of the order that was broken, or ANDON_NO_INDEX.
+   */
+  uint16_t broken_activity;
+  /**
+   * How many of the runs that were shown keep that order.
+   */
+  uint16_t broken_runs;
+  /**
    * An AndonLevel.
    */
   uint8_t level;
@@ -276,6 +336,14 @@ typedef struct AndonVerdict {
    * 1 if the verdict came before the IU ended, otherwise 0.
    */
   uint8_t early;
+  /**
+   * An AndonNote: what was not shown before and breaks no law.
+   */
+  uint8_t note;
+  /**
+   * An AndonOrderFault.
+   */
+  uint8_t broken;
   /**
    * Name of the station, zero-terminated.
    */

@@ -1,7 +1,7 @@
 //! `include/andon.h` and `REGISTERS.md` are what the code says.
 #![allow(clippy::unwrap_used)]
 
-use shm_schemas::{HandCode, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{HandCode, OrderFault, VerdictLevel, VerdictNote, VerdictOutcome, VerdictReason};
 use std::fs;
 use std::path::Path;
 
@@ -42,6 +42,8 @@ fn enums() -> String {
         c_enum("AndonLevel", "What is judged.", words!(VerdictLevel)),
         c_enum("AndonOutcome", "How it came out.", words!(VerdictOutcome)),
         c_enum("AndonReason", "The rule that decided.", words!(VerdictReason)),
+        c_enum("AndonNote", "What was not shown before.", words!(VerdictNote)),
+        c_enum("AndonOrderFault", "How the order of the job was broken.", words!(OrderFault)),
         c_enum("AndonHand", "Which hand.", words!(HandCode)),
     ]
     .join("\n\n")

@@ -8,7 +8,9 @@ use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
-use andon_core::job::{Around, Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range};
+use andon_core::job::{
+    Around, Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range,
+};
 
 /// Number of objects that the bytes can refer to.
 const KNOWN: u8 = 6;
@@ -39,10 +41,10 @@ pub fn couple_stream(bytes: &[u8]) {
         0 => LocalCost::Ordinal,
         _ => LocalCost::Circular { bins: method.bins },
     };
-    let order_matters = input.below(2) == 0;
+    let laws: Vec<Law> = (0..input.below(4)).map(|_| law(&mut input)).collect();
     let max_slowdown = 1.0 + input.below(3) as f32;
     let min_captured = input.below(3) as f32 / 2.0;
-    let job = Job { activities: &activities, order_matters, cost, max_slowdown, min_captured };
+    let job = Job { activities: &activities, laws: &laws, rests: &[6], cost, max_slowdown, min_captured };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {
@@ -67,6 +69,19 @@ fn method(input: &mut Input<'_>) -> Method {
         // With 0, a job ends in the first frame without a hand.
         idle_end_ms: 20 * u32::from(input.byte()),
         ..default
+    }
+}
+
+/// A law, which may be one that cannot be kept.
+fn law(input: &mut Input<'_>) -> Law {
+    let set = |bits: u8| (0..4).filter(|activity| bits >> activity & 1 == 1).collect();
+    Law {
+        after_begin: set(input.below(4)),
+        after_end: set(input.below(4)),
+        usually_after: set(input.below(4)),
+        is_required: input.below(4) > 0,
+        is_once: input.below(2) == 0,
+        runs: input.byte().into(),
     }
 }
 

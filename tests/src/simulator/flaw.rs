@@ -27,7 +27,7 @@ pub enum Flaw {
     Across,
     /// All strokes are there, at three times the speed.
     Rushed,
-    /// The left hand does all of it.
+    /// The left hand does all of it: a note, no anomaly.
     WrongHand,
     /// A pause of a second and a half while the brick is carried: no anomaly.
     Hesitation,
@@ -96,6 +96,7 @@ impl Flaw {
     pub const fn expected(self) -> Expected {
         match self {
             Self::None
+            | Self::WrongHand
             | Self::Hesitation
             | Self::Shifted
             | Self::Turned

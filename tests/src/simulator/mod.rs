@@ -8,6 +8,7 @@
 //! It shares no code with the method: the contacts in its labels come from the script, not from distances.
 
 mod activity;
+mod arm;
 mod bench;
 mod experiment;
 mod flaw;
@@ -17,6 +18,7 @@ mod noise;
 mod performance;
 mod person;
 mod script;
+mod two_hands;
 
 pub use activity::{Layout, perform_activity};
 pub use bench::{Bench, Part, PlannedPart, Pose};
@@ -28,6 +30,7 @@ pub use noise::Noise;
 pub use performance::Performance;
 pub use person::Person;
 pub use script::{Action, Labels, Script, TrueIu};
+pub use two_hands::{TwoHanded, perform_with_two_hands};
 
 use oorandom::Rand64;
 

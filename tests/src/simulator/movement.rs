@@ -108,9 +108,19 @@ struct Actor<'a> {
 }
 
 /// Progress of a minimum-jerk movement, 0 to 1, at a share of its duration, 0 to 1 (Flash and Hogan 1985).
-fn minimum_jerk(share: f64) -> f64 {
+pub(super) fn minimum_jerk(share: f64) -> f64 {
     let share = share.clamp(0.0, 1.0);
     share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share)
+}
+
+/// The direction of the fingers of a hand at this point: they point away from the shoulder, which is in front of the bench.
+pub(super) fn hand_yaw(side: Side, at: Vector) -> f64 {
+    let shoulder = match side {
+        Side::Right => [0.2, -0.55],
+        Side::Left => [-0.2, -0.55],
+    };
+    let away = subtract(at, shoulder);
+    away[1].atan2(away[0]) - std::f64::consts::FRAC_PI_2
 }
 
 impl Actor<'_> {
@@ -274,7 +284,7 @@ impl Actor<'_> {
         self.instants.push(Instant {
             time_s: self.now_s(),
             grip: self.grip,
-            hand_yaw: self.hand_yaw(),
+            hand_yaw: hand_yaw(self.side, self.grip.unwrap_or(self.bench.rest)),
             closed: self.closed,
             held: self.held.map(|(part, _)| part.id),
             poses: self.bench.parts.iter().map(|(part, pose)| (part.id, *pose)).collect(),
@@ -283,16 +293,6 @@ impl Actor<'_> {
 
     fn now_s(&self) -> f64 {
         self.instants.len() as f64 / self.rate_hz
-    }
-
-    /// The fingers point away from the shoulder, which is in front of the bench.
-    fn hand_yaw(&self) -> f64 {
-        let shoulder = match self.side {
-            Side::Right => [0.2, -0.55],
-            Side::Left => [-0.2, -0.55],
-        };
-        let away = subtract(self.grip.unwrap_or(self.bench.rest), shoulder);
-        away[1].atan2(away[0]) - std::f64::consts::FRAC_PI_2
     }
 
     /// Ends the contact of a held part with another one.

@@ -109,6 +109,8 @@ table! {
         "Set station.job, or let the PLC select a job";
     WARN 312 FRAME_OUT_OF_ORDER: "a frame came late, twice or out of order and was refused",
         "If it happens again and again, look at the camera's driver and at the load of the machine";
+    WARN 313 NOTE: "a step was done as nobody has shown it, and breaks no law",
+        "Look whether it was right; if it was, teach the job again with such a run too";
 
     INFO 401 JOURNAL_OPENED: "the journal is open", "";
     ERROR 402 DISK_FULL: "the journal cannot be written",

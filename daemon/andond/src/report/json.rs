@@ -1,11 +1,11 @@
 //! JSON lines. The names are an interface: programs outside read them.
 
 use andon_core::input::Side;
-use andon_core::verdict::{Level, Reason, Verdict};
+use andon_core::verdict::{BrokenOrder, Level, Reason, Verdict};
 use serde::Serialize;
 use shm_schemas::{PartId, verdict_kind};
 
-use crate::wire::verdict::{level, outcome, reason};
+use crate::wire::verdict::{level, note, order_fault, outcome, reason};
 
 /// Seconds on the recording's own time.
 fn seconds(ns: u64) -> f64 {
@@ -16,6 +16,20 @@ fn seconds(ns: u64) -> f64 {
 fn number(value: Option<f32>) -> Option<f64> {
     // Through the shortest decimal, so that 0.1 does not read 0.10000000149.
     value.filter(|value| value.is_finite()).and_then(|value| value.to_string().parse().ok())
+}
+
+/// The relation to another activity that was broken.
+#[derive(Debug, Serialize)]
+struct BrokenLine {
+    fault: &'static str,
+    activity: u16,
+    runs: u16,
+}
+
+impl BrokenLine {
+    fn new(BrokenOrder { fault, activity, runs }: BrokenOrder) -> Self {
+        Self { fault: order_fault(fault).name(), activity, runs }
+    }
 }
 
 /// One verdict.
@@ -36,6 +50,8 @@ pub struct VerdictLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     captured_percent: Option<u8>,
     nearest: Option<u16>,
+    broken: Option<BrokenLine>,
+    note: Option<&'static str>,
     early: bool,
     began_s: f64,
     ended_s: f64,
@@ -62,6 +78,8 @@ impl VerdictLine {
             threshold: number(verdict.threshold),
             captured_percent: verdict.captured_percent.filter(|_| verdict.reason == Reason::Overload),
             nearest: verdict.nearest,
+            broken: verdict.broken.map(BrokenLine::new),
+            note: verdict.note.map(|word| note(word).name()),
             early: verdict.early,
             began_s: seconds(verdict.began_ns),
             ended_s: seconds(verdict.ended_ns),
@@ -120,7 +138,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use andon_core::couple::Context;
-    use andon_core::verdict::Outcome;
+    use andon_core::verdict::{Note, OrderFault, Outcome};
 
     fn verdict() -> Verdict {
         Verdict {
@@ -135,6 +153,8 @@ mod tests {
             distance: Some(1.1),
             threshold: None,
             captured_percent: Some(98),
+            broken: None,
+            note: None,
             early: true,
             began_ns: 1_500_000_000,
             ended_ns: 2_000_000_000,
@@ -148,8 +168,18 @@ mod tests {
             serde_json::to_string(&VerdictLine::new(7, &verdict(), &PartId::new(b"A-17").unwrap())).unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
+    }
+
+    #[test]
+    fn a_broken_order_and_a_note_are_told_by_their_words() {
+        let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 2, runs: 6 };
+        let verdict = Verdict { broken: Some(broken), note: Some(Note::OtherHand), ..verdict() };
+        let line: serde_json::Value =
+            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE)).unwrap();
+        assert_eq!(line["broken"], serde_json::json!({"fault": "NotEnded", "activity": 2, "runs": 6}));
+        assert_eq!(line["note"], "OtherHand");
     }
 
     #[test]

@@ -4,17 +4,34 @@ use std::collections::HashMap;
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
+use andon_learn::job_file::JobFile;
 use andon_learn::recording::NamedObject;
 
-/// Names of the objects, by id.
+/// Names of the objects, by id, and of the steps of the job, by the number of the activity.
 #[derive(Clone, Debug, Default)]
-pub struct Names(HashMap<u16, String>);
+pub struct Names {
+    objects: HashMap<u16, String>,
+    steps: Vec<String>,
+}
 
 impl Names {
     /// Names by id; an object without a name is called by its number.
     pub fn new(names: impl IntoIterator<Item = (u16, String)>) -> Self {
-        Self(names.into_iter().collect())
+        Self { objects: names.into_iter().collect(), steps: Vec::new() }
+    }
+
+    /// The names of a job: its objects, and its steps, which are otherwise called by their numbers.
+    pub fn of_job(job: &JobFile) -> Self {
+        let objects = job.objects.iter().map(|object| (object.shape.id, object.name.clone()));
+        let steps = (0..job.steps.len()).map(|number| job.step_name(number)).collect();
+        Self { steps, ..Self::new(objects) }
+    }
+
+    /// The step that an activity of the job is, counted from 1.
+    fn step(&self, activity: u16) -> String {
+        let name = self.steps.get(usize::from(activity)).map(|name| format!(" ({name})")).unwrap_or_default();
+        format!("step {}{name}", activity + 1)
     }
 
     /// The names in the head of a recording, or in a job file.
@@ -24,7 +41,11 @@ impl Names {
 
     /// The name of object `id`.
     pub fn object(&self, id: u16) -> String {
-        self.0.get(&id).filter(|name| !name.is_empty()).cloned().unwrap_or_else(|| format!("object {id}"))
+        self.objects
+            .get(&id)
+            .filter(|name| !name.is_empty())
+            .cloned()
+            .unwrap_or_else(|| format!("object {id}"))
     }
 
     /// A context in words: which object is in which hand, or at which other object.
@@ -54,8 +75,11 @@ pub fn verdict_sentence(verdict: &Verdict, names: &Names) -> String {
         Outcome::NotJudged => "NOT JUDGED",
     };
     let mut line = format!("{:7.2} s  {hand:5}  {outcome:10}  {level}", verdict.decided_ns as f64 / 1e9);
-    if let Some(why) = because(verdict) {
+    if let Some(why) = because(verdict, names) {
         line += &format!(": {why}");
+    }
+    if let Some(note) = verdict.note {
+        line += &format!("; not shown before: {}, was it right?", note_words(note));
     }
     if verdict.early {
         line += ", decided early";
@@ -63,13 +87,39 @@ pub fn verdict_sentence(verdict: &Verdict, names: &Names) -> String {
     line
 }
 
-fn because(verdict: &Verdict) -> Option<String> {
+const fn note_words(note: Note) -> &'static str {
+    match note {
+        Note::Order => "this order",
+        Note::Again => "the same step again",
+        Note::OtherHand => "the other hand",
+        Note::Step => "a step with these parts",
+    }
+}
+
+fn broken_words(BrokenOrder { fault, activity, runs }: BrokenOrder, names: &Names) -> String {
+    let other = names.step(activity);
+    match fault {
+        OrderFault::NotBegun => {
+            format!("it began before {other} had begun; in all {runs} runs it came after")
+        }
+        OrderFault::NotEnded => {
+            format!("it began before {other} had ended; in all {runs} runs it came after")
+        }
+        OrderFault::TooLate => format!("it began after {other}; in all {runs} runs it came before"),
+        OrderFault::Again => format!("{other} was done already; in all {runs} runs it came once"),
+    }
+}
+
+fn because(verdict: &Verdict, names: &Names) -> Option<String> {
     let near =
         verdict.nearest.map(|nearest| format!(" of nominal activity {}", nearest + 1)).unwrap_or_default();
     Some(match verdict.reason {
         Reason::None => return None,
         Reason::WrongObject => "this object does not belong here".into(),
-        Reason::WrongOrder => "not now: it belongs elsewhere in the job".into(),
+        Reason::WrongOrder => match verdict.broken {
+            Some(broken) => broken_words(broken, names),
+            None => "not now: it belongs elsewhere in the job".into(),
+        },
         Reason::Motion => match (verdict.distance, verdict.threshold) {
             (Some(distance), Some(threshold)) => {
                 format!("not the motion{near}, distance {distance:.2} over {threshold:.2}")
@@ -110,6 +160,8 @@ mod tests {
             distance: Some(3.5),
             threshold: Some(2.25),
             captured_percent: Some(100),
+            broken: None,
+            note: None,
             early: true,
             began_ns: 0,
             ended_ns: 1_000_000_000,
@@ -119,6 +171,32 @@ mod tests {
             verdict_sentence(&verdict, &names),
             "   1.25 s  right  ANOMALY     activity 1 IU 2 (polisher at brick): not the motion of nominal activity 1, \
              distance 3.50 over 2.25, decided early"
+        );
+        let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 0, runs: 6 };
+        let names = Names { steps: vec!["left hand: box".to_string()], ..names };
+        let order = Verdict {
+            level: Level::Activity,
+            reason: Reason::WrongOrder,
+            broken: Some(broken),
+            early: false,
+            ..verdict
+        };
+        assert_eq!(
+            verdict_sentence(&order, &names),
+            "   1.25 s  right  ANOMALY     activity 1 (polisher at brick): it began before step 1 (left hand: box) had ended; \
+             in all 6 runs it came after"
+        );
+        let noted = Verdict {
+            level: Level::Job,
+            outcome: Outcome::Ok,
+            reason: Reason::None,
+            note: Some(Note::Again),
+            ..order
+        };
+        let noted = Verdict { side: None, broken: None, ..noted };
+        assert_eq!(
+            verdict_sentence(&noted, &names),
+            "   1.25 s         ok          job; not shown before: the same step again, was it right?"
         );
     }
 

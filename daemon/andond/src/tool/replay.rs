@@ -34,7 +34,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let mut recording = Recording::open(&arguments.recording, &config)?;
     compatibility::recording(&file, recording.header())
         .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
-    let names = Names::of_objects(&file.objects);
+    let names = Names::of_job(&file);
     let mut printer = Printer {
         names: &names,
         json: arguments.json,

@@ -37,6 +37,7 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let mut options = TeachOptions::new(&name, &today(), method);
     options.id = arguments.id;
     options.order_matters = arguments.order;
+    options.try_runs = true;
     if let Some(cost) = arguments.cost {
         options.cost = cost.local(method.bins);
     }

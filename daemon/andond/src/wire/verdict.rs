@@ -2,11 +2,11 @@
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
 use andon_ipc::UtcTime;
 use shm_schemas::{
-    HandCode, NO_INDEX, NO_PERCENT, PartId, STATION_BYTES, Verdict as Message, VerdictLevel, VerdictOutcome,
-    VerdictReason,
+    HandCode, NO_INDEX, NO_PERCENT, OrderFault as WireFault, PartId, STATION_BYTES, Verdict as Message,
+    VerdictLevel, VerdictNote, VerdictOutcome, VerdictReason,
 };
 
 /// What all verdicts on one job have in common.
@@ -54,6 +54,10 @@ pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut
     message.hand = verdict.side.map_or(HandCode::None, hand).code();
     message.early = u8::from(verdict.early);
     message.captured_percent = verdict.captured_percent.unwrap_or(NO_PERCENT);
+    message.note = verdict.note.map_or(VerdictNote::None, note).code();
+    message.broken = verdict.broken.map_or(WireFault::None, |broken| order_fault(broken.fault)).code();
+    message.broken_activity = none(verdict.broken.map(|broken| broken.activity));
+    message.broken_runs = verdict.broken.map_or(0, |broken| broken.runs);
 }
 
 /// Converts an enum of the method to the same enum on the wire and back, by one list of the variants that both have.
@@ -77,6 +81,46 @@ twins!(
     None WrongObject WrongOrder Motion TooShort TooLong NotCompleted Unknown Blind Overload
 );
 
+/// The note as it travels.
+pub(crate) const fn note(note: Note) -> VerdictNote {
+    match note {
+        Note::Order => VerdictNote::Order,
+        Note::Again => VerdictNote::Again,
+        Note::OtherHand => VerdictNote::OtherHand,
+        Note::Step => VerdictNote::Step,
+    }
+}
+
+const fn note_of_method(note: VerdictNote) -> Option<Note> {
+    match note {
+        VerdictNote::None => None,
+        VerdictNote::Order => Some(Note::Order),
+        VerdictNote::Again => Some(Note::Again),
+        VerdictNote::OtherHand => Some(Note::OtherHand),
+        VerdictNote::Step => Some(Note::Step),
+    }
+}
+
+/// What was broken of the order, as it travels.
+pub(crate) const fn order_fault(fault: OrderFault) -> WireFault {
+    match fault {
+        OrderFault::NotBegun => WireFault::NotBegun,
+        OrderFault::NotEnded => WireFault::NotEnded,
+        OrderFault::TooLate => WireFault::TooLate,
+        OrderFault::Again => WireFault::Again,
+    }
+}
+
+const fn order_fault_of_method(fault: WireFault) -> Option<OrderFault> {
+    match fault {
+        WireFault::None => None,
+        WireFault::NotBegun => Some(OrderFault::NotBegun),
+        WireFault::NotEnded => Some(OrderFault::NotEnded),
+        WireFault::TooLate => Some(OrderFault::TooLate),
+        WireFault::Again => Some(OrderFault::Again),
+    }
+}
+
 const fn hand(side: Side) -> HandCode {
     match side {
         Side::Right => HandCode::Right,
@@ -97,6 +141,8 @@ pub(super) const fn side(hand: HandCode) -> Option<Side> {
 pub fn read(message: &Message) -> Option<Verdict> {
     let index = |value: u16| (value != NO_INDEX).then_some(value);
     let number = |value: f32| (!value.is_nan()).then_some(value);
+    let fault = order_fault_of_method(message.broken.try_into().ok()?);
+    let (activity, runs) = (message.broken_activity, message.broken_runs);
     Some(Verdict {
         level: level_of_method(message.level().ok()?),
         outcome: outcome_of_method(message.outcome().ok()?),
@@ -109,6 +155,8 @@ pub fn read(message: &Message) -> Option<Verdict> {
         distance: number(message.distance),
         threshold: number(message.threshold),
         captured_percent: (message.captured_percent != NO_PERCENT).then_some(message.captured_percent),
+        broken: fault.map(|fault| BrokenOrder { fault, activity, runs }),
+        note: note_of_method(message.note.try_into().ok()?),
         early: message.early != 0,
         began_ns: message.began_ns,
         ended_ns: message.ended_ns,
@@ -125,11 +173,15 @@ mod tests {
     fn every_verdict_comes_out_of_shared_memory_as_it_went_in() {
         let part = PartId::new(b"A-17").unwrap();
         let sender = Sender { job_id: 1, model_hash: 2, station: station_name("bench1"), part };
+        let notes = VerdictNote::ALL.iter().copied().map(note_of_method);
+        let faults = WireFault::ALL.iter().copied().map(order_fault_of_method);
+        let mut orders = notes.zip(faults).cycle();
         for outcome in VerdictOutcome::ALL.iter().copied().map(outcome_of_method) {
             for reason in VerdictReason::ALL.iter().copied().map(reason_of_method) {
                 for (level, side) in
                     [(Level::Iu, Some(Side::Right)), (Level::Activity, Some(Side::Left)), (Level::Job, None)]
                 {
+                    let (note, fault) = orders.next().unwrap();
                     let verdict = Verdict {
                         level,
                         outcome,
@@ -142,6 +194,8 @@ mod tests {
                         distance: side.map(|_| 1.5),
                         threshold: None,
                         captured_percent: side.map(|_| 40),
+                        broken: fault.map(|fault| BrokenOrder { fault, activity: 9, runs: 10 }),
+                        note,
                         early: true,
                         began_ns: 6,
                         ended_ns: 7,

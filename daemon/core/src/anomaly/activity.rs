@@ -3,12 +3,12 @@
 use super::alignment::Alignment;
 use super::places::{Junction, Places};
 use super::progress::Progress;
-use super::set::ActivitySet;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
-use crate::verdict::Reason;
+use crate::set::ActivitySet;
+use crate::verdict::{BrokenOrder, Note, Reason};
 use heapless::Vec;
 
 /// What the IUs of an activity are judged against.
@@ -24,11 +24,28 @@ pub(super) enum Against {
     Following(Option<usize>),
 }
 
+/// Whose work an activity is, as far as its first IU shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// The job has it, by this hand. What the other hand does otherwise than this one was shown is a step that was not shown.
+    Shown(Side),
+    /// No activity of the job begins so, and all its parts belong to the job: a hand that rests, steadies or helps. It is not judged
+    /// against anything.
+    NotShown,
+    /// The job has nothing to do with its parts.
+    Foreign,
+}
+
 /// An open activity.
 #[derive(Clone, Debug)]
 pub(super) struct OpenActivity {
     /// Its number in the job, from 0.
     pub(super) number: u16,
+    pub(super) step: Step,
+    /// What was not shown before in that it comes now.
+    pub(super) order_note: Option<Note>,
+    /// The relation to another activity that it breaks.
+    pub(super) broken: Option<BrokenOrder>,
     /// The context of its first IU.
     pub(super) context: Context,
     pub(super) began_ns: u64,
@@ -62,13 +79,23 @@ pub(super) struct OpenActivity {
 
 impl OpenActivity {
     /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier.
-    pub(super) fn new(number: u16, context: Context, began_ns: u64, hidden: u32, job: &Job<'_>) -> Self {
+    pub(super) fn new(
+        number: u16,
+        step: Step,
+        context: Context,
+        began_ns: u64,
+        hidden: u32,
+        job: &Job<'_>,
+    ) -> Self {
         let places = core::array::from_fn(|nominal| {
             let nominal = job.activities.get(nominal);
             nominal.map_or(Places::NONE, |nominal| Places::new(hidden, nominal.ius))
         });
         Self {
             number,
+            step,
+            order_note: None,
+            broken: None,
             context,
             began_ns,
             ended_ns: began_ns,
@@ -200,11 +227,32 @@ impl OpenActivity {
         self.nearest = nominal.or(self.nearest);
     }
 
-    /// The candidate whose last IU has been reached. Of several, one that is not out of order comes first, then the nearest.
+    /// What was not shown before in this activity of a hand.
+    pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
+        match self.step {
+            Step::NotShown => (!job.rests.contains(&self.context.0[1])).then_some(Note::Step),
+            Step::Shown(shown) if shown != side => Some(Note::OtherHand),
+            _ => self.order_note,
+        }
+    }
+
+    /// The context as if the hand that was shown had done it.
+    pub(super) fn as_shown(&self, context: Context) -> Context {
+        match self.step {
+            Step::Shown(side) => context.by_hand(side),
+            Step::NotShown | Step::Foreign => context,
+        }
+    }
+
+    /// The candidate whose last IU has been reached, but for a release state, which leaves nothing to do. Of several, one that is not out
+    /// of order comes first, then the nearest.
     pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
-        let has_ended = |nominal: &usize| progress.job.activities[*nominal].ius.len() == self.index;
+        let has_ended = |nominal: &usize| {
+            let ius = progress.job.activities[*nominal].ius;
+            ius.get(self.index..).is_some_and(|rest| rest.iter().all(|iu| iu.context.is_release()))
+        };
         self.candidates().iter().filter(has_ended).min_by(|one, other| {
-            let is_out_of_order = |nominal: &usize| progress.is_out_of_order(side, *nominal);
+            let is_out_of_order = |nominal: &usize| progress.order_fault(side, *nominal).is_some();
             is_out_of_order(one)
                 .cmp(&is_out_of_order(other))
                 .then(self.ratios[*one].total_cmp(&self.ratios[*other]))

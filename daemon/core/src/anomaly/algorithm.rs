@@ -1,23 +1,28 @@
 //! Algorithm 1 of the paper (III-D) for the activities of one hand.
 
-use super::activity::{Against, OpenActivity, context_reason};
+use super::activity::{Against, OpenActivity, Step, context_reason};
 use super::comparison::{Extent, Memory};
 use super::hand::{Finding, HandJudge, OpenIu};
 use super::progress::Progress;
-use super::set::ActivitySet;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion};
 use crate::segment::{Iu, Measures, Segmenter};
+use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason, Verdict};
 use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
         let hidden = self.watch.hidden_before_activity(context);
-        let number = progress.next_activity();
-        let activity = OpenActivity::new(number, context, began_ns, hidden, progress.job);
+        let step = match progress.shown_hand(self.side, context) {
+            Some(side) => Step::Shown(side),
+            None if progress.has_parts_of(context) => Step::NotShown,
+            None => Step::Foreign,
+        };
+        let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
+        let activity = OpenActivity::new(number, step, context, began_ns, hidden, progress.job);
         if activity.is_beginning_seen(progress.job) {
-            progress.set_start_seen(context);
+            progress.set_start_seen(activity.as_shown(context));
         }
         self.activity = Some(activity);
     }
@@ -25,12 +30,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
-        progress.set_hidden(self.watch.hidden_frames());
+        let hidden = self.watch.hidden_frames();
+        progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
         if let Some(activity) = &mut self.activity {
             activity.add_hidden(self.watch.newly_hidden());
             // An IU that began in doubt is confirmed elsewhere.
             if self.watch.is_certain() && self.iu.is_none_or(|iu| iu.is_certain) {
-                activity.resume(progress.job, couple.context);
+                activity.resume(progress.job, activity.as_shown(couple.context));
             }
         }
     }
@@ -46,7 +52,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
         let is_certain = !self.watch.is_doubtful();
-        let number = activity.next_iu(job, context, self.watch.hidden_before());
+        let number = activity.next_iu(job, activity.as_shown(context), self.watch.hidden_before());
         let may_be_rest = number == 0 && self.watch.may_be_rest;
         self.watch.may_be_rest = false;
         self.iu = Some(OpenIu {
@@ -84,11 +90,29 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &self.activity else { return };
         match activity.against {
+            _ if activity.step == Step::NotShown => {
+                self.conclude_not_shown(couple, progress, emit);
+                return;
+            }
             Against::Candidates(_) => self.begin_with_candidates(couple, progress, emit),
             Against::Following(nominal) => self.begin_following(nominal, couple, progress, emit),
         }
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         progress.set_underway(self.side, candidates);
+    }
+
+    fn conclude_not_shown(
+        &mut self,
+        couple: &Couple,
+        progress: &mut Progress<'a>,
+        emit: &mut impl FnMut(Verdict),
+    ) {
+        if couple.is_in_sight() {
+            let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown(true) };
+            self.conclude_iu(finding, progress, emit);
+        } else {
+            self.conclude_unjudged(Reason::Blind, progress, emit);
+        }
     }
 
     fn begin_with_candidates(
@@ -98,7 +122,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let Some(activity) = &mut self.activity else { return };
-        let (job, context) = (progress.job, couple.context);
+        let (job, context) = (progress.job, activity.as_shown(couple.context));
         let agreeing = activity.agreeing(job, context);
         if agreeing.is_empty() {
             let nominal = activity.nearest_elsewhere(job, context);
@@ -126,7 +150,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let Some(activity) = &mut self.activity else { return };
-        let (job, context) = (progress.job, couple.context);
+        let (job, context) = (progress.job, activity.as_shown(couple.context));
         let nominal = activity.nearest_by_context(job, nominal);
         activity.follow(nominal);
         if activity.is_astray() && activity.may_be_right() {
@@ -308,21 +332,34 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.iu.is_some_and(is_overloaded) { Reason::Overload } else { Reason::Blind }
     }
 
-    /// Concludes that the activity is out of order, as soon as every candidate is.
-    fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        let Some(activity) = &self.activity else { return };
+    /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
+    pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+        // A hand that was not shown to do it may only rest there.
+        let accuses_nobody = self.accuses_nobody();
+        let Some(activity) = &mut self.activity else { return };
         let Against::Candidates(candidates) = activity.against else { return };
-        if activity.is_concluded || !activity.is_place_certain() {
+        if activity.is_concluded || accuses_nobody || !activity.is_place_certain() {
             return;
         }
-        if candidates.iter().all(|nominal| progress.is_out_of_order(self.side, nominal)) {
-            let nominal = candidates.lowest();
-            self.conclude_activity(Outcome::Anomaly, Reason::WrongOrder, nominal, true, progress, emit);
+        let mut faults = candidates.iter().map(|nominal| progress.order_fault(self.side, nominal));
+        if let Some(broken) = faults.try_fold(None, |first, fault| Some(first.or(Some(fault?)))) {
+            activity.broken = broken;
+            self.conclude_activity(
+                Outcome::Anomaly,
+                Reason::WrongOrder,
+                candidates.lowest(),
+                true,
+                progress,
+                emit,
+            );
+            return;
         }
+        let mut notes = candidates.iter().map(|nominal| progress.order_note(self.side, nominal));
+        let note = notes.try_fold(None, |first, note| Some(first.or(Some(note?)))).flatten();
+        activity.order_note = activity.order_note.or(note);
     }
 
-    /// Decides on the activity after all events of one frame for both hands: that it is out of order, or, if no candidate can go
-    /// on, that it is right.
+    /// Decides on the activity after all events of one frame for both hands: that it is right, if no candidate can go on.
     pub(super) fn settle(
         &mut self,
         segmenter: &mut Segmenter,
@@ -330,7 +367,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         progress.set_waiting(self.side, None);
-        self.check_order(progress, emit);
         if !self.is_resting() {
             return;
         }
@@ -338,7 +374,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let job = progress.job;
         if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
-            segmenter.activity_matched(&activity.possible_continuations(job));
+            segmenter.activity_matched(&self.by_this_hand(activity.possible_continuations(job)));
             if activity.is_astray() {
                 let (nearest, reason) = (activity.nearest, activity.unjudged_reason.unwrap_or(Reason::Blind));
                 self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
@@ -352,12 +388,18 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             .filter_map(|nominal| job.activities[nominal].ius.get(activity.index))
             .map(|iu| iu.context)
             .collect();
-        segmenter.activity_matched(&continuations);
+        segmenter.activity_matched(&self.by_this_hand(continuations.clone()));
         if continuations.is_empty() {
             self.conclude_matched(nominal, true, progress, emit);
         } else if !activity.is_concluded {
             progress.set_waiting(self.side, Some(nominal));
         }
+    }
+
+    /// These contexts as this hand would have them.
+    fn by_this_hand(&self, mut contexts: Vec<Context, ACTIVITIES>) -> Vec<Context, ACTIVITIES> {
+        contexts.iter_mut().for_each(|context| *context = context.by_hand(self.side));
+        contexts
     }
 
     /// The activity has ended.

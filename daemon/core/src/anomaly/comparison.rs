@@ -3,7 +3,6 @@
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
-use crate::input::Side;
 use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
 use crate::segment::{FRAMES_PER_REVERSAL, Measures};
 use crate::verdict::Reason;
@@ -107,16 +106,16 @@ impl<'a, M> Memory<'a> for M where
 {
 }
 
-/// The maximum number of comparisons of this hand at the same time: how many nominal activities of the job have an IU in the same
-/// context.
-pub(super) fn needed(job: &Job<'_>, side: Side) -> usize {
+/// The maximum number of comparisons of a hand at the same time: how many nominal activities of the job have an IU in the same
+/// context. Either hand may do what the other one was shown to do.
+pub(super) fn needed(job: &Job<'_>) -> usize {
     let contexts = job.activities.iter().flat_map(|nominal| nominal.ius).map(|iu| iu.context);
-    let of_hand = contexts.filter(|context| context.0[0] == side as u16);
+    let touches = contexts.filter(|context| context.is_touch());
     let sharing = |context: Context| {
         let has = |nominal: &&NominalActivity<'_>| nominal.ius.iter().any(|iu| iu.context == context);
         job.activities.iter().filter(has).count()
     };
-    of_hand.map(sharing).max().unwrap_or(0)
+    touches.map(sharing).max().unwrap_or(0)
 }
 
 /// The comparisons of the open IU with all nominal IUs that it can be.
@@ -130,12 +129,12 @@ pub(super) struct Comparisons<'a, M> {
 }
 
 impl<'a, M: Memory<'a>> Comparisons<'a, M> {
-    /// Makes room for as many comparisons as this hand can have at the same time. The references have been checked.
-    pub(super) fn new(job: &'a Job<'a>, side: Side) -> Self {
+    /// Makes room for as many comparisons as a hand can have at the same time. The references have been checked.
+    pub(super) fn new(job: &'a Job<'a>) -> Self {
         let costs = LocalCosts::new(job.cost);
         let touch = job.activities.iter().flat_map(|nominal| nominal.ius).find(|iu| iu.context.is_touch());
         let spare = touch.and_then(|iu| OnlineDtw::new(&costs, iu.reference).ok());
-        let distances = spare.iter().cycle().take(needed(job, side)).cloned().collect();
+        let distances = spare.iter().cycle().take(needed(job)).cloned().collect();
         Self { comparisons: Vec::new(), distances, max_slowdown: job.max_slowdown }
     }
 

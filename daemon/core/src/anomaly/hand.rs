@@ -1,14 +1,14 @@
 //! The judge of one hand: its open activity and IU, and their verdicts, each given once.
 
-use super::activity::OpenActivity;
+use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Extent, Memory};
 use super::progress::Progress;
-use super::set::ActivitySet;
 use super::watch::Watch;
 use crate::config::Method;
 use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
+use crate::set::ActivitySet;
 use crate::verdict::{Level, Outcome, Reason, Verdict};
 
 /// An open IU.
@@ -59,15 +59,16 @@ pub(super) struct Finding {
     pub(super) early: bool,
 }
 
+impl Finding {
+    /// What is done otherwise than shown by a hand that was not shown to do it.
+    pub(super) fn not_shown(early: bool) -> Self {
+        Self { outcome: Outcome::Ok, reason: Reason::None, nominal: None, result: None, early }
+    }
+}
+
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn new(side: Side, job: &'a Job<'a>, method: &Method) -> Self {
-        Self {
-            side,
-            watch: Watch::new(method),
-            comparisons: Comparisons::new(job, side),
-            activity: None,
-            iu: None,
-        }
+        Self { side, watch: Watch::new(method), comparisons: Comparisons::new(job), activity: None, iu: None }
     }
 
     /// Nothing is known of what the hand does from now on.
@@ -78,9 +79,19 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// No IU is open in which the hand acts: there is none, or only a release state.
+    /// No IU is open in which the hand acts: there is none, or only a release state, or one of a step that was not shown.
     pub(super) fn is_resting(&self) -> bool {
-        self.iu.is_none_or(|iu| iu.is_concluded && iu.context.is_release())
+        let is_not_shown = self.activity.as_ref().is_some_and(|activity| activity.step == Step::NotShown);
+        self.iu.is_none_or(|iu| iu.is_concluded && (is_not_shown || iu.context.is_release()))
+    }
+
+    /// What the hand does was not shown to be done by it, so nothing in it is wrong.
+    pub(super) fn accuses_nobody(&self) -> bool {
+        self.activity.as_ref().is_some_and(|activity| match activity.step {
+            Step::Shown(side) => side != self.side,
+            Step::NotShown => true,
+            Step::Foreign => false,
+        })
     }
 
     /// Everything that is open has its verdict.
@@ -136,13 +147,15 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let Some(activity) = &self.activity else { return };
+        let broken = progress.order_fault(self.side, nominal);
+        let Some(activity) = &mut self.activity else { return };
+        activity.broken = activity.broken.or(broken);
         let unjudged_reason = activity.unjudged_reason;
         let is_place_certain = activity.is_place_certain();
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if !progress.is_out_of_order(self.side, nominal) => (Outcome::Ok, Reason::None, early),
+            None if broken.is_none() => (Outcome::Ok, Reason::None, early),
             None if is_place_certain => (Outcome::Anomaly, Reason::WrongOrder, false),
             None => (Outcome::NotJudged, Reason::Blind, early),
         };
@@ -159,12 +172,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
+        let is_wrong = finding.outcome == Outcome::Anomaly;
+        let accuses_nobody = self.accuses_nobody();
         let (Some(iu), Some(activity)) = (&mut self.iu, &self.activity) else { return };
         if iu.is_concluded {
             return;
         }
         iu.is_concluded = true;
-        let Finding { outcome, reason, nominal, result, early } = finding;
+        let Finding { outcome, reason, nominal, result, early } = match finding {
+            Finding { early, .. } if is_wrong && accuses_nobody => Finding::not_shown(early),
+            finding => finding,
+        };
         emit(Verdict {
             level: Level::Iu,
             outcome,
@@ -177,13 +195,34 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             distance: result.map(|result| result.distance as f32),
             threshold: result.map(|result| result.threshold),
             captured_percent: iu.captured_percent(),
+            broken: None,
+            note: None,
             early,
             began_ns: iu.began_ns,
             ended_ns: progress.now_ns,
             decided_ns: progress.known_ns,
         });
-        if outcome == Outcome::Anomaly {
-            self.conclude_activity(outcome, reason, nominal, true, progress, emit);
+        if is_wrong {
+            self.conclude_activity(Outcome::Anomaly, reason, nominal, true, progress, emit);
+        }
+    }
+
+    /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
+    fn without_accusation(
+        &mut self,
+        outcome: Outcome,
+        reason: Reason,
+        nominal: Option<usize>,
+    ) -> (Outcome, Reason, Option<usize>) {
+        let accuses_nobody = self.accuses_nobody();
+        match &mut self.activity {
+            Some(activity) if outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none() => {
+                activity.step = Step::NotShown;
+                let unjudged = activity.unjudged_reason;
+                unjudged
+                    .map_or((Outcome::Ok, Reason::None, None), |reason| (Outcome::NotJudged, reason, None))
+            }
+            _ => (outcome, reason, nominal),
         }
     }
 
@@ -197,11 +236,18 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let Some(activity) = self.activity.as_mut().filter(|activity| !activity.is_concluded) else { return };
+        if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
+            return;
+        }
+        let (outcome, reason, nominal) = self.without_accusation(outcome, reason, nominal);
+        let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
+        let note = activity.note(self.side, progress.job);
+        let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
+        progress.set_note(note);
         match outcome {
             Outcome::Ok => {}
-            Outcome::Anomaly => progress.set_wrong(nominal, reason),
+            Outcome::Anomaly => progress.set_wrong(nominal, reason, broken),
             Outcome::NotJudged => progress.set_unjudged(nominal, reason),
         }
         emit(Verdict {
@@ -216,6 +262,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             distance: None,
             threshold: None,
             captured_percent: None,
+            broken,
+            note,
             early,
             began_ns: activity.began_ns,
             // After an early anomaly the activity still continues.

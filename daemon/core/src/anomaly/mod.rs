@@ -15,7 +15,10 @@
 //! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold, or, where motions say nothing, with the
 //!   fewest edits.
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
-//! - *Out of order*: an activity that was done already, or before which another one must come.
+//! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)): another one must have begun or ended before it, or
+//!   it must not come again.
+//! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
+//!   whether it was right. So does another order, a repetition or another hand that was not shown.
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
 //! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]). What may be explained
@@ -59,7 +62,6 @@ mod hand;
 mod measure;
 mod places;
 mod progress;
-mod set;
 mod watch;
 
 pub use comparison::Memory;
@@ -100,6 +102,11 @@ pub enum Unusable {
         /// Index of the IU in the activity, from 0.
         iu: usize,
     },
+    /// The number of an activity is [`ACTIVITIES`] or more, its law names one that the job does not have, or laws put it behind itself.
+    Law {
+        /// The number of the activity.
+        activity: u16,
+    },
     /// More than [`COMPARISONS`] nominal activities have an IU in the same context.
     Comparisons {
         /// How many have.
@@ -125,6 +132,11 @@ impl core::fmt::Display for Unusable {
                 f,
                 "IU {iu} of nominal activity {nominal} is damaged (idle context, a reference of 0 or over {IU_FRAMES} \
                  frames, a threshold below 0, or a minimum above its maximum): teach the job again"
+            ),
+            Self::Law { activity } => write!(
+                f,
+                "the law of activity {activity} cannot be kept (a number of {ACTIVITIES} or more, another activity that there is not, or \
+                 a circle): teach the job again"
             ),
             Self::Comparisons { needed } => write!(
                 f,
@@ -188,7 +200,7 @@ impl<'a> Judge<'a> {
     /// If a constant or a part of the job cannot be used, or the job needs more comparisons.
     pub fn new(job: &'a Job<'a>, method: Method) -> Result<Self, Unusable> {
         check(job)?;
-        let needed = Side::ALL.map(|side| comparison::needed(job, side)).into_iter().max().unwrap_or(0);
+        let needed = comparison::needed(job);
         if needed > COMPARISONS {
             return Err(Unusable::Comparisons { needed });
         }
@@ -239,7 +251,10 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             segmenter.begins_activity(couple)
                 && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed)
         });
-        segmenter.job_matched(bench.progress.is_matched() || begins_next_job);
+        let mut touches = couples.hands.iter().filter(|couple| segmenter.begins_activity(couple)).peekable();
+        let goes_on = touches.peek().is_some()
+            && touches.all(|couple| bench.progress.goes_on_with(couple.context, is_disturbed));
+        segmenter.job_matched(bench.progress.is_matched() && !goes_on || begins_next_job);
         segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
         let Bench { hands, progress } = bench;
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
@@ -250,6 +265,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
             hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
         }
+        hands.iter_mut().for_each(|hand| hand.check_order(progress, emit_verdict));
         if hands.iter().all(|hand| hand.is_concluded()) {
             progress.conclude(false, emit_verdict);
         }
@@ -334,7 +350,7 @@ fn check(job: &Job<'_>) -> Result<(), Unusable> {
             return Err(Unusable::Iu { nominal, iu });
         }
     }
-    Ok(())
+    job.misplaced().map_or(Ok(()), |activity| Err(Unusable::Law { activity }))
 }
 
 fn is_usable(iu: &NominalIu<'_>) -> bool {

@@ -1,15 +1,22 @@
-//! The job level: which nominal activities are done, which are missing, and in which order they came.
+//! The job level: which activities have come, which are missing, and in which order they came.
 
-use super::set::ActivitySet;
 use crate::capacity::HANDS;
 use crate::couple::Context;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
-use crate::verdict::{Level, Outcome, Reason, Verdict};
+use crate::set::ActivitySet;
+use crate::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
 
-/// The progress of the open job, and the time.
-///
-/// Several nominal activities may be variants of the same activity. The sets here hold the first variant for all of them.
+/// The first fault of a job.
+#[derive(Clone, Copy, Debug)]
+struct Fault {
+    reason: Reason,
+    /// The number of the activity that is nearest to it.
+    nearest: Option<u16>,
+    broken: Option<BrokenOrder>,
+}
+
+/// The progress of the open job, and the time. Its sets have the numbers of activities, not those of nominal ones.
 #[derive(Clone, Debug)]
 pub(super) struct Progress<'a> {
     pub(super) job: &'a Job<'a>,
@@ -20,6 +27,8 @@ pub(super) struct Progress<'a> {
     began_ns: u64,
     /// How many activities have begun.
     activities: u16,
+    /// How many of them are steps of the job, as far as their first IU shows.
+    steps: u16,
     /// Activities that were done right.
     done: ActivitySet,
     /// Activities that were done but not judged.
@@ -30,18 +39,25 @@ pub(super) struct Progress<'a> {
     waiting: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
     underway: [ActivitySet; HANDS],
-    /// Whether nothing of the job can have happened before what was seen of it.
+    /// For each hand, when its newest activity began.
+    newest_ns: [u64; HANDS],
+    /// For each hand, whether what it does now is not seen.
+    is_hidden: [bool; HANDS],
+    /// Nothing of the job can have happened before what was seen of it, or its first activity was one with which a job begins.
     is_start_seen: bool,
+    /// The activities that may have come before the first one that was seen.
+    may_precede: ActivitySet,
     /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
     hidden_frames: u32,
     /// An activity was not seen well enough to say which one it is.
     is_doubtful: bool,
-    /// The reason of the first fault, and the number of the nominal activity that is nearest to it.
-    fault: Option<(Reason, Option<u16>)>,
+    fault: Option<Fault>,
     /// The first reason why something was not judged.
     unjudged_reason: Option<Reason>,
+    /// The first note.
+    note: Option<Note>,
     /// A job has begun and has no verdict yet.
     is_open: bool,
 }
@@ -54,27 +70,34 @@ impl<'a> Progress<'a> {
             known_ns: 0,
             began_ns: 0,
             activities: 0,
+            steps: 0,
             done: ActivitySet::EMPTY,
             unjudged: ActivitySet::EMPTY,
             wrong: ActivitySet::EMPTY,
             waiting: [ActivitySet::EMPTY; HANDS],
             underway: [ActivitySet::EMPTY; HANDS],
+            newest_ns: [0; HANDS],
+            is_hidden: [false; HANDS],
             is_start_seen: false,
+            may_precede: ActivitySet::EMPTY,
             is_start_expected: false,
             hidden_frames: 0,
             is_doubtful: false,
             fault: None,
             unjudged_reason: None,
+            note: None,
             is_open: false,
         }
     }
 
     pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool) {
+        let is_start_seen = is_start_seen || self.is_start_expected;
         *self = Self {
             began_ns,
             now_ns: self.now_ns,
             known_ns: self.known_ns,
-            is_start_seen: is_start_seen || self.is_start_expected,
+            is_start_seen,
+            may_precede: if is_start_seen { ActivitySet::EMPTY } else { self.all() },
             hidden_frames: self.hidden_frames,
             is_open: true,
             ..Self::new(self.job)
@@ -93,9 +116,10 @@ impl<'a> Progress<'a> {
         self.is_start_expected = true;
     }
 
-    /// A hand has been hidden for this long.
-    pub(super) fn set_hidden(&mut self, frames: u32) {
+    /// A hand is hidden or not, and has been for this long up to now.
+    pub(super) fn set_hidden(&mut self, side: Side, frames: u32, is_hidden: bool) {
         self.hidden_frames = self.hidden_frames.max(frames);
+        self.is_hidden[side.index()] = is_hidden;
     }
 
     /// An activity came that was not seen well enough to say which one it is.
@@ -103,15 +127,17 @@ impl<'a> Progress<'a> {
         self.is_doubtful = true;
     }
 
-    /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is the job's first.
+    /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is one of the job's first.
     pub(super) fn set_start_seen(&mut self, context: Context) {
         self.begin_seen_with(self.opening(context));
     }
 
     /// The newest activity is one of these. If it is the first that came, and one with which a job begins, the start was seen.
     fn begin_seen_with(&mut self, activities: ActivitySet) {
-        let is_first = !self.job.order_matters || activities.intersects(self.first());
-        self.is_start_seen |= is_first && self.activities == 1;
+        if self.steps == 1 && activities.intersects(self.first()) && !self.is_start_seen {
+            self.is_start_seen = true;
+            self.may_precede = self.all().without(activities | self.behind(activities));
+        }
     }
 
     /// The activities that begin with the hand and object of this context.
@@ -119,19 +145,57 @@ impl<'a> Progress<'a> {
         let opening = |context: Context| [context.0[0], context.0[1]];
         let opens =
             |ius: &[NominalIu<'_>]| ius.first().map(|iu| opening(iu.context)) == Some(opening(context));
-        let all = self.job.activities.iter().enumerate();
-        self.first_variants(all.filter(|(_, nominal)| opens(nominal.ius)).map(|(index, _)| index))
+        let all = self.job.activities.iter().filter(|nominal| opens(nominal.ius));
+        all.map(|nominal| usize::from(nominal.activity)).collect()
     }
 
-    /// The first activity of the job.
+    /// The hand that was shown to begin an activity with this context: this one, or the other one if what that does there is still to come.
+    pub(super) fn shown_hand(&self, side: Side, context: Context) -> Option<Side> {
+        let other = side.other();
+        let of_other = self.opening(context.by_hand(other));
+        if !self.opening(context).is_empty() {
+            Some(side)
+        } else if !of_other.without(self.tried() | self.underway[other.index()]).is_empty() {
+            Some(other)
+        } else {
+            None
+        }
+    }
+
+    /// Whether all objects of this context belong to the job.
+    pub(super) fn has_parts_of(&self, context: Context) -> bool {
+        let has = |id: u16| {
+            let mut ius = self.job.activities.iter().flat_map(|nominal| nominal.ius);
+            ius.any(|iu| iu.context.0[1..].contains(&id))
+        };
+        context.0[1..].iter().all(|id| *id == 0 || self.job.rests.contains(id) || has(*id))
+    }
+
+    /// The activities with which a job may begin: those that no law puts behind another one.
     fn first(&self) -> ActivitySet {
-        self.all().iter().filter(|index| self.number(*index) == Some(0)).collect()
+        self.all().iter().filter(|activity| self.job.law(*activity).after().is_empty()).collect()
+    }
+
+    /// The activities that laws put behind one of these, directly or by others between them.
+    fn behind(&self, activities: ActivitySet) -> ActivitySet {
+        let all = self.all();
+        let step = |set: ActivitySet| {
+            let next =
+                all.iter().filter(|activity| self.job.law(*activity).after().intersects(set | activities));
+            set | next.collect()
+        };
+        all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
+    }
+
+    /// Whether the job has any order.
+    fn has_order(&self) -> bool {
+        self.first() != self.all()
     }
 
     /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
-    /// left begins like it. Where the order matters, only the first activity begins a job, and only if others came after it or if the
-    /// bench was rearranged; else it is done twice. A job whose start was not seen ends wherever the first activity begins. A job with a
-    /// fault also ends where the bench is rearranged: there is no other sign of its end if something was done instead of an activity.
+    /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
+    /// or if the bench was rearranged; else it is done twice. A job whose start was not seen ends wherever a first activity begins. A job
+    /// with a fault also ends where the bench is rearranged: there is no other sign of its end if something was done instead of an activity.
     pub(super) fn begins_next_job(&self, side: Side, context: Context, is_disturbed: bool) -> bool {
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
@@ -141,41 +205,61 @@ impl<'a> Progress<'a> {
         }
         let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
         let is_left = !opening.without(self.tried()).is_empty();
-        if !self.job.order_matters {
+        if !self.has_order() {
             return opening.intersects(came) && !is_left;
         }
         let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
-        let first_came = first.intersects(came) && (others_came || is_disturbed)
-            || first.intersects(self.wrong) && others_came;
-        opening.intersects(first) && (!self.is_start_seen || first_came && !is_left)
+        let opening = opening & first;
+        let first_came = opening.intersects(came) && (others_came || is_disturbed)
+            || opening.intersects(self.wrong) && others_came;
+        !opening.is_empty() && (!self.is_start_seen || first_came && !is_left)
+    }
+
+    /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
+    /// come, or a step that is none of the job's.
+    pub(super) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
+        let opening =
+            Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
+        let is_none = opening.is_empty() && self.has_parts_of(context);
+        !is_disturbed && (is_none || self.opening(context).intersects(self.may_follow()))
+    }
+
+    /// The optional activities that may still come.
+    fn may_follow(&self) -> ActivitySet {
+        let came = self
+            .tried()
+            .iter()
+            .fold(ActivitySet::EMPTY, |all, activity| all | self.job.law(activity).after());
+        self.all().without(self.required() | self.tried() | came)
     }
 
     /// Whether the other hand is in the middle of an activity that may still come out right.
     fn is_unfinished_by_others(&self, side: Side) -> bool {
-        let is_unfinished = |hand: usize| {
-            let underway = self.underway[hand];
-            !underway.is_empty()
-                && self.waiting[hand].is_empty()
-                && underway.without(self.tried()) == underway
-        };
-        (0..HANDS).any(|hand| hand != side.index() && is_unfinished(hand))
+        let hand = side.other().index();
+        let underway = self.underway[hand];
+        !underway.is_empty() && self.waiting[hand].is_empty() && !underway.intersects(self.tried())
     }
 
-    /// Whether these activities may have happened without being seen.
-    fn may_be_unseen(&self, missing: ActivitySet) -> bool {
-        let frames = |nominal: usize| -> u32 {
-            let touches = self.job.activities[nominal].ius.iter().filter(|iu| iu.context.is_touch());
+    /// Whether this activity may have happened without being seen.
+    fn may_be_unseen(&self, activity: usize) -> bool {
+        let frames = |ius: &[NominalIu<'_>]| -> u32 {
+            let touches = ius.iter().filter(|iu| iu.context.is_touch());
             touches.map(|iu| iu.frames.min).fold(0, u32::saturating_add)
         };
         // What shows less than half of itself may have been taken for another activity.
-        let may_be_hidden = |nominal: usize| self.hidden_frames >= frames(nominal) / 2;
-        !self.is_start_seen || self.is_doubtful || missing.iter().any(may_be_hidden)
+        let mut variants =
+            self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
+        !self.is_start_seen
+            || self.is_doubtful
+            || variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2)
     }
 
-    /// The number in this job of an activity that begins.
-    pub(super) fn next_activity(&mut self) -> u16 {
+    /// The number in this job of an activity that this hand begins; whether it is a step of the job.
+    pub(super) fn next_activity(&mut self, side: Side, began_ns: u64, is_step: bool) -> u16 {
+        self.newest_ns[side.index()] = began_ns;
         let number = self.activities;
         self.activities = number.saturating_add(1);
+        self.steps = self.steps.saturating_add(is_step.into());
         number
     }
 
@@ -184,20 +268,19 @@ impl<'a> Progress<'a> {
         self.job.activities.get(nominal).map(|nominal| nominal.activity)
     }
 
-    /// The first variant of the activity that this nominal activity fulfils.
-    fn first_variant(&self, nominal: usize) -> ActivitySet {
-        let number = self.number(nominal);
-        self.job.activities.iter().position(|other| Some(other.activity) == number).into_iter().collect()
-    }
-
-    /// The first variants of all these nominal activities.
-    fn first_variants(&self, nominal: impl IntoIterator<Item = usize>) -> ActivitySet {
-        nominal.into_iter().fold(ActivitySet::EMPTY, |set, nominal| set | self.first_variant(nominal))
+    /// The activities that these nominal activities fulfil.
+    fn activities_of(&self, nominal: impl IntoIterator<Item = usize>) -> ActivitySet {
+        nominal.into_iter().filter_map(|nominal| self.number(nominal)).map(usize::from).collect()
     }
 
     /// All activities of the job.
     fn all(&self) -> ActivitySet {
-        self.first_variants(0..self.job.activities.len())
+        self.job.numbers()
+    }
+
+    /// The activities without which the job is not complete.
+    fn required(&self) -> ActivitySet {
+        self.all().iter().filter(|activity| self.job.law(*activity).is_required).collect()
     }
 
     /// The activities that were tried, with whatever outcome.
@@ -205,98 +288,162 @@ impl<'a> Progress<'a> {
         self.done | self.unjudged | self.wrong
     }
 
-    /// The first activity that has not been tried, if the order matters.
+    /// The activity that must come next, if that is only one.
     fn next_in_order(&self) -> Option<usize> {
         let underway = self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.all().without(self.tried() | underway).lowest().filter(|_| self.job.order_matters)
+        let left = self.required().without(self.tried() | underway);
+        let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
+        let mut next = left.iter().filter(is_next);
+        next.next().filter(|_| self.has_order() && next.next().is_none())
     }
 
-    /// Whether this hand may not do a nominal activity now: it was done already, or an activity that must come before it has not been
-    /// tried and is not what the other hand may be doing.
-    pub(super) fn is_out_of_order(&self, side: Side, nominal: usize) -> bool {
-        let others = Side::ALL.into_iter().filter(|other| *other != side);
-        let came = others.fold(self.tried(), |came, other| came | self.underway[other.index()]);
-        let number = self.number(nominal);
-        let earlier =
-            self.job.activities.iter().enumerate().filter(|(_, other)| Some(other.activity) < number);
-        let overtaken = self.first_variants(earlier.map(|(index, _)| index)).without(came);
-        let is_overtaking = !overtaken.is_empty() && !self.may_be_unseen(overtaken);
-        // What comes a second time may be that of the next job, if all between them was hidden.
-        let others = self.all().without(self.tried());
-        let is_repeated = self.first_variant(nominal).without(self.done).is_empty()
-            && (others.is_empty() || !self.may_be_unseen(others));
-        is_repeated || self.job.order_matters && is_overtaking
+    /// Why this hand may not do a nominal activity now: it was done already, or a law puts it behind an activity that has not come, and
+    /// cannot have come unseen.
+    pub(super) fn order_fault(&self, side: Side, nominal: usize) -> Option<BrokenOrder> {
+        let activity = usize::from(self.number(nominal)?);
+        let law = self.job.law(activity);
+        let broken = |fault, other| self.broken(fault, activity, other);
+        if law.is_once && self.is_repeated(activity) {
+            return Some(broken(OrderFault::Again, activity));
+        }
+        let came = self.tried() | self.underway[side.other().index()];
+        let is_certain = |other: &usize| !self.may_precede.contains(*other) && !self.may_be_unseen(*other);
+        let not_begun = (law.after() & self.required()).without(came).iter().find(is_certain);
+        let underway = self.underway_before(side);
+        let not_ended = (law.after_end & underway).lowest();
+        // Otherwise the other one was accused.
+        let is_late = self.is_start_seen && !law.is_required;
+        let is_behind = |other: &usize| is_late && self.job.law(*other).after().contains(activity);
+        let too_late = (self.tried() | underway).without(ActivitySet::of(activity)).iter().find(is_behind);
+        not_begun
+            .map(|other| broken(OrderFault::NotBegun, other))
+            .or_else(|| not_ended.map(|other| broken(OrderFault::NotEnded, other)))
+            .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
+    }
+
+    /// What the other hand was in the middle of when this one began, and still is, if that is certain.
+    fn underway_before(&self, side: Side) -> ActivitySet {
+        let hand = side.other().index();
+        let underway = self.underway[hand];
+        let is_before = self.newest_ns[hand] <= self.newest_ns[side.index()];
+        if is_before && underway.iter().count() == 1 && !self.is_hidden[hand] {
+            underway.without(self.tried() | self.waiting[hand])
+        } else {
+            ActivitySet::EMPTY
+        }
+    }
+
+    fn broken(&self, fault: OrderFault, activity: usize, other: usize) -> BrokenOrder {
+        let runs = self.job.law(activity).runs.min(self.job.law(other).runs);
+        BrokenOrder { fault, activity: other as u16, runs }
+    }
+
+    /// Whether an activity comes a second time. It may also be that of the next job, if all between them was hidden.
+    fn is_repeated(&self, activity: usize) -> bool {
+        let others = self.required().without(self.tried());
+        self.done.contains(activity)
+            && (others.is_empty() || !others.iter().any(|other| self.may_be_unseen(other)))
+    }
+
+    /// What was not shown before in that a nominal activity comes now.
+    pub(super) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
+        let activity = usize::from(self.number(nominal)?);
+        let came = self.tried() | self.underway[side.other().index()];
+        let usual = self.job.law(activity).usually_after & self.required();
+        let is_early = usual.without(came | self.may_precede).iter().any(|other| !self.may_be_unseen(other));
+        if self.is_repeated(activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
     }
 
     /// Sets the activity that a hand has matched to its last IU while a longer candidate may still go on.
     pub(super) fn set_waiting(&mut self, side: Side, nominal: Option<usize>) {
-        self.waiting[side.index()] = self.first_variants(nominal);
+        self.waiting[side.index()] = self.activities_of(nominal);
     }
 
     /// Sets the candidates of the open activity of a hand.
     pub(super) fn set_underway(&mut self, side: Side, candidates: ActivitySet) {
-        self.underway[side.index()] = self.first_variants(candidates.iter());
+        self.underway[side.index()] = self.activities_of(candidates.iter());
     }
 
     pub(super) fn set_done(&mut self, nominal: usize) {
-        self.done |= self.first_variant(nominal);
-        self.begin_seen_with(self.first_variant(nominal));
+        let activity = self.activities_of([nominal]);
+        self.done |= activity;
+        self.begin_seen_with(activity);
     }
 
     pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, reason: Reason) {
-        self.unjudged |= self.first_variants(nominal);
+        self.unjudged |= self.activities_of(nominal);
         self.unjudged_reason = self.unjudged_reason.or(Some(reason));
     }
 
-    /// If no nominal activity is near a wrong one and the order matters, the wrong one came instead of the next in order.
-    pub(super) fn set_wrong(&mut self, nominal: Option<usize>, reason: Reason) {
-        self.wrong |= self.first_variants(nominal.or_else(|| self.next_in_order()));
-        let number = nominal.and_then(|nominal| self.number(nominal));
-        self.fault = self.fault.or(Some((reason, number)));
+    /// If no nominal activity is near a wrong one, and only one could come next, the wrong one came instead of that.
+    pub(super) fn set_wrong(&mut self, nominal: Option<usize>, reason: Reason, broken: Option<BrokenOrder>) {
+        let nearest = nominal.and_then(|nominal| self.number(nominal));
+        self.wrong |= nearest.map(usize::from).or_else(|| self.next_in_order()).into_iter().collect();
+        self.fault = self.fault.or(Some(Fault { reason, nearest, broken }));
     }
 
-    /// Whether all activities have come, those included that wait because a longer candidate may go on.
+    pub(super) fn set_note(&mut self, note: Option<Note>) {
+        self.note = self.note.or(note);
+    }
+
+    /// Whether all that the job requires has come, what waits because a longer candidate may go on included.
     pub(super) fn is_matched(&self) -> bool {
         let waiting = self.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.all().without(self.tried() | waiting).is_empty()
+        self.required().without(self.tried() | waiting).is_empty()
     }
 
-    /// Gives the verdict on the job once all activities have come, or when it has `ended`.
+    /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`.
     pub(super) fn conclude(&mut self, ended: bool, emit: &mut impl FnMut(Verdict)) {
-        let is_complete = self.all().without(self.tried()).is_empty();
+        let is_complete = (self.required() | self.may_follow()).without(self.tried()).is_empty();
         if !self.is_open || !is_complete && !ended {
             return;
         }
         self.is_open = false;
-        let missing = self.all().without(self.done | self.unjudged);
-        let (outcome, reason, nearest) = match (self.fault, self.unjudged_reason, missing.lowest()) {
-            (Some((reason, nearest)), ..) => (Outcome::Anomaly, reason, nearest),
-            // The missing activity may have been done while it could not be judged.
-            (None, Some(reason), _) => (Outcome::NotJudged, reason, None),
-            (None, None, _) if !self.is_start_seen => (Outcome::NotJudged, Reason::Blind, None),
-            (None, None, None) => (Outcome::Ok, Reason::None, None),
-            (None, None, Some(_)) if self.may_be_unseen(missing) => (Outcome::NotJudged, Reason::Blind, None),
-            (None, None, Some(lowest)) => (Outcome::Anomaly, Reason::NotCompleted, self.number(lowest)),
-        };
+        let (outcome, fault) = self.outcome();
         self.is_start_expected = outcome == Outcome::Ok;
         self.hidden_frames = 0;
         emit(Verdict {
             level: Level::Job,
             outcome,
-            reason,
+            reason: fault.reason,
             side: None,
-            nearest,
+            nearest: fault.nearest,
             activity: self.activities,
             iu: None,
             context: Context::IDLE,
             distance: None,
             threshold: None,
             captured_percent: None,
+            broken: fault.broken,
+            note: self.note,
             early: false,
             began_ns: self.began_ns,
             // A job that began on command may end before the frame that it was to begin with.
             ended_ns: self.now_ns.max(self.began_ns),
             decided_ns: self.known_ns,
         });
+    }
+
+    /// How the job came out, and why.
+    fn outcome(&self) -> (Outcome, Fault) {
+        let because = |reason, nearest| Fault { reason, nearest, broken: None };
+        let missing = self.required().without(self.done | self.unjudged);
+        let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
+        match (self.fault, self.unjudged_reason, missing.lowest()) {
+            (Some(fault), ..) => (Outcome::Anomaly, fault),
+            // The missing activity may have been done while it could not be judged.
+            (None, Some(reason), _) => (Outcome::NotJudged, because(reason, None)),
+            (None, None, _) if self.steps == 0 && self.activities > 0 => {
+                (Outcome::NotJudged, because(Reason::Unknown, None))
+            }
+            (None, None, _) if !self.is_start_seen => (Outcome::NotJudged, because(Reason::Blind, None)),
+            (None, None, None) => (Outcome::Ok, because(Reason::None, None)),
+            (None, None, Some(_)) if missing.iter().any(may_be_unseen) => {
+                (Outcome::NotJudged, because(Reason::Blind, None))
+            }
+            (None, None, Some(lowest)) => {
+                (Outcome::Anomaly, because(Reason::NotCompleted, Some(lowest as u16)))
+            }
+        }
     }
 }

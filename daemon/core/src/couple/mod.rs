@@ -37,6 +37,13 @@ impl Context {
         self.0[0] != 0
     }
 
+    /// The context if this hand touched what is touched.
+    #[must_use]
+    pub fn by_hand(self, side: Side) -> Self {
+        let Self([_, first, j, l]) = self;
+        if self.is_touch() { Self([side as u16, first, j, l]) } else { self }
+    }
+
     /// The hand has let go of something that still touches something else.
     pub fn is_release(self) -> bool {
         !self.is_touch() && self != Self::IDLE

@@ -157,7 +157,8 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
         .collect();
     Job {
         activities: nominal.leak(),
-        order_matters: false,
+        laws: &[],
+        rests: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
         min_captured: 0.0,

@@ -5,8 +5,15 @@ use super::script::{Part, Still, Strokes, Toward, idle, part, short, stream, tea
 use andon_core::anomaly::{Event, Judge};
 use andon_core::config::Method;
 use andon_core::couple::Couples;
-use andon_core::job::{Job, NominalActivity, NominalIu};
+use andon_core::job::{Job, Law, NominalActivity, NominalIu};
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Verdict};
+
+/// Two activities that must come one after the other, each once, as 6 runs have shown.
+pub(crate) const IN_ORDER: [Law; 2] = [
+    Law { is_once: true, runs: 6, ..Law::FREE },
+    Law { after_begin: ActivitySet::of(0), is_once: true, runs: 6, ..Law::FREE },
+];
 
 pub(crate) fn polish(strokes: usize) -> [Part; 4] {
     [

@@ -17,7 +17,8 @@ use crate::recording::{NamedObject, object_name};
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
-use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::job::{Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::set::ActivitySet;
 
 /// The value of `format`.
 pub(crate) const FORMAT: &str = "andon.job";
@@ -53,6 +54,57 @@ pub struct TaughtActivity {
     pub ius: Vec<TaughtIu>,
 }
 
+/// What stands between an activity and one before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RelationKind {
+    /// It is law that the other one has begun.
+    Begin,
+    /// It is law that the other one has ended.
+    End,
+    /// The other one had begun in all runs, without evidence enough for a law.
+    Usual,
+}
+
+impl RelationKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Begin, Self::End, Self::Usual];
+
+    /// Its word in the job file.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Begin => "begin",
+            Self::End => "end",
+            Self::Usual => "usual",
+        }
+    }
+}
+
+/// The relation of an activity to one before it, with its evidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Relation {
+    /// The number of the activity that comes before.
+    pub activity: u16,
+    /// What stands between them.
+    pub kind: RelationKind,
+    /// How many runs have both.
+    pub runs: u16,
+    /// The mean time between the two beginnings, in seconds.
+    pub gap_s: f32,
+}
+
+/// What the order of the job asks of one activity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TaughtStep {
+    /// Whether all runs have it.
+    pub is_required: bool,
+    /// Whether a second time has no place in the job.
+    pub is_once: bool,
+    /// How many runs have it.
+    pub runs: u16,
+    /// Its relations to activities before it.
+    pub after: Vec<Relation>,
+}
+
 /// A recording that a job was taught from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
@@ -86,8 +138,10 @@ pub struct JobFile {
     pub id: u32,
     /// The name that people use for the job.
     pub name: String,
-    /// Whether the activities must come in the order of their numbers.
-    pub order_matters: bool,
+    /// What the order asks of each activity, by its number.
+    pub steps: Vec<TaughtStep>,
+    /// The objects at which a hand was shown to rest or to steady.
+    pub rests: Vec<u16>,
     /// How motions are compared.
     pub cost: LocalCost,
     /// The job's [`max_slowdown`](Job::max_slowdown), 1 or more.
@@ -118,9 +172,17 @@ impl JobFile {
             .zip(&ius)
             .map(|(taught, ius)| NominalActivity { activity: taught.activity, ius })
             .collect();
-        let Self { order_matters, cost, max_slowdown, .. } = *self;
+        let laws: Vec<Law> = self.steps.iter().map(TaughtStep::law).collect();
+        let Self { cost, max_slowdown, .. } = *self;
         let min_captured = self.min_rate_hz / self.method.rate_hz;
-        judge(&Job { activities: &activities, order_matters, cost, max_slowdown, min_captured })
+        judge(&Job {
+            activities: &activities,
+            laws: &laws,
+            rests: &self.rests,
+            cost,
+            max_slowdown,
+            min_captured,
+        })
     }
 
     /// Identifies the model: the same text gives the same number on every machine.
@@ -128,9 +190,34 @@ impl JobFile {
         checksum::model_hash(&self.to_toml())
     }
 
+    /// What an activity of the job is called: which hand does what with which parts.
+    pub fn step_name(&self, number: usize) -> String {
+        let first = self.activities.iter().find(|taught| usize::from(taught.activity) == number);
+        let contexts: Vec<Context> =
+            first.into_iter().flat_map(|taught| &taught.ius).map(|iu| iu.context).collect();
+        text::sequence_words(&contexts, |id| self.object_name(id))
+    }
+
     /// What a person calls an object: its name, or its id if the file does not have it.
     pub fn object_name(&self, id: u16) -> String {
         object_name(&self.objects, id)
+    }
+}
+
+impl TaughtStep {
+    fn law(&self) -> Law {
+        let after = |kind: RelationKind| -> ActivitySet {
+            let of_kind = self.after.iter().filter(|relation| relation.kind == kind);
+            of_kind.map(|relation| usize::from(relation.activity)).collect()
+        };
+        Law {
+            after_begin: after(RelationKind::Begin),
+            after_end: after(RelationKind::End),
+            usually_after: after(RelationKind::Usual),
+            is_required: self.is_required,
+            is_once: self.is_once,
+            runs: self.runs,
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! From text to a job: first the version, then the checksum, then every key.
 
 use super::{
-    FORMAT, JobFault, JobFile, JobFileError, Provenance, Source, TaughtActivity, TaughtIu, VERSION, checksum,
-    runs, validate,
+    FORMAT, JobFault, JobFile, JobFileError, Provenance, Relation, RelationKind, Source, TaughtActivity,
+    TaughtIu, TaughtStep, VERSION, checksum, runs, validate,
 };
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
@@ -32,7 +32,6 @@ struct JobText {
     _checksum: String,
     id: u32,
     name: String,
-    order_matters: bool,
     /// A file without this key was taught before it was measured.
     #[serde(default)]
     min_rate_hz: f32,
@@ -40,6 +39,8 @@ struct JobText {
     method: MethodText,
     #[serde(default)]
     object: Vec<ObjectText>,
+    rests: Vec<u16>,
+    step: Vec<StepText>,
     activity: Vec<ActivityText>,
 }
 
@@ -110,6 +111,32 @@ struct ObjectText {
     id: u16,
     name: String,
     interaction_points: Vec<Point>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StepText {
+    required: bool,
+    once: bool,
+    runs: u16,
+    after: Vec<RelationText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RelationText {
+    activity: u16,
+    law: KindText,
+    runs: u16,
+    gap_s: f32,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum KindText {
+    Begin,
+    End,
+    Usual,
 }
 
 #[derive(Deserialize)]
@@ -199,7 +226,8 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
     Ok(JobFile {
         id: text.id,
         name: text.name,
-        order_matters: text.order_matters,
+        rests: text.rests,
+        steps: text.step.into_iter().map(step_of).collect(),
         cost,
         max_slowdown: text.method.max_slowdown,
         min_rate_hz: text.min_rate_hz,
@@ -252,6 +280,26 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
             ),
         })?;
     Ok(NamedObject { name: text.name, shape: ObjectShape { id: text.id, interaction_points } })
+}
+
+fn step_of(text: StepText) -> TaughtStep {
+    let kind = |kind| match kind {
+        KindText::Begin => RelationKind::Begin,
+        KindText::End => RelationKind::End,
+        KindText::Usual => RelationKind::Usual,
+    };
+    let relation = |relation: RelationText| Relation {
+        activity: relation.activity,
+        kind: kind(relation.law),
+        runs: relation.runs,
+        gap_s: relation.gap_s,
+    };
+    TaughtStep {
+        is_required: text.required,
+        is_once: text.once,
+        runs: text.runs,
+        after: text.after.into_iter().map(relation).collect(),
+    }
 }
 
 fn activity_of(index: usize, text: ActivityText) -> Result<TaughtActivity, JobFault> {

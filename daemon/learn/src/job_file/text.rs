@@ -1,6 +1,6 @@
 //! From a job to its text. The text is written here and not by a serialiser, so that it has comments for the people who read it.
 
-use super::{FORMAT, JobFile, TaughtActivity, TaughtIu, VERSION, checksum, runs};
+use super::{FORMAT, JobFile, Relation, TaughtActivity, TaughtIu, VERSION, checksum, runs};
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::couple::Context;
@@ -25,8 +25,6 @@ impl JobFile {
         line!(text, "format = {FORMAT:?}\nversion = {VERSION}\n{}\"", checksum::KEY);
         line!(text, "# The number by which a PLC selects the job.\nid = {}", self.id);
         line!(text, "name = {}", quoted(&self.name));
-        line!(text, "# Whether the activities must come in the order of their numbers.");
-        line!(text, "order_matters = {}", self.order_matters);
         // Without it, an older file has its own text again, and its own hash.
         if self.min_rate_hz > 0.0 {
             line!(
@@ -36,9 +34,12 @@ impl JobFile {
             line!(text, "# recognised any more.");
             line!(text, "min_rate_hz = {:?}", self.min_rate_hz);
         }
+        line!(text, "# The objects at which a hand may rest or steady: the runs show it, and it is no step.");
+        line!(text, "rests = {:?}", self.rests);
         self.provenance_text(&mut text);
         self.method_text(&mut text);
         self.objects.iter().for_each(|object| object_text(&mut text, object));
+        self.steps_text(&mut text);
         line!(
             text,
             "\n# An activity is a sequence of IUs. In each IU, `threshold` is the maximum DTW distance to the reference,"
@@ -99,6 +100,27 @@ impl JobFile {
         line!(text, "blind_ms = {}\nidle_end_ms = {}", method.blind_ms, method.idle_end_ms);
     }
 
+    fn steps_text(&self, text: &mut String) {
+        line!(
+            text,
+            "\n# A step is an activity of the job, by its number, and what the order asks of it. `required`: all runs have it."
+        );
+        line!(
+            text,
+            "# `once`: a second time has no place. `after`: the activities before it, in all of so many `runs`, with the mean"
+        );
+        line!(
+            text,
+            "# time between the beginnings. `law`: the other one must have begun, must have ended, or usually came first."
+        );
+        for (number, step) in self.steps.iter().enumerate() {
+            line!(text, "\n[[step]]\n# {number}: {}", self.step_name(number).replace(char::is_control, " "));
+            line!(text, "required = {}\nonce = {}\nruns = {}", step.is_required, step.is_once, step.runs);
+            let after: Vec<String> = step.after.iter().map(relation_text).collect();
+            line!(text, "after = [{}]", after.join(", "));
+        }
+    }
+
     fn activity_text(&self, text: &mut String, activity: &TaughtActivity) {
         line!(text, "\n[[activity]]\n# The number of the activity of the job that this sequence fulfils.");
         line!(text, "activity = {}", activity.activity);
@@ -125,6 +147,11 @@ impl JobFile {
         // A name may contain a line break, and a comment must not.
         context_words(context, |id| self.object_name(id)).replace(char::is_control, " ")
     }
+}
+
+fn relation_text(relation: &Relation) -> String {
+    let Relation { activity, kind, runs, gap_s } = relation;
+    format!("{{ activity = {activity}, law = {:?}, runs = {runs}, gap_s = {gap_s:?} }}", kind.name())
 }
 
 fn object_text(text: &mut String, object: &NamedObject) {
@@ -187,6 +214,23 @@ pub(crate) fn context_words(context: Context, name: impl Fn(u16) -> String) -> S
         [hand, j, 0, 0] => format!("{} hand with {}", hand_name(hand), name(j)),
         [hand, j, _, l] => format!("{} hand with {} at {}", hand_name(hand), name(j), name(l)),
     }
+}
+
+/// A sequence of contexts in words: which hand has which part, and which others it comes to.
+pub(crate) fn sequence_words(contexts: &[Context], name: impl Fn(u16) -> String) -> String {
+    let mut words = match contexts.first() {
+        Some(Context([hand, j, _, _])) => format!("{} hand: {}", hand_name(*hand), name(*j)),
+        None => return String::new(),
+    };
+    let mut others: Vec<u16> = Vec::new();
+    for Context([_, _, _, l]) in contexts.iter().filter(|context| context.is_touch() && context.0[3] != 0) {
+        if !others.contains(l) {
+            words += if others.is_empty() { " at " } else { ", " };
+            words += &name(*l);
+            others.push(*l);
+        }
+    }
+    words
 }
 
 /// The hand of a context, which holds its number (`ID_h` in the paper).

@@ -25,7 +25,17 @@ pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
     rule((1..=ACTIVITIES).contains(&count), "activity", || {
         format!("there are {count}; 1 to {ACTIVITIES} can be judged")
     })?;
-    job.activities.iter().enumerate().try_for_each(|(index, taught)| activity(job, index, taught))
+    job.activities.iter().enumerate().try_for_each(|(index, taught)| activity(job, index, taught))?;
+    job.with_job(|lent| {
+        let count = lent.numbers().iter().count();
+        rule(job.steps.len() == count && lent.misplaced().is_none(), "step", || {
+            format!(
+                "there are {} for {count} activities, or one cannot be kept: it names an activity that there is not, or two are behind each \
+                 other",
+                job.steps.len()
+            )
+        })
+    })
 }
 
 fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {

@@ -5,8 +5,11 @@
 //! The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in the report.
 
 mod bounds;
+mod left_out;
 mod measures;
 mod options;
+mod order;
+mod relation;
 mod report;
 mod sampling;
 mod sequence;
@@ -14,6 +17,7 @@ mod threshold;
 mod trust;
 
 pub use options::{TeachError, TeachOptions};
+pub use order::OrderReport;
 pub use report::{IuReport, TeachReport};
 pub use sequence::Disagreement;
 pub use trust::{Blind, Doubt, Measure, Outlier};
@@ -29,6 +33,7 @@ use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
 use andon_core::segment::Measures;
 use measures::Rates;
+use report::Found;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use threshold::learn;
@@ -80,14 +85,16 @@ fn teach_different(
     let (ius, blind) = (teacher.ius, teacher.blind);
     let mut job = job_file(runs, options, &agreement, activities);
     if options.measure_rate {
-        let is_used = |index: &usize| agreement.disagreements.iter().all(|found| found.run != *index);
-        job.min_rate_hz = needed_rate_hz((0..runs.len()).filter(is_used).map(|index| &runs[index]), &job);
+        job.min_rate_hz = needed_rate_hz(agreement.used.iter().map(|index| &runs[*index]), &job);
     }
     if options.examine_runs {
         // The lengths were checked when the IUs were learnt.
         doubts.extend(doubts_of(runs, &agreement, options).unwrap_or_default());
     }
-    let report = TeachReport::new(runs.len(), options, &job, agreement.disagreements, doubts, blind, ius);
+    let used: Vec<&Run> = agreement.used.iter().map(|index| &runs[*index]).collect();
+    let rejected = (options.try_runs && used.len() > 1).then(|| left_out::rejected(&used, options));
+    let found = Found { disagreements: agreement.disagreements, doubts, blind, rejected };
+    let report = TeachReport::new(runs.len(), options, &job, found, ius);
     Ok((job, report))
 }
 
@@ -145,11 +152,11 @@ fn job_file(
     agreement: &Agreement,
     activities: Vec<TaughtActivity>,
 ) -> JobFile {
-    let used_runs = runs.len() - agreement.disagreements.len();
     JobFile {
         id: options.id,
         name: options.name.clone(),
-        order_matters: options.order_matters.unwrap_or(agreement.has_one_order && used_runs > 1),
+        rests: agreement.rests.clone(),
+        steps: relation::steps(runs, agreement, options.order_matters),
         cost: options.cost,
         max_slowdown: options.max_slowdown,
         min_rate_hz: 0.0,

@@ -27,12 +27,14 @@ pub struct TeachOptions {
     pub rule: ThresholdRule,
     /// How bounds are chosen.
     pub bounds: BoundsRule,
-    /// Whether the order of activities matters. `None`: it matters if at least two runs are used and all of them have the same order.
+    /// Whether the activities must come in the order in which they are numbered, or may come in any. `None`: as the runs show.
     pub order_matters: Option<bool>,
     /// Whether it is measured how many frames per second the job needs; otherwise nothing is asked of the rate.
     pub measure_rate: bool,
     /// Whether the runs are examined for what speaks against learning from them.
     pub examine_runs: bool,
+    /// Whether each run is judged by what the others teach, which takes as many times as long.
+    pub try_runs: bool,
 }
 
 impl TeachOptions {
@@ -54,6 +56,7 @@ impl TeachOptions {
             order_matters: None,
             measure_rate: true,
             examine_runs: true,
+            try_runs: false,
         }
     }
 

@@ -1,6 +1,7 @@
 //! What teaching found, and whether the job can be trusted.
 
 use super::options::TeachOptions;
+use super::order::OrderReport;
 use super::sequence::Disagreement;
 use super::threshold::{Learned, min_false_alarms};
 use super::trust::{Blind, Doubt, summary};
@@ -14,6 +15,9 @@ use std::fmt;
 
 /// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
 const ENOUGH_DEMONSTRATIONS: usize = 5;
+
+/// How many more runs are asked for where the runs reject each other.
+const MORE_RUNS: usize = 3;
 
 /// What teaching found for one IU of a nominal activity.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +56,15 @@ impl IuReport {
     }
 }
 
+/// What was found in the runs.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) disagreements: Vec<Disagreement>,
+    pub(super) doubts: Vec<Doubt>,
+    pub(super) blind: Vec<Blind>,
+    pub(super) rejected: Option<Vec<String>>,
+}
+
 /// What teaching found. `Display` prints it for people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TeachReport {
@@ -63,10 +76,10 @@ pub struct TeachReport {
     pub disagreements: Vec<Disagreement>,
     /// What was not learnt because too little of it was seen.
     pub blind: Vec<Blind>,
-    /// Whether the order of activities matters.
-    pub order_matters: bool,
-    /// Whether the caller decided that it does or does not.
-    pub order_was_given: bool,
+    /// The steps of the job and their order.
+    pub order: OrderReport,
+    /// The names of the runs that a job taught with the others would have rejected; `None` if it was not tried.
+    pub rejected: Option<Vec<String>>,
     /// How many frames per second the job needs, and how many the runs were encoded with.
     pub rate_hz: [f32; 2],
     /// The rule by which the thresholds were chosen.
@@ -81,18 +94,18 @@ impl TeachReport {
         runs: usize,
         options: &TeachOptions,
         job: &JobFile,
-        disagreements: Vec<Disagreement>,
-        doubts: Vec<Doubt>,
-        blind: Vec<Blind>,
+        found: Found,
         ius: Vec<IuReport>,
     ) -> Self {
+        let Found { disagreements, doubts, blind, rejected } = found;
+        let order = OrderReport::new(job, runs - disagreements.len());
         Self {
             runs,
             doubts,
             disagreements,
             blind,
-            order_matters: job.order_matters,
-            order_was_given: options.order_matters.is_some(),
+            order,
+            rejected,
             rate_hz: [job.min_rate_hz, job.method.rate_hz],
             rule: options.rule,
             ius,
@@ -168,14 +181,18 @@ impl fmt::Display for TeachReport {
         for warning in self.warnings() {
             writeln!(f, "note: {warning}")?;
         }
-        let reason = match (self.order_matters, self.order_was_given, self.used()) {
-            (_, true, _) => "as you said",
-            (true, false, _) => "all runs agree on it",
-            (false, false, 1) => "one run cannot show it",
-            (false, false, _) => "the runs differ",
-        };
-        let matters = if self.order_matters { "matters" } else { "does not matter" };
-        writeln!(f, "the order of activities {matters} ({reason})")?;
+        write!(f, "{}", self.order)?;
+        if let Some(rejected) = &self.rejected {
+            let used = self.order.runs;
+            match rejected.len() {
+                0 => writeln!(f, "of your {used} runs the others would have rejected none")?,
+                count => writeln!(
+                    f,
+                    "of your {used} runs the others would have rejected {count} ({}); show {MORE_RUNS} more, from other people",
+                    rejected.join(", ")
+                )?,
+            }
+        }
         let [needed, all] = self.rate_hz;
         if needed > 0.0 {
             writeln!(

@@ -1,18 +1,25 @@
-//! What the runs have in common: the nominal activities, found from the contexts alone.
+//! What the runs have in common: the steps of the job, found from the contexts alone.
 //!
-//! A *step* is an opening (the hand and the first object of an activity) together with the number of earlier activities of the run that have
-//! the same opening. The steps that more than half of the runs have make up the job. Within a step the most common sequence of contexts is
-//! nominal, and another sequence that enough runs have is a variant. A run that has anything else is left out.
+//! A *step* is what a hand does with the object that it takes first: it has that hand, that object, and the number of earlier activities of
+//! the run with the same two. Where no run has both hands at an object, the hand is the one that most runs use: the other one does the same
+//! step. A hand that touches something without moving it is at a step only if all runs have that; otherwise it rests or steadies.
+//! Within a step the most common sequence of contexts is nominal, and another sequence that enough runs have is a variant. A run that does a
+//! step in another way is left out, and so is one that lacks most of what most runs do.
 
-use crate::run::Run;
+use crate::run::{Activity, Run};
 use andon_core::couple::Context;
-use std::collections::BTreeMap;
+use andon_core::input::Side;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A variant needs at least this many runs: two could share the same slip.
 const MIN_VARIANT_RUNS: usize = 3;
 
 /// A variant also needs at least this share of the runs: among many runs, three could share the same slip.
 const MIN_VARIANT_SHARE: f64 = 0.2;
+
+/// An object that moves less than this while a hand is at it, in metres, is not moved by it: markers jitter by less, and no work is done in so
+/// small a space.
+const MOVED_M: f32 = 0.03;
 
 /// A step of the job: the opening of an activity, and the number of earlier activities of the run with the same opening.
 type Step = (Context, usize);
@@ -52,127 +59,208 @@ pub(super) struct Agreement {
     pub(super) sequences: Vec<Sequence>,
     /// The runs that do something else, one entry per run. They are left out.
     pub(super) disagreements: Vec<Disagreement>,
-    /// Whether all runs that agree have the steps in the same order.
-    pub(super) has_one_order: bool,
+    /// The objects at which a hand rests or steadies in some of the runs that are used.
+    pub(super) rests: Vec<u16>,
+    /// The runs that are used, by their indices.
+    pub(super) used: Vec<usize>,
+    /// For each activity of the job and each run that is used, the index of the activity in the run that is this step.
+    pub(super) steps: Vec<Vec<Option<usize>>>,
 }
 
 /// Finds what the runs have in common.
 pub(super) fn agree(runs: &[Run]) -> Agreement {
-    let steps: Vec<Vec<Step>> = runs.iter().map(steps_of).collect();
-    let nominal = nominal_steps(&steps);
-    let sequences = nominal_sequences(runs, &steps, &nominal);
-    let mut disagreements = Vec::new();
-    let mut kept = Vec::new();
-    for (index, run) in runs.iter().enumerate() {
-        match disagreement(index, run, &steps[index], &nominal, &sequences) {
-            Some(found) => disagreements.push(found),
-            None => kept.push(index),
-        }
+    let steps = Steps::of(runs);
+    let (all, sequences) = (steps.in_order(), steps.sequences());
+    let common: Vec<Step> = all.iter().filter(|step| 2 * steps.count(step) > runs.len()).copied().collect();
+    if common.is_empty() {
+        return Agreement::default();
     }
-    let has_one_order = kept.windows(2).all(|pair| steps[pair[0]] == steps[pair[1]]);
-    // The run and the activity in it, for each run that shows these contexts in this step.
-    let shown = |step: &Step, contexts: &[Context]| -> Vec<(usize, usize)> {
-        kept.iter()
-            .filter_map(|&run| Some((run, steps[run].iter().position(|other| other == step)?)))
-            .filter(|&(run, activity)| runs[run].activities[activity].contexts() == contexts)
-            .collect()
-    };
-    let sequences = (0u16..)
-        .zip(&nominal)
-        .flat_map(|(activity, step)| sequences[step].iter().map(move |contexts| (activity, step, contexts)))
-        .map(|(activity, step, contexts)| Sequence {
+    let found = |run| (run, steps.disagreement(run, &common, &sequences));
+    let (disagreeing, kept): (Vec<_>, Vec<_>) =
+        (0..runs.len()).map(found).partition(|(_, found)| found.is_some());
+    let used: Vec<usize> = kept.into_iter().map(|(run, _)| run).collect();
+    let at = |step: &Step| -> Vec<Option<usize>> { used.iter().map(|run| steps.index(*run, step)).collect() };
+    let shown_steps: Vec<&Step> = all.iter().filter(|step| at(step).iter().any(Option::is_some)).collect();
+    let of_step = |(activity, step): (u16, &&Step)| -> Vec<Sequence> {
+        let shows = |run: &usize, contexts: &[Context]| {
+            let index = steps.index(*run, step)?;
+            (steps.contexts(*run, index, step) == contexts).then_some((*run, index))
+        };
+        let sequence = |contexts: &Vec<Context>| Sequence {
             activity,
             contexts: contexts.clone(),
-            shown: shown(step, contexts),
-        })
-        .filter(|sequence| !sequence.shown.is_empty())
-        .collect();
-    Agreement { sequences, disagreements, has_one_order }
-}
-
-fn steps_of(run: &Run) -> Vec<Step> {
-    let mut before: BTreeMap<Context, usize> = BTreeMap::new();
-    run.activities
-        .iter()
-        .map(|activity| {
-            let opening = opening(activity.ius.first().map_or(Context::IDLE, |iu| iu.context));
-            let count = before.entry(opening).or_default();
-            *count += 1;
-            (opening, *count - 1)
-        })
-        .collect()
-}
-
-/// Hand and first object of a context: at the beginning of an activity the object may be at another one already.
-fn opening(Context([hand, j, _, _]): Context) -> Context {
-    Context([hand, j, 0, 0])
-}
-
-/// The steps that more than half of the runs have, in the order of their mean index.
-fn nominal_steps(steps: &[Vec<Step>]) -> Vec<Step> {
-    let mut indices: BTreeMap<Step, Vec<usize>> = BTreeMap::new();
-    for run in steps {
-        for (index, step) in run.iter().enumerate() {
-            indices.entry(*step).or_default().push(index);
-        }
+            shown: used.iter().filter_map(|run| shows(run, contexts)).collect(),
+        };
+        sequences[*step].iter().map(sequence).filter(|sequence| !sequence.shown.is_empty()).collect()
+    };
+    Agreement {
+        sequences: (0u16..).zip(&shown_steps).flat_map(of_step).collect(),
+        disagreements: disagreeing.into_iter().filter_map(|(_, found)| found).collect(),
+        rests: steps.rests(&used).into_iter().collect(),
+        steps: shown_steps.iter().map(|step| at(step)).collect(),
+        used,
     }
-    indices.retain(|_, indices| 2 * indices.len() > steps.len());
-    let mut nominal: Vec<(f64, Step)> = indices
-        .into_iter()
-        .map(|(step, indices)| (indices.iter().sum::<usize>() as f64 / indices.len() as f64, step))
-        .collect();
-    nominal.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    nominal.into_iter().map(|(_, step)| step).collect()
 }
 
 type Sequences = BTreeMap<Step, Vec<Vec<Context>>>;
 
-/// For each step its most common sequence, followed by the variants that enough runs have.
-fn nominal_sequences(runs: &[Run], steps: &[Vec<Step>], nominal: &[Step]) -> Sequences {
-    let min_runs = MIN_VARIANT_RUNS.max((MIN_VARIANT_SHARE * runs.len() as f64).ceil() as usize);
-    let mut all = Sequences::new();
-    for step in nominal {
-        let mut counts: BTreeMap<Vec<Context>, usize> = BTreeMap::new();
-        for (run, steps) in runs.iter().zip(steps) {
-            if let Some(index) = steps.iter().position(|other| other == step) {
-                *counts.entry(run.activities[index].contexts()).or_default() += 1;
-            }
-        }
-        let mut counts: Vec<(Vec<Context>, usize)> = counts.into_iter().collect();
-        // Ties go to the longer sequence: a contact that was missed is more common than a contact that never happened.
-        counts.sort_by_key(|(contexts, count)| std::cmp::Reverse((*count, contexts.len())));
-        let is_allowed =
-            |(index, (_, count)): &(usize, (Vec<Context>, usize))| *index == 0 || *count >= min_runs;
-        let allowed = counts.into_iter().enumerate().filter(is_allowed).map(|(_, (contexts, _))| contexts);
-        all.insert(*step, allowed.collect());
-    }
-    all
+/// The step that each activity of each run is; `None` where a hand rests or steadies.
+struct Steps<'a> {
+    runs: &'a [Run],
+    steps: Vec<Vec<Option<Step>>>,
 }
 
-/// The first point at which a run does something that is in no nominal sequence.
-fn disagreement(
-    index: usize,
-    run: &Run,
-    steps: &[Step],
-    nominal: &[Step],
-    sequences: &Sequences,
-) -> Option<Disagreement> {
-    let at = |activity, iu, had, others| {
-        Some(Disagreement { run: index, name: run.name.clone(), activity, iu, had, others })
-    };
-    for (activity, step) in steps.iter().enumerate() {
-        let contexts = run.activities[activity].contexts();
-        let Some(allowed) = sequences.get(step) else {
-            // The others do the first nominal step that this run has not done yet.
-            let others = nominal.iter().find(|step| !steps[..activity].contains(step)).map(|step| step.0);
-            return at(activity, 0, contexts.first().copied(), others);
+impl<'a> Steps<'a> {
+    fn of(runs: &'a [Run]) -> Self {
+        let mut steps = Self::with(runs, |_, _| true);
+        let is_kept = |run: &Run, index: usize, step: Step| {
+            let is_shared = steps.count(&step) == runs.len() && steps.sequences_of(&step).len() == 1;
+            is_shared || run.moved_m(&run.activities[index]) >= MOVED_M
         };
-        if !allowed.contains(&contexts) {
-            let common = &allowed[0];
-            let iu = contexts.iter().zip(common).take_while(|(had, other)| had == other).count();
-            return at(activity, iu, contexts.get(iu).copied(), common.get(iu).copied());
+        let kept: Vec<Vec<bool>> = runs
+            .iter()
+            .zip(&steps.steps)
+            .map(|(run, steps)| {
+                let steps = steps.iter().enumerate();
+                steps.map(|(index, step)| step.is_some_and(|step| is_kept(run, index, step))).collect()
+            })
+            .collect();
+        if kept.iter().flatten().any(|kept| !kept) {
+            steps = Self::with(runs, |run, index| kept[run][index]);
+        }
+        steps
+    }
+
+    /// The steps of those activities that `is_kept` keeps.
+    fn with(runs: &'a [Run], is_kept: impl Fn(usize, usize) -> bool) -> Self {
+        let hands = hands(runs, &is_kept);
+        let steps_of = |(number, run): (usize, &Run)| {
+            let mut before: BTreeMap<Context, usize> = BTreeMap::new();
+            let step = |(index, activity): (usize, &Activity)| {
+                let opening = opening(activity, &hands);
+                let count = before.entry(opening).or_default();
+                *count += usize::from(is_kept(number, index));
+                is_kept(number, index).then(|| (opening, *count - 1))
+            };
+            run.activities.iter().enumerate().map(step).collect()
+        };
+        Self { runs, steps: runs.iter().enumerate().map(steps_of).collect() }
+    }
+
+    /// The objects at which a hand rests or steadies in these runs.
+    fn rests(&self, runs: &[usize]) -> BTreeSet<u16> {
+        let of_run = |run: &usize| self.runs[*run].activities.iter().zip(&self.steps[*run]);
+        let rests = runs.iter().flat_map(of_run).filter(|(_, step)| step.is_none());
+        rests.map(|(activity, _)| object(activity)).collect()
+    }
+
+    /// The index in a run of the activity that is this step.
+    fn index(&self, run: usize, step: &Step) -> Option<usize> {
+        self.steps[run].iter().position(|other| other.as_ref() == Some(step))
+    }
+
+    /// How many runs have this step.
+    fn count(&self, step: &Step) -> usize {
+        (0..self.runs.len()).filter(|run| self.index(*run, step).is_some()).count()
+    }
+
+    /// The contexts of an activity, as the hand of the step would have them.
+    fn contexts(&self, run: usize, index: usize, step: &Step) -> Vec<Context> {
+        let side = if step.0.0[0] == Side::Left as u16 { Side::Left } else { Side::Right };
+        let contexts = self.runs[run].activities[index].contexts();
+        contexts.into_iter().map(|context| context.by_hand(side)).collect()
+    }
+
+    /// All steps in the order of their mean index.
+    fn in_order(&self) -> Vec<Step> {
+        let mut indices: BTreeMap<Step, Vec<usize>> = BTreeMap::new();
+        for (index, step) in self.steps.iter().flat_map(|run| run.iter().flatten().enumerate()) {
+            indices.entry(*step).or_default().push(index);
+        }
+        let mut steps: Vec<(f64, Step)> = indices
+            .into_iter()
+            .map(|(step, indices)| (indices.iter().sum::<usize>() as f64 / indices.len() as f64, step))
+            .collect();
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        steps.into_iter().map(|(_, step)| step).collect()
+    }
+
+    /// The sequences of contexts in which the runs do this step, with the number of those that do.
+    fn sequences_of(&self, step: &Step) -> BTreeMap<Vec<Context>, usize> {
+        let mut counts = BTreeMap::new();
+        for run in 0..self.runs.len() {
+            if let Some(index) = self.index(run, step) {
+                *counts.entry(self.contexts(run, index, step)).or_default() += 1;
+            }
+        }
+        counts
+    }
+
+    /// For each step its most common sequence, followed by the variants that enough runs have.
+    fn sequences(&self) -> Sequences {
+        let min_runs = MIN_VARIANT_RUNS.max((MIN_VARIANT_SHARE * self.runs.len() as f64).ceil() as usize);
+        let nominal = |step: Step| {
+            let mut counts: Vec<(Vec<Context>, usize)> = self.sequences_of(&step).into_iter().collect();
+            // Ties go to the longer sequence: a contact that was missed is more common than a contact that never happened.
+            counts.sort_by_key(|(contexts, count)| std::cmp::Reverse((*count, contexts.len())));
+            let is_allowed =
+                |(index, (_, count)): &(usize, (Vec<Context>, usize))| *index == 0 || *count >= min_runs;
+            let allowed = counts.into_iter().enumerate().filter(is_allowed);
+            (step, allowed.map(|(_, (contexts, _))| contexts).collect())
+        };
+        self.in_order().into_iter().map(nominal).collect()
+    }
+
+    /// The first point at which a run does a step in a way that is nominal in no run, or the first common step that it lacks, if it lacks
+    /// most of them.
+    fn disagreement(&self, run: usize, common: &[Step], sequences: &Sequences) -> Option<Disagreement> {
+        let name = self.runs[run].name.clone();
+        for (activity, step) in self.steps[run].iter().enumerate() {
+            let Some(step) = step else { continue };
+            let (contexts, allowed) = (self.contexts(run, activity, step), &sequences[step]);
+            if !allowed.contains(&contexts) {
+                let iu = contexts.iter().zip(&allowed[0]).take_while(|(had, other)| had == other).count();
+                let (had, others) = (contexts.get(iu).copied(), allowed[0].get(iu).copied());
+                return Some(Disagreement { run, name, activity, iu, had, others });
+            }
+        }
+        let mut lacking = common.iter().enumerate().filter(|(_, step)| self.index(run, step).is_none());
+        let (activity, step) = lacking.next()?;
+        let had = self.steps[run].get(activity).copied().flatten().map(|step| step.0);
+        let is_other_work = 2 * (1 + lacking.count()) > common.len();
+        is_other_work.then_some(Disagreement { run, name, activity, iu: 0, had, others: Some(step.0) })
+    }
+}
+
+/// The hand that acts on an object first in an activity, for objects at which no run has both hands: the one that most activities have.
+fn hands(runs: &[Run], is_kept: &impl Fn(usize, usize) -> bool) -> BTreeMap<u16, Side> {
+    let mut counts: BTreeMap<u16, [usize; 2]> = BTreeMap::new();
+    let mut by_both = Vec::new();
+    for (number, run) in runs.iter().enumerate() {
+        let mut of_run: BTreeMap<u16, [usize; 2]> = BTreeMap::new();
+        let activities = run.activities.iter().enumerate().filter(|(index, _)| is_kept(number, *index));
+        for (_, activity) in activities {
+            of_run.entry(object(activity)).or_default()[activity.side.index()] += 1;
+        }
+        by_both.extend(of_run.iter().filter(|(_, count)| !count.contains(&0)).map(|(id, _)| *id));
+        for (id, [right, left]) in of_run {
+            let count = counts.entry(id).or_default();
+            *count = [count[0] + right, count[1] + left];
         }
     }
-    let missing = nominal.iter().position(|step| !steps.contains(step))?;
-    at(missing, 0, steps.get(missing).map(|step| step.0), Some(nominal[missing].0))
+    let hand = |[right, left]: [usize; 2]| if left > right { Side::Left } else { Side::Right };
+    let of_one = counts.into_iter().filter(|(id, _)| !by_both.contains(id));
+    of_one.map(|(id, count)| (id, hand(count))).collect()
+}
+
+/// The object that the activity begins with.
+fn object(activity: &Activity) -> u16 {
+    activity.ius.first().map_or(0, |iu| iu.context.0[1])
+}
+
+/// Hand and first object of an activity: at its beginning the object may be at another one already.
+fn opening(activity: &Activity, hands: &BTreeMap<u16, Side>) -> Context {
+    let id = object(activity);
+    let side = hands.get(&id).copied().unwrap_or(activity.side);
+    Context([side as u16, id, 0, 0])
 }

@@ -79,6 +79,10 @@ pub struct AndonVerdict {
     pub iu: u16,
     /// Index of the nominal activity that it was judged against, or ANDON_NO_INDEX.
     pub nearest: u16,
+    /// Index of the other nominal activity of the order that was broken, or ANDON_NO_INDEX.
+    pub broken_activity: u16,
+    /// How many of the runs that were shown keep that order.
+    pub broken_runs: u16,
     /// An AndonLevel.
     pub level: u8,
     /// An AndonOutcome. Treat a number that is not in the list as not judged: it comes from another version.
@@ -89,6 +93,10 @@ pub struct AndonVerdict {
     pub hand: u8,
     /// 1 if the verdict came before the IU ended, otherwise 0.
     pub early: u8,
+    /// An AndonNote: what was not shown before and breaks no law.
+    pub note: u8,
+    /// An AndonOrderFault.
+    pub broken: u8,
     /// Name of the station, zero-terminated.
     pub station: [c_char; ANDON_STATION_BYTES],
     /// The part id that was in force when the job began, printable ASCII, zero-terminated; empty if none was given.
@@ -122,11 +130,15 @@ impl From<&Verdict> for AndonVerdict {
             activity: verdict.activity,
             iu: verdict.iu,
             nearest: verdict.nearest,
+            broken_activity: verdict.broken_activity,
+            broken_runs: verdict.broken_runs,
             level: verdict.level,
             outcome: verdict.outcome,
             reason: verdict.reason,
             hand: verdict.hand,
             early: verdict.early,
+            note: verdict.note,
+            broken: verdict.broken,
             station,
             part,
         }
@@ -178,6 +190,10 @@ mod tests {
             reason: 23,
             hand: 24,
             early: 25,
+            note: 26,
+            broken: 27,
+            broken_activity: 28,
+            broken_runs: 29,
             station: [b's'; STATION_BYTES],
             part: PartId::new(&[b'p'; PART_BYTES]).unwrap(),
             ..Verdict::default()
@@ -190,6 +206,8 @@ mod tests {
         assert_eq!((c.job_id, c.distance, c.threshold, c.x_c), (11, 12.0, 13.0, [14, 15, 16, 17]));
         assert_eq!([c.activity, c.iu, c.nearest], [18, 19, 20]);
         assert_eq!([c.level, c.outcome, c.reason, c.hand, c.early], [21, 22, 23, 24, 25]);
+        assert_eq!([c.note, c.broken], [26, 27]);
+        assert_eq!([c.broken_activity, c.broken_runs], [28, 29]);
         assert!(c.station[..STATION_BYTES].iter().all(|&byte| byte == b's' as c_char));
         assert_eq!(c.station[STATION_BYTES], 0);
         assert!(c.part[..PART_BYTES].iter().all(|&byte| byte == b'p' as c_char));

@@ -227,7 +227,10 @@ impl Handshake {
     /// What the registers show now.
     pub fn image(&self, now_ns: u64) -> Image {
         let bit = |condition: bool, bit: u16| if condition { bit } else { 0 };
-        let offered = self.results.offered().map_or(0, |result| status::DONE | result.outcome);
+        let offered = self.results.offered().map_or(0, |result| {
+            let note = if result.verdict.note == 0 { 0 } else { status::NOTE };
+            status::DONE | result.outcome | note
+        });
         let status = offered
             | bit(self.is_online(now_ns), status::ONLINE)
             | bit(self.is_ready(now_ns), status::READY)

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 use super::*;
-use shm_schemas::{Verdict, VerdictLevel, VerdictOutcome};
+use shm_schemas::{Verdict, VerdictLevel, VerdictNote, VerdictOutcome};
 
 pub(super) const WRITES: Settings = Settings { writes: true, hold_ns: 0 };
 pub(super) const ENABLED: Control = Control {
@@ -168,6 +168,16 @@ fn done_waits_for_the_journal() {
     journal.write(iu(1, 1, OK));
     journal.settle(&mut machine, 0);
     assert!(has(&machine, 0, status::DONE | status::OK));
+}
+
+#[test]
+fn a_note_is_a_bit_beside_the_outcome() {
+    for note in [0, VerdictNote::Order.code()] {
+        let (mut machine, mut journal) = ready_with_journal(WRITES);
+        send(&mut machine, &mut journal, &Verdict { note, ..iu(1, 1, OK) }, 0);
+        assert!(has(&machine, 0, status::DONE | status::OK));
+        assert_eq!(has(&machine, 0, status::NOTE), note != 0);
+    }
 }
 
 #[test]

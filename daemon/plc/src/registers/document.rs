@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Write as _};
 
-use shm_schemas::{JudgePhase, PART_BYTES, Refusal, VerdictLevel, VerdictReason};
+use shm_schemas::{JudgePhase, PART_BYTES, Refusal, VerdictLevel, VerdictNote, VerdictReason};
 
 use super::image::{control, status};
 use super::map::{Access, CONTROL_BASE, MAP, MAP_VERSION};
@@ -47,6 +47,10 @@ fn write_document(out: &mut String) -> fmt::Result {
     writeln!(out, "\n`reason`\n\n| number | name | meaning |\n|---|---|---|")?;
     for reason in VerdictReason::ALL {
         writeln!(out, "| {} | {} | {} |", reason.code(), reason.name(), reason.meaning())?;
+    }
+    writeln!(out, "\n`note`\n\n| number | name | meaning |\n|---|---|---|")?;
+    for note in VerdictNote::ALL {
+        writeln!(out, "| {} | {} | {} |", note.code(), note.name(), note.meaning())?;
     }
     writeln!(out, "\n`refusal`\n\n| number | name | meaning |\n|---|---|---|")?;
     for refusal in Refusal::ALL {

@@ -22,8 +22,10 @@ pub mod status {
     pub const ERROR: u16 = 1 << 7;
     /// Results were lost: the queue was full, or the channel ran over.
     pub const OVERRUN: u16 = 1 << 8;
+    /// The offered result has something that was not shown before, and breaks no law. Only with `DONE`.
+    pub const NOTE: u16 = 1 << 9;
     /// Every bit in order, with its name and meaning.
-    pub const BITS: [(u16, &str, &str); 9] = [
+    pub const BITS: [(u16, &str, &str); 10] = [
         (ONLINE, "online", "the Modbus role runs and its loop turns"),
         (
             READY,
@@ -40,6 +42,11 @@ pub mod status {
             OVERRUN,
             "overrun",
             "results were lost: the queue was full, or verdicts came faster than this role could read them",
+        ),
+        (
+            NOTE,
+            "note",
+            "the offered result has something that was not shown before: was it right? See the register `note`; set only with `done`",
         ),
     ];
 }

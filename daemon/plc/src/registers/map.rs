@@ -5,7 +5,7 @@ use shm_schemas::{NO_INDEX, PART_BYTES, PartId, Verdict};
 use super::image::{Control, Image, ResultBlock};
 
 /// Changes when an address, a type or a meaning changes.
-pub const MAP_VERSION: u16 = 4;
+pub const MAP_VERSION: u16 = 5;
 /// The first register that can be written. Registers below it that have no meaning yet are read as 0, so that a client can read
 /// everything in one request.
 pub const CONTROL_BASE: u16 = 100;
@@ -99,6 +99,8 @@ const NO_VERDICT: Verdict = Verdict {
     activity: NO_INDEX,
     iu: NO_INDEX,
     nearest: NO_INDEX,
+    broken_activity: NO_INDEX,
+    broken_runs: 0,
     level: 0,
     outcome: 0,
     reason: 0,
@@ -107,6 +109,9 @@ const NO_VERDICT: Verdict = Verdict {
     station: [0; shm_schemas::STATION_BYTES],
     part: PartId::NONE,
     captured_percent: shm_schemas::NO_PERCENT,
+    note: 0,
+    broken: 0,
+    reserved: [0; 2],
 };
 
 const NS_PER_S: u64 = 1_000_000_000;
@@ -255,6 +260,7 @@ pub const MAP: &[Register] = &[
     read(52, "job_in_force", Get::U32(|i| i.job_in_force), "the job that the judge has; 0 none"),
     read(54, "hash_in_force", Get::U64(|i| i.hash_in_force), "hash of its job file"),
     read(58, "phase", Get::U16(|i| i.phase), "where the judge is, see below; 0 before it was heard"),
+    read(59, "note", Get::U16(|i| of(i).note.into()), "what was not shown before, see below; 0 nothing"),
     read(60, "result_part", Get::Text(|i| *of(i).part.bytes()), "the part id of the result; all 0 none"),
     read(76, "sequence_end", Get::U32(sequence), "the same as `sequence`"),
     read(

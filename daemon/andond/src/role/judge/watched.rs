@@ -40,7 +40,7 @@ impl<'j> Watched<'j> {
             station: station_name(station),
             part: PartId::NONE,
         };
-        let names = Names::of_objects(&file.objects);
+        let names = Names::of_job(file);
         let judge = judge(job, file)?;
         Ok(Self { job, file, sender, names, judge, newest_ns: 0, events: Vec::new() })
     }
@@ -121,6 +121,7 @@ fn log_verdict(verdict: &Verdict, names: &Names) {
     let sentence = verdict_sentence(verdict, names);
     match (verdict.outcome, verdict.level) {
         (Outcome::Ok, Level::Job) => log!(code::JOB_OK, "{sentence}"),
+        (Outcome::Ok, Level::Activity) if verdict.note.is_some() => log!(code::NOTE, "{sentence}"),
         (Outcome::Ok, Level::Iu | Level::Activity) => tracing::debug!("{sentence}"),
         (Outcome::Anomaly, Level::Job) => log!(code::JOB_ANOMALY, "{sentence}"),
         (Outcome::Anomaly, Level::Iu | Level::Activity) => log!(code::ACTIVITY_ANOMALY, "{sentence}"),

@@ -56,7 +56,7 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// What is missing, or the role that ended, with the end of its log.
 pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
     let file = job::load(&arguments.job)?;
-    let names = Names::of_objects(&file.objects);
+    let names = Names::of_job(&file);
     let clips = clips(&arguments.clips)?;
     let mut line = Line::start(arguments, &clips[0])?;
     println!("watching the job {:?} with {} roles, one process each", file.name, ROLES.len() + 1);

@@ -1,0 +1,207 @@
+//! The order of a job is a partial one: what breaks a law is an anomaly that names it, and what was only not shown before is a note.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use andon_core::job::{Job, Law};
+use andon_core::set::ActivitySet;
+use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Verdict};
+use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use common::work::{judged, measure, polish};
+
+/// The left hand lifts the lid off.
+fn lift() -> [Part; 3] {
+    [part([2, 4, 0, 0], 40, Toward(1)), part([2, 4, 4, 8], 40, Still), idle(20)]
+}
+
+/// Polishing is 0 and measuring 1, by the right hand; the left hand's lifting is 2.
+fn job(laws: &[Law]) -> Job<'static> {
+    Job { laws: laws.to_vec().leak(), ..teach(&[&polish(6), &measure(), &lift()]) }
+}
+
+const FREE: Law = Law { runs: 6, ..Law::FREE };
+const AFTER_POLISHING: Law = Law { after_begin: ActivitySet::of(0), ..FREE };
+
+fn after(frames: usize, parts: &[Part]) -> Vec<Part> {
+    [&[idle(frames)][..], parts].concat()
+}
+
+fn job_of(verdicts: &[Verdict]) -> Verdict {
+    *verdicts.iter().find(|verdict| verdict.level == Level::Job).unwrap()
+}
+
+fn activity(verdicts: &[Verdict], nearest: u16) -> Verdict {
+    let is_it = |verdict: &&Verdict| verdict.level == Level::Activity && verdict.nearest == Some(nearest);
+    *verdicts.iter().find(is_it).unwrap()
+}
+
+fn in_a_row() -> Vec<Part> {
+    [polish(6), measure()].concat()
+}
+
+#[test]
+fn what_no_law_orders_may_come_in_any_order() {
+    let job = job(&[FREE, AFTER_POLISHING, FREE]);
+    for wait in [0, 20, 120, 250] {
+        let verdicts = judged(&job, &stream(&in_a_row(), &after(wait, &lift())));
+        assert_eq!((short(&job_of(&verdicts)).as_str(), job_of(&verdicts).note), ("JobOk", None), "{wait}");
+    }
+    let reversed = [measure(), polish(6)].concat();
+    let verdicts = judged(&job, &stream(&reversed, &lift()));
+    assert_eq!(short(&job_of(&verdicts)), "JobAnomaly WrongOrder");
+}
+
+#[test]
+fn a_broken_law_is_told_with_the_first_frame_that_breaks_it_and_names_what_should_have_come_before() {
+    let begun = Law { after_begin: ActivitySet::of(0), ..FREE };
+    let ended = Law { after_end: ActivitySet::of(0), ..FREE };
+    for (law, wait, fault) in [
+        (&[FREE, FREE, begun][..], 0, OrderFault::NotBegun),
+        (&[FREE, FREE, ended][..], 0, OrderFault::NotBegun),
+        (&[FREE, FREE, ended][..], 60, OrderFault::NotEnded),
+    ] {
+        let work = stream(&after(10, &in_a_row()), &after(wait, &lift()));
+        let verdicts = judged(&job(law), &work);
+        let lifting = activity(&verdicts, 2);
+        assert_eq!(
+            short(&lifting),
+            "l0 ActivityAnomaly WrongOrder!".replace('0', &lifting.activity.to_string())
+        );
+        let broken = BrokenOrder { fault, activity: 0, runs: 6 };
+        assert_eq!((lifting.broken, job_of(&verdicts).broken), (Some(broken), Some(broken)));
+        assert_eq!(lifting.began_ns, lifting.ended_ns, "at its first touch");
+    }
+    // The law asks for the beginning only.
+    let verdicts = judged(&job(&[FREE, FREE, begun]), &stream(&in_a_row(), &after(1, &lift())));
+    assert_eq!(short(&job_of(&verdicts)), "JobOk");
+}
+
+#[test]
+fn what_is_optional_accuses_nobody_where_it_is_missing_and_only_where_it_comes_too_late() {
+    let optional = Law { is_required: false, ..FREE };
+    let after_lifting = Law { after_end: ActivitySet::of(2), ..FREE };
+    let job = job(&[after_lifting, AFTER_POLISHING, optional]);
+    let outcome = |left: &[Part]| {
+        let verdicts = judged(&job, &stream(&after(110, &in_a_row()), left));
+        (short(&job_of(&verdicts)), job_of(&verdicts).broken.map(|broken| broken.fault))
+    };
+    assert_eq!(outcome(&lift()), ("JobOk".into(), None));
+    assert_eq!(outcome(&[]), ("JobOk".into(), None));
+    assert_eq!(outcome(&after(200, &lift())), ("JobAnomaly WrongOrder".into(), Some(OrderFault::TooLate)));
+    assert_eq!(outcome(&after(80, &lift())), ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotEnded)));
+}
+
+#[test]
+fn a_job_waits_for_what_is_optional_and_may_come_last() {
+    let job =
+        job(&[FREE, AFTER_POLISHING, Law { is_required: false, after_end: ActivitySet::of(1), ..FREE }]);
+    let with = after(330, &lift());
+    for (left, activities) in [(&with[..], 3), (&[][..], 2)] {
+        let piece = |left: &[Part]| stream(&[&in_a_row()[..], &[idle(200)]].concat(), left);
+        let frames = piece(left).len();
+        let mut left = left.to_vec();
+        left.push(idle(frames - left.iter().map(|part| part.frames).sum::<usize>()));
+        let twice = stream(&[&in_a_row()[..], &[idle(200)]].concat().repeat(2), &left.repeat(2));
+        let verdicts = judged(&job, &twice);
+        let jobs: Vec<(String, u16)> = verdicts
+            .iter()
+            .filter(|verdict| verdict.level == Level::Job)
+            .map(|job| (short(job), job.activity))
+            .collect();
+        assert_eq!(jobs, [("JobOk".to_owned(), activities), ("JobOk".to_owned(), activities)]);
+    }
+}
+
+#[test]
+fn an_order_that_was_not_shown_and_breaks_no_law_is_a_note() {
+    let usual = Law { usually_after: ActivitySet::of(2), ..FREE };
+    let job = job(&[usual, AFTER_POLISHING, FREE]);
+    let verdicts = judged(&job, &stream(&after(20, &in_a_row()), &lift()));
+    assert_eq!(job_of(&verdicts).note, None);
+    let verdicts = judged(&job, &stream(&in_a_row(), &after(20, &lift())));
+    assert_eq!((short(&job_of(&verdicts)).as_str(), job_of(&verdicts).note), ("JobOk", Some(Note::Order)));
+    assert_eq!((activity(&verdicts, 0).note, activity(&verdicts, 2).note), (Some(Note::Order), None));
+}
+
+#[test]
+fn a_repetition_is_a_note_unless_a_law_forbids_it() {
+    let once = Law { is_once: true, ..AFTER_POLISHING };
+    let right = [polish(6), polish(6), measure()].concat();
+    let left = [&lift()[..], &[idle(400)]].concat();
+    let verdicts = judged(&job(&[FREE, AFTER_POLISHING, FREE]), &stream(&right, &left));
+    assert_eq!((short(&job_of(&verdicts)).as_str(), job_of(&verdicts).note), ("JobOk", Some(Note::Again)));
+    let right = [polish(6), measure(), measure()].concat();
+    let verdicts = judged(&job(&[FREE, once, FREE]), &stream(&right, &after(300, &lift())));
+    let broken = job_of(&verdicts).broken.unwrap();
+    assert_eq!((broken.fault, broken.activity), (OrderFault::Again, 1));
+}
+
+/// The parts with the hand on the other side.
+fn swapped(parts: &[Part]) -> Vec<Part> {
+    let mut parts = parts.to_vec();
+    for part in &mut parts {
+        part.context[0] = if part.context[0] == 0 { 0 } else { 3 - part.context[0] };
+    }
+    parts
+}
+
+#[test]
+fn a_step_of_the_other_hand_is_the_same_step_with_a_note() {
+    let job = job(&[FREE, AFTER_POLISHING, FREE]);
+    let verdicts = judged(&job, &stream(&swapped(&lift()), &swapped(&in_a_row())));
+    assert_eq!(
+        (short(&job_of(&verdicts)).as_str(), job_of(&verdicts).note),
+        ("JobOk", Some(Note::OtherHand))
+    );
+    assert_eq!(activity(&verdicts, 2).context.0[0], 1, "the hand that did it");
+    // Its motion is judged, and what was not done is missing.
+    let verdicts = judged(&job, &stream(&in_a_row(), &[]));
+    assert_eq!(short(&job_of(&verdicts)), "JobAnomaly NotCompleted");
+    let mut other = swapped(&lift());
+    other[0].motions = Toward(5);
+    let verdicts = judged(&job, &stream(&[&other[..], &in_a_row()].concat(), &[]));
+    assert_eq!(short(&job_of(&verdicts)), "JobAnomaly NotCompleted");
+}
+
+#[test]
+fn a_hand_that_rests_at_a_part_of_the_job_is_a_note_and_at_any_other_an_anomaly() {
+    let job = job(&[FREE, AFTER_POLISHING, FREE]);
+    // The fixture, the brick that is polished, and the polisher that the other hand has.
+    for object in [3, 6, 5] {
+        let rest = [idle(60), part([2, object, 0, 0], 50, Still), idle(20)];
+        let left = [&lift()[..], &rest].concat();
+        let verdicts = judged(&job, &stream(&in_a_row(), &left));
+        assert!(verdicts.iter().all(|verdict| verdict.outcome == Outcome::Ok), "{object}: {verdicts:#?}");
+        assert_eq!(job_of(&verdicts).note, Some(Note::Step), "{object}");
+        let verdicts = judged(&Job { rests: &[object], ..job }, &stream(&in_a_row(), &left));
+        assert_eq!((short(&job_of(&verdicts)).as_str(), job_of(&verdicts).note), ("JobOk", None), "{object}");
+    }
+    let foreign = [&lift()[..], &[part([2, 9, 0, 0], 50, Still), idle(20)]].concat();
+    assert_eq!(short(&job_of(&judged(&job, &stream(&in_a_row(), &foreign)))), "JobAnomaly WrongObject");
+}
+
+#[test]
+fn a_release_at_the_end_may_be_missing() {
+    let without = [&measure()[..2], &[idle(40)]].concat();
+    let right = [&polish(6)[..], &without].concat();
+    let verdicts = judged(&job(&[FREE, AFTER_POLISHING, FREE]), &stream(&right, &lift()));
+    assert_eq!(short(&job_of(&verdicts)), "JobOk");
+}
+
+#[test]
+fn an_order_that_may_have_been_kept_unseen_accuses_nobody() {
+    let after_lifting = Law { after_end: ActivitySet::of(2), ..FREE };
+    let job = job(&[FREE, after_lifting, FREE]);
+    let right = [&polish(6)[..], &[idle(100)], &measure()].concat();
+    let left = after(150, &lift());
+    let (from, to) = (100, 340);
+    let mut couples = stream(&right, &left);
+    for (index, couples) in couples.iter_mut().enumerate().filter(|(index, _)| (from..to).contains(index)) {
+        // The left hand is seen again while the right one measures already.
+        let sight = couples.hands[1].sight;
+        couples.hands[1] = andon_core::couple::Couple::idle(couples.hands[1].side, couples.captured_ns);
+        couples.hands[1].sight = if index == from { sight } else { couples.hands[1].sight };
+    }
+    let verdicts = judged(&job, &couples);
+    assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:#?}");
+}

@@ -1,0 +1,72 @@
+//! The order of a job in words, with the evidence that it rests on.
+
+use super::relation::chance_of_one_order;
+use crate::job_file::{JobFile, Relation, RelationKind};
+use std::fmt;
+
+/// The steps of a job, their laws and what is only usual. `Display` prints them for people, who count from 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrderReport {
+    /// The name of each step, and the sentences about it.
+    pub steps: Vec<(String, Vec<String>)>,
+    /// How many runs it rests on.
+    pub runs: usize,
+}
+
+impl OrderReport {
+    pub(super) fn new(job: &JobFile, runs: usize) -> Self {
+        let steps = (0..job.steps.len()).map(|number| (job.step_name(number), sentences(job, number)));
+        Self { steps: steps.collect(), runs }
+    }
+}
+
+fn sentences(job: &JobFile, number: usize) -> Vec<String> {
+    let step = &job.steps[number];
+    let mut sentences = Vec::new();
+    if !step.is_required {
+        sentences.push(format!("optional: {} of the runs have it", step.runs));
+    }
+    if step.is_once {
+        sentences.push("only once: its place in the order is law".to_owned());
+    }
+    let direct = step.after.iter().filter(|relation| !is_implied(job, number, relation));
+    sentences.extend(direct.map(|relation| {
+        let Relation { activity, kind, runs, gap_s } = relation;
+        let evidence = format!("as in all {runs} runs, {gap_s:.1} s later");
+        match kind {
+            RelationKind::Begin => format!("law: after {} has begun, {evidence}", activity + 1),
+            RelationKind::End => format!("law: after {} has ended, {evidence}", activity + 1),
+            RelationKind::Usual => {
+                format!("usually after {}, {evidence}; another order is noted, no anomaly", activity + 1)
+            }
+        }
+    }));
+    sentences
+}
+
+/// Whether a relation follows from two others.
+fn is_implied(job: &JobFile, number: usize, relation: &Relation) -> bool {
+    let has = |later: usize, earlier: u16| {
+        job.steps[later].after.iter().any(|other| other.activity == earlier && other.kind == relation.kind)
+    };
+    let between = usize::from(relation.activity) + 1..number;
+    between.into_iter().any(|other| has(number, other as u16) && has(other, relation.activity))
+}
+
+impl fmt::Display for OrderReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (number, (name, sentences)) in (1..).zip(&self.steps) {
+            writeln!(f, "step {number}: {name}")?;
+            sentences.iter().try_for_each(|sentence| writeln!(f, "    {sentence}"))?;
+        }
+        match self.runs {
+            _ if self.steps.len() < 2 => Ok(()),
+            1 => writeln!(f, "one run shows no order: any order of the steps is accepted"),
+            runs => writeln!(
+                f,
+                "two steps that have nothing to do with each other stand in one order in {runs} runs by chance: {:.0} %",
+                100.0 * chance_of_one_order(runs)
+            ),
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The order of a job as a partial one: what stands before what in all runs, and whether that is evidence enough for a law.
+//!
+//! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large: its
+//! mean over the runs is at least [`bound`] on the clock with the least spread for its size. Those clocks are the sequence of the one hand that
+//! does both, the sequence of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a
+//! few seconds of each other show nothing: a person does not mind which is first. What all runs agree on without that evidence is a usage:
+//! another order is a note.
+//!
+//! Two steps that have nothing to do with each other stand in one order in `n` runs by chance with a probability of `2^(1-n)`, so one run
+//! shows no order at all.
+
+use super::sequence::Agreement;
+use crate::job_file::{Relation, RelationKind, TaughtStep};
+use crate::run::{Activity, Run};
+use crate::statistics::{deviation, mean};
+use std::collections::BTreeSet;
+
+/// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance.
+const MIN_DEVIATION: f64 = 0.02;
+
+/// Two hands that come within so many seconds beyond the bound of each other show no order.
+const BETWEEN_HANDS_S: f64 = 3.0;
+
+/// But a hand that takes up what the other one has left waits for it: so many seconds beyond the bound are enough.
+const AFTER_END_S: f64 = 0.1;
+
+/// Student's t for one side and 1, 2, 3 and so on degrees of freedom: exceeded with a probability of 5 % and of 1 %. Steps that share a part
+/// are likely to need their order, so less evidence is enough for them.
+const QUANTILES: [[f64; 2]; 12] = [
+    [6.314, 31.821],
+    [2.920, 6.965],
+    [2.353, 4.541],
+    [2.132, 3.747],
+    [2.015, 3.365],
+    [1.943, 3.143],
+    [1.895, 2.998],
+    [1.860, 2.896],
+    [1.833, 2.821],
+    [1.812, 2.764],
+    [1.796, 2.718],
+    [1.782, 2.681],
+];
+
+/// The probability that two steps which have nothing to do with each other stand in one order in so many runs.
+pub(super) fn chance_of_one_order(runs: usize) -> f64 {
+    0.5_f64.powi(runs as i32 - 1)
+}
+
+/// What one step of one run was.
+struct Occurrence<'a> {
+    activity: &'a Activity,
+    began_s: f64,
+    /// When the hand let go, or the activity ended.
+    ended_s: f64,
+    /// Its place in the sequence of the run, and of its hand in it.
+    places: [f64; 2],
+}
+
+impl<'a> Occurrence<'a> {
+    fn new(run: &'a Run, index: usize) -> Self {
+        let activity = &run.activities[index];
+        let of_hand = run.activities[..index].iter().filter(|before| before.side == activity.side).count();
+        let touches = || activity.ius.iter().filter(|iu| iu.context.is_touch());
+        let seconds = |ns: u64| ns as f64 * 1e-9;
+        Self {
+            activity,
+            began_s: touches().next().map_or(0.0, |iu| seconds(iu.began_ns)),
+            ended_s: touches().next_back().map_or(0.0, |iu| seconds(iu.ended_ns)),
+            places: [index as f64, of_hand as f64],
+        }
+    }
+}
+
+/// The steps of the job with their relations to those before them. `order` is whether the order matters, where somebody has said so.
+pub(super) fn steps(runs: &[Run], agreement: &Agreement, order: Option<bool>) -> Vec<TaughtStep> {
+    let all: Vec<Vec<Option<Occurrence<'_>>>> = agreement
+        .steps
+        .iter()
+        .map(|step| {
+            let of_run = step.iter().zip(&agreement.used);
+            of_run.map(|(index, run)| Some(Occurrence::new(&runs[*run], (*index)?))).collect()
+        })
+        .collect();
+    let step = |later: usize| {
+        let after = (0..later).filter_map(|earlier| relation(earlier, &all[earlier], &all[later], order));
+        let count = all[later].iter().flatten().count();
+        TaughtStep {
+            is_required: count == agreement.used.len(),
+            is_once: false,
+            runs: count as u16,
+            after: after.collect(),
+        }
+    };
+    let mut steps: Vec<TaughtStep> = (0..all.len()).map(step).collect();
+    let once: Vec<bool> = (0..all.len()).map(|index| has_its_place(index, &steps, agreement)).collect();
+    steps.iter_mut().zip(once).for_each(|(step, once)| step.is_once = once);
+    steps
+}
+
+/// The relation of a step to one that has a lower number in the job, if there is one.
+fn relation(
+    activity: usize,
+    earlier: &[Option<Occurrence<'_>>],
+    later: &[Option<Occurrence<'_>>],
+    order: Option<bool>,
+) -> Option<Relation> {
+    let both: Vec<_> =
+        earlier.iter().zip(later).filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?))).collect();
+    let gaps = |gap: &dyn Fn(&Occurrence<'_>, &Occurrence<'_>) -> f64| -> Vec<f64> {
+        both.iter().map(|(a, b)| gap(a, b)).collect()
+    };
+    let begins = gaps(&|a, b| b.began_s - a.began_s);
+    let kind = match order {
+        Some(true) => Some(RelationKind::Begin),
+        Some(false) => None,
+        None if both.len() < 2 || begins.iter().any(|gap| *gap <= 0.0) => None,
+        None if both.iter().all(|(a, b)| a.activity.side == b.activity.side) => {
+            let places = [0, 1].map(|clock| gaps(&|a, b| b.places[clock] - a.places[clock]));
+            let is_law = |gaps: &Vec<f64>| margin(gaps, &both) >= 0.0;
+            let clocks = [&places[0], &places[1], &begins];
+            Some(if clocks.into_iter().any(is_law) { RelationKind::Begin } else { RelationKind::Usual })
+        }
+        None => between_hands(&begins, &gaps(&|a, b| b.began_s - a.ended_s), &both),
+    };
+    kind.map(|kind| Relation {
+        activity: activity as u16,
+        kind,
+        runs: both.len() as u16,
+        gap_s: mean(&begins) as f32,
+    })
+}
+
+fn between_hands(
+    begins: &[f64],
+    ends: &[f64],
+    both: &[(&Occurrence<'_>, &Occurrence<'_>)],
+) -> Option<RelationKind> {
+    let after_end_s = if is_shared(both) { AFTER_END_S } else { BETWEEN_HANDS_S };
+    if margin(ends, both) >= after_end_s {
+        Some(RelationKind::End)
+    } else if margin(begins, both) >= BETWEEN_HANDS_S {
+        Some(RelationKind::Begin)
+    } else {
+        (mean(begins) >= BETWEEN_HANDS_S).then_some(RelationKind::Usual)
+    }
+}
+
+/// By how much the mean of these gaps exceeds what is safely large.
+fn margin(gaps: &[f64], both: &[(&Occurrence<'_>, &Occurrence<'_>)]) -> f64 {
+    let of_freedom = QUANTILES[(gaps.len().max(2) - 2).min(QUANTILES.len() - 1)];
+    mean(gaps) - bound(of_freedom[usize::from(!is_shared(both))], gaps)
+}
+
+/// The least mean that a gap must have for the next one to be positive too, at this quantile of Student's t.
+fn bound(quantile: f64, gaps: &[f64]) -> f64 {
+    quantile * deviation(gaps, 1).max(MIN_DEVIATION) * (1.0 + 1.0 / gaps.len() as f64).sqrt()
+}
+
+/// Whether the two steps have a part in common in all runs.
+fn is_shared(both: &[(&Occurrence<'_>, &Occurrence<'_>)]) -> bool {
+    let parts = |step: &Occurrence<'_>| -> BTreeSet<u16> {
+        step.activity.ius.iter().flat_map(|iu| iu.context.0[1..].to_vec()).filter(|id| *id != 0).collect()
+    };
+    both.iter().all(|(a, b)| !parts(a).is_disjoint(&parts(b)))
+}
+
+/// Whether a second time has no place for this step: all runs have it and no run has it again, and law orders it with every other step of its
+/// hand, of which there is one at least.
+fn has_its_place(index: usize, steps: &[TaughtStep], agreement: &Agreement) -> bool {
+    let opening = |activity: usize| {
+        let mut sequences = agreement.sequences.iter();
+        let first = sequences.find(|sequence| usize::from(sequence.activity) == activity);
+        first.and_then(|sequence| sequence.contexts.first()).map_or([0; 2], |first| [first.0[0], first.0[1]])
+    };
+    let own = opening(index);
+    let mut others =
+        (0..steps.len()).filter(|other| *other != index && opening(*other)[0] == own[0]).peekable();
+    let is_law = |earlier: usize, later: usize| {
+        let mut laws = steps[later].after.iter().filter(|relation| relation.kind != RelationKind::Usual);
+        laws.any(|relation| usize::from(relation.activity) == earlier)
+    };
+    steps[index].is_required
+        && others.peek().is_some()
+        && others.all(|other| is_law(index.min(other), index.max(other)))
+}

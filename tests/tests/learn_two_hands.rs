@@ -1,0 +1,105 @@
+//! Jobs of two hands: five people show each, and others do it right, do it wrong, or are not seen.
+//!
+//! The people follow from a seed. `ANDON_SEED` chooses another.
+#![allow(clippy::unwrap_used)]
+
+use andon_core::config::Method;
+use andon_core::input::Side;
+use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_learn::job_file::JobFile;
+use andon_learn::recording::Recording;
+use andon_learn::run::Run;
+use andon_learn::teach::{TeachOptions, teach};
+use andon_tests::deletion::length_s;
+use andon_tests::environment;
+use andon_tests::simulator::{Noise, Performance, TwoHanded, perform_with_two_hands};
+
+/// Of the right jobs of others, so many of a hundred must be accepted: five people do not show how all others move.
+const MIN_ACCEPTED: usize = 90;
+
+fn recording(work: TwoHanded, person: u64, is_faulty: bool) -> Recording {
+    let seed = environment::number("ANDON_SEED", 71);
+    let performance = Performance { seed, person, repetition: 1, noise: Noise::default() };
+    perform_with_two_hands(&performance, work, is_faulty)
+}
+
+fn run(recording: &Recording) -> Run {
+    Run::new("run", "", recording, &Method::default()).unwrap()
+}
+
+/// Five people show the work.
+fn taught(work: TwoHanded) -> JobFile {
+    let runs: Vec<Run> = (1..=5).map(|person| run(&recording(work, person, false))).collect();
+    let options =
+        TeachOptions { measure_rate: false, ..TeachOptions::new("two hands", "", Method::default()) };
+    teach(&runs, &options).unwrap().0
+}
+
+fn judged(job: &JobFile, recording: &Recording) -> Vec<Verdict> {
+    job.with_job(|lent| run(recording).judge(lent, &job.method)).unwrap()
+}
+
+fn is_accused(verdicts: &[Verdict]) -> bool {
+    verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly)
+}
+
+fn is_right(verdicts: &[Verdict]) -> bool {
+    let mut jobs = verdicts.iter().filter(|verdict| verdict.level == Level::Job);
+    jobs.all(|job| job.outcome == Outcome::Ok) && !is_accused(verdicts)
+}
+
+#[test]
+fn what_may_differ_between_hands_is_right_and_every_fault_is_found() {
+    let (mut right, mut of, mut missed) = (0, 0, Vec::new());
+    for work in TwoHanded::ALL {
+        let job = taught(work);
+        let accepted = (6..18).filter(|person| is_right(&judged(&job, &recording(work, *person, false))));
+        let count = accepted.count();
+        println!("{work:?}: {count} of 12 accepted");
+        (right, of) = (right + count, of + 12);
+        missed.extend(
+            (6..12)
+                .filter(|person| is_right(&judged(&job, &recording(work, *person, true))))
+                .map(|person| (work, person)),
+        );
+    }
+    assert!(100 * right >= MIN_ACCEPTED * of, "{right} of {of}");
+    assert!(missed.is_empty(), "{missed:?}");
+}
+
+/// The recording with one hand unseen in a stretch of time; its last second stays.
+fn without(whole: &Recording, side: Side, from_s: f64, seconds: f64) -> Recording {
+    let mut left = whole.clone();
+    let to_s = (from_s + seconds).min(length_s(whole) - 1.0);
+    for frame in &mut left.frames {
+        if (from_s..to_s).contains(&(frame.captured_ns as f64 * 1e-9)) {
+            frame.hands = frame.hands.iter().filter(|hand| hand.side != side).cloned().collect();
+        }
+    }
+    left
+}
+
+#[test]
+fn a_hand_that_is_not_seen_for_a_while_accuses_nobody() {
+    let mut accused = Vec::new();
+    for work in TwoHanded::ALL {
+        let job = taught(work);
+        for person in 6..9 {
+            let whole = recording(work, person, false);
+            if !is_right(&judged(&job, &whole)) {
+                continue;
+            }
+            for side in Side::ALL {
+                for tenth in 1..10 {
+                    for seconds in [0.2, 0.5, 1.2, 3.0] {
+                        let from_s = length_s(&whole) * f64::from(tenth) / 10.0;
+                        if is_accused(&judged(&job, &without(&whole, side, from_s, seconds))) {
+                            accused.push((work, person, side, tenth, seconds));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(accused.is_empty(), "{} of 1296: {accused:?}", accused.len());
+}
