@@ -22,7 +22,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
         let activity = OpenActivity::new(number, step, context, began_ns, hidden, progress.job);
         if activity.is_beginning_seen(progress.job) {
-            progress.set_start_seen(activity.as_shown(context));
+            progress.set_start_seen(number, activity.as_shown(context));
         }
         self.activity = Some(activity);
     }

@@ -151,7 +151,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         activity.broken = activity.broken.or(broken);
         let unjudged_reason = activity.unjudged_reason;
-        let is_place_certain = activity.is_place_certain();
+        let (is_place_certain, number) = (activity.is_place_certain(), activity.number);
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
@@ -161,7 +161,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);
         if outcome != Outcome::NotJudged {
-            progress.set_done(nominal);
+            progress.set_done(number, nominal);
         }
     }
 

@@ -29,6 +29,8 @@ pub(super) struct Progress<'a> {
     activities: u16,
     /// How many of them are steps of the job, as far as their first IU shows.
     steps: u16,
+    /// The number of the first of these.
+    first_step: Option<u16>,
     /// Activities that were done right.
     done: ActivitySet,
     /// Activities that were done but not judged.
@@ -71,6 +73,7 @@ impl<'a> Progress<'a> {
             began_ns: 0,
             activities: 0,
             steps: 0,
+            first_step: None,
             done: ActivitySet::EMPTY,
             unjudged: ActivitySet::EMPTY,
             wrong: ActivitySet::EMPTY,
@@ -128,13 +131,13 @@ impl<'a> Progress<'a> {
     }
 
     /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is one of the job's first.
-    pub(super) fn set_start_seen(&mut self, context: Context) {
-        self.begin_seen_with(self.opening(context));
+    pub(super) fn set_start_seen(&mut self, number: u16, context: Context) {
+        self.begin_seen_with(number, self.opening(context));
     }
 
-    /// The newest activity is one of these. If it is the first that came, and one with which a job begins, the start was seen.
-    fn begin_seen_with(&mut self, activities: ActivitySet) {
-        if self.steps == 1 && activities.intersects(self.first()) && !self.is_start_seen {
+    /// The activity with this number is one of these. If it is the first that came, and one with which a job begins, the start was seen.
+    fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
+        if self.first_step == Some(number) && activities.intersects(self.first()) && !self.is_start_seen {
             self.is_start_seen = true;
             self.may_precede = self.all().without(activities | self.behind(activities));
         }
@@ -260,6 +263,7 @@ impl<'a> Progress<'a> {
         let number = self.activities;
         self.activities = number.saturating_add(1);
         self.steps = self.steps.saturating_add(is_step.into());
+        self.first_step = self.first_step.or(is_step.then_some(number));
         number
     }
 
@@ -364,10 +368,10 @@ impl<'a> Progress<'a> {
         self.underway[side.index()] = self.activities_of(candidates.iter());
     }
 
-    pub(super) fn set_done(&mut self, nominal: usize) {
+    pub(super) fn set_done(&mut self, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
         self.done |= activity;
-        self.begin_seen_with(activity);
+        self.begin_seen_with(number, activity);
     }
 
     pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, reason: Reason) {
