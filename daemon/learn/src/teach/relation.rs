@@ -26,7 +26,7 @@ const AFTER_END_S: f64 = 0.1;
 
 /// Student's t for one side and 1, 2, 3 and so on degrees of freedom: exceeded with a probability of 5 % and of 1 %. Steps that share a part
 /// are likely to need their order, so less evidence is enough for them.
-const QUANTILES: [[f64; 2]; 12] = [
+const QUANTILES: [[f64; 2]; 10] = [
     [6.314, 31.821],
     [2.920, 6.965],
     [2.353, 4.541],
@@ -37,8 +37,6 @@ const QUANTILES: [[f64; 2]; 12] = [
     [1.860, 2.896],
     [1.833, 2.821],
     [1.812, 2.764],
-    [1.796, 2.718],
-    [1.782, 2.681],
 ];
 
 /// The probability that two steps which have nothing to do with each other stand in one order in so many runs.
