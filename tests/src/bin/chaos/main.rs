@@ -31,6 +31,8 @@ use tally::{Recovery, Tally, load_average};
 const RESTART_SEC: Duration = Duration::from_millis(100);
 /// The jobs of the parts, in turn.
 const JOBS: &str = "1,2";
+/// A role that has come back may have been heard here before the PLC's side has heard it.
+const NOTICED: Duration = Duration::from_secs(1);
 /// A role that has not come back after this long hangs.
 const HANGS: Duration = Duration::from_secs(30);
 
@@ -129,6 +131,11 @@ impl Chaos {
         };
         self.recover(role, what, began, began_ns);
         self.until_ready(&format!("{role} after {what}"));
+        let until = Instant::now() + NOTICED;
+        while !self.poller.dropped_since(began_ns) && Instant::now() < until {
+            self.listen(Duration::from_millis(5));
+        }
+        self.until_ready(&format!("{role} after {what}, which was noticed late"));
         if self.poller.dropped_since(began_ns) {
             self.tally.ready_drops += 1;
         } else {
