@@ -155,6 +155,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
+            None if broken.is_none() && progress.is_behind_its_time(nominal) => {
+                (Outcome::NotJudged, Reason::Blind, early)
+            }
             None if broken.is_none() => (Outcome::Ok, Reason::None, early),
             None if is_place_certain => (Outcome::Anomaly, Reason::WrongOrder, false),
             None => (Outcome::NotJudged, Reason::Blind, early),

@@ -325,6 +325,14 @@ impl<'a> Progress<'a> {
             .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
     }
 
+    /// Whether an activity was right that must come behind this one, because this one may have come unseen; and now it comes.
+    pub(super) fn is_behind_its_time(&self, nominal: usize) -> bool {
+        let activity = self.number(nominal).map(usize::from);
+        let is_behind =
+            |other: usize| activity.is_some_and(|activity| self.job.law(other).after().contains(activity));
+        self.done.iter().any(is_behind)
+    }
+
     /// What the other hand was in the middle of when this one began, and still is, if that is certain.
     fn underway_before(&self, side: Side) -> ActivitySet {
         let hand = side.other().index();
