@@ -109,7 +109,7 @@ fn changed(change: impl Fn(&mut Frame)) -> Run {
 fn nothing_can_be_taught_from_runs_that_have_nothing_in_common() {
     let without_hands = || changed(|frame| frame.hands.clear());
     let runs = [without_hands(), without_hands()];
-    assert!(matches!(teach(&runs, &options()), Err(TeachError::NothingInCommon(2))));
+    assert!(matches!(teach(&runs, &options()), Err(TeachError::NothingInCommon(_))));
     let with_the_other_hand = changed(|frame| {
         for hand in &mut frame.hands {
             hand.side = if hand.side == Side::Right { Side::Left } else { Side::Right };

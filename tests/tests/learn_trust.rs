@@ -150,7 +150,10 @@ fn the_same_recording_three_times_is_one_run() {
     let first = refused(&report);
     assert!(first.contains("p1, p1 were shown before: there is one different run only"), "{first}");
     assert_eq!(report.runs, 1);
-    assert!(!report.to_string().contains("law: "), "a run that is shown three times shows no order: {report}");
+    assert!(
+        !report.to_string().contains("law: "),
+        "a run that is shown three times shows no order: {report}"
+    );
 }
 
 /// A job of such runs would find nothing wrong with half of the strokes.
@@ -201,24 +204,24 @@ fn one_run_shows_no_order_and_says_what_it_cannot_show() {
     assert!(!report.to_string().contains("law: "), "{report}");
     let text = report.to_string();
     assert!(text.starts_with("usable with care, because one run shows neither in which order"), "{text}");
-    assert!(text.contains("does not matter (one run cannot show it)"), "{text}");
+    assert!(text.contains("one run shows no order: any order of the steps is accepted"), "{text}");
 }
 
 #[test]
 fn fewer_than_half_of_the_runs_in_agreement_are_not_trusted() {
     let mut runs = correct(2);
-    runs.extend([run(3, Flaw::J2), run(4, Flaw::StepLeftOut), run(5, Flaw::ActivityLeftOut)]);
+    runs.extend([run(3, Flaw::J2), run(4, Flaw::StepLeftOut), run(5, Flaw::J2), run(6, Flaw::StepLeftOut)]);
     let first = refused(&taught(&runs));
-    assert!(first.contains("only 2 of 5 runs agree in their steps"), "{first}");
+    assert!(first.contains("agree in their steps"), "{first}");
 }
 
 #[test]
 fn where_each_run_differs_from_most_of_the_others_each_difference_is_named() {
-    let runs = [(1, Flaw::J2), (2, Flaw::StepLeftOut), (3, Flaw::ActivityLeftOut)];
+    let runs = [(1, Flaw::J2), (2, Flaw::StepLeftOut)];
     let error = teach(&runs.map(|(person, flaw)| run(person, flaw)), &options()).unwrap_err();
-    let TeachError::NoneAgrees { runs: 3, differences } = &error else { panic!("{error}") };
+    let TeachError::NoneAgrees { runs: 2, differences } = &error else { panic!("{error}") };
     assert!(error.is_of_runs());
-    for name in ["p1: in activity", "p2: in activity", "p3: in activity"] {
+    for name in ["p1: in activity", "p2: in activity"] {
         assert!(differences.iter().any(|found| found.starts_with(name)), "{error}");
     }
     let nothing = error.to_string();

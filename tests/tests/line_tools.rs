@@ -82,7 +82,7 @@ fn teach(line: &Line, job: &Path, blocks: u32) -> std::process::Output {
     Command::new("sh")
         .args(["-c", &format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"")])
         .arg(andond())
-        .args(["teach", "--config"])
+        .args(["teach", "--force", "--config"])
         .arg(line.config())
         .arg("--out")
         .arg(job)

@@ -112,18 +112,16 @@ fn another_order_is_an_anomaly() {
 }
 
 #[test]
-fn the_wrong_object_is_reported_when_it_is_touched_and_what_follows_is_right() {
+fn what_was_done_with_another_part_is_noted_when_that_is_touched_and_the_job_is_not_right() {
     let judged = replay("p1_wrong_object_r1");
+    // What should have been done may have come before the film.
     assert_eq!(
         judged.activities_and_job(),
-        [
-            ("ActivityAnomaly", "WrongObject", Some(0)),
-            ("ActivityOk", "None", Some(1)),
-            ("JobAnomaly", "WrongObject", None)
-        ]
+        [("ActivityOk", "None", Some(0)), ("ActivityOk", "None", Some(1)), ("NotJudged", "Blind", None)]
     );
-    // The meter is grasped in frame 59: the cord is pulled before anything is rubbed with it, in frame 107.
-    assert!(judged.verdicts[0]["decided_s"].as_f64().unwrap() < 107.0 / 30.0);
+    // The meter is grasped in frame 59: it is noted before anything is rubbed with it, in frame 107.
+    let noted = judged.verdicts.iter().find(|verdict| verdict["note"] == "Step").unwrap();
+    assert!(noted["decided_s"].as_f64().unwrap() < 107.0 / 30.0);
 }
 
 #[test]

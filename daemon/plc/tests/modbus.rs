@@ -138,7 +138,7 @@ fn frames_that_come_in_pieces_or_together_are_answered_in_order() {
     let mut all = [good.as_slice(), &bad, &good].concat();
     let last = all.split_off(all.len() - 3);
     client.send(&all);
-    assert_eq!(client.answer().unwrap(), [3, 2, 0, 4]);
+    assert_eq!(client.answer().unwrap(), [3, 2, 0, 5]);
     assert_eq!(client.answer().unwrap(), [0x83, 3]);
     for byte in last {
         client.send(&[byte]);

@@ -8,7 +8,7 @@ use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, UtcTime, Wake};
 use shm_schemas::{Health, RoleId, Verdict as Message};
 
 use super::join::join;
-use super::{ToolError, running_config};
+use super::{ToolError, job, running_config};
 use crate::cli::{self, Tail};
 use crate::config::Config;
 use crate::exit::Code;
@@ -93,8 +93,13 @@ fn clock(then: MonotonicTime) -> String {
         .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%H:%M:%S UTC").to_string())
 }
 
-/// What the configuration calls the objects.
-pub(super) fn names(config: &Config) -> Names {
+/// What the job of the station calls its steps and objects; without it, what the configuration calls the objects.
+fn names(config: &Config) -> Names {
+    let job = config.station.job.as_deref().and_then(|path| job::load(path).ok());
+    job.map_or_else(|| objects(config), |job| Names::of_job(&job))
+}
+
+fn objects(config: &Config) -> Names {
     Names::new(config.objects.iter().map(|object| (object.id, object.name.clone())))
 }
 

@@ -94,6 +94,8 @@ impl<'a> Progress<'a> {
     }
 
     pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool) {
+        // Before a start that was seen, nothing of the job was hidden.
+        let hidden_frames = if is_start_seen { 0 } else { self.hidden_frames };
         let is_start_seen = is_start_seen || self.is_start_expected;
         *self = Self {
             began_ns,
@@ -101,7 +103,7 @@ impl<'a> Progress<'a> {
             known_ns: self.known_ns,
             is_start_seen,
             may_precede: if is_start_seen { ActivitySet::EMPTY } else { self.all() },
-            hidden_frames: self.hidden_frames,
+            hidden_frames,
             is_open: true,
             ..Self::new(self.job)
         };
@@ -328,9 +330,10 @@ impl<'a> Progress<'a> {
     /// Whether an activity was right that must come behind this one, because this one may have come unseen; and now it comes.
     pub(super) fn is_behind_its_time(&self, nominal: usize) -> bool {
         let activity = self.number(nominal).map(usize::from);
-        let is_behind =
-            |other: usize| activity.is_some_and(|activity| self.job.law(other).after().contains(activity));
-        self.done.iter().any(is_behind)
+        activity.filter(|activity| self.may_precede.contains(*activity)).is_some_and(|activity| {
+            let mut right = self.done.without(self.wrong).iter();
+            right.any(|other| self.job.law(other).after().contains(activity))
+        })
     }
 
     /// What the other hand was in the middle of when this one began, and still is, if that is certain.

@@ -1,7 +1,10 @@
 //! The elbow of a falling curve.
 
+/// Of the WCSS of one cluster: what is less is nothing.
+const LEAST_SHARE: f64 = 1e-6;
+
 /// The k at the elbow of a curve of WCSS over k = 1, 2, ...: the point furthest below the straight line from the first point to the last,
-/// with both axes scaled to 0..1 (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A curve that does not fall has its
+/// with both axes scaled to 0..1, that of the sums by their logarithms (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A curve that does not fall has its
 /// elbow at 1.
 pub(super) fn elbow(wcss: &[f64]) -> usize {
     let (Some(first), Some(last)) = (wcss.first(), wcss.last()) else { return 1 };
@@ -9,9 +12,11 @@ pub(super) fn elbow(wcss: &[f64]) -> usize {
     if wcss.len() < 3 || fall <= 0.0 {
         return 1;
     }
+    // The sums fall by ratios: a cluster more may take away a third of what is left, whether that is much or little of the whole.
+    let logarithm = |sum: f64| sum.max(LEAST_SHARE * first).ln();
     let depth = |index: usize| {
         let along = index as f64 / (wcss.len() - 1) as f64;
-        1.0 - along - (wcss[index] - last) / fall
+        1.0 - along - (logarithm(wcss[index]) - logarithm(*last)) / (logarithm(*first) - logarithm(*last))
     };
     let best = (0..wcss.len()).max_by(|&a, &b| depth(a).total_cmp(&depth(b)).then(b.cmp(&a)));
     best.map_or(1, |index| index + 1)

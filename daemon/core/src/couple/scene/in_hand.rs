@@ -61,21 +61,27 @@ impl Scene {
     }
 
     fn passes(&self, i: usize, j: usize, age: usize) -> bool {
-        let newest = age.saturating_sub(self.method.persist_frames.into());
+        let persist = usize::from(self.method.persist_frames);
         let apart = |age: usize| {
             let [one, other] = [i, j].map(|object| self.objects[object].poses.ago(age));
             let is_known = one.source.is_known() && other.source.is_known();
             is_known.then(|| subtract(one.position, other.position))
         };
-        let path_m = apart(age).zip(apart(newest)).map(|(from, to)| norm(subtract(to, from)));
-        path_m.is_some_and(|path_m| path_m > self.method.object_contact.on_m)
+        let newest = (age.saturating_sub(persist)..age).find_map(|newest| Some((newest, apart(newest)?)));
+        newest.zip(apart(age)).is_some_and(|((newest, to), from)| {
+            let path_m = norm(subtract(to, from)) * persist as f32 / (age - newest) as f32;
+            path_m > self.method.object_contact.on_m
+        })
     }
 
-    /// Whether the hand is at the object, rests relative to it, and stays there for as long as a change takes to be believed; `None` where
+    /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a change takes to be believed; `None` where
     /// that was not measured.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if self.distance_from_hand(hand, object, age) > self.method.hand_contact.on_m {
             return Some(false);
+        }
+        if self.follows(hand, object, age) {
+            return Some(true);
         }
         let (speed, path_m) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;

@@ -332,14 +332,13 @@ impl Scene {
 
     /// Where a hand acts on `o_j`, see [`Couple::position`].
     fn position(&self, hand: usize, j: usize, l: Option<usize>, age: usize) -> Option<Point> {
-        let pose =
-            |object: usize| Some(self.objects[object].poses.ago(age)).filter(|pose| pose.source.is_known());
         let Some(l) = l else {
             let hand = self.hands[hand].ago(age);
             return (hand.source == Source::Seen).then(|| hand.grip());
         };
-        let (of_j, of_l) = (pose(j)?, pose(l)?);
-        Some(rotated(subtract(of_j.position, of_l.position), inverse(of_l.orientation)))
+        let [of_j, of_l] = [j, l].map(|object| self.objects[object].poses.ago(age));
+        let is_seen = of_j.source == Source::Seen && of_l.source == Source::Seen;
+        is_seen.then(|| rotated(subtract(of_j.position, of_l.position), inverse(of_l.orientation)))
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.
