@@ -180,7 +180,8 @@ fn of_iu(
 fn values(measure: Measure, runs: &[Run], shown: &[(usize, &Iu)]) -> Vec<f64> {
     let value = |&(run, iu): &(usize, &Iu)| match measure {
         Measure::Duration => (iu.ended_ns - iu.began_ns) as f64 * 1e-9,
-        Measure::Reversals => f64::from(iu.measures.reversals),
+        // What was hidden may have been a stroke.
+        Measure::Reversals => f64::from(iu.measures.reversals + iu.measures.hidden_reversals),
         Measure::Path => super::path::length_m(&runs[run], iu),
         Measure::Distance => 0.0,
     };
