@@ -165,14 +165,15 @@ fn poses(arms: &[Arm<'_>; 2], bench: &Bench) -> Vec<Vec<(u16, Pose)>> {
 }
 
 fn truth(arm: &Arm<'_>, poses: &[Vec<(u16, Pose)>]) -> Truth {
-    let instant = |(frame, (moment, poses)): (usize, (&Moment, &Vec<(u16, Pose)>))| Instant {
+    let instant = |frame: usize, moment: &Moment, poses: &[(u16, Pose)]| Instant {
         time_s: frame as f64 / arm.rate_hz,
         grip: Some(moment.at),
         hand_yaw: hand_yaw(arm.side, moment.at),
         closed: if moment.held.is_some() { 1.0 } else { 0.0 },
         held: moment.held,
-        poses: poses.clone(),
+        poses: poses.to_vec(),
     };
-    let instants = arm.moments.iter().zip(poses).enumerate().map(instant).collect();
+    let moments = arm.moments.iter().zip(poses).enumerate();
+    let instants = moments.map(|(frame, (moment, poses))| instant(frame, moment, poses)).collect();
     Truth { side: arm.side, instants, labels: Labels::default() }
 }
