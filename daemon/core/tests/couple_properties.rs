@@ -121,6 +121,14 @@ proptest! {
         prop_assert!(measured.iter().all(|couples| couples.hands[1].context == expected), "{:?}", expected);
     }
 
+    /// A context changes as a whole, and each lasts as long as a change takes to be believed.
+    #[test]
+    fn every_context_lasts(frames in worker()) {
+        let couples = encode(&[TOOL, BOX], &frames);
+        let mut runs = couples.chunk_by(|a, b| a.hands[0].context == b.hands[0].context).rev().skip(1);
+        prop_assert!(runs.all(|run| run.len() >= usize::from(Method::default().persist_frames)));
+    }
+
     /// Frames that come late, twice or out of order are refused, and the couples are the same as without them.
     #[test]
     fn refused_frames_change_nothing(frames in worker(), stale in prop::collection::vec((0..400usize, 0..400usize), 1..20)) {

@@ -82,6 +82,8 @@ pub(super) struct Scene {
     /// Whether the two touch, rather than pass each other.
     meets: [[bool; OBJECTS]; OBJECTS],
     interactions: [Interaction; HANDS],
+    /// For how many frames each has been what it is.
+    lasted: [u32; HANDS],
 }
 
 impl Scene {
@@ -111,6 +113,7 @@ impl Scene {
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
             meets: [[false; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
+            lasted: [u32::MAX; HANDS],
         }
     }
 
@@ -245,7 +248,12 @@ impl Scene {
         self.update_meets(age);
         let hands = core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
-            let interaction = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
+            let next = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
+            // What has just begun goes on for as long as a change takes to be believed.
+            let is_settled = self.lasted[hand] >= u32::from(persist);
+            let interaction = if is_settled { next } else { self.interactions[hand] };
+            let is_same = interaction == self.interactions[hand];
+            self.lasted[hand] = if is_same { self.lasted[hand].saturating_add(1) } else { 1 };
             let before = core::mem::replace(&mut self.interactions[hand], interaction).held();
             self.update_rivals(hand, before, interaction.held(), age);
             self.couple(hand, interaction, age)
