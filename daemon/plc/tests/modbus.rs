@@ -143,7 +143,7 @@ fn frames_that_come_in_pieces_or_together_are_answered_in_order() {
     for byte in last {
         client.send(&[byte]);
     }
-    assert_eq!(client.answer().unwrap(), [3, 2, 0, 4]);
+    assert_eq!(client.answer().unwrap(), [3, 2, 0, 5]);
 }
 
 #[test]

@@ -54,8 +54,10 @@ impl Scene {
     pub(super) fn update_meets(&mut self, age: usize) {
         for i in 0..self.objects.len() {
             for j in i + 1..self.objects.len() {
-                self.meets[i][j] =
-                    self.adjacent[i][j].is_believed() && (self.meets[i][j] || !self.passes(i, j, age));
+                let edge = self.adjacent[i][j];
+                // Two that came together unseen may touch already.
+                let has_come = || !edge.was_known(age, self.method.persist_frames) || !self.passes(i, j, age);
+                self.meets[i][j] = edge.is_believed() && (self.meets[i][j] || has_come());
             }
         }
     }
