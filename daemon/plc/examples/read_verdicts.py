@@ -17,7 +17,7 @@ import time
 import iceoryx2 as iox2
 
 # The layout of `Verdict` and of the events in this build of Andon; a test compares it.
-LAYOUT = "7d5b248736569bbe/2"
+LAYOUT = "0398c6850c348c02/2"
 # The longest time for a station to start, in seconds.
 PATIENCE_S = 20
 # The longest wait for an event, in ms. The queue is read after it in any case.
