@@ -13,7 +13,7 @@ fn endless(writes: bool) -> Line {
 
 #[test]
 fn a_line_reports_what_it_watches_what_was_wrong_and_that_it_stops() {
-    let mut line = Line::new(Settings { flaw: Flaw::WrongObject, ..Settings::default() });
+    let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::default() });
     line.launch().until_judged();
     line.wait_for_log("judge", "AND-301", "job.toml");
     line.wait_for_log("judge", "AND-306", "Stop and look at the step");
