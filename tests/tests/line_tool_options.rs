@@ -93,8 +93,7 @@ fn replay_ends_with_0_for_a_correct_job_1_for_an_anomaly_and_2_for_what_could_no
 
 #[test]
 fn tail_shows_the_level_and_the_outcomes_that_it_was_asked_for() {
-    let settings =
-        Settings { flaw: Flaw::WrongObject, at_full_speed: false, repeat: true, ..Settings::default() };
+    let settings = Settings { flaw: Flaw::J1, at_full_speed: false, repeat: true, ..Settings::default() };
     let mut line = Line::new(settings);
     line.start("steward");
     let mut command = Command::new(andond());
