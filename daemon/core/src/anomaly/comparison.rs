@@ -76,7 +76,8 @@ impl Extent {
         self.measures.hidden_reversals.saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
     }
 
-    /// In how much of the IU something may have happened that was not seen, as a share of its frames; more than 1 if most of it lies in a gap.
+    /// In how much of the IU something may have happened that was not seen, as a share of its frames; more than 1 if most of it lies in
+    /// a gap.
     pub(super) fn hidden(&self) -> f32 {
         let gaps = self.gap_before.saturating_add(self.gap_after);
         self.measures.hidden + gaps as f32 / self.frames.max(1) as f32

@@ -154,11 +154,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (is_place_certain, number) = (activity.is_place_certain(), activity.number);
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
-            // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
             None if broken.is_none() && progress.is_behind_its_time(nominal) => {
                 (Outcome::NotJudged, Reason::Blind, early)
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None, early),
+            // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
             None if is_place_certain => (Outcome::Anomaly, Reason::WrongOrder, false),
             None => (Outcome::NotJudged, Reason::Blind, early),
         };

@@ -5,12 +5,13 @@ use crate::job::{Around, MeasureBounds, NominalIu, Range};
 use crate::segment::Measures;
 use crate::verdict::Reason;
 
-/// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as the rest.
+/// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
+/// the rest.
 const GIVES_WAY: f32 = 2.0;
 
 impl Extent {
-    /// The rule that the length, the reversals or another measure breaks, or [`Reason::None`]; with `may_be_hidden` only if no motion in the frames
-    /// that were not seen could have kept it. A path that was seen is never too long only because something else was not.
+    /// The rule that the length, the reversals or another measure breaks, or [`Reason::None`]; with `may_be_hidden` only if no motion in
+    /// the frames that were not seen could have kept it. A path that was seen is never too long only because something else was not.
     pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Reason {
         let hidden = if may_be_hidden { self.hidden() } else { 0.0 };
         let [min_frames, max_frames] = if may_be_hidden { self.possible_frames() } else { [self.frames; 2] };

@@ -27,9 +27,7 @@ pub(super) struct Progress<'a> {
     began_ns: u64,
     /// How many activities have begun.
     activities: u16,
-    /// How many of them are steps of the job, as far as their first IU shows.
-    steps: u16,
-    /// The number of the first of these.
+    /// The number of the first of them that is a step of the job, as far as its first IU shows.
     first_step: Option<u16>,
     /// Activities that were done right.
     done: ActivitySet,
@@ -72,7 +70,6 @@ impl<'a> Progress<'a> {
             known_ns: 0,
             began_ns: 0,
             activities: 0,
-            steps: 0,
             first_step: None,
             done: ActivitySet::EMPTY,
             unjudged: ActivitySet::EMPTY,
@@ -264,7 +261,6 @@ impl<'a> Progress<'a> {
         self.newest_ns[side.index()] = began_ns;
         let number = self.activities;
         self.activities = number.saturating_add(1);
-        self.steps = self.steps.saturating_add(is_step.into());
         self.first_step = self.first_step.or(is_step.then_some(number));
         number
     }
@@ -448,7 +444,7 @@ impl<'a> Progress<'a> {
             (Some(fault), ..) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.
             (None, Some(reason), _) => (Outcome::NotJudged, because(reason, None)),
-            (None, None, _) if self.steps == 0 && self.activities > 0 => {
+            (None, None, _) if self.first_step.is_none() && self.activities > 0 => {
                 (Outcome::NotJudged, because(Reason::Unknown, None))
             }
             (None, None, _) if !self.is_start_seen => (Outcome::NotJudged, because(Reason::Blind, None)),

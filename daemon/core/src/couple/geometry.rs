@@ -10,15 +10,15 @@ pub(super) fn add(a: Point, b: Point) -> Point {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-pub(super) fn subtract(a: Point, b: Point) -> Point {
+pub(crate) fn subtract(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-pub(super) fn dot(a: Point, b: Point) -> f32 {
+pub(crate) fn dot(a: Point, b: Point) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn norm(a: Point) -> f32 {
+pub(crate) fn norm(a: Point) -> f32 {
     libm::sqrtf(dot(a, a))
 }
 

@@ -2,7 +2,7 @@
 
 mod contact;
 mod encoder;
-mod geometry;
+pub(crate) mod geometry;
 mod grid;
 mod interaction;
 mod kinematics;
@@ -73,8 +73,8 @@ pub struct Couple {
     pub motion: Option<Motion>,
     /// Context features.
     pub context: Context,
-    /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame. `None` where it was
-    /// not seen, or the hand does not act.
+    /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame.
+    /// `None` where it was not seen, or the hand does not act.
     pub position: Option<Point>,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],

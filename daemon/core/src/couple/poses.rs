@@ -158,6 +158,11 @@ impl ObjectPose {
         Some(Self { source: Source::Seen, unseen: 0, position, orientation })
     }
 
+    /// This point of the bench in the object's own frame of reference.
+    pub(super) fn own(&self, point: Point) -> Point {
+        rotated(subtract(point, self.position), inverse(self.orientation))
+    }
+
     /// The pose in the next frame if the object is not seen in it and no hand carries it. An object is `covered` by a hand only from
     /// the frame on in which it vanished.
     pub(super) fn held(self, covered: bool) -> Self {

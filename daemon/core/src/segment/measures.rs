@@ -1,5 +1,6 @@
 //! What is measured of an IU in metres. DTW forgives a motion that was cut short, repeated too often or made small; measures do not.
 
+use crate::couple::geometry::{norm, subtract};
 use crate::input::Point;
 
 /// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
@@ -13,8 +14,8 @@ const SINGLE_FRAME: f32 = 0.2;
 
 /// The measures of one IU, so far or whole.
 ///
-/// They rest on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the bench
-/// ([`Couple::position`](crate::couple::Couple::position)).
+/// They rest on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the
+/// bench ([`Couple::position`](crate::couple::Couple::position)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
     /// How often the motion reversed, that is came back by more than 15 mm. A stroke lies between two reversals.
@@ -23,8 +24,8 @@ pub struct Measures {
     pub stroke_m: Option<f32>,
     /// Length of the path in metres, in steps of 15 mm.
     pub path_m: f32,
-    /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and `sin 2α` for
-    /// a path along the angle `α` from the x axis, and shorter the more the path turns. Zero before the first step.
+    /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and
+    /// `sin 2α` for a path along the angle `α` from the x axis, and shorter the more the path turns. Zero before the first step.
     pub axis: [f32; 2],
     /// Mean position in metres.
     pub place_m: Point,
@@ -131,8 +132,7 @@ impl Meter {
 }
 
 fn distance(a: Point, b: Point) -> f32 {
-    let square: f32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-    libm::sqrtf(square)
+    norm(subtract(a, b))
 }
 
 #[cfg(test)]

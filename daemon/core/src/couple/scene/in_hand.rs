@@ -4,7 +4,7 @@
 //! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
 
-use super::super::geometry::{inverse, norm, rotated, subtract};
+use super::super::geometry::{norm, subtract};
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::HANDS;
@@ -38,13 +38,18 @@ impl Scene {
 
     fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
         let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
-        let is_at_it = edge.is_believed() || before == InHand::Yes && self.follows(hand, object, age);
-        match (before, is_at_it.then(|| self.rests(hand, object, age)).flatten()) {
-            _ if !is_at_it => InHand::No,
-            (InHand::Yes, _) if self.leaves(hand, object, age) => InHand::No,
-            (InHand::Yes, _) | (_, Some(true)) => InHand::Yes,
+        if before == InHand::Yes {
+            let stays =
+                (edge.is_believed() || self.follows(hand, object, age)) && !self.leaves(hand, object, age);
+            return if stays { InHand::Yes } else { InHand::No };
+        }
+        if !edge.is_believed() {
+            return InHand::No;
+        }
+        match self.rests(hand, object, age) {
+            Some(true) => InHand::Yes,
             // A hand that came to the object unseen may hold it already.
-            (InHand::No, _) if edge.was_known(age, self.method.persist_frames) => InHand::No,
+            _ if before == InHand::No && edge.was_known(age, self.method.persist_frames) => InHand::No,
             _ => InHand::Unknown,
         }
     }
@@ -63,21 +68,20 @@ impl Scene {
     }
 
     fn passes(&self, i: usize, j: usize, age: usize) -> bool {
-        let persist = usize::from(self.method.persist_frames);
         let apart = |age: usize| {
             let [one, other] = [i, j].map(|object| self.objects[object].poses.ago(age));
             let is_known = one.source.is_known() && other.source.is_known();
             is_known.then(|| subtract(one.position, other.position))
         };
-        let newest = (age.saturating_sub(persist)..age).find_map(|newest| Some((newest, apart(newest)?)));
-        newest.zip(apart(age)).is_some_and(|((newest, to), from)| {
-            let path_m = norm(subtract(to, from)) * persist as f32 / (age - newest) as f32;
+        self.newest_known(age, apart).zip(apart(age)).is_some_and(|((newest, to), from)| {
+            let frames = (age - newest) as f32;
+            let path_m = norm(subtract(to, from)) * f32::from(self.method.persist_frames) / frames;
             path_m > self.method.object_contact.on_m
         })
     }
 
-    /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a change takes to be believed; `None` where
-    /// that was not measured.
+    /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a
+    /// change takes to be believed; `None` where that was not measured.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if self.distance_from_hand(hand, object, age) > self.method.hand_contact.on_m {
             return Some(false);
@@ -85,7 +89,7 @@ impl Scene {
         if self.follows(hand, object, age) {
             return Some(true);
         }
-        let (speed, path_m) =
+        let (speed, (_, path_m)) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
         Some(speed < self.method.rest_speed_m_s && path_m <= self.rest_m())
     }
@@ -98,19 +102,18 @@ impl Scene {
     /// Whether the hand moves away from the object, which does not follow, so that it is not at it any more when a change would be believed.
     fn leaves(&self, hand: usize, object: usize, age: usize) -> bool {
         let on_m = self.method.hand_contact.on_m;
-        let Some(newest) = self.newest_known(hand, object, age) else { return false };
+        let Some((newest, path_m)) = self.relative_path(hand, object, age) else { return false };
         let distance = self.distance_from_hand(hand, object, newest);
         distance > on_m
             && distance > self.distance_from_hand(hand, object, age)
-            && self.relative_path(hand, object, age).is_some_and(|path_m| path_m > on_m / 2.0)
+            && path_m > on_m / 2.0
             && !self.follows(hand, object, age)
     }
 
     /// Whether the object moves with the hand: more than half as far as the two move apart. Two hands that carry a part together do not hold
     /// it as stiffly as one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
-        let path_m = self.newest_known(hand, object, age).zip(self.relative_path(hand, object, age));
-        path_m.is_some_and(|(newest, path_m)| {
+        self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {
             let poses = &self.objects[object].poses;
             let followed_m = norm(subtract(poses.ago(newest).position, poses.ago(age).position));
             followed_m > f32::max(path_m / 2.0, self.rest_m())
@@ -129,25 +132,24 @@ impl Scene {
     }
 
     /// How far the finger tips have moved relative to the object from this frame to the newest known one of those in which a change is
-    /// believed, in metres; in the bench frame or in that of the object, whichever is less.
-    fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
-        let from = self.relative_positions(hand, object, age)?;
-        let to = self.relative_positions(hand, object, self.newest_known(hand, object, age)?)?;
+    /// believed, in metres, after the age of that frame; in the bench frame or in that of the object, whichever is less.
+    fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<(usize, f32)> {
+        let positions = |age: usize| self.relative_positions(hand, object, age);
+        let (from, (newest, to)) = positions(age).zip(self.newest_known(age, positions))?;
         let moved = |frame: usize| norm(subtract(to[frame], from[frame]));
-        Some(f32::min(moved(0), moved(1)))
+        Some((newest, f32::min(moved(0), moved(1))))
     }
 
-    /// The newest frame up to `persist_frames` after this one in which both were known, as an age.
-    fn newest_known(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
+    /// What is known in the newest frame up to `persist_frames` after this one, after the age of that frame.
+    fn newest_known<T>(&self, age: usize, known: impl Fn(usize) -> Option<T>) -> Option<(usize, T)> {
         let newest = age.saturating_sub(self.method.persist_frames.into());
-        (newest..age).find(|age| self.relative_positions(hand, object, *age).is_some())
+        (newest..age).find_map(|newest| Some((newest, known(newest)?)))
     }
 
     /// Where the finger tips are from the object, in metres: in the bench frame and in that of the object. `None` where either is not known.
     fn relative_positions(&self, hand: usize, object: usize, age: usize) -> Option<[Point; 2]> {
         let (hand, object) = (self.hands[hand].ago(age), self.objects[object].poses.ago(age));
         let is_known = hand.source == Source::Seen && object.source.is_known();
-        let apart = subtract(hand.grip(), object.position);
-        is_known.then(|| [apart, rotated(apart, inverse(object.orientation))])
+        is_known.then(|| [subtract(hand.grip(), object.position), object.own(hand.grip())])
     }
 }

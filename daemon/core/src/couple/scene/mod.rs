@@ -4,7 +4,7 @@ mod in_hand;
 mod sight;
 
 use super::contact::Edge;
-use super::geometry::{Cloud, dot, inverse, rotated, subtract};
+use super::geometry::{Cloud, dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
@@ -346,7 +346,7 @@ impl Scene {
         };
         let [of_j, of_l] = [j, l].map(|object| self.objects[object].poses.ago(age));
         let is_seen = of_j.source == Source::Seen && of_l.source == Source::Seen;
-        is_seen.then(|| rotated(subtract(of_j.position, of_l.position), inverse(of_l.orientation)))
+        is_seen.then(|| of_l.own(of_j.position))
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.
