@@ -24,7 +24,7 @@ fn rows(subcommand: &str, arguments: &[&str]) -> Vec<String> {
 /// The shares of the frames in which the hand was found, and of the visible markers that were, in percent.
 fn found(row: &str) -> [f64; 2] {
     let cells: Vec<&str> = row.split_whitespace().collect();
-    [2, 11].map(|column| cells[column].trim_end_matches('%').parse().unwrap())
+    [2, 10].map(|column| cells[column].trim_end_matches('%').parse().unwrap())
 }
 
 #[test]
@@ -48,10 +48,10 @@ fn the_line_says_what_it_cannot_see_and_cries_no_wolf() {
     let (summary, rows) = table.split_last().unwrap();
     let troubles = |row: &&String| !row.contains("| nothing | nothing |");
     assert!(rows.iter().filter(troubles).count() >= 15, "{table:#?}");
-    assert_eq!(summary, "0 wrong", "{table:#?}");
+    assert!(summary.starts_with("0 of "), "{table:#?}");
 }
 
-/// Every second frame of a clip of each person. A hand counts as found where its palm lies on the true one, in the frames that
+/// Every second frame of a clip of each person. A hand counts as found where its landmarks lie on the true ones, in the frames that
 /// truly show most of a hand.
 #[test]
 fn hand_and_markers_are_found_in_noise_and_in_the_dark() {

@@ -28,7 +28,6 @@ mod perceiver;
 mod pixel_format;
 mod points;
 pub mod sight;
-mod smooth;
 
 pub use config::PerceptionConfig;
 pub use detections::Detections;

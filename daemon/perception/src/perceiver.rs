@@ -9,7 +9,6 @@ use crate::hands::{OnnxModels, Tracker};
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
 use crate::sight::Picture;
-use crate::smooth::Smoother;
 use std::time::Instant;
 
 /// Frames in, detections out.
@@ -19,7 +18,6 @@ pub struct Perceiver {
     markers: Markers,
     /// None where no hand is wanted.
     hands: Option<Tracker<OnnxModels>>,
-    smoother: Smoother,
     bench: Bench,
     carried: CarriedObjects,
 }
@@ -42,7 +40,6 @@ impl Perceiver {
         Ok(Self {
             markers: Markers::new(markers)?,
             hands: models.map(|models| Tracker::new(models, hands.clone())),
-            smoother: Smoother::default(),
             bench: Bench::new(calibration, &markers.objects),
             carried: CarriedObjects::default(),
         })
@@ -75,7 +72,7 @@ impl Perceiver {
             self.markers.find(image, self.bench.min_side_px(), |id| self.bench.side_m(id).is_some())?;
         self.bench.see([image.width(), image.height()], &found, detections.captured_ns)?;
         detections.foreign_markers = self.markers.foreign();
-        detections.picture = Picture::of(&self.markers.gray(image)?);
+        detections.picture = Picture::of(image, &self.markers.gray(image)?);
         detections.objects = found.iter().filter_map(|marker| placed(&self.bench, marker)).collect();
         detections.spent.markers_ns = began.elapsed().as_nanos() as u64;
         Ok(())
@@ -87,8 +84,7 @@ impl Perceiver {
         detections: &mut Detections,
     ) -> Result<(), PerceptionError> {
         let Some(tracker) = &mut self.hands else { return Ok(()) };
-        let image = self.smoother.smooth(image, detections.picture.noise)?;
-        for found in tracker.step(&image, detections.captured_ns, &mut detections.spent)? {
+        for found in tracker.step(image, detections.captured_ns, &mut detections.spent)? {
             let landmarks_m = self.bench.hand(found.side as usize, &found.landmarks_px);
             let hand = HandDetection {
                 side: found.side,

@@ -6,7 +6,7 @@ use super::palm::{self, PalmDecoder, Palms};
 use super::region::Region;
 use super::runtime;
 use crate::config::{HandsConfig, ModelSize};
-use crate::detections::LANDMARKS;
+use crate::detections::{LANDMARKS, Side};
 use crate::error::{PerceptionError, RuntimeFile};
 use crate::image::ImageView;
 use ort::session::{Session, SessionOutputs};
@@ -27,6 +27,16 @@ pub(crate) struct Landmarks {
     pub(crate) presence: f32,
     /// Probability that it is a right hand, 0..1.
     pub(crate) right: f32,
+}
+
+impl Landmarks {
+    /// Probability that it is a hand of this side, 0..1.
+    pub(super) fn is_of(&self, side: Side) -> f32 {
+        match side {
+            Side::Right => self.right,
+            Side::Left => 1.0 - self.right,
+        }
+    }
 }
 
 /// The models behind the tracker. Tests put scripted ones in their place.

@@ -30,6 +30,8 @@ struct Script {
     palm_detections: usize,
     /// The next landmarks lie this far beside the hand.
     slip: f32,
+    /// So many of the next looks read the hand as one of the other side, with its fingers in the opposite order.
+    misread: usize,
 }
 
 #[derive(Clone, Default)]
@@ -49,14 +51,22 @@ impl HandModels for Models {
         };
         let mut script = self.0.borrow_mut();
         let slip = std::mem::take(&mut script.slip);
+        let is_misread = script.misread > 0;
+        script.misread = script.misread.saturating_sub(1);
         let nearest = script.hands.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
         Ok(match nearest.filter(|hand| away(hand) < region.side / 2.0) {
-            Some(hand) => Landmarks {
-                points_px: landmarks([hand.wrist[0] + slip, hand.wrist[1]]),
-                shape_m: [[0.0; 3]; LANDMARKS],
-                presence: 0.9,
-                right: hand.right,
-            },
+            Some(hand) => {
+                let mut points_px = landmarks([hand.wrist[0] + slip, hand.wrist[1]]);
+                if is_misread {
+                    points_px[5..].rotate_left(8);
+                }
+                Landmarks {
+                    points_px,
+                    shape_m: [[0.0; 3]; LANDMARKS],
+                    presence: 0.9,
+                    right: if is_misread { 1.0 - hand.right } else { hand.right },
+                }
+            }
             None => Landmarks {
                 points_px: landmarks(region.centre),
                 shape_m: [[0.0; 3]; LANDMARKS],
@@ -250,6 +260,20 @@ fn landmarks_that_leap_are_looked_at_again() {
     let hands = bench.frame(&[hand(300.0, 0.9)]);
     assert_eq!(bench.palm_detections(), 2);
     assert_eq!(hands[0].landmarks_px[0], [300.0, 500.0]);
+}
+
+#[test]
+fn a_hand_that_is_read_as_one_of_the_other_side_is_looked_at_nearer() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    let right = hand(300.0, 0.95);
+    bench.frame(&[right]);
+    for (misread, is_read) in [(1, true), (2, true), (3, false)] {
+        bench.script.0.borrow_mut().misread = misread;
+        let hands = bench.frame(&[right]);
+        assert_eq!(sides(&hands), [Side::Right], "{misread} looks");
+        assert_eq!(hands[0].landmarks_px == landmarks(right.wrist), is_read, "{misread} looks");
+    }
+    assert_eq!(bench.palm_detections(), 1);
 }
 
 #[test]

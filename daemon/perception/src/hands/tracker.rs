@@ -21,6 +21,12 @@ const REMEMBERED_OVERLAP: f32 = 0.1;
 const MAX_SHIFT: f32 = 0.5;
 /// Maximum factor by which its side changes from one frame to the next: an opening fist changes by 1.3.
 const MAX_GROWTH: f32 = 1.6;
+/// Below this probability of the side that a hand has, its landmarks may be those of the other side: from above, the back of a right
+/// hand and the palm of a left one have the same outline, with the fingers in the opposite order.
+const SURE_OF_SIDE: f32 = 0.8;
+/// The regions in which the hand is looked at again then, as shares of the one in which it was expected: the nearer, the more of its
+/// fingers the model sees.
+const NEARER: [f32; 2] = [0.9, 0.8];
 
 /// A hand of a frame; fields as in [`HandDetection`](crate::detections::HandDetection).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,6 +141,7 @@ impl<M: HandModels> Tracker<M> {
     ) -> Result<(), PerceptionError> {
         for track in std::mem::take(&mut self.tracks) {
             let seen = self.landmarks(image, track.region, spent)?;
+            let seen = self.look_nearer(image, track.region, track.evidence, seen, spent)?;
             let next = Region::of_landmarks(&seen.points_px);
             let is_new = self.tracks.iter().all(|other| other.region.overlap(&next) <= SAME_HAND);
             if seen.presence < self.config.min_hand_score || jumped(track.region, next) {
@@ -188,9 +195,34 @@ impl<M: HandModels> Tracker<M> {
         let next = Region::of_landmarks(&seen.points_px);
         if seen.presence >= self.config.min_hand_score && !taken(&self.tracks, &next) {
             let evidence = self.recall(&next);
-            self.keep(evidence, next, &seen);
+            let seen = self.look_nearer(image, region, evidence, seen, spent)?;
+            self.keep(evidence, Region::of_landmarks(&seen.points_px), &seen);
         }
         Ok(())
+    }
+
+    /// What is seen of a hand where it is looked at nearer, if what was seen in its region is not sure to be of its side. The first look
+    /// stays the evidence for the side: of several, the one that agrees would always be found.
+    fn look_nearer(
+        &mut self,
+        image: &ImageView<'_>,
+        region: Region,
+        evidence: Evidence,
+        first: Landmarks,
+        spent: &mut Spent,
+    ) -> Result<Landmarks, PerceptionError> {
+        let Some(side) = evidence.side() else { return Ok(first) };
+        let mut best = first;
+        for share in NEARER {
+            if best.presence < self.config.min_hand_score || best.is_of(side) >= SURE_OF_SIDE {
+                break;
+            }
+            let seen = self.landmarks(image, Region { side: share * region.side, ..region }, spent)?;
+            if seen.presence >= self.config.min_hand_score && seen.is_of(side) > best.is_of(side) {
+                best = seen;
+            }
+        }
+        Ok(Landmarks { right: first.right, ..best })
     }
 
     fn landmarks(

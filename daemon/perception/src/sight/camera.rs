@@ -2,7 +2,8 @@
 //! turned or scaled as one.
 //!
 //! Parts are moved, too, and sometimes several at once. So the markers must have moved at one time, nothing that is seen may have stayed
-//! where it was, and at least one of them lay where no hand was. A tray that carries all parts away looks the same from above.
+//! from where the picture's movement would have taken it, and at least one of them lay where no hand was. A tray that carries all parts away
+//! looks the same from above.
 
 use super::watch::{Corners, Look, SeenMarker};
 use std::vec::Vec;
@@ -156,11 +157,13 @@ impl Camera {
         let since_ns = together.iter().map(|moved| moved.left_ns).max()?;
         let arrived_ns = together.iter().map(|moved| moved.arrived_ns).min()?;
         let last_ns = together.iter().map(|moved| moved.arrived_ns).max()?;
-        let has_stayed = self.places.iter().any(|place| {
-            place.lay.is_some_and(|(_, lay_since_ns, seen_ns)| lay_since_ns < since_ns && seen_ns > last_ns)
-        });
         let alone: Vec<Move> = together.iter().filter(|moved| !moved.is_handled).copied().collect();
         let shift = Shift::of(&alone)?;
+        // What lies in the middle of a turn is hardly moved by it.
+        let has_stayed =
+            self.places.iter().filter_map(|place| place.lay).any(|(lay, lay_since_ns, seen_ns)| {
+                lay_since_ns < since_ns && seen_ns > last_ns && !is_within(MOVED, &lay, &shift.takes(&lay))
+            });
         // A part that a hand carries while the camera is pushed comes to lie somewhere later.
         let must_fit = |moved: &Move| !moved.is_handled || moved.arrived_ns <= arrived_ns + at_once_ns;
         if has_stayed || together.iter().any(|moved| must_fit(moved) && !shift.moves(moved)) {
@@ -253,9 +256,13 @@ impl Shift {
         [turned[0] + self.offset[0], turned[1] + self.offset[1]]
     }
 
+    fn takes(&self, corners: &Corners) -> Corners {
+        corners.map(|corner| self.at(corner.map(f64::from)).map(|value| value as f32))
+    }
+
     /// Whether it takes a marker from where it lay to where it lies.
     fn moves(&self, moved: &Move) -> bool {
-        let taken = moved.from.map(|corner| self.at(corner.map(f64::from)).map(|value| value as f32));
+        let taken = self.takes(&moved.from);
         let ([from, to, taken_to], side) = ([&moved.from, &moved.to, &taken].map(centre), side(&moved.to));
         let about_centre = |corners: &Corners, centre: [f32; 2]| {
             corners.map(|corner| [corner[0] - centre[0], corner[1] - centre[1]])

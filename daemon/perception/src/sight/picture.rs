@@ -2,19 +2,23 @@
 
 use crate::image::ImageView;
 
-/// Columns and rows of the cells whose mean brightness is kept.
+/// Columns and rows of the cells whose mean colour is kept.
 const COLUMNS: usize = 8;
 const ROWS: usize = 4;
 /// Number of cells.
 pub(super) const CELLS: usize = COLUMNS * ROWS;
+/// Columns and rows of the patches, in which parts are told from the table: a part covers some of them, each has 25 points.
+const PATCH_COLUMNS: usize = 4 * COLUMNS;
+const PATCH_ROWS: usize = 6 * ROWS;
+const PATCHES: usize = PATCH_COLUMNS * PATCH_ROWS;
+/// How many patches away a patch is compared: a shade or a vignette is even over so few.
+const ASIDE: usize = 2;
 
 /// Points per row that are looked at. More would cost time and say the same.
 const POINTS: usize = 160;
 /// How far around a point the picture is compared, in pixels. An edge that is sharp has all of its step within the near points.
 const NEAR: usize = 1;
 const FAR: usize = 4;
-/// Where the lens is far out of focus, an edge is as wide as this.
-const WIDE: usize = 24;
 /// Up to this grey level a pixel is black: the noise of a covered sensor stays below.
 const BLACK_LEVEL: u8 = 16;
 /// From this grey level on a pixel is white: video keeps the last levels free.
@@ -39,20 +43,21 @@ pub struct Picture {
     pub noise: f32,
     /// Share of the points that lie on a sharp edge.
     pub edges: f32,
-    /// Share of the points on an edge of any width.
-    pub wide_edges: f32,
+    /// By how many grey levels patches of the size of a part differ from what lies on both sides of them (root mean square, without noise).
+    /// Unlike an edge, this stays where the lens is far out of focus.
+    pub patches: f32,
     /// How much of the step across an edge lies within two pixels, 0..1, at the sharp tenth of all edges; `None` where the picture has
     /// no edges.
     pub sharpness: Option<f32>,
-    /// Mean brightness in a coarse grid.
-    pub cells: [u8; CELLS],
+    /// Mean red, green and blue in a coarse grid.
+    pub cells: [[u8; 3]; CELLS],
     /// Two pictures with the same number are the same to the bit.
     pub fingerprint: u64,
 }
 
 impl Picture {
-    /// Measures a picture of which `gray` holds the brightness. One of a few pixels has nothing to measure.
-    pub fn of(gray: &ImageView<'_>) -> Self {
+    /// Measures a picture of which `gray` holds the brightness, in the same size. One of a few pixels has nothing to measure.
+    pub fn of(image: &ImageView<'_>, gray: &ImageView<'_>) -> Self {
         let step = (gray.width() / POINTS).max(1);
         if gray.width() <= 2 * FAR || gray.height() <= 2 * FAR {
             return Self::default();
@@ -61,6 +66,7 @@ impl Picture {
         for y in (FAR..gray.height() - FAR).step_by(step) {
             for x in (FAR..gray.width() - FAR).step_by(step) {
                 count.point(gray, x, y);
+                count.colour(image, x, y);
             }
         }
         count.picture(fingerprint(gray))
@@ -88,13 +94,14 @@ struct Count {
     black: u32,
     white: u32,
     near: Histogram,
-    /// Steps over the widest edge, of the points that are far enough from the border.
-    wide: Histogram,
     /// Answers to a mask that plain surfaces and straight edges leave at 0, by their size, four to a place.
     mask: Histogram,
     /// Near steps by far ones.
     far: Vec<[f32; 2]>,
-    cells: [(u32, u32); CELLS],
+    /// Sums of red, green and blue, and number of points.
+    cells: [([u32; 3], u32); CELLS],
+    /// Sum of the grey levels, and number of points.
+    patches: [(u32, u32); PATCHES],
 }
 
 impl Default for Count {
@@ -104,10 +111,10 @@ impl Default for Count {
             black: 0,
             white: 0,
             near: [0; 256],
-            wide: [0; 256],
             mask: [0; 256],
             far: Vec::new(),
-            cells: [(0, 0); CELLS],
+            cells: [([0; 3], 0); CELLS],
+            patches: [(0, 0); PATCHES],
         }
     }
 }
@@ -126,10 +133,6 @@ impl Count {
         self.white += u32::from(value >= WHITE_LEVEL);
         let (near, far) = (step(NEAR), step(FAR));
         self.near[near as usize] += 1;
-        let is_inside = |at: usize, length: usize| (WIDE..length.saturating_sub(WIDE)).contains(&at);
-        if is_inside(x, gray.width()) && is_inside(y, gray.height()) {
-            self.wide[step(WIDE) as usize] += 1;
-        }
         if far as f32 >= EDGE {
             self.far.push([near as f32, far as f32]);
         }
@@ -137,30 +140,54 @@ impl Count {
         let sides = at(x, y - 1) + at(x - 1, y) + at(x + 1, y) + at(x, y + 1);
         let mask = (corners - 2 * sides + 4 * i32::from(value)).unsigned_abs() as usize;
         self.mask[(mask / 4).min(255)] += 1;
-        let cell = (y * ROWS / gray.height()) * COLUMNS + x * COLUMNS / gray.width();
-        self.cells[cell].0 += u32::from(value);
-        self.cells[cell].1 += 1;
+        let patch = (y * PATCH_ROWS / gray.height()) * PATCH_COLUMNS + x * PATCH_COLUMNS / gray.width();
+        self.patches[patch].0 += u32::from(value);
+        self.patches[patch].1 += 1;
+    }
+
+    fn colour(&mut self, image: &ImageView<'_>, x: usize, y: usize) {
+        let pixel = y * image.stride() + x * image.format().bytes();
+        let (sums, count) =
+            &mut self.cells[(y * ROWS / image.height()) * COLUMNS + x * COLUMNS / image.width()];
+        for (sum, offset) in sums.iter_mut().zip(image.format().rgb_offsets()) {
+            *sum += u32::from(image.data()[pixel + offset]);
+        }
+        *count += 1;
     }
 
     fn picture(self, fingerprint: u64) -> Picture {
         let share = |count: u32| count as f32 / self.points.max(1) as f32;
         let noise = self.noise();
         let min_step = EDGE.max(OVER_NOISE * noise);
-        let over =
-            |steps: &Histogram, min_step: f32| steps[(min_step.ceil() as usize).min(256)..].iter().sum();
-        let sharp: u32 = over(&self.near, min_step);
-        // Shades and vignettes reach over so many pixels as well, but not so steeply.
-        let wide: u32 = over(&self.wide, 2.0 * min_step);
+        let sharp: u32 = self.near[(min_step.ceil() as usize).min(256)..].iter().sum();
         Picture {
             black: share(self.black),
             white: share(self.white),
             noise,
             edges: share(sharp),
-            wide_edges: share(wide),
             sharpness: self.sharpness(2.0 * min_step),
-            cells: self.cells.map(|(sum, count)| (sum / count.max(1)) as u8),
+            patches: self.patches(noise),
+            cells: self.cells.map(|(sums, count)| sums.map(|sum| (sum / count.max(1)) as u8)),
             fingerprint,
         }
+    }
+
+    fn patches(&self, noise: f32) -> f32 {
+        let means = self.patches.map(|(sum, count)| sum as f32 / count.max(1) as f32);
+        let (mut square, mut differences) = (0.0, 0.0);
+        for (patch, mean) in means.iter().enumerate() {
+            let (row, column) = (patch / PATCH_COLUMNS, patch % PATCH_COLUMNS);
+            for (at, length, step) in [(column, PATCH_COLUMNS, 1), (row, PATCH_ROWS, PATCH_COLUMNS)] {
+                if (ASIDE..length - ASIDE).contains(&at) {
+                    let sides = means[patch - ASIDE * step] + means[patch + ASIDE * step];
+                    square += (sides - 2.0 * mean) * (sides - 2.0 * mean);
+                    differences += 1.0;
+                }
+            }
+        }
+        // The weights 1, -2 and 1 have the square sum 6, and each is of a mean.
+        let by_noise = 6.0 * noise * noise * PATCHES as f32 / self.points.max(1) as f32;
+        (square / differences - by_noise).max(0.0).sqrt()
     }
 
     /// By the median of the mask's answers, because most points of a picture lie on no edge (J. Immerkær, Fast Noise Variance

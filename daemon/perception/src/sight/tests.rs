@@ -25,9 +25,9 @@ fn good() -> Look {
     let picture = Picture {
         noise: 2.0,
         edges: 0.05,
-        wide_edges: 0.1,
         sharpness: Some(0.9),
-        cells: std::array::from_fn(|cell| 80 + 3 * cell as u8),
+        patches: 20.0,
+        cells: std::array::from_fn(|cell| [80 + 3 * cell as u8; 3]),
         ..Picture::default()
     };
     let markers = [marker(5, [90.0, 90.0]), marker(6, [270.0, 90.0])].into_iter().collect();
@@ -102,14 +102,21 @@ fn a_picture_that_shows_nothing_is_said_once_and_so_is_its_return() {
     Bench::known().says(Trouble::White, |_| blind(|picture| picture.white = 0.99));
     Bench::known().says(Trouble::Covered, |_| {
         blind(|picture| {
-            (picture.edges, picture.wide_edges) = (0.0, 0.0);
-            (picture.sharpness, picture.cells) = (None, [30; CELLS]);
+            (picture.edges, picture.patches, picture.sharpness) = (0.0, 1.0, None);
+            picture.cells = [[30; 3]; CELLS];
+        })
+    });
+    // Skin that is as bright as the bench.
+    Bench::known().says(Trouble::Covered, |_| {
+        blind(|picture| {
+            (picture.edges, picture.patches, picture.sharpness) = (0.0, 1.0, None);
+            picture.cells = picture.cells.map(|[red, green, blue]| [red + 20, green, blue - 20]);
         })
     });
     Bench::known().says(Trouble::Blurred, |_| blind(|picture| picture.sharpness = Some(0.3)));
-    // So far out of focus that only wide edges are left.
+    // So far out of focus that no edge is left.
     Bench::known().says(Trouble::Blurred, |_| {
-        blind(|picture| (picture.edges, picture.wide_edges, picture.sharpness) = (0.0, 0.06, None))
+        blind(|picture| (picture.edges, picture.patches, picture.sharpness) = (0.0, 9.0, None))
     });
     Bench::known().says(Trouble::Noisy, |_| blind(|picture| picture.noise = 40.0));
 }
@@ -220,11 +227,11 @@ fn a_bench_that_is_cleared_darker_brighter_or_shaded_is_not_said() {
     for change in [
         // The table is as bright as before, and no edge is left.
         (|picture: &mut Picture| {
-            (picture.edges, picture.wide_edges, picture.sharpness) = (0.0, 0.01, None);
+            (picture.edges, picture.patches, picture.sharpness) = (0.0, 4.0, None);
         }) as fn(&mut Picture),
         |picture| picture.black = 0.9,
-        |picture| picture.cells = [250; CELLS],
-        |picture| picture.cells = [20; CELLS],
+        |picture| picture.cells = [[250; 3]; CELLS],
+        |picture| picture.cells = [[20; 3]; CELLS],
         |picture| picture.noise = 15.0,
         |picture| picture.sharpness = Some(0.7),
     ] {
@@ -232,7 +239,7 @@ fn a_bench_that_is_cleared_darker_brighter_or_shaded_is_not_said() {
         let mut cleared = blind(change);
         // Where the parts lay it is darker now.
         for cell in [3, 4, 9, 10, 11] {
-            cleared.picture.cells[cell] = cleared.picture.cells[cell].saturating_sub(20);
+            cleared.picture.cells[cell] = cleared.picture.cells[cell].map(|part| part.saturating_sub(20));
         }
         assert_eq!(bench.show(30.0, |_| cleared.clone()), [], "{:?}", cleared.picture);
         assert_eq!(bench.show(5.0, |_| good()), []);
@@ -244,7 +251,7 @@ fn who_still_finds_markers_or_hands_is_not_blind() {
     for (markers, hands) in [(true, 0), (false, 1)] {
         let mut bench = Bench::known();
         let mut look =
-            blind(|picture| (picture.edges, picture.black, picture.cells) = (0.0, 0.99, [9; CELLS]));
+            blind(|picture| (picture.edges, picture.black, picture.cells) = (0.0, 0.99, [[9; 3]; CELLS]));
         if markers {
             look.markers = good().markers;
         }
@@ -310,7 +317,9 @@ const MOVED: Option<Trouble> = Some(Trouble::CameraMoved);
 
 #[test]
 fn a_camera_that_was_moved_is_said_and_so_is_that_it_is_back() {
-    for (turn, shift) in [(0.0, [12.0, 0.0]), (0.1, [0.0, 0.0]), (-0.03, [40.0, -25.0])] {
+    // The third is a turn about one of the markers.
+    for (turn, shift) in [(0.0, [12.0, 0.0]), (0.1, [0.0, 0.0]), (0.1, [11.0, -10.0]), (-0.03, [40.0, -25.0])]
+    {
         let (mut bench, said) = said_after(true, 5.0, |_| seen_from(turn, shift));
         assert_eq!(said, [MOVED], "{turn} {shift:?}");
         assert_eq!(bench.show(60.0, |_| seen_from(turn, shift)), [], "it lasts until it is mended");
@@ -389,7 +398,8 @@ fn striped(blur: usize, noise: u32) -> Vec<u8> {
 }
 
 fn measured(data: &[u8]) -> Picture {
-    Picture::of(&crate::ImageView::new(640, 480, 640, crate::PixelFormat::Gray8, data).unwrap())
+    let image = crate::ImageView::new(640, 480, 640, crate::PixelFormat::Gray8, data).unwrap();
+    Picture::of(&image, &image)
 }
 
 #[test]
@@ -402,13 +412,12 @@ fn a_picture_measures_what_was_done_to_it() {
     assert!((9.0..14.0).contains(&noisy.noise), "{noisy:?}");
     let (black, white) = (measured(&[0; 640 * 480]), measured(&[255; 640 * 480]));
     assert_eq!((black.black, black.white, black.edges, black.sharpness), (1.0, 0.0, 0.0, None));
-    assert_eq!((white.white, white.cells), (1.0, [255; CELLS]));
+    assert_eq!((white.white, white.cells, white.patches), (1.0, [[255; 3]; CELLS], 0.0));
+    assert!(sharp.patches > 20.0 && (measured(&striped(1, 40)).patches / sharp.patches - 1.0).abs() < 0.05);
     assert_eq!(measured(&striped(1, 40)), measured(&striped(1, 40)));
     let mut other = striped(1, 40);
     other[8 * 640 + 100] ^= 1;
     assert_ne!(measured(&other).fingerprint, noisy.fingerprint);
-    assert_eq!(
-        Picture::of(&crate::ImageView::new(3, 3, 3, crate::PixelFormat::Gray8, &[9; 9]).unwrap()),
-        Picture::default()
-    );
+    let tiny = crate::ImageView::new(3, 3, 3, crate::PixelFormat::Gray8, &[9; 9]).unwrap();
+    assert_eq!(Picture::of(&tiny, &tiny), Picture::default());
 }

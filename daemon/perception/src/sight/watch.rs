@@ -251,10 +251,10 @@ impl Sign {
 struct Usual {
     pictures: u32,
     edges: f32,
-    wide_edges: f32,
+    patches: f32,
     sharpness: Option<f32>,
     markers: f32,
-    cells: [f32; CELLS],
+    cells: [[f32; 3]; CELLS],
 }
 
 /// Pictures before anything is held against what is usual: a third of a second.
@@ -265,14 +265,16 @@ const LEARNING: f32 = 1.0 / 150.0;
 const MIN_EDGES: f32 = 0.002;
 /// A picture with less than this share of the usual edges has lost them.
 const EDGES_LEFT: f32 = 0.1;
-/// A cell has changed when it is brighter or darker by this, in grey levels. The mean of its pixels is steady to less than one, while
-/// skin or cloth over the lens may be about as bright as the bench.
+/// A cell has changed when it has more or less red, green or blue by this, in levels of 255. The mean of its pixels is steady to less than
+/// one, while skin or cloth over the lens may be about as bright as the bench.
 const CELL_CHANGE: f32 = 4.0;
 /// Share of the cells that a cover changes, and that no worker who leans over the bench does while their own edges are seen.
 const CELLS_CHANGED: f32 = 0.6;
-/// A picture without sharp edges that still has this share of the usual wide ones is out of focus. A bench that was cleared, and whatever
-/// covers the lens, has next to none.
-const WIDE_EDGES_LEFT: f32 = 0.3;
+/// A picture without sharp edges is out of focus if its patches still differ by this share of what is usual, and by so many grey levels.
+/// Out of focus by a twenty-fifth of the picture's width they differ by 43 % and 6.7 levels at least. Of a bench that was cleared, the
+/// share is 26 % at most, and a table without parts has 4.2 levels.
+const PATCHES_LEFT: f32 = 0.33;
+const MIN_PATCHES: f32 = 5.3;
 /// A picture with less than this share of the usual sharpness is blurred if it lost markers as well...
 const BLUR: f32 = 0.6;
 /// ... that is, if less than this share of the usual markers is found.
@@ -292,9 +294,10 @@ impl Usual {
         }
         // Of a bench that was cleared it is learnt first that it has no edges, and only then what else it is like without its parts.
         if !has_lost_edges {
-            blend(&mut self.wide_edges, look.picture.wide_edges);
-            for (usual, now) in self.cells.iter_mut().zip(look.picture.cells) {
-                blend(usual, f32::from(now));
+            blend(&mut self.patches, look.picture.patches);
+            let now = look.picture.cells.as_flattened();
+            for (usual, now) in self.cells.as_flattened_mut().iter_mut().zip(now) {
+                blend(usual, f32::from(*now));
             }
         }
     }
@@ -303,11 +306,11 @@ impl Usual {
         self.pictures >= KNOWN
     }
 
-    /// Share of the cells that are brighter or darker than usual.
+    /// Share of the cells that have another colour or brightness than usual.
     fn changed(&self, picture: &Picture) -> f32 {
-        let cells = self.cells.iter().zip(picture.cells);
-        cells.filter(|(usual, now)| (*usual - f32::from(*now)).abs() > CELL_CHANGE).count() as f32
-            / CELLS as f32
+        let has_changed = |(usual, now): (&f32, &u8)| (usual - f32::from(*now)).abs() > CELL_CHANGE;
+        let cells = self.cells.iter().zip(&picture.cells);
+        cells.filter(|(usual, now)| usual.iter().zip(*now).any(has_changed)).count() as f32 / CELLS as f32
     }
 
     fn has_lost_edges(&self, picture: &Picture) -> bool {
@@ -325,9 +328,8 @@ impl Usual {
         let has_lost_markers = (look.markers.len() as f32) < MARKERS_LEFT * self.markers;
         let Look { picture, .. } = look;
         let is_wider = self.sharpness.zip(picture.sharpness).is_some_and(|(usual, now)| now < BLUR * usual);
-        let is_out_of_focus = self.has_lost_edges(picture)
-            && picture.wide_edges > 0.0
-            && picture.wide_edges >= WIDE_EDGES_LEFT * self.wide_edges;
+        let is_out_of_focus =
+            self.has_lost_edges(picture) && picture.patches > MIN_PATCHES.max(PATCHES_LEFT * self.patches);
         self.is_known() && has_lost_markers && (is_wider || is_out_of_focus)
     }
 }
@@ -428,7 +430,7 @@ const MOVED: f32 = 0.12;
 /// ... within this time, in seconds.
 const MOVE_S: f32 = 0.25;
 /// Parts that move for so long without a hand are moved by one that is not found, in seconds.
-const HANDLESS_S: f32 = 1.2;
+const HANDLESS_S: f32 = 1.0;
 /// And nothing that moved longer ago than this counts, in seconds.
 const FORGET_S: f32 = 5.0;
 /// The longest step in time that counts, in seconds: nothing is known of a gap.

@@ -4,6 +4,7 @@
 //! `ffmpeg` changes the clips, and `andond replay` beside this program judges them with the shipped job. Prints a row per clip and change;
 //! ends with 1 if a correct clip was accused or a faulty one called right.
 
+use andon_tests::workers;
 use clap::Parser;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
@@ -99,6 +100,15 @@ impl Row {
             _ => self.said == Said::Right,
         }
     }
+
+    /// What is not judged is neither right nor wrong.
+    fn word(&self) -> &'static str {
+        match self.said {
+            _ if self.is_wrong() => "WRONG",
+            Said::NotJudged => "not judged",
+            _ => "right",
+        }
+    }
 }
 
 fn main() -> Result<ExitCode, Error> {
@@ -111,28 +121,19 @@ fn main() -> Result<ExitCode, Error> {
         .filter(wanted)
         .flat_map(|change| arguments.clips.iter().map(move |clip| (change, clip)))
         .collect();
-    let next = Mutex::new(todo.iter());
     let rows = Mutex::new(Vec::new());
-    let work = || -> Result<(), Error> {
-        let take = || next.lock().ok().and_then(|mut next| next.next());
-        while let Some((change, clip)) = take() {
-            let row = judge(&arguments, change, clip)?;
-            let verdict = if row.is_wrong() { "WRONG" } else { "" };
-            println!(
-                "{:24} {:20} {:10} {:10} {verdict}",
-                row.clip,
-                row.change,
-                row.expected.word(),
-                row.said.word()
-            );
-            rows.lock().map_err(|_| "a worker has panicked")?.push(row);
-        }
+    workers::for_each(&todo, |(change, clip)| -> Result<(), Error> {
+        let row = judge(&arguments, change, clip)?;
+        println!(
+            "{:24} {:20} {:10} {:10} {}",
+            row.clip,
+            row.change,
+            row.expected.word(),
+            row.said.word(),
+            row.word()
+        );
+        rows.lock().map_err(|_| "a worker has panicked")?.push(row);
         Ok(())
-    };
-    std::thread::scope(|scope| -> Result<(), Error> {
-        let workers = std::thread::available_parallelism().map_or(1, usize::from);
-        let workers: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
-        workers.into_iter().try_for_each(|worker| worker.join().map_err(|_| "a worker has panicked")?)
     })?;
     let rows = rows.into_inner()?;
     print_totals(&rows);

@@ -100,11 +100,9 @@ fn measure(
     Ok(())
 }
 
-/// A hand whose palm is off by more than this in the median is on something else, as a share of the picture's width. So are fingers,
-/// by all landmarks: from above, the model must guess those that reach under a part.
+/// A hand whose landmarks are off by more than this in the median is on something else, or has its fingers in another order, as a share of
+/// the picture's width.
 const ELSEWHERE: f64 = 0.06;
-/// The wrist and the knuckles, which the back of a hand always shows.
-const PALM: [usize; 5] = [0, 5, 9, 13, 17];
 /// The fingertips that touch.
 const TIPS: [usize; 3] = [8, 12, 16];
 
@@ -114,8 +112,6 @@ struct Score {
     hands: usize,
     hands_found: usize,
     hands_elsewhere: usize,
-    /// Of the hands that were found.
-    fingers_elsewhere: usize,
     hands_of_the_other_side: usize,
     palm_detections: usize,
     landmarks_px: Errors,
@@ -168,16 +164,12 @@ impl Score {
             return;
         };
         let error_px = |index: usize| distance(hand.landmarks_px[index], xy(found.landmarks_px[index]));
-        let is_elsewhere = |landmarks: &mut dyn Iterator<Item = usize>| {
-            let mut errors_px = Errors::default();
-            errors_px.extend(landmarks.map(error_px));
-            errors_px.median() > ELSEWHERE * width
-        };
-        if is_elsewhere(&mut PALM.into_iter()) {
+        let mut errors_px = Errors::default();
+        errors_px.extend((0..hand.landmarks_px.len()).map(error_px));
+        if errors_px.median() > ELSEWHERE * width {
             self.hands_elsewhere += 1;
         } else if is_in_view {
             self.hands_found += 1;
-            self.fingers_elsewhere += usize::from(is_elsewhere(&mut (0..hand.landmarks_px.len())));
             self.landmarks_px.extend((0..hand.landmarks_px.len()).map(error_px));
             self.tips_px.extend(TIPS.map(error_px));
             let [x, y] = [0, 1];
@@ -220,7 +212,6 @@ impl Score {
             self.frames.to_string(),
             share(self.hands_found, self.hands),
             self.hands_elsewhere.to_string(),
-            self.fingers_elsewhere.to_string(),
             self.hands_of_the_other_side.to_string(),
             self.palm_detections.to_string(),
             median(&self.landmarks_px, 2),
@@ -242,14 +233,13 @@ impl Score {
     }
 }
 
-/// Titles and widths: the hand (`else` is one that was found on something else, `fingers` one whose palm alone was right), the markers, the times in milliseconds. Errors are medians; `95` stands before the 95 %
+/// Titles and widths: the hand (`else` is one that was found on something else), the markers, the times in milliseconds. Errors are medians; `95` stands before the 95 %
 /// quantile.
-const COLUMNS: [(&str, usize); 22] = [
+const COLUMNS: [(&str, usize); 21] = [
     ("clip", 20),
     ("frames", 6),
     ("hand", 6),
     ("else", 4),
-    ("fingers", 7),
     ("side", 4),
     ("palms", 5),
     ("px", 6),

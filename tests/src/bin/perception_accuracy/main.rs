@@ -17,7 +17,7 @@ use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use truth::Truth;
 
-type Error = Box<dyn std::error::Error>;
+type Error = Box<dyn std::error::Error + Send + Sync>;
 
 #[derive(Parser)]
 struct Arguments {
