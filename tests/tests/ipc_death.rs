@@ -3,7 +3,7 @@
 
 mod ipc_support;
 
-use andon_ipc::{Channel, Death, Departure, Error, Node, Reader, Wake};
+use andon_ipc::{Channel, Death, Departure, Error, Member, Node, Reader, Steward, Wake};
 use ipc_support::{Bench, PATIENCE, SMALL};
 use shm_schemas::{RoleId, Verdict};
 use std::os::unix::fs::PermissionsExt;
@@ -65,6 +65,56 @@ fn a_killed_writer_is_noticed_and_its_successor_takes_over() {
     drop((reader, node));
     steward.stop();
     assert_eq!(bench.shared_files(), Vec::<String>::new());
+}
+
+/// This is what a process leaves that is killed just after it has named the shared memory of a connection.
+#[test]
+fn a_connection_that_has_no_size_yet_is_removed_with_the_dead() {
+    let bench = Bench::new("unsized");
+    let mut steward = bench.steward();
+    let node = bench.node(RoleId::Journal);
+    let mut reader = node.reader::<Verdict>().unwrap();
+    let judge = bench.start("write-verdicts", &[0, 200]);
+    read_until(&node, &mut reader, |_| true);
+    let files = bench.shared_files();
+    let connection = files.iter().find(|name| name.ends_with(".connection")).unwrap();
+    let (ends, _) = connection.rsplit_once('_').unwrap();
+    let beside = format!("{ends}_1.connection");
+    std::fs::write(format!("/dev/shm/{beside}"), b"").unwrap();
+    let pid = judge.kill();
+    let member = Some(Member { name: "judge".into(), pid });
+    let deaths = in_time(move || steward.poll().unwrap());
+    assert_eq!(deaths, [Death { member, removed: true }]);
+    assert!(!bench.shared_files().contains(&beside));
+}
+
+/// This is what a steward leaves that is killed just after it has named the shared part of a service, or that of the whole station.
+#[test]
+fn shared_memory_that_a_killed_steward_has_not_given_a_size_is_made_anew_while_a_member_stays() {
+    let bench = Bench::new("sizeless");
+    let steward = bench.start("steward", &[SMALL.frame_bytes as u64]);
+    // A member, so that the station is not swept.
+    let _member = bench.start("wait", &[]);
+    steward.kill();
+    let files = bench.shared_files();
+    let of_stations: Vec<_> = files.iter().filter(|name| name.ends_with(".global_mgmt")).collect();
+    let of_services = files.iter().filter(|name| name.ends_with(".dynamic"));
+    for name in of_services.chain(of_stations) {
+        let path = Path::new("/dev/shm").join(name);
+        std::fs::remove_file(&path).unwrap();
+        std::fs::write(&path, b"").unwrap();
+    }
+    let limits = SMALL;
+    let station = bench.station.clone();
+    let _steward = in_time(move || Steward::create(&station, limits).unwrap());
+    bench.node(RoleId::Judge).reader::<Verdict>().unwrap();
+}
+
+/// Does something in which iceoryx2 might hang, which must not hang the test.
+fn in_time<T: Send + 'static>(act: impl FnOnce() -> T + Send + 'static) -> T {
+    let (sender, done) = std::sync::mpsc::channel();
+    std::thread::spawn(move || sender.send(act()));
+    done.recv_timeout(PATIENCE).unwrap()
 }
 
 /// The kills sweep over a start, from before its first system call to after its first message.

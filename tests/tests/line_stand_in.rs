@@ -4,14 +4,14 @@
 use andon_core::job::{Bounds, MeasureBounds};
 use andon_ipc::{UtcTime, Wake};
 use andon_learn::job_file::JobFile;
-use andon_tests::line::{Line, Modbus, PATIENCE, Sender, Settings, Watcher, stand_in};
+use andon_tests::line::{Line, Modbus, PATIENCE, Sender, Settings, Watcher, stand_in, status};
 use rustix::process::Signal;
 use shm_schemas::{
     ColourFormat, Couples, DepthFormat, Detections, FrameHeader, HandCouple, Health, Intrinsics, RoleId,
     RoleState, Verdict, VerdictLevel, VerdictOutcome, flag,
 };
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// From one frame to the next.
 const INTERVAL_NS: u64 = 33_333_333;
@@ -110,17 +110,46 @@ fn verdicts_that_are_older_than_the_journal_keeps_are_removed_and_that_is_report
 }
 
 #[test]
-fn results_that_a_plc_does_not_acknowledge_are_lost_to_it_and_that_is_reported() {
+fn results_that_a_plc_does_not_acknowledge_wait_in_the_journal_and_none_is_lost() {
     let mut line = Line::new(Settings { writes: true, ..Settings::default() });
-    line.start("steward");
-    line.start("journal");
-    line.start("plc");
-    let mut judge = Sender::<Verdict>::new(&line, RoleId::Judge, &[RoleId::Journal]);
-    let mut plc = Modbus::connect_when_up(line.port);
+    let (mut judge, mut plc) = judge_and_plc(&mut line);
     plc.enable();
-    // One is offered, eight wait behind it, and there is no room for the last.
-    (0..10).for_each(|_| judge.send(job_done));
-    line.wait_for_log("plc", "AND-507", "must acknowledge every result");
+    (1..=50).for_each(|_| judge.send(job_done));
+    for number in 1..=50 {
+        if number == 25 {
+            line.role("plc").kill();
+            line.start("plc");
+            plc = Modbus::connect_when_up(line.port);
+            plc.enable();
+        }
+        plc.wait_for(status::DONE);
+        assert_eq!(plc.sequence(), number);
+        plc.acknowledge();
+    }
+    assert_eq!(plc.lost(), 0);
+}
+
+#[test]
+fn results_that_come_faster_than_a_plc_that_only_reads_is_shown_them_are_lost_to_it_and_that_is_reported() {
+    let mut line = Line::new(Settings::default());
+    let (mut judge, _plc) = judge_and_plc(&mut line);
+    (0..200).for_each(|_| judge.send(job_done));
+    line.wait_for_log("plc", "AND-507", "waits until it is acknowledged");
+}
+
+/// A judge that sends what it is told, and a PLC that has its account and has been told of nothing.
+fn judge_and_plc(line: &mut Line) -> (Sender<Verdict>, Modbus) {
+    ["steward", "journal", "plc"].into_iter().for_each(|role| {
+        line.start(role);
+    });
+    let judge = Sender::<Verdict>::new(line, RoleId::Judge, &[RoleId::Journal]);
+    let mut plc = Modbus::connect_when_up(line.port);
+    let until = Instant::now() + PATIENCE;
+    while plc.boot() == 0 {
+        assert!(Instant::now() < until, "the journal does not keep that plc has started");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    (judge, plc)
 }
 
 /// A station in metric mode without a calibration, so that the bench must be found in the depth pictures.

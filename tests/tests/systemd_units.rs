@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// Maximum exposure of a unit, on systemd's scale from 0 (safe) to 10.
-const MAX_EXPOSURE: f32 = 1.0;
+const MAX_EXPOSURE: f32 = 0.9;
 
 fn shipped() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../systemd")
@@ -67,7 +67,7 @@ fn systemd_finds_no_fault_in_the_units() {
 }
 
 #[test]
-fn no_unit_is_more_exposed_than_1_0() {
+fn no_unit_is_more_exposed_than_0_9() {
     let folder = installed();
     let services = units(folder.path(), ".service");
     assert!(!services.is_empty());

@@ -1,24 +1,30 @@
 //! What killed processes leave behind, and what iceoryx2 0.10.0 cannot remove of it by itself.
 //!
-//! A steward may be killed while it removes what another process left behind. That leaves one of two states, which iceoryx2 never
-//! leaves again by itself:
+//! A process may be killed at any moment, and a steward also while it removes what another one left behind. That leaves one of three
+//! states, which iceoryx2 never leaves again by itself:
 //!
 //! | what is left | what iceoryx2 makes of it | what removes it |
 //! |---|---|---|
+//! | shared memory without a size, which it gets just after its name | whoever opens it waits for the size, for ever, and first of all the steward | [`remove`], [`remove_unsized_services`] |
 //! | the description of a service, without its shared part, which is removed before it | a service that is being created for ever | [`remove_incomplete`] |
 //! | a dead node without its details, which are removed before the node | it looks for the node where the default configuration would have it, each time in vain | [`remove_nameless`] |
 
 use crate::channel::Channel;
 use crate::error::Error;
 use crate::service::service_name;
-use crate::station::{Member, Station, Transport, member};
+use crate::station::{Member, SHM, Station, Transport, member};
 use iceoryx2::identifiers::UniqueNodeId;
-use iceoryx2::node::{Node as IceNode, NodeState, NodeView};
+use iceoryx2::node::{DeadNodeView, Node as IceNode, NodeState, NodeView};
 use iceoryx2::prelude::*;
 use std::fs;
 use std::io;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path as StdPath, PathBuf};
+use std::thread;
+use std::time::Duration;
+
+/// The removal of a dead node takes a few milliseconds.
+const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
 /// A process that died without leaving its station.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,7 +50,7 @@ pub(crate) fn reap(node: &IceNode<Transport>) -> Vec<Death> {
             remove_incomplete_tags(node.config(), view.id());
             let member = view.details().as_ref().map(member);
             let removed = if member.is_some() {
-                view.try_remove_stale_resources().is_ok()
+                remove(node.config(), view)
             } else {
                 remove_nameless(node.config(), view.id()).is_ok()
             };
@@ -79,6 +85,58 @@ fn remove_nameless(config: &Config, node: &UniqueNodeId) -> io::Result<()> {
 /// tag is for, so nothing else is lost with an incomplete tag.
 fn remove_incomplete_tags(config: &Config, node: &UniqueNodeId) {
     remove_incomplete_files(&node_folder(config).join(node.value().to_string()));
+}
+
+/// Removes a dead node with everything that it had, on a thread: meanwhile this removes the connections of its ports that have no size. The
+/// dead was making them, or a process that is killed only now. A live one loses nothing: the other end is dead.
+fn remove(config: &Config, view: DeadNodeView<Transport>) -> bool {
+    let ports = ports(config, view.id());
+    thread::scope(|scope| {
+        let removal =
+            thread::Builder::new().spawn_scoped(scope, || view.try_remove_stale_resources().is_ok());
+        // Without a thread nothing is removed now.
+        let Ok(removal) = removal else { return false };
+        while !removal.is_finished() {
+            remove_unsized(config, |name| {
+                name.split(['_', '.']).any(|end| ports.iter().any(|port| port == end))
+            });
+            thread::sleep(LOOK_AGAIN);
+        }
+        removal.join().unwrap_or(false)
+    })
+}
+
+/// Removes what a steward was making when it was killed. Only the one steward may call this, before it makes anything: nobody else makes
+/// services, and what all processes share besides is a counter, which may begin anew.
+pub(crate) fn remove_unsized_services(config: &Config) {
+    let made = [config.global.service.dynamic_config_storage_suffix, config.global.node.global_mgmt_suffix];
+    let made = made.map(|suffix| suffix.to_string());
+    remove_unsized(config, |name| made.iter().any(|suffix| name.ends_with(suffix)));
+}
+
+/// Removes the station's shared memory that has no size and such a name.
+fn remove_unsized(config: &Config, is_meant: impl Fn(&str) -> bool) {
+    let prefix = config.global.prefix.to_string();
+    let Ok(entries) = fs::read_dir(SHM) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_meant = name.strip_prefix(&prefix).is_some_and(&is_meant);
+        if is_meant && entry.metadata().is_ok_and(|meta| meta.len() == 0) {
+            // What cannot be removed now is tried again the next time.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// The numbers of a node's ports, which are in the names of all that belongs to them.
+fn ports(config: &Config, node: &UniqueNodeId) -> Vec<String> {
+    let suffix = config.global.node.port_tag_suffix.to_string();
+    let Ok(tags) = fs::read_dir(node_folder(config).join(node.value().to_string())) else {
+        return Vec::new();
+    };
+    let names = tags.flatten().map(|tag| tag.file_name().to_string_lossy().into_owned());
+    let numbers = names.filter_map(|name| Some(name.strip_suffix(&suffix)?.rsplit('_').next()?.to_owned()));
+    numbers.collect()
 }
 
 /// Removes the files of a directory that are not complete: iceoryx2 makes a file read-only once it is complete.

@@ -17,7 +17,7 @@ use std::time::Duration;
 const MAX_ROOT_BYTES: usize = 59;
 
 /// Where Linux keeps shared memory.
-const SHM: &str = "/dev/shm";
+pub(crate) const SHM: &str = "/dev/shm";
 
 /// Every member holds it shared. A process that gets it exclusively is alone in the station.
 pub(crate) const MEMBERS_LOCK: &str = "members.lock";

@@ -88,6 +88,7 @@ impl Steward {
         let last_one_out = LastOneOut { lock: enter(station, sweep)?, station: station.clone() };
         station.check_room(limits)?;
         let root_identity = station.root_identity().map_err(|e| not_writable(station, e))?;
+        leftovers::remove_unsized_services(&station.config()?);
         let node = join(station, "steward")?;
         leftovers::reap(&node);
         let services = AllServices {

@@ -127,13 +127,14 @@ impl Handshake {
         if !self.ledger.is_answer(row) {
             return Taken::Repeated;
         }
-        let taken = self.account_for(|machine| machine.results.take(row));
+        let may_wait = self.settings.writes;
+        let taken = self.account_for(|machine| machine.results.take(row, may_wait));
         match taken {
             Taken::Early => self.ledger.ask_again(now_ns),
             Taken::New if row.verdict.level().is_err() || row.verdict.outcome().is_err() => {
                 self.latch(Fault::ForeignVerdict, 0);
             }
-            Taken::New | Taken::Repeated => {}
+            Taken::New | Taken::Repeated | Taken::Waits => {}
         }
         self.compare(true, now_ns);
         self.advance(now_ns);
@@ -146,7 +147,7 @@ impl Handshake {
             return None;
         }
         let asked = self.ledger.sent(now_ns);
-        Some(Update { after_row: self.results.needs_after(), asked, account: self.account() })
+        Some(Update { after_row: self.results.ask(asked), asked, account: self.account() })
     }
 
     /// The loop of the role has turned once and found the line in this state.
@@ -274,6 +275,9 @@ impl Handshake {
             Settings { writes: false, hold_ns } => Release::After { hold_ns },
         };
         self.account_for(|machine| machine.results.advance(release, now_ns));
+        if self.results.wants_more() {
+            self.ledger.ask();
+        }
     }
 
     fn resume(&mut self, account: &Account, now_ns: u64) {
@@ -316,6 +320,8 @@ impl Handshake {
         let judged = self.judging.map(|(judging, _)| (judging.verdict_epoch, judging.verdict_seq));
         let is_behind = match (judged, self.results.newest_key()) {
             (None | Some((_, 0)), _) => false,
+            // It is the PLC that does not keep up.
+            _ if self.results.has_more() => false,
             (Some((judged, seq)), Some((epoch, newest))) => judged != epoch || newest < seq,
             (Some(_), None) => true,
         };
@@ -402,6 +408,8 @@ impl Handshake {
             .then_some("the judge has not taken back yet the job that the PLC has loaded")
     }
 
+    /// Not while a fault is latched: what runs then has no result that counts, and must not keep the PLC from loading another job. The
+    /// judge breaks it off as not judged.
     fn is_busy(&self, now_ns: u64) -> bool {
         self.is_enabled()
             && self.error.is_none()

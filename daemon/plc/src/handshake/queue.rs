@@ -46,6 +46,8 @@ pub enum Taken {
     Repeated,
     /// Rows before it have not come: they must be asked for.
     Early,
+    /// The queue is full. It stays in the journal, and is asked for when there is room.
+    Waits,
 }
 
 /// The queue.
@@ -56,6 +58,11 @@ pub(super) struct Queue {
     row: u64,
     sequence: u32,
     newest: Option<(u64, u64)>,
+    /// The newest request for rows, and the row up to which everything has come that answers it.
+    asked: u32,
+    heard: u64,
+    /// Rows that could not be taken are in the journal, and have not been asked for again.
+    has_more: bool,
 }
 
 impl Queue {
@@ -66,6 +73,7 @@ impl Queue {
             row: account.row,
             sequence: account.sequence,
             newest: (account.seq != 0).then_some((account.epoch, account.seq)),
+            ..Self::default()
         }
     }
 
@@ -104,19 +112,44 @@ impl Queue {
         missing.map(|owed| owed.row - 1).min().unwrap_or(self.row)
     }
 
-    /// Takes a row, and counts in `lost` what this shows to be lost.
-    pub(super) fn take(&mut self, row: &Journalled, lost: &mut u64) -> Taken {
+    /// The row after which the answer to this request begins.
+    pub(super) fn ask(&mut self, asked: u32, after_row: u64) -> u64 {
+        if asked != self.asked {
+            (self.asked, self.heard) = (asked, after_row);
+        }
+        self.heard
+    }
+
+    /// Whether rows that could not be taken are left in the journal.
+    pub(super) fn has_more(&self) -> bool {
+        self.has_more
+    }
+
+    /// Whether they must be asked for now. True once.
+    pub(super) fn wants_more(&mut self) -> bool {
+        let wants_more = self.has_more && self.waiting.len() < QUEUE;
+        self.has_more &= !wants_more;
+        wants_more
+    }
+
+    /// Takes a row, and counts in `lost` what this shows to be lost. Where one `may_wait`, it stays in the journal while the queue is full.
+    pub(super) fn take(&mut self, row: &Journalled, may_wait: bool, lost: &mut u64) -> Taken {
+        if row.before > self.heard {
+            return Taken::Early;
+        }
+        self.heard = self.heard.max(row.row);
         if row.row <= self.row {
             self.waiting.iter_mut().for_each(|owed| owed.fill(row));
             return Taken::Repeated;
         }
-        if row.before > self.row {
-            return Taken::Early;
-        }
-        // What was asked for comes in order: a row that has not come by now is not in the journal any more.
+        // What was asked for has come up to here: a row that has not is not in the journal any more.
         let known = self.waiting.len();
         self.waiting.retain(|owed| !owed.is_missing());
         *lost += (known - self.waiting.len()) as u64;
+        self.has_more |= may_wait && self.waiting.len() == QUEUE;
+        if self.has_more {
+            return Taken::Waits;
+        }
         self.row = row.row;
         self.number(row, lost)
     }

@@ -10,8 +10,9 @@
 //!
 //! `done`, and one of `ok`, `nok`, `not-judged`, are set in `Offered` and `Released` and in no other state. All results come from
 //! the journal. An acknowledgement counts once the journal keeps it: whatever ends this process, its next start offers what was
-//! not acknowledged, under the same number, and nothing older. A result that finds the queue full is lost; the overrun bit and
-//! a jump of `sequence` say so.
+//! not acknowledged, under the same number, and nothing older. A result that finds the queue full stays in the journal and is asked for
+//! when there is room. Without writes nobody says that they keep up, and so it is lost; the overrun bit and a jump of
+//! `sequence` say so, as for a result that the journal does not have.
 
 use shm_schemas::{Account, Journalled};
 
@@ -79,14 +80,30 @@ impl Results {
         }
     }
 
-    /// Takes a row of the journal.
-    pub(super) fn take(&mut self, row: &Journalled) -> Taken {
-        if let Some(shown) = &mut self.shown {
+    /// The row after which the answer to this request for rows begins.
+    pub(super) fn ask(&mut self, asked: u32) -> u64 {
+        self.queue.ask(asked, self.needs_after())
+    }
+
+    /// Whether rows that could not be taken are left in the journal.
+    pub(super) fn has_more(&self) -> bool {
+        self.queue.has_more()
+    }
+
+    /// Whether they must be asked for now. True once.
+    pub(super) fn wants_more(&mut self) -> bool {
+        self.queue.wants_more()
+    }
+
+    /// Takes a row of the journal, which stays there while the queue is full if it `may_wait`.
+    pub(super) fn take(&mut self, row: &Journalled, may_wait: bool) -> Taken {
+        let mut lost = 0;
+        let taken = self.queue.take(row, may_wait, &mut lost);
+        if let Some(shown) = self.shown.as_mut().filter(|_| taken != Taken::Early) {
             shown.fill(row);
         }
-        let mut lost = 0;
-        let taken = self.queue.take(row, &mut lost);
-        if taken == Taken::New && matches!(self.phase, Phase::Offered { .. }) && self.offered().is_none() {
+        let is_past = matches!(taken, Taken::New | Taken::Waits);
+        if is_past && matches!(self.phase, Phase::Offered { .. }) && self.offered().is_none() {
             // As in the queue: what has not come by now is not in the journal any more.
             (self.phase, self.shown) = (Phase::Empty, None);
             lost += 1;
@@ -168,7 +185,7 @@ impl Results {
     }
 
     /// The rows after this one are needed.
-    pub(super) fn needs_after(&self) -> u64 {
+    fn needs_after(&self) -> u64 {
         let shown = self.shown.filter(|shown| shown.result.is_none() && shown.row != 0);
         let queued = self.queue.needs_after();
         shown.map_or(queued, |shown| queued.min(shown.row - 1))

@@ -33,6 +33,8 @@ const RESTART_SEC: Duration = Duration::from_millis(100);
 const JOBS: &str = "1,2";
 /// A role that has come back may have been heard here before the PLC's side has heard it.
 const NOTICED: Duration = Duration::from_secs(1);
+/// A judge that works and does not watch, because it has not been given back job and `enable`, cannot judge either.
+const WATCH: &str = "the judge's watch";
 /// A role that has not come back after this long hangs.
 const HANGS: Duration = Duration::from_secs(30);
 
@@ -198,6 +200,11 @@ impl Chaos {
             if is_its_own && health.state == RoleState::Running.code() {
                 self.oracle.works(role, health.stamp.sent_ns);
             }
+        }
+        match self.watcher.watches() {
+            Some((said_ns, true)) => self.oracle.works(WATCH, said_ns),
+            Some((said_ns, false)) => self.oracle.unable(WATCH, "a start of the judge", said_ns),
+            None => {}
         }
     }
 

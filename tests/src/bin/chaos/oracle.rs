@@ -1,5 +1,5 @@
-//! Knows when the line could judge, by what was done to each role and by the role's own signs of life, and holds against it when
-//! the line said that it was ready.
+//! Knows when the line could judge, by what was done to each role, by the role's own signs of life and by what the judge says of itself,
+//! and holds against it when the line said that it was ready.
 
 use crate::poller::Look;
 use andon_tests::measure::percentile;
@@ -72,5 +72,38 @@ impl Oracle {
             },
         });
         (seen, false_ready)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: u64 = 1_000_000;
+
+    /// One look every 100 ms, which all see the line ready.
+    fn always_ready() -> Vec<Look> {
+        let look = |at_ms: u64| Look { asked_ns: at_ms * MS, answered_ns: at_ms * MS + MS, is_ready: true };
+        (0..100).map(|tenth| look(100 * tenth)).collect()
+    }
+
+    #[test]
+    fn a_line_that_stays_ready_longer_than_its_roles_may_be_silent_is_found() {
+        let mut oracle = Oracle::default();
+        oracle.unable("judge", "a kill", 1_000 * MS);
+        oracle.works("judge", 4_000 * MS);
+        let (_, false_ready) = oracle.judge(&always_ready());
+        assert_eq!(false_ready, ["judge after a kill: ready for 2900 ms"]);
+    }
+
+    #[test]
+    fn a_line_that_is_ready_for_a_moment_longer_or_again_is_right() {
+        let mut oracle = Oracle::default();
+        oracle.unable("judge", "a kill", 1_000 * MS);
+        // A sign of life from before it was killed.
+        oracle.works("judge", 900 * MS);
+        oracle.works("judge", 2_400 * MS);
+        let (_, false_ready) = oracle.judge(&always_ready());
+        assert_eq!(false_ready, Vec::<String>::new());
     }
 }
