@@ -24,7 +24,7 @@ wire! { "andon.HandCouple", 40;
     }
 }
 
-wire! { "andon.Couples", 144;
+wire! { "andon.Couples", 152;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -33,6 +33,8 @@ wire! { "andon.Couples", 144;
         described_ns: u64,
         /// Source time of the newest frame that they depend on: `persist` frames after `described_ns`.
         known_ns: u64,
+        /// The hash of the job whose runs show where and how near its objects are met; 0 where that is as the station says.
+        model_hash: u64,
         /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`, `CAPTURED`, `MOVED_UNSEEN`.
         flags: u32,
         /// Keeps the size a multiple of 8.

@@ -34,6 +34,7 @@ mod frame;
 mod health;
 mod judging;
 mod layout;
+mod measured;
 mod part;
 mod stamp;
 mod verdict;
@@ -48,11 +49,12 @@ pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, 
 pub use health::{Health, RoleId, RoleState, Sight};
 pub use judging::{JudgePhase, Judging, Refusal};
 pub use layout::{Layout, Message};
+pub use measured::MeasuredWords;
 pub use part::{BadPart, PART_BYTES, PartId};
 pub use stamp::Stamp;
 pub use verdict::{
-    HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictNote,
-    VerdictOutcome, VerdictReason, verdict_kind,
+    HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictMeasure,
+    VerdictNote, VerdictOutcome, VerdictReason, verdict_kind,
 };
 
 /// Maximum number of hands in one message: those of one worker.

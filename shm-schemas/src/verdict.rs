@@ -111,6 +111,26 @@ codes! {
 }
 
 codes! {
+    /// What of an IU is out of its bounds, and the unit of the numbers that belong to it.
+    enum VerdictMeasure: u8 {
+        /// None.
+        None = 0,
+        /// How long it lasted, in seconds.
+        Duration = 1,
+        /// How many strokes it had, to and fro.
+        Strokes = 2,
+        /// The mean length of a stroke, in metres.
+        StrokeLength = 3,
+        /// The length of its path, in metres.
+        Path = 4,
+        /// How far its direction lies from the one that was shown, in degrees.
+        Direction = 5,
+        /// How far its place lies from the one that was shown, in metres.
+        Place = 6,
+    }
+}
+
+codes! {
     /// Which hand; the number is `ID_h` of the context features.
     enum HandCode: u8 {
         /// No hand: verdicts on jobs.
@@ -122,7 +142,7 @@ codes! {
     }
 }
 
-wire! { "andon.Verdict", 168;
+wire! { "andon.Verdict", 184;
     /// One verdict. The stamp names the newest frame that the decision depends on.
     struct Verdict {
         /// The stamp.
@@ -143,6 +163,12 @@ wire! { "andon.Verdict", 168;
         distance: f32,
         /// The threshold for that distance; NaN when there is none.
         threshold: f32,
+        /// What the measure is that is out of its bounds, in the unit of `measure`; NaN when none is.
+        measured: f32,
+        /// The least of it that was shown; NaN when none is.
+        shown_min: f32,
+        /// The most of it that was shown; NaN when none is.
+        shown_max: f32,
         /// Context of the IU, `x_c`; of its first IU for an activity; zero for a job.
         x_c: [u16; 4],
         /// Index of the activity in this job, in the order of time; [`NO_INDEX`] for a job.
@@ -175,8 +201,10 @@ wire! { "andon.Verdict", 168;
         note: u8,
         /// An [`OrderFault`].
         broken: u8,
+        /// A [`VerdictMeasure`].
+        measure: u8,
         /// Keeps the size a multiple of 8.
-        reserved: [u8; 2],
+        reserved: [u8; 5],
     }
 }
 message!(Verdict);

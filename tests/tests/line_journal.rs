@@ -1,10 +1,12 @@
 //! A whole line and a simulated worker: the journal and the tools say what the judge has sent.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, Settings, Watcher};
+use andon_tests::line::{Line, PATIENCE, Settings, Watcher};
 use andon_tests::simulator::Flaw;
 use shm_schemas::{RoleId, VerdictOutcome};
-use std::process::{Command, Output, Stdio};
+use std::io::{BufRead as _, BufReader};
+use std::process::{ChildStdout, Command, Output, Stdio};
+use std::sync::mpsc::{Receiver, channel};
 
 /// What a command that succeeded has printed.
 fn text(output: &Output) -> String {
@@ -75,6 +77,16 @@ fn tail_prints_byte_for_byte_what_a_replay_of_the_same_tracks_and_of_the_line_s_
     assert!(compared, "the recorder lost frames five times");
 }
 
+/// The lines that a program prints, as they come.
+fn lines_of(stdout: ChildStdout) -> Receiver<String> {
+    let (sender, lines) = channel();
+    std::thread::spawn(move || {
+        let printed = BufReader::new(stdout).lines().map_while(Result::ok);
+        printed.map(|line| line + "\n").try_for_each(|line| sender.send(line))
+    });
+    lines
+}
+
 /// Returns false, and has compared nothing, where the recorder lost frames.
 fn tail_and_recording_agree_with_replay() -> bool {
     let mut line = Line::new(Settings { flaw: Flaw::WrongObject, ..Settings::default() });
@@ -86,7 +98,8 @@ fn tail_and_recording_agree_with_replay() -> bool {
         tool.args([command, "--config"]).arg(line.config()).args(arguments);
         tool.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     };
-    let tail = spawn("tail", &["--json"]);
+    let mut tail = spawn("tail", &["--json"]);
+    let printed = lines_of(tail.stdout.take().unwrap());
     let record = spawn("record", &["--out", recording.to_str().unwrap()]);
     // Both tools must be members before the first frame.
     while line.station.members().iter().filter(|member| member.name == "tool").count() < 3 {
@@ -96,19 +109,22 @@ fn tail_and_recording_agree_with_replay() -> bool {
     line.start_all_but(&["steward"]);
     let sent = watcher.until_judged();
     let record = record.wait_with_output().unwrap();
-    let said = String::from_utf8_lossy(&record.stderr);
-    let lost_frames = said.contains("frames were lost");
-    assert!(record.status.success() || lost_frames, "{said}");
+    let recorder_said = String::from_utf8_lossy(&record.stderr);
+    let lost_frames = recorder_said.contains("frames were lost");
+    assert!(record.status.success() || lost_frames, "{recorder_said}");
+    let mut said: Vec<String> = (0..sent).map(|_| printed.recv_timeout(PATIENCE).unwrap()).collect();
     rustix::process::kill_process(
         rustix::process::Pid::from_raw(i32::try_from(tail.id()).unwrap()).unwrap(),
         rustix::process::Signal::TERM,
     )
     .unwrap();
-    let printed = text(&tail.wait_with_output().unwrap());
+    assert!(tail.wait().unwrap().success());
     if lost_frames {
         return false;
     }
-    assert_eq!(printed.lines().count() as u64, sent);
+    said.extend(printed.iter());
+    assert_eq!(said.len() as u64, sent, "nothing is printed twice");
+    let printed = said.concat();
     assert_eq!(printed, replayed(&line, line.tracks().to_str().unwrap()));
     assert_eq!(printed, replayed(&line, recording.to_str().unwrap()));
     true

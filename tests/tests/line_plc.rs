@@ -1,12 +1,17 @@
 //! The line as the PLC sees it: results only after the journal has them, read by our own client and by others' clients.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_ipc::{Node, Stop};
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, control, status};
 use andon_tests::python::{all_output, python};
 use rustix::process::Signal;
-use shm_schemas::{Refusal, Verdict, VerdictLevel};
+use shm_schemas::{Health, Refusal, RoleId, Verdict, VerdictLevel, VerdictOutcome};
 use std::process::Command;
 use std::time::Duration;
+
+/// The register `phase`, and its number while a job runs, as `REGISTERS.md` has them.
+const PHASE: u16 = 58;
+const RUNNING: u16 = 3;
 
 /// A line at the worker's own pace, ready.
 fn ready(writes: bool) -> (Line, Watcher, Modbus) {
@@ -199,6 +204,28 @@ fn a_judge_or_a_plc_that_starts_again_goes_on_with_the_job_that_the_plc_has_load
 }
 
 #[test]
+fn another_job_that_is_loaded_in_the_midst_of_one_while_a_fault_is_latched_leaves_that_one_not_judged() {
+    let mut line = with_two_jobs();
+    let (mut watcher, mut plc) = up(&mut line, true);
+    let until = std::time::Instant::now() + PATIENCE;
+    while plc.read(PHASE, 1).unwrap() != [RUNNING] {
+        assert!(std::time::Instant::now() < until, "no job begins");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    line.role("perceive").kill();
+    plc.wait_for(status::ERROR);
+    watcher.listen(Duration::ZERO);
+    let known = watcher.verdicts.len();
+    assert_eq!(plc.load_job(2), None);
+    assert_eq!(plc.job_in_force(), 2);
+    watcher.until("the end of the job", |watcher| {
+        watcher.verdicts[known..].iter().any(|verdict| verdict.level() == Ok(VerdictLevel::Job))
+    });
+    let outcomes: Vec<_> = watcher.verdicts[known..].iter().map(Verdict::outcome).collect();
+    assert!(outcomes.iter().all(|outcome| *outcome == Ok(VerdictOutcome::NotJudged)), "{outcomes:?}");
+}
+
+#[test]
 fn enable_holds_before_its_first_write() {
     let mut line = Line::new(Settings { writes: true, ..Settings::live() });
     let mut watcher = line.up();
@@ -235,6 +262,30 @@ fn ready_drops_when_a_role_is_killed_and_comes_back_with_it() {
     }
     let log = line.log("plc");
     assert!(log.contains("AND-510") && log.contains("AND-509"), "{log}");
+}
+
+/// As many programs as may hear the roles are left somewhere, stopped.
+#[test]
+fn plc_goes_on_through_a_fault_where_health_has_as_many_readers_as_it_allows() {
+    let (mut line, _watcher, mut plc) = ready(true);
+    let node = Node::open(&line.station, RoleId::Tool, Duration::from_millis(100), &Stop::new().unwrap());
+    let node = node.unwrap();
+    let readers: Vec<_> = std::iter::from_fn(|| node.reader::<Health>().ok()).collect();
+    assert!(!readers.is_empty());
+    line.role("encode").signal(Signal::STOP);
+    plc.wait_for(status::ERROR);
+    // Longer than any patience of plc.
+    std::thread::sleep(Duration::from_secs(3));
+    line.role("encode").signal(Signal::CONT);
+    let until = std::time::Instant::now() + PATIENCE;
+    while plc.status().unwrap() & status::READY == 0 {
+        assert!(std::time::Instant::now() < until, "log of plc:\n{}", line.log("plc"));
+        plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
+        plc.enable();
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    assert_eq!(line.role("plc").ended(), None);
+    drop(readers);
 }
 
 #[test]

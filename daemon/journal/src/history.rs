@@ -64,6 +64,12 @@ pub struct Record {
     pub broken_activity: Option<u16>,
     /// And how many runs kept it.
     pub broken_runs: u16,
+    /// Which measure was out of its bounds; `None` as a word.
+    pub measure: String,
+    /// What it was, in seconds, strokes, metres or degrees.
+    pub measured: Option<f32>,
+    /// The least and the most that were shown.
+    pub shown: [Option<f32>; 2],
     pub began_ns: u64,
     pub ended_ns: u64,
     pub decided_ns: u64,
@@ -156,18 +162,18 @@ pub struct History {
 const QUERY: &str = "
     SELECT id AS position, 2 AS rank, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
         nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns, decided_utc_ns,
-        NULL AS last_seq, part, note, broken, broken_activity, broken_runs
+        NULL AS last_seq, part, note, broken, broken_activity, broken_runs, measure, measured, shown_min, shown_max
     FROM verdict
     WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
         AND (?4 IS NULL OR part = ?4)
     UNION ALL
     SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, '', '', '', NULL, 0
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, '', '', '', NULL, 0, '', NULL, NULL, NULL
     FROM gap
     WHERE utc_ns >= ?1
     UNION ALL
     SELECT before_verdict, 0, 0, 0, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, '', '', '', NULL, 0
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, '', '', '', NULL, 0, '', NULL, NULL, NULL
     FROM not_watching
     WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
     ORDER BY position, rank";
@@ -313,6 +319,9 @@ fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
         broken: row.get("broken")?,
         broken_activity: row.get("broken_activity")?,
         broken_runs: row.get("broken_runs")?,
+        measure: row.get("measure")?,
+        measured: row.get("measured")?,
+        shown: [row.get("shown_min")?, row.get("shown_max")?],
         began_ns: number("began_ns")?,
         ended_ns: number("ended_ns")?,
         decided_ns: number("decided_ns")?,

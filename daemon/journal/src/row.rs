@@ -2,8 +2,8 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use shm_schemas::{
-    HandCode, NO_INDEX, OrderFault, PartId, Stamp, Verdict, VerdictLevel, VerdictNote, VerdictOutcome,
-    VerdictReason,
+    HandCode, NO_INDEX, OrderFault, PartId, Stamp, Verdict, VerdictLevel, VerdictMeasure, VerdictNote,
+    VerdictOutcome, VerdictReason,
 };
 
 use super::{Confirmed, Written};
@@ -96,9 +96,10 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
         .prepare_cached(
             "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
              nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns,
-             decided_utc_ns, frame_seq, captured_ns, sent_ns, part, note, broken, broken_activity, broken_runs)
+             decided_utc_ns, frame_seq, captured_ns, sent_ns, part, note, broken, broken_activity, broken_runs,
+             measure, measured, shown_min, shown_max)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21,
-             ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31)",
+             ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35)",
         )?
         .execute(params![
             signed(stamp.epoch),
@@ -132,6 +133,10 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
             word(OrderFault::try_from(verdict.broken).map(OrderFault::name), verdict.broken),
             index(verdict.broken_activity),
             verdict.broken_runs,
+            word(VerdictMeasure::try_from(verdict.measure).map(VerdictMeasure::name), verdict.measure),
+            number(verdict.measured),
+            number(verdict.shown_min),
+            number(verdict.shown_max),
         ])?;
     Ok(())
 }
@@ -181,6 +186,10 @@ fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
         broken: code(OrderFault::ALL, OrderFault::name, OrderFault::code, &text("broken")?),
         broken_activity: index("broken_activity")?,
         broken_runs: row.get("broken_runs")?,
+        measure: code(VerdictMeasure::ALL, VerdictMeasure::name, VerdictMeasure::code, &text("measure")?),
+        measured: value("measured")?,
+        shown_min: value("shown_min")?,
+        shown_max: value("shown_max")?,
         // Rows are written by this; where another program has put something else, that is none.
         part: PartId::new(text("part")?.as_bytes()).unwrap_or(PartId::NONE),
         ..Verdict::default()

@@ -133,6 +133,12 @@ pub(super) const MIGRATIONS: &[&str] = &[
     ALTER TABLE verdict ADD COLUMN broken_activity INTEGER;              -- in relation to which activity
     ALTER TABLE verdict ADD COLUMN broken_runs INTEGER NOT NULL DEFAULT 0;  -- and how many runs kept it
 ",
+    "
+    ALTER TABLE verdict ADD COLUMN measure TEXT NOT NULL DEFAULT 'None';  -- which measure was out of its bounds
+    ALTER TABLE verdict ADD COLUMN measured REAL;   -- what it was: seconds, strokes, metres or degrees
+    ALTER TABLE verdict ADD COLUMN shown_min REAL;  -- the least that was shown
+    ALTER TABLE verdict ADD COLUMN shown_max REAL;  -- the most that was shown
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use jiff::Timestamp;
+use shm_schemas::{MeasuredWords, VerdictMeasure};
 
 use super::audit::Deed;
 use super::history::{Entry, Gap, NotWatching, Record};
@@ -30,7 +31,7 @@ fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     let index = |value: Option<u16>| value.map(|value| (value + 1).to_string()).unwrap_or_default();
     writeln!(
         out,
-        "{:20} {:16} {:13} {:5} {:>4} {:>3}  {:18} {:>8} {:>10}{}{}{}",
+        "{:20} {:16} {:13} {:5} {:>4} {:>3}  {:18} {:>8} {:>10}{}{}{}{}",
         utc(r.decided_utc_ns),
         r.kind(),
         if r.reason == "None" { "" } else { &r.reason },
@@ -41,9 +42,18 @@ fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
         number(r.distance),
         number(r.threshold),
         if r.early { "  early" } else { "" },
+        measured(r).map(|words| format!("  {words}")).unwrap_or_default(),
         if r.note == "None" { String::new() } else { format!("  note {}", r.note) },
         if r.part.is_empty() { String::new() } else { format!("  part {}", r.part) },
     )
+}
+
+/// The measure that was out of its bounds, in words.
+fn measured(r: &Record) -> Option<MeasuredWords> {
+    let measure = *VerdictMeasure::ALL.iter().find(|measure| measure.name() == r.measure)?;
+    let [shown_min, shown_max] = r.shown;
+    let (value, shown_min, shown_max) = (r.measured?, shown_min?, shown_max?);
+    Some(MeasuredWords { measure, value, shown_min, shown_max })
 }
 
 fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {

@@ -1,6 +1,6 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use shm_schemas::{AuditKind, NO_INDEX, PartId, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{AuditKind, NO_INDEX, PartId, VerdictLevel, VerdictMeasure, VerdictOutcome, VerdictReason};
 
 const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
 const DAY_NS: u64 = 86_400_000_000_000;
@@ -12,6 +12,9 @@ fn verdict(epoch: u64, seq: u64) -> Verdict {
         job_id: 3,
         distance: f32::NAN,
         threshold: 2.5,
+        measured: f32::NAN,
+        shown_min: f32::NAN,
+        shown_max: f32::NAN,
         activity: 1,
         iu: NO_INDEX,
         decided_utc_ns: seq * 1_000_000_000,
@@ -208,15 +211,32 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     let lines: Vec<&str> = csv.split("\r\n").collect();
     assert_eq!(
         lines[1],
-        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,None,None,0,0,0.000000000,\
+        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,None,None,0,0,None,,,,0.000000000,\
          0.000000000,0.000000000,1,1,,,"
     );
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
     assert!(lines[2].ends_with(",1,2,2,,"));
     assert_eq!(lines.len(), 5);
     for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 32, "{line}");
+        assert_eq!(line.split(',').count(), 36, "{line}");
     }
+}
+
+#[test]
+fn the_measure_that_was_out_of_its_bounds_is_in_the_history_in_words_and_in_columns() {
+    let mut bench = Bench::new();
+    let measure = VerdictMeasure::Strokes.code();
+    bench
+        .append(&Verdict { measure, measured: 4.0, shown_min: 6.0, shown_max: 6.0, ..verdict(1, 1) })
+        .unwrap();
+    let history = History::open(&bench.path()).unwrap();
+    let text = |format| {
+        let mut text = Vec::new();
+        history.write(&Query::default(), format, &mut text).unwrap();
+        String::from_utf8(text).unwrap()
+    };
+    assert!(text(Format::Csv).contains(",Strokes,4,6,6,"), "{}", text(Format::Csv));
+    assert!(text(Format::Table).ends_with("  4 strokes, shown 6 to 6\n"), "{}", text(Format::Table));
 }
 
 #[test]
@@ -233,7 +253,7 @@ fn the_part_is_in_the_history_and_quoted_where_a_spreadsheet_would_cut_it() {
         String::from_utf8(text).unwrap()
     };
     let csv = text(Format::Csv);
-    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(32, ',').last().unwrap()).collect();
+    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(36, ',').last().unwrap()).collect();
     assert_eq!(ends, ["part", "A-17", "\"4,\"\"5\"\"\"", ""]);
     let table = text(Format::Table);
     assert!(table.contains("  part A-17\n"), "{table}");
@@ -406,6 +426,7 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
     (known.stamp.frame_seq, known.stamp.captured_ns, known.stamp.sent_ns) = (4, 5, 6);
     (known.began_ns, known.ended_ns, known.decided_ns, known.early) = (7, 8, 9, 1);
     (known.note, known.broken, known.broken_activity, known.broken_runs) = (4, 2, 10, 11);
+    (known.measure, known.measured, known.shown_min, known.shown_max) = (2, 4.0, 5.5, 6.5);
     // Of another build: its numbers are kept as numbers.
     let foreign = Verdict {
         level: 77,
@@ -415,6 +436,10 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
         note: 81,
         broken: 82,
         distance: 0.25,
+        measure: 83,
+        measured: 0.5,
+        shown_min: 0.25,
+        shown_max: 0.75,
         ..verdict(u64::MAX, 2)
     };
     bench.append(&known).unwrap();

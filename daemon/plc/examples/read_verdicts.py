@@ -17,7 +17,7 @@ import time
 import iceoryx2 as iox2
 
 # The layout of `Verdict` and of the events in this build of Andon; a test compares it.
-LAYOUT = "0398c6850c348c02/2"
+LAYOUT = "5f0cc92da2998ce7/2"
 # The longest time for a station to start, in seconds.
 PATIENCE_S = 20
 # The longest wait for an event, in ms. The queue is read after it in any case.
@@ -30,10 +30,12 @@ OUTCOMES = {1: "ok", 2: "anomaly", 3: "not_judged"}
 REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong", "NotCompleted", "Unknown", "Blind",
            "Overload"]
 NOTES = [None, "Order", "Again", "OtherHand", "Step"]
+MEASURES = [None, ("Duration", "s"), ("Strokes", "strokes"), ("StrokeLength", "m"), ("Path", "m"), ("Direction", "degrees"),
+            ("Place", "m")]
 
 
 class Verdict(ctypes.Structure):
-    """`shm_schemas::Verdict`, 168 bytes."""
+    """`shm_schemas::Verdict`, 184 bytes."""
 
     _fields_ = [
         ("seq", ctypes.c_uint64),
@@ -49,6 +51,9 @@ class Verdict(ctypes.Structure):
         ("job_id", ctypes.c_uint32),
         ("distance", ctypes.c_float),
         ("threshold", ctypes.c_float),
+        ("measured", ctypes.c_float),
+        ("shown_min", ctypes.c_float),
+        ("shown_max", ctypes.c_float),
         ("x_c", ctypes.c_uint16 * 4),
         ("activity", ctypes.c_uint16),
         ("iu", ctypes.c_uint16),
@@ -65,7 +70,8 @@ class Verdict(ctypes.Structure):
         ("captured_percent", ctypes.c_uint8),
         ("note", ctypes.c_uint8),
         ("broken", ctypes.c_uint8),
-        ("reserved", ctypes.c_uint8 * 2),
+        ("measure", ctypes.c_uint8),
+        ("reserved", ctypes.c_uint8 * 5),
     ]
 
     @staticmethod
@@ -107,6 +113,15 @@ def open_station(station, root):
             time.sleep(0.05)
 
 
+def measures(verdict):
+    """The measure that is out of its bounds, beside what was shown; None where none is."""
+    known = MEASURES[verdict.measure] if verdict.measure < len(MEASURES) else None
+    if known is None:
+        return None
+    shown = [verdict.shown_min, verdict.shown_max]
+    return {"measure": known[0], "unit": known[1], "value": verdict.measured, "shown": shown}
+
+
 def as_dict(verdict):
     number = lambda value: None if value != value else value  # NaN
     index = lambda value: None if value == 0xFFFF else value
@@ -122,6 +137,7 @@ def as_dict(verdict):
         "distance": number(verdict.distance),
         "threshold": number(verdict.threshold),
         "nearest": index(verdict.nearest),
+        "measures": measures(verdict),
         "note": NOTES[verdict.note] if verdict.note < len(NOTES) else None,
         "early": bool(verdict.early),
         "part": verdict.part.decode("ascii") or None,

@@ -142,6 +142,40 @@ enum AndonOrderFault {
 };
 
 /**
+ * Which measure is out of its bounds, and its unit.
+ */
+enum AndonMeasure {
+  /**
+   * None.
+   */
+  ANDON_MEASURE_NONE = 0,
+  /**
+   * How long it lasted, in seconds.
+   */
+  ANDON_MEASURE_DURATION = 1,
+  /**
+   * How many strokes it had, to and fro.
+   */
+  ANDON_MEASURE_STROKES = 2,
+  /**
+   * The mean length of a stroke, in metres.
+   */
+  ANDON_MEASURE_STROKE_LENGTH = 3,
+  /**
+   * The length of its path, in metres.
+   */
+  ANDON_MEASURE_PATH = 4,
+  /**
+   * How far its direction lies from the one that was shown, in degrees.
+   */
+  ANDON_MEASURE_DIRECTION = 5,
+  /**
+   * How far its place lies from the one that was shown, in metres.
+   */
+  ANDON_MEASURE_PLACE = 6,
+};
+
+/**
  * Which hand.
  */
 enum AndonHand {
@@ -293,6 +327,18 @@ typedef struct AndonVerdict {
    */
   float threshold;
   /**
+   * What the measure is that is out of its bounds, in the unit of `measure`; NaN if none is.
+   */
+  float measured;
+  /**
+   * The least of it that was shown; NaN if none is out of its bounds.
+   */
+  float shown_min;
+  /**
+   * The most of it that was shown; NaN if none is out of its bounds.
+   */
+  float shown_max;
+  /**
    * Context features x_c of the IU; of its first IU for an activity; 0 for a job.
    */
   uint16_t x_c[4];
@@ -344,6 +390,10 @@ typedef struct AndonVerdict {
    * An AndonOrderFault.
    */
   uint8_t broken;
+  /**
+   * An AndonMeasure: which measure is out of its bounds.
+   */
+  uint8_t measure;
   /**
    * Name of the station, zero-terminated.
    */

@@ -1,7 +1,9 @@
 //! `include/andon.h` and `REGISTERS.md` are what the code says.
 #![allow(clippy::unwrap_used)]
 
-use shm_schemas::{HandCode, OrderFault, VerdictLevel, VerdictNote, VerdictOutcome, VerdictReason};
+use shm_schemas::{
+    HandCode, OrderFault, VerdictLevel, VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
+};
 use std::fs;
 use std::path::Path;
 
@@ -44,6 +46,7 @@ fn enums() -> String {
         c_enum("AndonReason", "The rule that decided.", words!(VerdictReason)),
         c_enum("AndonNote", "What was not shown before.", words!(VerdictNote)),
         c_enum("AndonOrderFault", "How the order of the job was broken.", words!(OrderFault)),
+        c_enum("AndonMeasure", "Which measure is out of its bounds, and its unit.", words!(VerdictMeasure)),
         c_enum("AndonHand", "Which hand.", words!(HandCode)),
     ]
     .join("\n\n")

@@ -42,6 +42,10 @@ fn a_python_program_reads_every_verdict_as_it_was_written() {
         );
         assert!(line.starts_with(&start), "{line}");
         assert!(line.contains(&format!("\"distance\": {:?},", number as f32 / 2.0)), "{line}");
+        let measures = format!(
+            "\"measures\": {{\"measure\": \"Strokes\", \"unit\": \"strokes\", \"value\": {number}.0, \"shown\": [5.5, 6.5]}},"
+        );
+        assert!(line.contains(&measures), "{line}");
         assert!(line.contains(&format!("\"part\": \"A-{number}\"")), "{line}");
     }
     let mut micros: Vec<f64> = lines.iter().map(|line| latency_us(line)).collect();

@@ -19,7 +19,8 @@ pub use stand_in::{Sender, stand_in};
 pub use watcher::{Watcher, role_id};
 
 use crate::simulator::{Flaw, Noise, Performance, perform};
-use andon_core::input::Frame;
+use andon_core::config::Contact;
+use andon_core::input::{Frame, Meeting};
 use andon_ipc::Station;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{self, Header};
@@ -91,7 +92,8 @@ impl Line {
         line
     }
 
-    /// As [`Line::new`], with the job in a folder, from which a PLC may load it, and a second time there, under the number 2.
+    /// As [`Line::new`], with the job in a folder, from which a PLC may load it, and a second time there, under the number 2, with a part at
+    /// which a hand acts from a little farther away.
     pub fn with_second_job(settings: Settings) -> Self {
         let line = Self::new(settings);
         let folder = line.path("jobs");
@@ -100,6 +102,10 @@ impl Line {
         assert_eq!(job.id, 1);
         fs::copy(line.path("job.toml"), folder.join("one.toml")).unwrap();
         job.id = 2;
+        // Whoever watches it must have followed: couples that are made for another job are not judged.
+        let contact = Contact { on_m: 0.035, off_m: 0.05 };
+        job.objects[0].shape.meetings =
+            [Meeting { with: Meeting::HAND, points: heapless::Vec::new(), contact }].into_iter().collect();
         fs::write(folder.join("two.toml"), job.to_toml()).unwrap();
         line.reconfigure("job = \"job.toml\"\n", &format!("job = \"job.toml\"\njobs = {folder:?}\n"));
         line
@@ -205,13 +211,16 @@ impl Line {
         fs::read_to_string(self.log_path(role)).unwrap_or_default()
     }
 
-    /// Waits for a message with this code, which must contain this remedy, in a role's log; panics after [`PATIENCE`].
+    /// Waits for a message with this code, which must contain this remedy and say nothing twice, in a role's log; panics after [`PATIENCE`].
     pub fn wait_for_log(&self, role: &str, code: &str, remedy: &str) {
         let until = Instant::now() + PATIENCE;
         loop {
             let log = self.log(role);
             if let Some(message) = log.lines().find(|message| message.contains(code)) {
                 assert!(message.contains(remedy), "{message}");
+                let sentences: Vec<&str> = message.split(". ").collect();
+                let is_new = |(before, sentence)| !sentences[..before].contains(sentence);
+                assert!(sentences.iter().enumerate().all(is_new), "{message}");
                 return;
             }
             assert!(Instant::now() < until, "{role} does not log {code}:\n{log}");

@@ -2,7 +2,7 @@
 
 use super::PATIENCE;
 use andon_ipc::{MonotonicTime, Node, Reader, Station, Stop};
-use shm_schemas::{Health, RoleId, RoleState, Verdict};
+use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Verdict};
 use std::time::{Duration, Instant};
 
 /// Reads verdicts and health and keeps them.
@@ -10,10 +10,13 @@ pub struct Watcher {
     node: Node,
     verdict_reader: Reader<Verdict>,
     health_reader: Reader<Health>,
+    judging_reader: Reader<Judging>,
     /// Every verdict so far, in the order of sending.
     pub verdicts: Vec<Verdict>,
     /// The newest health of each role.
     pub healths: Vec<Health>,
+    /// What the judge has said last of itself.
+    pub judging: Option<Judging>,
 }
 
 impl Watcher {
@@ -21,12 +24,15 @@ impl Watcher {
     pub fn join(station: &Station) -> Self {
         let node = Node::open(station, RoleId::Tool, PATIENCE, &Stop::new().unwrap()).unwrap();
         let (verdict_reader, health_reader) = (node.reader().unwrap(), node.reader().unwrap());
-        Self { node, verdict_reader, health_reader, verdicts: Vec::new(), healths: Vec::new() }
+        let judging_reader = node.reader().unwrap();
+        let (verdicts, healths, judging) = (Vec::new(), Vec::new(), None);
+        Self { node, verdict_reader, health_reader, judging_reader, verdicts, healths, judging }
     }
 
     /// Waits until something comes, for at most `patience`, and takes all of it.
     pub fn listen(&mut self, patience: Duration) {
-        self.node.wait(&mut [&mut self.verdict_reader, &mut self.health_reader], patience).unwrap();
+        let (verdicts, healths) = (&mut self.verdict_reader, &mut self.health_reader);
+        self.node.wait(&mut [verdicts, healths, &mut self.judging_reader], patience).unwrap();
         // Health first: a verdict that the judge sent before its newest health is then there to be taken.
         while let Some(health) = self.health_reader.take().unwrap() {
             self.healths.retain(|known| known.role != health.role);
@@ -35,6 +41,16 @@ impl Watcher {
         while let Some(verdict) = self.verdict_reader.take().unwrap() {
             self.verdicts.push(*verdict);
         }
+        while let Some(judging) = self.judging_reader.take().unwrap() {
+            self.judging = Some(*judging);
+        }
+    }
+
+    /// When the judge has said last how it is, on the monotonic clock, and whether it watches a job.
+    pub fn watches(&self) -> Option<(u64, bool)> {
+        let judging = self.judging.as_ref()?;
+        let watches = judging.is_enabled != 0 && judging.phase != JudgePhase::NoJob.code();
+        Some((judging.stamp.sent_ns, watches))
     }
 
     /// Listens until the condition holds; panics with its name after [`PATIENCE`].

@@ -71,6 +71,12 @@ pub struct AndonVerdict {
     pub distance: f32,
     /// The threshold that the distance was compared with; NaN if there is none.
     pub threshold: f32,
+    /// What the measure is that is out of its bounds, in the unit of `measure`; NaN if none is.
+    pub measured: f32,
+    /// The least of it that was shown; NaN if none is out of its bounds.
+    pub shown_min: f32,
+    /// The most of it that was shown; NaN if none is out of its bounds.
+    pub shown_max: f32,
     /// Context features x_c of the IU; of its first IU for an activity; 0 for a job.
     pub x_c: [u16; 4],
     /// Index of the activity in this job, from 0, or ANDON_NO_INDEX.
@@ -97,6 +103,8 @@ pub struct AndonVerdict {
     pub note: u8,
     /// An AndonOrderFault.
     pub broken: u8,
+    /// An AndonMeasure: which measure is out of its bounds.
+    pub measure: u8,
     /// Name of the station, zero-terminated.
     pub station: [c_char; ANDON_STATION_BYTES],
     /// The part id that was in force when the job began, printable ASCII, zero-terminated; empty if none was given.
@@ -126,6 +134,9 @@ impl From<&Verdict> for AndonVerdict {
             job_id: verdict.job_id,
             distance: verdict.distance,
             threshold: verdict.threshold,
+            measured: verdict.measured,
+            shown_min: verdict.shown_min,
+            shown_max: verdict.shown_max,
             x_c: verdict.x_c,
             activity: verdict.activity,
             iu: verdict.iu,
@@ -139,6 +150,7 @@ impl From<&Verdict> for AndonVerdict {
             early: verdict.early,
             note: verdict.note,
             broken: verdict.broken,
+            measure: verdict.measure,
             station,
             part,
         }
@@ -194,6 +206,10 @@ mod tests {
             broken: 27,
             broken_activity: 28,
             broken_runs: 29,
+            measured: 30.0,
+            shown_min: 31.0,
+            shown_max: 32.0,
+            measure: 33,
             station: [b's'; STATION_BYTES],
             part: PartId::new(&[b'p'; PART_BYTES]).unwrap(),
             ..Verdict::default()
@@ -208,6 +224,7 @@ mod tests {
         assert_eq!([c.level, c.outcome, c.reason, c.hand, c.early], [21, 22, 23, 24, 25]);
         assert_eq!([c.note, c.broken], [26, 27]);
         assert_eq!([c.broken_activity, c.broken_runs], [28, 29]);
+        assert_eq!((c.measured, c.shown_min, c.shown_max, c.measure), (30.0, 31.0, 32.0, 33));
         assert!(c.station[..STATION_BYTES].iter().all(|&byte| byte == b's' as c_char));
         assert_eq!(c.station[STATION_BYTES], 0);
         assert!(c.part[..PART_BYTES].iter().all(|&byte| byte == b'p' as c_char));

@@ -139,7 +139,7 @@ pub fn write(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use shm_schemas::PartId;
+    use shm_schemas::{PartId, VerdictMeasure};
 
     /// An image whose values all differ, so that a test sees when two are swapped.
     fn sample() -> Image {
@@ -155,6 +155,10 @@ mod tests {
             x_c: [26, 27, 28, 29],
             early: 30,
             note: 59,
+            measure: 5,
+            measured: 12.34,
+            shown_min: 0.0,
+            shown_max: 99.9,
             distance: 1.5,
             threshold: -2.0,
             decided_utc_ns: 1_700_000_000_123_456_789,
@@ -204,7 +208,7 @@ mod tests {
     // Written out by hand: an oracle that shares nothing with the table.
     #[rustfmt::skip]
     const BIG: [u16; 100] = [
-        0x0135, 1, 2, 3, 4, 0x0501, 0x0502, 5, 8, 0x0901, 0x0902,
+        0x0135, 1, 2, 3, 4, 0x0501, 0x0502, 6, 8, 0x0901, 0x0902,
         0x0B01, 0x0B02, 32, 0x0E01, 0x0E02, 0x1001, 0x1002, 0x1003, 0x1004,
         20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30,
         0x3FC0, 0, 0xC000, 0, // 1.5 and -2.0
@@ -214,7 +218,7 @@ mod tests {
         0x7265, 0x7375, 0x6C74, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // "result"
         0x0B01, 0x0B02,
         0x6E65, 0x7874, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, // "next"
-        0, 0, 0, 0, 0, 0,
+        5, 123, 0, 999, 0x0B01, 0x0B02, // 12.34, 0 and 99.9 degrees
     ];
     #[rustfmt::skip]
     const BIG_CONTROL: [u16; 27] = [
@@ -227,11 +231,7 @@ mod tests {
     fn every_value_lies_where_the_document_says() {
         assert_eq!(read(&sample(), WordOrder::Big, 0, 100).unwrap(), BIG);
         assert_eq!(read(&sample(), WordOrder::Big, 100, 27).unwrap(), BIG_CONTROL);
-        assert_eq!(
-            read(&sample(), WordOrder::Big, 48, 52).unwrap(),
-            BIG[48..],
-            "with what has no meaning yet"
-        );
+        assert_eq!(read(&sample(), WordOrder::Big, 48, 52).unwrap(), BIG[48..]);
     }
 
     #[test]
@@ -255,11 +255,12 @@ mod tests {
             (52, 2),
             (54, 4),
             (76, 2),
+            (98, 2),
         ] {
             assert_eq!(turned(from, count), BIG[from..from + count], "{from}");
         }
         for from in
-            (0..5).chain([7, 8, 13]).chain(20..31).chain([37, 50, 51, 58, 59]).chain(60..76).chain(78..94)
+            (0..5).chain([7, 8, 13]).chain(20..31).chain([37, 50, 51, 58, 59]).chain(60..76).chain(78..98)
         {
             assert_eq!(little[from], BIG[from], "{from}");
         }
@@ -271,6 +272,21 @@ mod tests {
         assert_eq!([block[0], block[1], block[2], block[9]], [0; 4], "sequence, outcome and level");
         assert_eq!(block[12..15], [0xFFFF; 3], "activity, IU and nearest");
         assert_eq!(block[20..24], [0x7FC0, 0, 0x7FC0, 0], "distance and threshold are NaN");
+    }
+
+    #[test]
+    fn a_measure_is_shown_in_whole_units_and_stays_within_its_register() {
+        let shown = |measure: VerdictMeasure, measured: f32| {
+            let mut image = sample();
+            let verdict = &mut image.result.as_mut().unwrap().verdict;
+            (verdict.measure, verdict.measured) = (measure.code(), measured);
+            read(&image, WordOrder::Big, 94, 2).unwrap()
+        };
+        assert_eq!(shown(VerdictMeasure::Duration, 2.1), [1, 210]);
+        assert_eq!(shown(VerdictMeasure::Strokes, 4.5), [2, 45]);
+        assert_eq!(shown(VerdictMeasure::Path, 1.042), [4, 1042]);
+        assert_eq!(shown(VerdictMeasure::Place, 1000.0), [6, u16::MAX]);
+        assert_eq!(shown(VerdictMeasure::None, f32::NAN), [0, 0]);
     }
 
     #[test]

@@ -2,10 +2,12 @@
 
 use std::fmt::{self, Write as _};
 
-use shm_schemas::{JudgePhase, PART_BYTES, Refusal, VerdictLevel, VerdictNote, VerdictReason};
+use shm_schemas::{
+    JudgePhase, PART_BYTES, Refusal, VerdictLevel, VerdictMeasure, VerdictNote, VerdictReason,
+};
 
 use super::image::{control, status};
-use super::map::{Access, CONTROL_BASE, MAP, MAP_VERSION};
+use super::map::{Access, CONTROL_BASE, MAP, MAP_VERSION, measure_scale};
 use crate::handshake::{Fault, QUEUE};
 use crate::modbus::Config;
 
@@ -51,6 +53,11 @@ fn write_document(out: &mut String) -> fmt::Result {
     writeln!(out, "\n`note`\n\n| number | name | meaning |\n|---|---|---|")?;
     for note in VerdictNote::ALL {
         writeln!(out, "| {} | {} | {} |", note.code(), note.name(), note.meaning())?;
+    }
+    writeln!(out, "\n`measure`\n\n| number | name | meaning | unit in the registers |\n|---|---|---|---|")?;
+    for measure in VerdictMeasure::ALL {
+        let (number, name, unit) = (measure.code(), measure.name(), measure_scale(*measure).1);
+        writeln!(out, "| {number} | {name} | {} | {unit} |", measure.meaning())?;
     }
     writeln!(out, "\n`refusal`\n\n| number | name | meaning |\n|---|---|---|")?;
     for refusal in Refusal::ALL {
@@ -106,12 +113,13 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 ## Reading a result
 
 1. Wait for `done`. One of `ok`, `nok`, `not-judged` is set with it. The journal has the result on disk by then.
-2. Read the result block, from `sequence` to `sequence_end`.
+2. Read the result block, from `sequence` to `sequence_end`; `measure` to `sequence_measure` say which measure was out of its bounds.
 3. Write that `sequence` to `acknowledge_sequence` and set `acknowledge`, in one request. `done` drops once the journal keeps that.
 4. Clear `acknowledge`. If another result waits, `done` rises again with a higher `sequence`.
 
-A result stays until it is acknowledged, and {QUEUE} more can wait behind it. Results that come when the queue is full are lost:
-`overrun` is set, `lost` counts them, and `sequence` jumps by their number. The journal still has them.
+A result stays until it is acknowledged, and {QUEUE} more can wait behind it. What comes then waits in the journal and is offered in its
+turn: a controller that was away gets everything that was judged meanwhile. A result is lost only where the journal does not have it:
+`overrun` is set, `lost` counts it, and `sequence` jumps by one.
 
 **A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
 role `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
@@ -119,18 +127,18 @@ a client that has already taken a result of this number acknowledges it again an
 cycle writes its old control block into the new start before it can know of it: that is why `acknowledge` names its result. One that
 names another than the offered one is refused, and nothing is lost.
 
-Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. Watch
-`sequence`: a jump is a loss. `overrun` stays set once it is set.
+Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. What comes
+when {QUEUE} wait is lost: such a client is to see what happens now. Watch `sequence`: a jump is a loss. `overrun` stays set once it is set.
 
 **No result is torn.** Each request is answered from one state, so a block that is read in one request belongs to one result. A client
 that needs several requests reads upwards from `sequence` to `sequence_end`, and discards what it has read unless the two are equal;
-one that does not want the part may end at `sequence_copy`.
+one that does not want the part may end at `sequence_copy`, and one that wants the measure reads on to `sequence_measure`, which must be equal too.
 `sequence` only grows, so nothing can have changed between two equal values, even if every register is read by itself: for the
 halves of two sequences to look alike, 65,536 results would have to pass between two requests.
 
 **Silence is never OK.** Take the line for not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
-2 s when the camera, a process of the line or the journal fails, and `busy` drops with it. `error` then names the first fault and
-stays until `reset_error`; without `plc.writes` it stays until the line is ready again. A result that is offered at that time
+2 s when the camera or a process of the line fails, and within 4 s when the journal hangs, which a busy disk may make it do for a while;
+`busy` drops with it. `error` then names the first fault and stays until `reset_error`; without `plc.writes` it stays until the line is ready again. A result that is offered at that time
 stays offered.
 
 ## Commands
@@ -142,6 +150,9 @@ stays offered.
 `carried_out` means that the judge has done it, and for `acknowledge` that the journal keeps it. A judge that does not answer within 2 s
 has refused. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request; `job_in_force` and `hash_in_force` say
 which job the judge has. A job that is refused changes nothing.
+
+While a job runs `load_job` is refused, unless a fault is latched: then `busy` is not set, what runs has no result that counts, and a
+fault that stays must not keep the cell from changing over. The judge breaks the job off as not judged, and accuses nobody.
 
 **Whose bit it is.** Each commander that writes `control` writes all of its bits. Where there are two, such as a PLC and a panel, both
 write `control_set` and `control_clear` instead: a panel that resets an error sets and clears `reset_error`, and `enable` stays the PLC's.

@@ -20,7 +20,7 @@ pub mod status {
     pub const NOT_JUDGED: u16 = 1 << 6;
     /// An error is latched: see the register `error`.
     pub const ERROR: u16 = 1 << 7;
-    /// Results were lost: the queue was full, or the channel ran over.
+    /// Results were lost: the journal does not have them, or nobody may acknowledge and the queue was full.
     pub const OVERRUN: u16 = 1 << 8;
     /// The offered result has something that was not shown before, and breaks no law. Only with `DONE`.
     pub const NOTE: u16 = 1 << 9;
@@ -41,7 +41,7 @@ pub mod status {
         (
             OVERRUN,
             "overrun",
-            "results were lost: the queue was full, or verdicts came faster than this role could read them",
+            "results were lost: the journal does not have them or, without `plc.writes`, more came than can wait",
         ),
         (
             NOTE,

@@ -1,11 +1,11 @@
 //! The register map: one table, from which registers are read and written and `REGISTERS.md` is generated.
 
-use shm_schemas::{NO_INDEX, PART_BYTES, PartId, Verdict};
+use shm_schemas::{NO_INDEX, PART_BYTES, PartId, Verdict, VerdictMeasure};
 
 use super::image::{Control, Image, ResultBlock};
 
 /// Changes when an address, a type or a meaning changes.
-pub const MAP_VERSION: u16 = 5;
+pub const MAP_VERSION: u16 = 6;
 /// The first register that can be written. Registers below it that have no meaning yet are read as 0, so that a client can read
 /// everything in one request.
 pub const CONTROL_BASE: u16 = 100;
@@ -95,6 +95,9 @@ const NO_VERDICT: Verdict = Verdict {
     job_id: 0,
     distance: f32::NAN,
     threshold: f32::NAN,
+    measured: f32::NAN,
+    shown_min: f32::NAN,
+    shown_max: f32::NAN,
     x_c: [0; 4],
     activity: NO_INDEX,
     iu: NO_INDEX,
@@ -111,8 +114,30 @@ const NO_VERDICT: Verdict = Verdict {
     captured_percent: shm_schemas::NO_PERCENT,
     note: 0,
     broken: 0,
-    reserved: [0; 2],
+    measure: 0,
+    reserved: [0; 5],
 };
+
+/// A number of the measure as a whole one, in the unit that [`measure_scale`] says; 0 where there is none.
+fn scaled(image: &Image, value: fn(&Verdict) -> f32) -> u16 {
+    let verdict = of(image);
+    let scale = VerdictMeasure::try_from(verdict.measure).map_or(0.0, |measure| measure_scale(measure).0);
+    // The cast makes 0 of what is not a number, and keeps within the range.
+    (value(&verdict) * scale).round() as u16
+}
+
+/// By how much a number of this measure is multiplied in its register, and the unit that it has there.
+pub(super) const fn measure_scale(measure: VerdictMeasure) -> (f32, &'static str) {
+    match measure {
+        VerdictMeasure::None => (0.0, "none"),
+        VerdictMeasure::Duration => (100.0, "hundredths of a second"),
+        VerdictMeasure::Strokes => (10.0, "tenths of a stroke"),
+        VerdictMeasure::StrokeLength | VerdictMeasure::Path | VerdictMeasure::Place => {
+            (1000.0, "millimetres")
+        }
+        VerdictMeasure::Direction => (10.0, "tenths of a degree"),
+    }
+}
 
 const NS_PER_S: u64 = 1_000_000_000;
 const NS_PER_MS: u64 = 1_000_000;
@@ -155,7 +180,12 @@ pub const MAP: &[Register] = &[
         "the number n of the code `AND-n` in the log that belongs to `error`; 0 none",
     ),
     read(7, "map_version", Get::U16(|_| MAP_VERSION), "version of this map"),
-    read(8, "queued", Get::U16(|i| i.queued), "number of results that wait behind the offered one"),
+    read(
+        8,
+        "queued",
+        Get::U16(|i| i.queued),
+        "number of results that wait behind the offered one; 8 also where more wait in the journal",
+    ),
     read(
         9,
         "lost",
@@ -269,6 +299,31 @@ pub const MAP: &[Register] = &[
         Get::Text(|i| *i.next_part.bytes()),
         "the part id that the judge gives to the job that begins next; all 0 none",
     ),
+    read(
+        94,
+        "measure",
+        Get::U16(|i| of(i).measure.into()),
+        "which measure of the result is out of its bounds, see below; 0 none",
+    ),
+    read(
+        95,
+        "measured",
+        Get::U16(|i| scaled(i, |v| v.measured)),
+        "what it is, in the unit of `measure`, see below",
+    ),
+    read(
+        96,
+        "shown_min",
+        Get::U16(|i| scaled(i, |v| v.shown_min)),
+        "the least of it that was shown, in the same unit",
+    ),
+    read(
+        97,
+        "shown_max",
+        Get::U16(|i| scaled(i, |v| v.shown_max)),
+        "the most of it that was shown, in the same unit",
+    ),
+    read(98, "sequence_measure", Get::U32(sequence), "the same as `sequence`"),
     write(
         CONTROL_BASE,
         "control",

@@ -1,7 +1,7 @@
 //! A station with a judge that sends what a test wants, for the tests of readers.
 
 use andon_ipc::{Limits, Node, POLL_PERIOD, Station, Steward, Stop, Writer};
-use shm_schemas::{PartId, RoleId, Verdict, VerdictLevel, VerdictOutcome, VerdictReason};
+use shm_schemas::{PartId, RoleId, Verdict, VerdictLevel, VerdictMeasure, VerdictOutcome, VerdictReason};
 use std::io::{BufRead as _, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
@@ -74,6 +74,8 @@ impl Judge {
         verdict.outcome = outcome.code();
         verdict.reason = reason.code();
         verdict.distance = number as f32 / 2.0;
+        verdict.measure = VerdictMeasure::Strokes.code();
+        (verdict.measured, verdict.shown_min, verdict.shown_max) = (number as f32, 5.5, 6.5);
         verdict.station[..7].copy_from_slice(b"plctest");
         verdict.part = PartId::new(format!("A-{number}").as_bytes()).unwrap();
         self.verdicts.send(verdict).unwrap();
