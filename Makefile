@@ -72,9 +72,9 @@ line: packages
 degraded-clips: setup test-packages line
 	target/release/degraded_clips tests/footage/p?_*.mp4
 
-# Says what the line tells of pictures that something is done to; the clips must have their truth beside them.
+# Says what the line tells of pictures that something is done to, how strongly is drawn; SEED=n repeats a run.
 sight: setup test-packages line
-	target/release/perception_accuracy sight tests/footage/p1_none_r1.mp4 tests/footage/p1_J1_r1.mp4 tests/footage/p2_none_r1.mp4 tests/footage/p2_J1_r1.mp4
+	target/release/perception_accuracy sight --seed $(SEED) tests/footage/p?_*.mp4
 
 # Lets every connection that a role makes fail once; `make test` lets every seventh.
 deaf: setup test-packages

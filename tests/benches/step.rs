@@ -103,7 +103,7 @@ fn nominal(side: Side, reference: &[Motion], after: u16) -> Vec<NominalIu<'_>> {
 
 fn shape(id: u16) -> ObjectShape {
     let points = [[0.0; 3], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.01, 0.01, 0.0]];
-    ObjectShape { id, interaction_points: points.into_iter().collect() }
+    ObjectShape { id, interaction_points: points.into_iter().collect(), ..ObjectShape::default() }
 }
 
 /// A frame of the cycle: each hand carries its object from home to the other object and back, and then leaves.

@@ -119,7 +119,7 @@ pub fn judged(job: &JobFile, recording: &Recording) -> Vec<Verdict> {
     job.with_job(|lent| {
         let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method).expect("the job was taught");
         let mut verdicts = Vec::new();
-        for couples in &run.couples {
+        for couples in run.couples_for(job).expect("the objects of the job can be encoded").iter() {
             judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
         }
         judge.finish(&mut |event| verdicts.extend(event.verdict()));

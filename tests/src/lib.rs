@@ -28,3 +28,4 @@ pub mod line;
 pub mod measure;
 pub mod python;
 pub mod simulator;
+pub mod workers;

@@ -132,7 +132,8 @@ fn boxing_measuring_and_assembly_are_one_motion_in_three_of_five_contexts() {
     let drilling = one.drilling.as_ref().unwrap();
     assert!((drilling.other_layout - drilling.same_layout).abs() < 0.1 * drilling.other_kinds);
     let selection = selection(&all, &method, cost);
-    let report = report(&one.analysis, one.drilling.as_ref(), selection.as_ref(), "four people").unwrap();
+    let report =
+        report(&one.analysis, one.drilling.as_ref(), selection.as_ref(), None, "four people").unwrap();
     // The page fetches nothing: the only address in it is the name of SVG.
     let page = report.page.replace("http://www.w3.org/2000/svg", "");
     assert!(!page.contains("://") && !page.contains("src=") && !page.contains("href="));

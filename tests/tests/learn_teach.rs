@@ -3,13 +3,17 @@
 
 use andon_core::config::Method;
 use andon_core::input::Frame;
-use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_core::verdict::{Level, Measure, Measured, Outcome, Reason, Verdict};
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
+use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::deletion::Deletion;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
+
+/// The part that is measured.
+const BRICK: u16 = 6;
 
 /// A seed that played no part in the choice of the rules.
 const SEED: u64 = 2002;
@@ -33,7 +37,7 @@ fn taught(runs: &[Run]) -> (JobFile, TeachReport) {
 }
 
 fn judged(job: &JobFile, run: &Run) -> Vec<Verdict> {
-    job.with_job(|lent| run.judge(lent, &Method::default())).unwrap()
+    run.judge(job).unwrap()
 }
 
 fn job_is(outcome: Outcome, verdicts: &[Verdict]) -> bool {
@@ -41,8 +45,91 @@ fn job_is(outcome: Outcome, verdicts: &[Verdict]) -> bool {
 }
 
 #[test]
+fn a_part_that_lies_turned_otherwise_in_each_run_and_goes_the_same_way_is_position_only() {
+    let turned = |person: u64, turn: f32| {
+        let performance = Performance { seed: SEED, person, repetition: 1, noise: Noise::default() };
+        let (mut recording, _) = perform(&performance, Flaw::None);
+        for object in &mut recording.header.objects {
+            object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
+        }
+        for object in recording.frames.iter_mut().flat_map(|frame| &mut frame.objects) {
+            if object.id == BRICK {
+                let [w, _, _, z] = object.orientation;
+                let (sin, cos) = (turn / 2.0).sin_cos();
+                object.orientation = [w * cos - z * sin, 0.0, 0.0, w * sin + z * cos];
+            }
+        }
+        Run::new(&format!("{person}"), "", &recording, &Method::default()).unwrap()
+    };
+    for (turns, is_position_only) in [([0.0; 5], false), ([0.0, 1.3, 2.5, 3.8, 5.0], true)] {
+        let runs: Vec<Run> = (1..=5).zip(turns).map(|(person, turn)| turned(person, turn)).collect();
+        let (job, report) = teach(&runs, &TeachOptions { order_matters: Some(false), ..options() }).unwrap();
+        let found = job.objects.iter().filter(|object| object.shape.is_position_only);
+        let found: Vec<u16> = found.map(|object| object.shape.id).collect();
+        assert_eq!(found, if is_position_only { vec![BRICK] } else { vec![] }, "{report}");
+        assert_eq!(report.to_string().contains("only its position counts"), is_position_only, "{report}");
+        let read = JobFile::parse("job.toml", job.to_toml().as_bytes()).unwrap();
+        assert_eq!(read.objects, job.objects);
+    }
+}
+
+#[test]
 fn the_same_runs_give_the_same_bytes() {
     assert_eq!(taught(&correct(3)).0.to_toml(), taught(&correct(3)).0.to_toml());
+}
+
+#[test]
+fn a_job_that_is_taught_again_as_it_was_taught_has_the_same_bytes() {
+    for strictness in [1, 5].map(Strictness::new) {
+        let options =
+            TeachOptions { id: 4, order_matters: Some(true), rule: ThresholdRule::PAPER, ..options() };
+        let (job, _) = teach(&correct(3), &options.with_strictness(strictness.unwrap())).unwrap();
+        let read = JobFile::parse("job.toml", job.to_toml().as_bytes()).unwrap();
+        let (again, _) = teach(&correct(3), &TeachOptions::of_job(&read, "2025-01-01")).unwrap();
+        assert_eq!(again.to_toml(), job.to_toml());
+    }
+}
+
+#[test]
+fn a_stricter_job_notices_more_and_says_what_it_promises() {
+    let runs = correct(5);
+    let taught = [1, 3, 5]
+        .map(|number| teach(&runs, &options().with_strictness(Strictness::new(number).unwrap())).unwrap());
+    let path_m = |job: &JobFile| job.activities[0].ius[1].measures.path_m;
+    for pair in taught.windows(2) {
+        let [loose, strict] = [&pair[0].0, &pair[1].0].map(path_m);
+        assert!(loose.min < strict.min && strict.max < loose.max, "{loose:?} {strict:?}");
+    }
+    for ((job, report), (number, one_in)) in taught.iter().zip([(1, 133), (3, 33), (5, 8)]) {
+        let promise = format!("strictness {number} of 5: of {one_in} right jobs these measures accuse one");
+        assert!(report.to_string().contains(&promise), "{report}");
+        assert!(job.to_toml().contains(&format!("\nstrictness = {number}\n")));
+    }
+}
+
+#[test]
+fn the_report_says_what_would_be_noticed_of_each_step_and_what_more_runs_would_bring() {
+    let report = taught(&correct(5)).1.to_string();
+    let begin = report.find("what would be noticed: the smallest difference").unwrap();
+    let rows: Vec<&str> = report[begin..].lines().skip(2).take(5).collect();
+    // Six strokes: one less is noticed or one more, and half a second less.
+    let strokes: Vec<&str> = rows[1].split_whitespace().collect();
+    assert_eq!(strokes[..2], ["1", "2"], "{report}");
+    let [less, more] = [strokes[2], strokes[3]].map(|figure| figure.parse::<f64>().unwrap());
+    assert!((-2.0..0.0).contains(&less) && (0.5..2.5).contains(&more), "{report}");
+    assert!(report.contains("5 more runs like these would bring these bounds "), "{report}");
+}
+
+#[test]
+fn a_verdict_on_half_of_the_strokes_counts_them() {
+    let (job, _) = taught(&correct(5));
+    let verdicts = judged(&job, &run(6, 1, Flaw::J1));
+    for level in [Level::Iu, Level::Activity, Level::Job] {
+        let wrong = |verdict: &&Verdict| verdict.level == level && verdict.outcome == Outcome::Anomaly;
+        let measured = verdicts.iter().find(wrong).unwrap().measured.unwrap();
+        let Measured { measure, value, shown_min, shown_max } = measured;
+        assert_eq!((measure, value, shown_min, shown_max), (Measure::Strokes, 3.0, 6.0, 6.0));
+    }
 }
 
 #[test]
@@ -90,6 +177,23 @@ fn a_run_that_disagrees_is_named_with_the_iu_where_it_does() {
     assert!(warning.contains("meter"), "{warning}");
     let left_out: Vec<bool> = job.provenance.sources.iter().map(|source| source.left_out).collect();
     assert_eq!(left_out, [false, false, true, false, false]);
+}
+
+#[test]
+fn runs_with_more_objects_together_than_a_bench_may_have_are_refused_with_their_number() {
+    let with_objects_from = |first: u16| {
+        let performance =
+            Performance { seed: SEED, person: 1, repetition: u64::from(first), noise: Noise::default() };
+        let (mut recording, _) = perform(&performance, Flaw::None);
+        let mut object = recording.header.objects[0].clone();
+        for id in first..first + 20 {
+            object.shape.id = id;
+            recording.header.objects.push(object.clone());
+        }
+        Run::new("run", "", &recording, &Method::default()).unwrap()
+    };
+    let refused = teach(&[with_objects_from(100), with_objects_from(200)], &options());
+    assert!(matches!(refused, Err(TeachError::Full { what: "objects", max: 32, .. })), "{refused:?}");
 }
 
 #[test]

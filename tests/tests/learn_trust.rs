@@ -6,7 +6,7 @@ use andon_core::couple::Context;
 use andon_core::input::Frame;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
-use andon_learn::teach::{Doubt, Measure, TeachOptions, TeachReport, teach};
+use andon_learn::teach::{Doubt, Measure, TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::environment;
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
 
@@ -220,6 +220,24 @@ fn where_a_run_differs_from_the_others_the_difference_is_named() {
     let report = taught(&[run(1, Flaw::J2), run(2, Flaw::StepLeftOut)]);
     refused(&report);
     assert!(report.to_string().contains("left out was p1: in activity"), "{report}");
+}
+
+#[test]
+fn where_each_run_does_another_step_otherwise_each_difference_is_named() {
+    let mut unseen = recording(2, Flaw::None);
+    // The brick is not seen before it is taken to the meter: the polisher is moved, and is at nothing.
+    for frame in &mut unseen.frames {
+        let is_polished = frame.captured_ns < 8_000_000_000;
+        frame.objects.retain(|object| !is_polished || object.id != 6);
+    }
+    let error = teach(&[run(1, Flaw::J2), named("p2", &unseen)], &options()).unwrap_err();
+    let TeachError::NoneAgrees { runs: 2, differences } = &error else { panic!("{error}") };
+    assert!(error.is_of_runs());
+    for name in ["p1: in activity", "p2: in activity"] {
+        assert!(differences.iter().any(|found| found.starts_with(name)), "{error}");
+    }
+    let nothing = error.to_string();
+    assert!(!nothing.contains("in common"), "{nothing}");
 }
 
 #[test]

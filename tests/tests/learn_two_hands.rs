@@ -36,7 +36,7 @@ fn taught(work: TwoHanded) -> JobFile {
 }
 
 fn judged(job: &JobFile, recording: &Recording) -> Vec<Verdict> {
-    job.with_job(|lent| run(recording).judge(lent, &job.method)).unwrap()
+    run(recording).judge(job).unwrap()
 }
 
 fn is_accused(verdicts: &[Verdict]) -> bool {

@@ -15,6 +15,15 @@ fn wait_for_results(line: &Line, more: usize, after: &str) {
     }
 }
 
+/// Waits until the journal has so many more verdicts.
+fn wait_for_rows(line: &Line, more: usize) {
+    let (from, until) = (line.journal().verdicts().len(), Instant::now() + PATIENCE);
+    while line.journal().verdicts().len() < from + more {
+        assert!(Instant::now() < until, "no verdicts; log of the judge:\n{}", line.log("judge"));
+        std::thread::sleep(Duration::from_millis(200));
+    }
+}
+
 /// The parts whose job has a result.
 fn parts(line: &Line) -> BTreeSet<String> {
     let jobs = account(line).into_iter().filter(|(_, counted)| counted.level == "job");
@@ -23,6 +32,9 @@ fn parts(line: &Line) -> BTreeSet<String> {
 
 /// What is killed in turn, while the worker works.
 const KILLED: [&str; 8] = ["plc", "program", "judge", "encode", "program", "journal", "plc", "perceive"];
+
+/// Verdicts while the PLC is away: more than wait for it outside of the journal.
+const AWAY: usize = 15;
 
 /// The shift goes on until so many parts are done, and a job was right and one was not.
 const PARTS: usize = 5;
@@ -36,6 +48,10 @@ fn is_over(line: &Line) -> bool {
 /// A shift: after every few results something is killed, and started again a moment later.
 fn work(line: &mut Line) -> String {
     let mut program = Shift::start(line, "1,2");
+    wait_for_results(line, 1, "at the beginning of the shift");
+    program.kill();
+    wait_for_rows(line, AWAY);
+    program = Shift::start(line, "1,2");
     for killed in KILLED {
         wait_for_results(line, 4, &format!("before {killed} is killed"));
         if killed == "program" {
@@ -59,7 +75,7 @@ fn work(line: &mut Line) -> String {
 #[test]
 fn after_a_shift_with_faults_and_kills_the_account_of_the_plc_is_the_journal_to_the_last_verdict() {
     let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
-    line.work_once_more(Flaw::WrongOrder);
+    line.work_once_more(Flaw::J1);
     let _watcher = line.launch();
     let said = work(&mut line);
     let counted = account(&line);

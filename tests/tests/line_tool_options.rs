@@ -1,8 +1,9 @@
 //! Every option of a command does what the help says, and every command that gives a verdict ends with its exit code.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_learn::recording::write;
 use andon_tests::line::{Line, Settings, andond};
-use andon_tests::simulator::Flaw;
+use andon_tests::simulator::{Flaw, Noise, Performance, perform};
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -67,6 +68,157 @@ fn teach_writes_what_it_cannot_trust_only_by_force() {
     assert!(out.exists());
 }
 
+/// A folder with the recordings of four people, and the program that is asked to teach in it.
+struct Folder {
+    line: Line,
+    path: PathBuf,
+    runs: Vec<PathBuf>,
+}
+
+impl Folder {
+    fn new() -> Self {
+        let line = Line::new(Settings::default());
+        let path = line.path("teach");
+        std::fs::create_dir_all(path.join("away")).unwrap();
+        let record = |person: u64| {
+            let performance = Performance { seed: 2003, person, repetition: 1, noise: Noise::default() };
+            let (recording, _) = perform(&performance, Flaw::None);
+            let run = path.join(format!("run{person}.tracks.jsonl"));
+            let mut file = std::fs::File::create(&run).unwrap();
+            write(&mut file, &recording.header, &recording.frames).unwrap();
+            run
+        };
+        let runs = (1..=4).map(record).collect();
+        Self { line, path, runs }
+    }
+
+    /// What `teach` says to these arguments and with which exit code it ends.
+    fn teach(&self, job: &str, arguments: &[&str]) -> (Option<i32>, String) {
+        let mut command = Command::new(andond());
+        command.arg("teach").args(arguments).args(["--name", "job", "--out", job, "--config"]);
+        command.arg(self.line.config()).current_dir(&self.path);
+        let output = command.output().unwrap();
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.code(), String::from_utf8(said).unwrap())
+    }
+
+    #[track_caller]
+    fn taught(&self, job: &str, arguments: &[&str]) -> String {
+        let (code, said) = self.teach(job, arguments);
+        assert_eq!(code, Some(0), "{said}");
+        std::fs::read_to_string(self.path.join(job)).unwrap()
+    }
+
+    #[track_caller]
+    fn refused(&self, job: &str, arguments: &[&str], words: &[&str]) {
+        let before = std::fs::read(self.path.join(job)).unwrap();
+        let (code, said) = self.teach(job, arguments);
+        assert_eq!(code, Some(64), "{said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{words:?} in {said}");
+        assert_eq!(std::fs::read(self.path.join(job)).unwrap(), before);
+    }
+
+    fn run(&self, number: usize) -> &str {
+        text(&self.runs[number - 1])
+    }
+}
+
+#[test]
+fn the_same_recordings_teach_the_same_job_whichever_way_they_came_to_it() {
+    let folder = Folder::new();
+    let [one, two, three, four] = [1, 2, 3, 4].map(|number| folder.run(number));
+    let at_once = folder.taught("at_once.toml", &[one, two, three, "--strictness", "4", "--order", "true"]);
+    folder.taught("grown.toml", &[three, one, "--strictness", "4", "--order", "true"]);
+    assert_eq!(folder.taught("grown.toml", &["--add", two]), at_once);
+    folder.taught("shrunk.toml", &[four, three, two, one, "--strictness", "4", "--order", "true"]);
+    assert_eq!(folder.taught("shrunk.toml", &["--without", "run4.tracks.jsonl"]), at_once);
+    let exchanged = folder.taught("grown.toml", &["--add", four, "--without", "run2.tracks.jsonl"]);
+    assert!(exchanged.contains("run4") && !exchanged.contains("run2"), "{exchanged}");
+}
+
+#[test]
+fn a_recording_that_is_added_twice_is_noticed() {
+    let folder = Folder::new();
+    folder.taught("job.toml", &[folder.run(1), folder.run(2)]);
+    let (code, said) = folder.teach("job.toml", &["--add", folder.run(2)]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(
+        said.contains("run2.tracks.jsonl was shown before") && said.contains("\nnot written: "),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_recording_that_is_not_found_again_is_told_with_where_it_was_looked_for() {
+    let folder = Folder::new();
+    folder.taught("job.toml", &[folder.run(1), folder.run(2)]);
+    let moved = folder.path.join("away/run1.tracks.jsonl");
+    std::fs::rename(folder.run(1), &moved).unwrap();
+    let add = ["--add", folder.run(3)];
+    folder.refused("job.toml", &add, &["taught from run1.tracks.jsonl, not found in ", "--without"]);
+    let given = folder.taught("job.toml", &[text(&moved), add[0], add[1]]);
+    assert!(given.contains("run1") && given.contains("run3"), "{given}");
+}
+
+#[test]
+fn a_recording_that_has_changed_is_not_taken_for_the_one_that_was_taught() {
+    let folder = Folder::new();
+    folder.taught("job.toml", &[folder.run(1), folder.run(2)]);
+    std::fs::copy(folder.run(3), folder.run(1)).unwrap();
+    let words =
+        ["is not the run1.tracks.jsonl that job job.toml was taught from", "--without run1.tracks.jsonl"];
+    folder.refused("job.toml", &["--add", folder.run(4)], &words);
+}
+
+#[test]
+fn only_recordings_of_the_job_are_left_out_or_given_again() {
+    let folder = Folder::new();
+    folder.taught("job.toml", &[folder.run(1), folder.run(2)]);
+    let words = [
+        "--without run9: job job.toml was not taught from it, but from run1.tracks.jsonl, run2.tracks.jsonl",
+    ];
+    folder.refused("job.toml", &["--without", "run9"], &words);
+    let words = ["job job.toml was not taught from ", "--add "];
+    folder.refused("job.toml", &[folder.run(3), "--add", folder.run(4)], &words);
+    let nothing = folder.teach("none.toml", &["--add", folder.run(1)]);
+    assert!(nothing.1.contains("none.toml") && nothing.0 == Some(78), "{nothing:?}");
+}
+
+#[test]
+fn teach_draws_the_steps_and_their_order() {
+    let folder = Folder::new();
+    folder.taught("job.toml", &[folder.run(1), folder.run(2), folder.run(3), "--plot", "order.svg"]);
+    let drawn = std::fs::read_to_string(folder.path.join("order.svg")).unwrap();
+    for words in
+        ["1. polisher at brick", "2. brick at meter", "required", "right hand", "marker-end=\"url(#law)\""]
+    {
+        assert!(drawn.contains(words), "{words}: {drawn}");
+    }
+    assert!(drawn.contains("Each run judged by what the others teach: 0 of 3 rejected (0 %)"), "{drawn}");
+}
+
+#[test]
+fn strictness_is_a_number_from_1_to_5() {
+    let folder = Folder::new();
+    for (number, code) in [("0", Some(64)), ("6", Some(64)), ("5", Some(0))] {
+        let (found, said) = folder.teach("job.toml", &[folder.run(1), folder.run(2), "--strictness", number]);
+        assert_eq!(found, code, "{said}");
+    }
+}
+
+#[test]
+fn replay_says_how_many_strokes_there_were_and_how_many_were_shown() {
+    let line = Line::new(Settings { flaw: Flaw::J1, ..Settings::default() });
+    let job = line.path("job.toml");
+    let output = line.command("replay", &["--job", text(&job), text(&line.tracks())]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        said.contains(" ANOMALY     activity 1 IU 2 (polisher at brick): 3 strokes, shown 6 to "),
+        "{said}"
+    );
+    assert!(said.contains(" ANOMALY     job: 3 strokes, shown 6 to "), "{said}");
+}
+
 #[test]
 fn segment_draws_its_plot() {
     let line = Line::new(Settings::default());
@@ -85,7 +237,7 @@ fn replayed(line: &Line) -> Option<i32> {
 #[test]
 fn replay_ends_with_0_for_a_correct_job_1_for_an_anomaly_and_2_for_what_could_not_be_judged() {
     assert_eq!(replayed(&Line::new(Settings::default())), Some(0));
-    assert_eq!(replayed(&Line::new(Settings { flaw: Flaw::WrongOrder, ..Settings::default() })), Some(1));
+    assert_eq!(replayed(&Line::new(Settings { flaw: Flaw::J1, ..Settings::default() })), Some(1));
     let nothing_seen = Line::new(Settings::default());
     nothing_seen.edit_tracks(|frames| frames.iter_mut().for_each(|frame| frame.hands.clear()));
     assert_eq!(replayed(&nothing_seen), Some(2));

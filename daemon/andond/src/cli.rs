@@ -100,15 +100,29 @@ pub struct Teach {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Correct runs of the whole job: films, folders of pictures or track files
-    #[arg(required = true)]
+    /// Correct runs of the whole job: films, folders of pictures or track files; with --add and --without those that the job was taught
+    /// from and that are neither beside the job file nor in the current folder
+    #[arg(required_unless_present_any = ["add", "without"])]
     pub recordings: Vec<PathBuf>,
-    /// The job file to write
+    /// The job file to write; with --add and --without the one to change
     #[arg(short, long)]
     pub out: PathBuf,
-    /// The number by which a PLC selects the job
-    #[arg(long, default_value_t = 1)]
-    pub id: u32,
+    /// One more correct run for a job that is there; can be repeated
+    #[arg(long, value_name = "RECORDING")]
+    pub add: Vec<PathBuf>,
+    /// The name of a recording that a job which is there is no longer to be taught from; can be repeated
+    #[arg(long, value_name = "NAME")]
+    pub without: Vec<String>,
+    /// How strict the job is, 1 to 5: at 1 its measures accuse one right job in 133, then one in 67, 33 and 17, at 5 one in 8, and less
+    /// evidence makes the order of two steps a law [default: 3]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
+    pub strictness: Option<u8>,
+    /// Draw the steps of the job and their order into this file
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    /// The number by which a PLC selects the job [default: 1]
+    #[arg(long)]
+    pub id: Option<u32>,
     /// Name of the job [default: the name of the job file]
     #[arg(long)]
     pub name: Option<String>,

@@ -66,7 +66,9 @@ pub fn station(job: &JobFile, config: &Config) -> Result<(), Misfit> {
         let (id, name) = (object.shape.id, object.name.clone());
         match shapes.iter().find(|shape| shape.id == id) {
             None => return Err(Misfit::NoObject { id, name }),
-            Some(shape) if *shape != object.shape => return Err(Misfit::OtherObject { id, name }),
+            Some(shape) if shape.interaction_points != object.shape.interaction_points => {
+                return Err(Misfit::OtherObject { id, name });
+            }
             Some(_) => (),
         }
     }

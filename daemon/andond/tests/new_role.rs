@@ -9,6 +9,7 @@ use andond::role::{Cycle, Role, RoleError, Turn, run_with};
 use rustix::process::{Signal, getpid, kill_process};
 use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel, VerdictOutcome};
 use std::sync::mpsc::{Sender, channel};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// For whatever must happen sooner or later; only a test that fails waits for so long.
@@ -47,8 +48,11 @@ impl Role for Tally {
     }
 }
 
-#[test]
-fn a_role_of_a_few_lines_takes_its_messages_gives_signs_of_life_and_stops_on_request() {
+/// A stop is asked of the whole process.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
+/// A station of its own, which lasts for as long as its steward and its folder.
+fn station() -> (Config, Station, Steward, tempfile::TempDir) {
     // Under /tmp whatever TMPDIR says: the path must be short.
     let folder = tempfile::Builder::new().prefix("andon-").tempdir_in("/tmp").unwrap();
     let path = folder.path().join("tally.toml");
@@ -60,7 +64,67 @@ fn a_role_of_a_few_lines_takes_its_messages_gives_signs_of_life_and_stops_on_req
     std::fs::write(&path, text).unwrap();
     let config = Config::load(&[path]).unwrap();
     let station = Station::under("tally", &config.root()).unwrap();
-    let _steward = Steward::create(&station, Limits { frame_bytes: 4096 }).unwrap();
+    let steward = Steward::create(&station, Limits { frame_bytes: 4096 }).unwrap();
+    (config, station, steward, folder)
+}
+
+/// A role with a steady input that leaves with its first message and goes on in a second session, as the judge does with another job.
+struct Sessions {
+    verdicts: Reader<Verdict>,
+    has_left: bool,
+    turns: u32,
+}
+
+impl Role for Sessions {
+    const INPUT_IS_STEADY: bool = true;
+
+    fn ports(&mut self) -> Vec<&mut dyn Port> {
+        vec![&mut self.verdicts]
+    }
+
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        let began = Instant::now();
+        if cycle.take(&mut self.verdicts)?.is_some() {
+            cycle.stepped(began);
+            self.has_left = true;
+            return Ok(Turn::Left);
+        }
+        self.turns += u32::from(self.has_left);
+        Ok(if self.turns == 2 { Turn::Left } else { Turn::Idle })
+    }
+}
+
+#[test]
+fn a_session_that_begins_while_no_message_waits_is_not_silent() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let (config, station, _steward, _folder) = station();
+    let node = Node::open(&station, RoleId::Judge, PATIENCE, &Stop::new().unwrap()).unwrap();
+    let mut health = node.reader::<Health>().unwrap();
+    let mut verdicts = node.writer::<Verdict>().unwrap();
+    verdicts.send(verdicts.loan().unwrap()).unwrap();
+    let role = std::thread::spawn(move || {
+        run_with(&config, RoleId::Tool, |node| {
+            let mut cycle = Cycle::new(node)?;
+            let mut role = Sessions { verdicts: node.reader()?, has_left: false, turns: 0 };
+            cycle.run(&mut role)?;
+            cycle.run(&mut role)
+        })
+    });
+    let until = Instant::now() + PATIENCE;
+    let mut states = Vec::new();
+    while !states.contains(&RoleState::Running.code()) && !states.contains(&RoleState::Waiting.code()) {
+        node.wait(&mut [&mut verdicts, &mut health], Duration::from_millis(10)).unwrap();
+        states.extend(health.take().unwrap().map(|health| health.state));
+        assert!(Instant::now() < until, "{states:?}");
+    }
+    assert!(!states.contains(&RoleState::Waiting.code()), "{states:?}");
+    role.join().unwrap();
+}
+
+#[test]
+fn a_role_of_a_few_lines_takes_its_messages_gives_signs_of_life_and_stops_on_request() {
+    let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    let (config, station, _steward, _folder) = station();
     let node = Node::open(&station, RoleId::Judge, PATIENCE, &Stop::new().unwrap()).unwrap();
     let mut health = node.reader::<Health>().unwrap();
     let mut verdicts = node.writer::<Verdict>().unwrap();

@@ -9,6 +9,9 @@ pub const OBJECTS: usize = 32;
 /// Interaction points of one object: a few grasp frames and working surfaces (paper III-A.1).
 pub const INTERACTION_POINTS: usize = 8;
 
+/// Others that meet one object: the hand, and the parts that are joined to it or worked with it.
+pub const MEETINGS: usize = 8;
+
 /// Length of the longest IU that is compared, in frames: 68 s at 30 Hz. A longer one exceeds any taught bound.
 pub const IU_FRAMES: usize = 2048;
 

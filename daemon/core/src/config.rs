@@ -12,6 +12,13 @@ pub struct Contact {
     pub off_m: f32,
 }
 
+impl Contact {
+    /// Whether an edge can begin and end by it.
+    pub fn is_valid(&self) -> bool {
+        self.on_m > 0.0 && self.off_m >= self.on_m && self.off_m < f32::INFINITY
+    }
+}
+
 /// All constants of the method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Method {
@@ -88,15 +95,14 @@ impl Method {
     /// # Errors
     /// The first constant that is not.
     pub fn check(&self) -> Result<(), MethodFault> {
-        let contact = |c: &Contact| c.on_m > 0.0 && c.off_m >= c.on_m && c.off_m < f32::INFINITY;
         let from_zero = |value: f32| (0.0..f32::INFINITY).contains(&value);
         let checks = [
             // 240 Hz is the fastest rate of the cameras and motion capture systems that fit a bench.
             ((1.0..=240.0).contains(&self.rate_hz), "rate_hz", "1 to 240"),
             // A quarter turn must be at least one whole bin; a motion is stored as `i8`.
             ((4..=120).contains(&self.bins), "bins", "4 to 120"),
-            (contact(&self.hand_contact), "hand_contact", "0 < on_m <= off_m, in metres"),
-            (contact(&self.object_contact), "object_contact", "0 < on_m <= off_m, in metres"),
+            (self.hand_contact.is_valid(), "hand_contact", "0 < on_m <= off_m, in metres"),
+            (self.object_contact.is_valid(), "object_contact", "0 < on_m <= off_m, in metres"),
             (
                 (1..=PERSIST_FRAMES).contains(&usize::from(self.persist_frames)),
                 "persist_frames",

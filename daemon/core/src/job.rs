@@ -63,6 +63,32 @@ pub struct Around<const N: usize> {
     pub max: f32,
 }
 
+impl<const N: usize> Around<N> {
+    /// How far a value lies from the centre.
+    pub fn distance(&self, value: [f32; N]) -> f32 {
+        let square: f32 =
+            value.iter().zip(self.centre).map(|(value, centre)| (value - centre) * (value - centre)).sum();
+        libm::sqrtf(square)
+    }
+}
+
+/// What the runs that were shown measured in an IU, from the least to the most. It decides nothing: a verdict names it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shown {
+    /// How long they lasted, in frames of the grid.
+    pub frames: Bounds,
+    /// How often the motion reversed.
+    pub reversals: Bounds,
+    /// Mean length of a stroke, in metres; 0 where there was no whole one.
+    pub stroke_m: Range,
+    /// Length of the path, in metres.
+    pub path_m: Range,
+    /// How far the direction of the path was away from the centre of [`MeasureBounds::axis`] at most.
+    pub axis: f32,
+    /// How far the mean position was away from the centre of [`MeasureBounds::place_m`] at most, in metres.
+    pub place_m: f32,
+}
+
 /// The right measures of an IU in metres, see [`Measures`](crate::segment::Measures).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasureBounds {
@@ -74,6 +100,8 @@ pub struct MeasureBounds {
     pub axis: Around<2>,
     /// Mean position.
     pub place_m: Around<3>,
+    /// What was shown; `None` where that is not known, and then no verdict names a measure.
+    pub shown: Option<Shown>,
 }
 
 impl MeasureBounds {
@@ -83,6 +111,7 @@ impl MeasureBounds {
         path_m: Range { min: 0.0, max: f32::INFINITY },
         axis: Around { centre: [0.0; 2], max: f32::INFINITY },
         place_m: Around { centre: [0.0; 3], max: f32::INFINITY },
+        shown: None,
     };
 }
 

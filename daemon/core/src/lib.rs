@@ -30,7 +30,7 @@
 //! let job = Job { activities: &activities, laws: &[], rests: &[], cost, max_slowdown: 2.0, min_captured: 0.5 };
 //!
 //! let method = Method::default();
-//! let tool = ObjectShape { id: 5, interaction_points: [[0.0; 3]].into_iter().collect() };
+//! let tool = ObjectShape { id: 5, interaction_points: [[0.0; 3]].into_iter().collect(), ..ObjectShape::default() };
 //! let mut encoder = Encoder::new(method, &[tool])?;
 //! let mut judge = Judge::new(&job, method)?.at_start_of_job();
 //!

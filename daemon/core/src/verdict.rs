@@ -87,6 +87,36 @@ pub enum Note {
     Step,
 }
 
+/// What of an IU is out of its bounds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// How long it lasted, in seconds.
+    Duration,
+    /// How many strokes it had, to and fro.
+    Strokes,
+    /// The mean length of a stroke, in metres.
+    StrokeLength,
+    /// The length of its path, in metres.
+    Path,
+    /// How far its direction lies from the one that was shown, in degrees.
+    Direction,
+    /// How far its place lies from the one that was shown, in metres.
+    Place,
+}
+
+/// What was measured of an IU that is out of a bound, beside what the runs measured that were shown. The bound itself is wider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Which measure it is, and its unit.
+    pub measure: Measure,
+    /// What it measured; of an early verdict, so far.
+    pub value: f32,
+    /// The least that was shown.
+    pub shown_min: f32,
+    /// The most that was shown.
+    pub shown_max: f32,
+}
+
 /// One verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
@@ -112,6 +142,9 @@ pub struct Verdict {
     pub threshold: Option<f32>,
     /// How many of a hundred frames of the IU were captured; `None` where that says nothing: at its beginning, for activities and jobs.
     pub captured_percent: Option<u8>,
+    /// The measure that is out of its bounds: why an IU is wrong, or would be if what was not seen of it had no other explanation. An
+    /// activity and a job have that of the IU for which they are wrong.
+    pub measured: Option<Measured>,
     /// The relation that was broken, where that is why an activity or a job is wrong.
     pub broken: Option<BrokenOrder>,
     /// What was not shown before, of an activity; of a job, the first such thing in it.

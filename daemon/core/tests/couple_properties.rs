@@ -107,7 +107,7 @@ proptest! {
 
         let shapes: Vec<ObjectShape> = points
             .iter()
-            .map(|(id, _)| ObjectShape { id: *id, interaction_points: own.into_iter().collect() })
+            .map(|(id, _)| ObjectShape { id: *id, interaction_points: own.into_iter().collect(), ..ObjectShape::default() })
             .collect();
         let mut encoder = Encoder::new(Method::default(), &shapes).unwrap();
         let mut couples = Vec::new();

@@ -83,6 +83,7 @@ fn measures(shown: &Measures) -> MeasureBounds {
         path_m: around(shown.path_m),
         axis: Around { centre: shown.axis, max: 0.5 },
         place_m: Around { centre: shown.place_m, max: 0.04 },
+        shown: None,
     }
 }
 

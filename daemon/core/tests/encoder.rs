@@ -3,10 +3,10 @@
 
 mod common;
 
-use andon_core::config::Method;
-use andon_core::couple::{Couples, Encoder, Refused};
-use andon_core::input::{Frame, Object, Side};
-use common::bench::{Bench, contexts, encode, shapes};
+use andon_core::config::{Contact, Method};
+use andon_core::couple::{Couples, Encoder, Refused, Unusable};
+use andon_core::input::{Frame, Meeting, Object, Side};
+use common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -341,4 +341,39 @@ fn hands_and_objects_that_are_not_finite_unknown_or_repeated_are_left_out() {
     assert_eq!(contexts(&couples, Side::Right), contexts(&whole, Side::Right));
     let unseen: Vec<usize> = (0..20).filter(|frame| !couples[*frame].hands[0].is_hand_seen()).collect();
     assert_eq!(unseen, [10]);
+}
+
+fn met(with: u16, point: [f32; 3], on_m: f32) -> Meeting {
+    Meeting { with, points: [point].into_iter().collect(), contact: Contact { on_m, off_m: 1.5 * on_m } }
+}
+
+#[test]
+fn a_hand_and_an_object_meet_an_object_where_the_runs_of_a_job_have_shown() {
+    // The hand holds the tool 12 cm from its middle, and brings it to rest 10 cm from the middle of the box.
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.12]), (BOX, [0.4, 0.22])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL);
+    bench.go([0.3, 0.1], 30).rest(20);
+    let given = shapes(&[TOOL, BOX]);
+    assert!(just_contexts(&encode_shapes(&given, &bench.frames), Side::Right).is_empty());
+    let [mut tool, mut whole] = [given[0].clone(), given[1].clone()];
+    let _ = tool.meetings.push(met(Meeting::HAND, [0.0, -0.12, 0.0], 0.03));
+    let _ = whole.meetings.push(met(TOOL, [-0.1, 0.0, 0.0], 0.03));
+    let couples = encode_shapes(&[tool.clone(), whole], &bench.frames);
+    assert_eq!(just_contexts(&couples, Side::Right), [[1, TOOL, 0, 0], [1, TOOL, TOOL, BOX]]);
+    tool.meetings[0].points[0][0] = f32::NAN;
+    assert_eq!(Encoder::new(Method::default(), &[tool]).err(), Some(Unusable::ObjectShape { id: TOOL }));
+}
+
+#[test]
+fn the_orientation_of_a_part_that_turns_without_meaning_changes_nothing() {
+    let mut shapes = shapes(&[TOOL]);
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.3, 0.0], 30);
+    let mut turned = bench.frames.clone();
+    for object in turned.iter_mut().flat_map(|frame| &mut frame.objects) {
+        object.orientation = [0.6, 0.0, 0.0, 0.8];
+    }
+    assert_ne!(encode_shapes(&shapes, &turned), encode_shapes(&shapes, &bench.frames));
+    shapes[0].is_position_only = true;
+    assert_eq!(encode_shapes(&shapes, &turned), encode_shapes(&shapes, &bench.frames));
 }

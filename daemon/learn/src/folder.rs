@@ -102,9 +102,18 @@ fn files(folder: &Path) -> Result<Vec<(PathBuf, Label)>, FolderError> {
 
 /// What the name of a file says; `None` if it is not the name of a labelled recording.
 pub fn label(file: &str) -> Option<Label> {
-    let (person, rest) = file.strip_suffix(ENDING)?.strip_prefix('p')?.split_once('_')?;
+    let (_, rest) = file.strip_suffix(ENDING)?.split_once('_')?;
     let (what, repetition) = rest.rsplit_once("_r")?;
-    Some((person.parse().ok()?, what.to_owned(), repetition.parse().ok()?))
+    Some((person_of(file)?, what.to_owned(), repetition.parse().ok()?))
+}
+
+/// The words before the number of a person in the name of a recording, such as `p3_none_r1` or `subject3_run1`.
+const PERSON: [&str; 4] = ["person", "subject", "worker", "p"];
+
+/// The number of the person whom the name of a recording begins with.
+pub(crate) fn person_of(file: &str) -> Option<u32> {
+    let (person, _) = file.split_once('_')?;
+    PERSON.iter().find_map(|word| person.strip_prefix(word)?.parse().ok())
 }
 
 #[cfg(test)]

@@ -19,5 +19,6 @@ pub mod recording;
 pub mod rule;
 pub mod run;
 mod statistics;
+pub mod strictness;
 pub mod teach;
 pub mod warp;

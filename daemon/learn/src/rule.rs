@@ -47,13 +47,14 @@ impl Default for ThresholdRule {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BoundsRule {
-    /// Minimum duration, as a share of the shortest demonstration.
+    /// Minimum duration of an IU at no other part, as a share of the shortest demonstration.
     pub min_duration: f64,
     /// Maximum duration, as a multiple of the longest demonstration; `pause_s` is added to it.
     pub max_duration: f64,
     /// Length in seconds of a pause that is no anomaly.
     pub pause_s: f64,
-    /// The share of right jobs that the bounds of reversals, strokes, paths, axes and places together may accuse; 0 sets no such bounds.
+    /// The share of right jobs that the minimum durations at other parts and the bounds of reversals, strokes, paths, axes and places
+    /// together may accuse; 0 sets no such bounds.
     pub false_alarms: f64,
 }
 
@@ -71,7 +72,7 @@ impl Default for BoundsRule {
             // Half speed takes twice the time.
             max_duration: 2.5,
             pause_s: 3.0,
-            false_alarms: 0.02,
+            false_alarms: 0.03,
         }
     }
 }

@@ -1,15 +1,16 @@
 //! A run: one recording of a whole job, encoded, segmented and judged by the code that runs live.
 
 use crate::digest::sha256_hex;
+use crate::job_file::JobFile;
 use crate::recording::{self, NamedObject, Recording, TrackError};
 use crate::statistics::median;
 use andon_core::anomaly::{self, Judge};
 use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
 use andon_core::input::{Frame, ObjectShape, Point, Side};
-use andon_core::job::Job;
 use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::Verdict;
+use std::borrow::Cow;
 
 /// The share of an IU whose motion must have been measured for it to be learnt: a reference is the mean of a few, and what is missing
 /// in one of them weighs there more than in a piece that is judged.
@@ -61,6 +62,8 @@ pub struct Run {
     pub objects: Vec<NamedObject>,
     /// What was seen, frame by frame.
     frames: Vec<Frame>,
+    /// The constants that it was encoded with.
+    method: Method,
     /// The couples that the judge works on, in the order of time.
     pub couples: Vec<Couples>,
     /// The activities in the order in which they began, each with at least one IU.
@@ -81,6 +84,9 @@ pub enum RunError {
         /// Why they are refused.
         unusable: couple::Unusable,
     },
+    /// The job cannot be judged.
+    #[error("the job cannot be judged: {0}")]
+    Job(anomaly::Unusable),
 }
 
 impl Run {
@@ -97,15 +103,16 @@ impl Run {
     /// # Errors
     /// If the method or the objects cannot be used.
     pub fn new(name: &str, sha256: &str, recording: &Recording, method: &Method) -> Result<Self, RunError> {
-        let run = Self {
+        let unencoded = Self {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
             objects: recording.header.objects.clone(),
             frames: recording.frames.clone(),
+            method: *method,
             couples: Vec::new(),
             activities: Vec::new(),
         };
-        run.encoded_with(method)
+        unencoded.encoded()
     }
 
     /// The same recording, encoded and segmented with other constants.
@@ -113,10 +120,23 @@ impl Run {
     /// # Errors
     /// If the method cannot be used.
     pub(crate) fn encoded_with(&self, method: &Method) -> Result<Self, RunError> {
-        let unusable = |unusable| RunError::Unusable { name: self.name.clone(), unusable };
-        let couples = self.encode(self.frames.iter(), method).map_err(unusable)?;
-        let mut segmenter =
-            JobSegmenter::new(method).map_err(|fault| unusable(couple::Unusable::Method(fault)))?;
+        Self { method: *method, ..self.clone() }.encoded()
+    }
+
+    /// The same recording, encoded and segmented with these objects instead of its own.
+    ///
+    /// # Errors
+    /// If the objects cannot be used.
+    pub(crate) fn encoded_with_objects(&self, objects: &[NamedObject]) -> Result<Self, RunError> {
+        Self { objects: objects.to_vec(), ..self.clone() }.encoded()
+    }
+
+    fn encoded(self) -> Result<Self, RunError> {
+        let couples = self
+            .encode(self.frames.iter(), &self.objects, &self.method)
+            .map_err(|unusable| self.unusable(unusable))?;
+        let mut segmenter = JobSegmenter::new(&self.method)
+            .map_err(|fault| self.unusable(couple::Unusable::Method(fault)))?;
         let mut collector = Collector::default();
         for couples in &couples {
             segmenter.step(couples, &mut |event| collector.take(event));
@@ -124,15 +144,16 @@ impl Run {
         segmenter.finish(&mut |event| collector.take(event));
         let activities =
             collector.activities.into_iter().filter(|activity| !activity.ius.is_empty()).collect();
-        Ok(Self { couples, activities, ..self.clone() })
+        Ok(Self { couples, activities, ..self })
     }
 
     fn encode<'a>(
         &self,
         frames: impl Iterator<Item = &'a Frame>,
+        objects: &[NamedObject],
         method: &Method,
     ) -> Result<Vec<Couples>, couple::Unusable> {
-        let shapes: Vec<ObjectShape> = self.objects.iter().map(|object| object.shape.clone()).collect();
+        let shapes: Vec<ObjectShape> = objects.iter().map(|object| object.shape.clone()).collect();
         let mut encoder = Encoder::new(*method, &shapes)?;
         let mut couples = Vec::with_capacity(frames.size_hint().0);
         for frame in frames {
@@ -141,6 +162,11 @@ impl Run {
         }
         encoder.flush(&mut |made| couples.push(made));
         Ok(couples)
+    }
+
+    /// What was seen, frame by frame.
+    pub(crate) fn frames(&self) -> &[Frame] {
+        &self.frames
     }
 
     /// Whether this run was recorded frame by frame as the other one was.
@@ -175,23 +201,33 @@ impl Run {
         extent_m(of_object).min(extent_m(hands.map(|hand| hand.middle_knuckle)))
     }
 
+    /// What the judge of a job works on: the couples of this run, encoded with the constants and objects of the job.
+    ///
+    /// # Errors
+    /// If these cannot be used.
+    pub fn couples_for(&self, job: &JobFile) -> Result<Cow<'_, [Couples]>, RunError> {
+        if self.method == job.method && self.objects == job.objects {
+            return Ok(Cow::Borrowed(&self.couples));
+        }
+        let encoded = self.encode(self.frames.iter(), &job.objects, &job.method);
+        encoded.map(Cow::Owned).map_err(|unusable| self.unusable(unusable))
+    }
+
+    fn unusable(&self, unusable: couple::Unusable) -> RunError {
+        RunError::Unusable { name: self.name.clone(), unusable }
+    }
+
     /// The verdicts that the live judge gives on this run, which is a whole job.
     ///
     /// # Errors
-    /// If the method or the job cannot be used.
-    pub fn judge(&self, job: &Job<'_>, method: &Method) -> Result<Vec<Verdict>, anomaly::Unusable> {
-        verdicts(&self.couples, job, method)
+    /// If the job cannot be used.
+    pub fn judge(&self, job: &JobFile) -> Result<Vec<Verdict>, RunError> {
+        verdicts(&self.couples_for(job)?, job).map_err(RunError::Job)
     }
 
     /// The verdicts on this run if only one frame in a time of `1 / rate_hz` had been captured, for each of `phases` times of the first one.
-    /// None where the method cannot be used.
-    pub(crate) fn judge_at(
-        &self,
-        rate_hz: f64,
-        phases: u32,
-        job: &Job<'_>,
-        method: &Method,
-    ) -> Vec<Vec<Verdict>> {
+    /// None where the job cannot be used.
+    pub(crate) fn judge_at(&self, rate_hz: f64, phases: u32, job: &JobFile) -> Vec<Vec<Verdict>> {
         let began_ns = self.frames.first().map_or(0, |frame| frame.captured_ns);
         let at_phase = |phase: u32| {
             let mut newest = None;
@@ -201,7 +237,7 @@ impl Run {
                 let slot = (periods + (f64::from(phase) + 0.5) / f64::from(phases)) as u64;
                 newest.replace(slot) != Some(slot)
             });
-            verdicts(&self.encode(frames, method).ok()?, job, method).ok()
+            verdicts(&self.encode(frames, &job.objects, &job.method).ok()?, job).ok()
         };
         (0..phases).filter_map(at_phase).collect()
     }
@@ -214,14 +250,16 @@ fn extent_m(mut positions: impl Iterator<Item = Point>) -> f32 {
 }
 
 /// The verdicts of a judge that knows that these couples begin with a job.
-fn verdicts(couples: &[Couples], job: &Job<'_>, method: &Method) -> Result<Vec<Verdict>, anomaly::Unusable> {
-    let mut judge = Judge::<Vec<_>>::with_memory(job, *method)?.at_start_of_job();
-    let mut verdicts = Vec::new();
-    for couples in couples {
-        judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
-    }
-    judge.finish(&mut |event| verdicts.extend(event.verdict()));
-    Ok(verdicts)
+fn verdicts(couples: &[Couples], job: &JobFile) -> Result<Vec<Verdict>, anomaly::Unusable> {
+    job.with_job(|lent| {
+        let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method)?.at_start_of_job();
+        let mut verdicts = Vec::new();
+        for couples in couples {
+            judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
+        }
+        judge.finish(&mut |event| verdicts.extend(event.verdict()));
+        Ok(verdicts)
+    })
 }
 
 /// Collects the events of the segmenter into activities and IUs.

@@ -1,5 +1,7 @@
 //! Statistics of small samples.
 
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
 /// The mean; 0 if there are no values.
 pub(crate) fn mean(values: &[f64]) -> f64 {
     if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
@@ -21,4 +23,10 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     sorted.sort_by(f64::total_cmp);
     let from = sorted.len().saturating_sub(1) / 2;
     mean(&sorted[from..(sorted.len() / 2 + 1).min(sorted.len())])
+}
+
+/// The value that Student's t with so many degrees of freedom exceeds with this probability.
+pub(crate) fn student_t(freedom: f64, exceeded: f64) -> f64 {
+    // The location and the scale are valid, and so is any positive freedom.
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - exceeded))
 }

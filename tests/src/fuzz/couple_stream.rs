@@ -9,7 +9,7 @@ use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
 use andon_core::job::{
-    Around, Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range,
+    Around, Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown,
 };
 
 /// Number of objects that the bytes can refer to.
@@ -127,7 +127,15 @@ fn measures(input: &mut Input<'_>) -> MeasureBounds {
         path_m: range(input),
         axis: Around { centre: [metres(input), 0.0], max: metres(input) },
         place_m: Around { centre: [0.0, metres(input), 0.0], max: metres(input) },
+        shown: (input.below(4) > 0).then(|| shown(input)),
     }
+}
+
+/// What was shown, which need not fit the bounds.
+fn shown(input: &mut Input<'_>) -> Shown {
+    let counts = Bounds { min: u32::from(input.below(8)), max: u32::from(input.byte()) };
+    let metres = Range { min: 0.0, max: f32::from(input.byte()) / 100.0 };
+    Shown { frames: counts, reversals: counts, stroke_m: metres, path_m: metres, axis: 0.5, place_m: 0.1 }
 }
 
 /// A motion whose features may be out of range.
@@ -229,7 +237,11 @@ impl Line<'_> {
 
 fn shape(id: u16) -> ObjectShape {
     let points = [[0.0; 3], [0.04, 0.0, 0.01]];
-    ObjectShape { id, interaction_points: points.into_iter().take(1 + usize::from(id) % 2).collect() }
+    ObjectShape {
+        id,
+        interaction_points: points.into_iter().take(1 + usize::from(id) % 2).collect(),
+        ..ObjectShape::default()
+    }
 }
 
 /// The positions of hands and objects, in centimetres.

@@ -118,6 +118,7 @@ fn check_alone(verdict: &Verdict) {
     assert!(verdict.began_ns <= verdict.ended_ns, "{verdict:?}");
     assert!(verdict.distance.is_none_or(|distance| distance >= 0.0 && distance.is_finite()), "{verdict:?}");
     assert_eq!(verdict.distance.is_some(), verdict.threshold.is_some(), "{verdict:?}");
+    assert!(!right || verdict.measured.is_none(), "what is right is within its bounds: {verdict:?}");
     if verdict.level == Level::Iu && right {
         assert!(verdict.distance <= verdict.threshold, "{verdict:?}");
     }

@@ -86,7 +86,11 @@ impl Part {
         let points = self.points.iter().map(|[x, y]| [*x as f32, *y as f32, 0.0]);
         NamedObject {
             name: self.name.to_owned(),
-            shape: ObjectShape { id: self.id, interaction_points: points.collect() },
+            shape: ObjectShape {
+                id: self.id,
+                interaction_points: points.collect(),
+                ..ObjectShape::default()
+            },
         }
     }
 }

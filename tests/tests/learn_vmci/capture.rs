@@ -156,7 +156,11 @@ fn instant(line: &str) -> Instant {
 fn header() -> Header {
     let object = |id, name: &str, points: &[Point]| NamedObject {
         name: name.to_owned(),
-        shape: ObjectShape { id, interaction_points: points.iter().copied().collect() },
+        shape: ObjectShape {
+            id,
+            interaction_points: points.iter().copied().collect(),
+            ..ObjectShape::default()
+        },
     };
     Header {
         rate_hz: RATE_HZ,

@@ -6,9 +6,10 @@ mod capture;
 
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
-use andon_core::input::{Side, Space};
+use andon_core::input::{Meeting, Side, Space};
 use andon_core::verdict::{Level, Outcome};
 use andon_learn::job_file::JobFile;
+use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
 use andon_tests::deletion::{jobs, judged, try_deletions};
@@ -53,7 +54,7 @@ static TAUGHT_BY_OTHERS: LazyLock<Vec<(u32, JobFile)>> = LazyLock::new(|| {
 fn judged_ok(compose: impl Fn(Capture) -> Capture) -> Vec<u32> {
     let is_ok = |(number, job): &&(u32, JobFile)| {
         let composed = run(&compose(Capture::read(*number)));
-        let verdicts = job.with_job(|lent| composed.judge(lent, &method())).unwrap();
+        let verdicts = composed.judge(job).unwrap();
         verdicts.iter().any(|verdict| verdict.level == Level::Job && verdict.outcome == Outcome::Ok)
     };
     TAUGHT_BY_OTHERS.iter().filter(is_ok).map(|(number, _)| *number).collect()
@@ -78,6 +79,44 @@ fn every_run_has_the_interactions_that_its_labels_name() {
         let ([on_shelf, left_on_shelf], [on_table, left_on_table]) = (at(SHELF), at(TABLE));
         let nominal = vec![on_shelf, held, on_table, left_on_table, on_table, held, on_shelf, left_on_shelf];
         assert_eq!(contexts, [nominal], "run {number}");
+    }
+}
+
+/// The run as it would be recorded at a station that says nothing of where its parts are touched.
+fn without_points(capture: &Capture) -> Recording {
+    let mut recording = capture.recording();
+    for object in &mut recording.header.objects {
+        object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
+    }
+    recording
+}
+
+#[test]
+fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
+    let method = Method { space: Space::Metric, ..Method::default() };
+    let run = |capture: Capture| Run::new("run", "", &without_points(&capture), &method).unwrap();
+    let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
+    assert!(runs.iter().all(|run| run.activities.is_empty()), "by default the hand touches nothing");
+    for (left_out, number) in RUNS.enumerate() {
+        let mut others = runs.clone();
+        others.remove(left_out);
+        let (job, report) = teach(&others, &TeachOptions::new("shelf", "", method)).unwrap();
+        assert!(report.unsure.is_empty(), "{report}");
+        let with = |id: u16| {
+            let met =
+                job.objects.iter().find(|object| object.shape.id == id).map(|object| &object.shape.meetings);
+            met.into_iter().flatten().map(|met| met.with).collect::<Vec<u16>>()
+        };
+        assert_eq!([with(BOX), with(TABLE), with(SHELF)], [[Meeting::HAND], [BOX], [BOX]]);
+        let judged = |capture: Capture| {
+            let verdicts = run(capture).judge(&job).unwrap();
+            verdicts.iter().rev().find(|verdict| verdict.level == Level::Job).map(|verdict| verdict.outcome)
+        };
+        assert_eq!(judged(Capture::read(number)), Some(Outcome::Ok), "run {number}");
+        assert_eq!(judged(Capture::read(number).turned()), Some(Outcome::Ok), "run {number}");
+        for wrong in [Capture::without_second_half, Capture::halves_swapped, Capture::cut_short] {
+            assert_eq!(judged(wrong(Capture::read(number))), Some(Outcome::Anomaly), "run {number}");
+        }
     }
 }
 

@@ -205,7 +205,11 @@ impl Config {
         let shape = |object: &Object| ObjectShape {
             id: object.id,
             // `load` allows no more of them than fit.
-            interaction_points: object.interaction_points.iter().copied().collect(),
+            interaction_points: match &object.interaction_points {
+                Some(points) => points.iter().copied().collect(),
+                None => [[0.0; 3]].into_iter().collect(),
+            },
+            ..ObjectShape::default()
         };
         self.objects.iter().map(shape).collect()
     }

@@ -137,8 +137,8 @@ table! {
         "Set plc.writes = true and name it in plc.commanders if it should write";
     ERROR 506 PLC_PORT_TAKEN: "the Modbus port cannot be opened",
         "Another program has it, perhaps another station of this machine: each needs a plc.port of its own; or plc.bind is not an address of this machine, or the port is below 1024, for which andon-plc@.service says what is needed";
-    WARN 507 PLC_OVERRUN: "results are lost to the PLC: it did not acknowledge in time and the queue was full, or the journal could not take them",
-        "The PLC must acknowledge every result; `andond history` shows what the journal has, and a gap for what it has not";
+    WARN 507 PLC_OVERRUN: "results are lost to the PLC: the journal could not take them or, without plc.writes, more came than can wait",
+        "`andond history` shows what the journal has, and a gap for what it has not. Where no result may be missed set plc.writes = true: then each waits until it is acknowledged";
     WARN 508 PLC_BAD_REQUEST: "a Modbus request was malformed or outside the register map",
         "Check the addresses in the PLC program against the register map";
     INFO 509 PLC_READY: "ready is raised", "";

@@ -16,8 +16,8 @@ use crate::report::{Names, verdict_sentence};
 use crate::video::pipe::PictureFormat;
 use crate::video::{FilmWriter, VideoError};
 
-/// Rows below the picture: the running IU and the newest verdicts.
-const PANEL: u32 = 138;
+/// Rows below the picture: the running IU, what is not seen, and the newest verdicts.
+const PANEL: u32 = 154;
 
 /// How many lines of verdicts stay on the panel.
 const LINES: usize = 4;
@@ -126,7 +126,7 @@ impl Annotator {
         if verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly) {
             self.alarm_until_ns = now_ns + ALARM_NS;
         }
-        self.draw_panel(view.format.height as f32, couples)?;
+        self.draw_panel(&view, couples)?;
         if now_ns < self.alarm_until_ns {
             self.canvas.frame(RED, 10)?;
         }
@@ -211,24 +211,17 @@ impl Annotator {
         Ok(())
     }
 
-    fn draw_panel(&mut self, top: f32, couples: &[Couple]) -> opencv::Result<()> {
-        let running: Vec<String> = couples
-            .iter()
-            .filter(|couple| couple.context.0 != [0; 4])
-            .map(|couple| {
-                format!(
-                    "{} {:?} {}{}",
-                    couple.side.name(),
-                    couple.context.0,
-                    self.names.context(couple.context),
-                    unseen(couple, &self.names)
-                )
-            })
-            .collect();
-        let running = if running.is_empty() { "idle".to_string() } else { running.join("   ") };
+    fn draw_panel(&mut self, view: &View<'_>, couples: &[Couple]) -> opencv::Result<()> {
+        let top = view.format.height as f32;
+        let running = running(couples, &self.names);
         let letters = self.canvas.width() / LETTER_PX;
         for (row, line) in wrap(&format!("IU: {running}"), letters).iter().take(2).enumerate() {
             self.canvas.text([8.0, top + 18.0 + 16.0 * row as f32], line, LETTER_SCALE, WHITE)?;
+        }
+        let lost = self.last_seen.lost(view.seen, &self.names);
+        if !lost.is_empty() {
+            let words = format!("not seen: {}", lost.join(", "));
+            self.canvas.text([8.0, top + 50.0], &words, LETTER_SCALE, AMBER)?;
         }
         // A verdict has at least one line: older ones cannot be among the newest lines.
         let oldest = self.verdicts.len().saturating_sub(LINES);
@@ -240,11 +233,23 @@ impl Annotator {
             })
             .collect();
         for (row, (colour, line)) in lines[lines.len().saturating_sub(LINES)..].iter().enumerate() {
-            let at = [8.0, top + 58.0 + 22.0 * row as f32];
+            let at = [8.0, top + 74.0 + 22.0 * row as f32];
             self.canvas.text(at, line, LETTER_SCALE, *colour)?;
         }
         Ok(())
     }
+}
+
+/// The IU of each hand that acts.
+fn running(couples: &[Couple], names: &Names) -> String {
+    let acts = couples.iter().filter(|couple| couple.context.0 != [0; 4]);
+    let ius: Vec<String> = acts
+        .map(|couple| {
+            let (context, unseen) = (names.context(couple.context), unseen(couple, names));
+            format!("{} {:?} {context}{unseen}", couple.side.name(), couple.context.0)
+        })
+        .collect();
+    if ius.is_empty() { "idle".to_string() } else { ius.join("   ") }
 }
 
 /// What of a couple was assumed, and what was not seen.

@@ -1,6 +1,7 @@
 //! Where a part or hand is drawn that is not seen: where it was last seen, or, held by a hand that is seen, moved with that hand.
 
-use shm_schemas::{Detections, HandDetection, LANDMARKS, ObjectDetection, flag};
+use crate::report::Names;
+use shm_schemas::{Detections, HandCode, HandDetection, LANDMARKS, ObjectDetection, flag};
 
 type Corners = [[f32; 2]; 4];
 type Landmarks = [[f32; 2]; LANDMARKS];
@@ -51,6 +52,23 @@ impl LastSeen {
         let hidden =
             self.hands.iter().filter(|(known, seen_ns)| is_hidden(known) && self.is_recent(*seen_ns, seen));
         hidden.map(|(known, _)| known.landmarks_px).collect()
+    }
+
+    /// The names of the parts and hands that have been out of sight for so long that they are assumed to be nowhere.
+    pub(super) fn lost(&self, seen: &Detections, names: &Names) -> Vec<String> {
+        let assumed = self.objects(seen);
+        let is_seen =
+            |id: u16| seen.objects().iter().any(|object| object.id == id && object.flags & flag::SEEN != 0);
+        let ids = self.objects.iter().map(|(known, _)| known.id);
+        let parts = ids.filter(|id| !is_seen(*id) && assumed.iter().all(|(other, _)| other != id));
+        let parts = parts.map(|id| names.object(id));
+        let is_gone = |(known, seen_ns): &&(HandDetection, u64)| {
+            seen.hands().iter().all(|hand| hand.hand != known.hand) && !self.is_recent(*seen_ns, seen)
+        };
+        let side = |hand: &HandDetection| HandCode::try_from(hand.hand).map_or("", |side| side.name());
+        let hands = self.hands.iter().filter(is_gone).map(|(known, _)| format!("{} hand", side(known)));
+        let none_so_far = self.hands.is_empty().then(|| "hand".to_owned());
+        hands.chain(none_so_far).chain(parts).collect()
     }
 
     fn is_recent(&self, seen_ns: u64, seen: &Detections) -> bool {
@@ -142,12 +160,17 @@ mod tests {
 
     #[test]
     fn what_is_not_seen_is_assumed_where_it_was_for_a_while_and_then_nowhere() {
-        let mut last_seen = LastSeen::new(700);
-        last_seen.take(&picture(0, flag::SEEN, [0.1, 0.3], 0.0));
+        let names = Names::new([(5, "polisher".to_owned())]);
         let nothing_at = |at_ns| Detections { source_ns: at_ns, ..Detections::default() };
+        let mut last_seen = LastSeen::new(700);
+        assert_eq!(last_seen.lost(&nothing_at(0), &names), ["hand"]);
+        last_seen.take(&picture(0, flag::SEEN, [0.1, 0.3], 0.0));
         assert_eq!(last_seen.objects(&nothing_at(S / 2)).len(), 1);
         assert_eq!(last_seen.hands(&nothing_at(S / 2)).len(), 1);
+        assert!(last_seen.lost(&nothing_at(S / 2), &names).is_empty());
         assert!(last_seen.objects(&nothing_at(S)).is_empty());
         assert!(last_seen.hands(&nothing_at(S)).is_empty());
+        assert_eq!(last_seen.lost(&nothing_at(S), &names), ["right hand", "polisher"]);
+        assert!(last_seen.lost(&picture(S, flag::SEEN, [0.1, 0.3], 0.0), &names).is_empty());
     }
 }

@@ -1,11 +1,11 @@
 //! JSON lines. The names are an interface: programs outside read them.
 
 use andon_core::input::Side;
-use andon_core::verdict::{BrokenOrder, Level, Reason, Verdict};
+use andon_core::verdict::{BrokenOrder, Level, Measure, Measured, Reason, Verdict};
 use serde::Serialize;
 use shm_schemas::{PartId, verdict_kind};
 
-use crate::wire::verdict::{level, note, order_fault, outcome, reason};
+use crate::wire::verdict::{level, measure, note, order_fault, outcome, reason};
 
 /// Seconds on the recording's own time.
 fn seconds(ns: u64) -> f64 {
@@ -32,6 +32,32 @@ impl BrokenLine {
     }
 }
 
+/// A measure that is out of its bounds.
+#[derive(Debug, Serialize)]
+struct MeasureLine {
+    measure: &'static str,
+    unit: &'static str,
+    value: Option<f64>,
+    /// The least and the most that were shown.
+    shown: [Option<f64>; 2],
+}
+
+impl MeasureLine {
+    fn new(measured: Measured) -> Self {
+        Self {
+            measure: measure(measured.measure).name(),
+            unit: match measured.measure {
+                Measure::Duration => "s",
+                Measure::Strokes => "strokes",
+                Measure::StrokeLength | Measure::Path | Measure::Place => "m",
+                Measure::Direction => "degrees",
+            },
+            value: number(Some(measured.value)),
+            shown: [measured.shown_min, measured.shown_max].map(|value| number(Some(value))),
+        }
+    }
+}
+
 /// One verdict.
 #[derive(Debug, Serialize)]
 pub struct VerdictLine {
@@ -50,6 +76,7 @@ pub struct VerdictLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     captured_percent: Option<u8>,
     nearest: Option<u16>,
+    measures: Option<MeasureLine>,
     broken: Option<BrokenLine>,
     note: Option<&'static str>,
     early: bool,
@@ -78,6 +105,7 @@ impl VerdictLine {
             threshold: number(verdict.threshold),
             captured_percent: verdict.captured_percent.filter(|_| verdict.reason == Reason::Overload),
             nearest: verdict.nearest,
+            measures: verdict.measured.map(MeasureLine::new),
             broken: verdict.broken.map(BrokenLine::new),
             note: verdict.note.map(|word| note(word).name()),
             early: verdict.early,
@@ -153,6 +181,7 @@ mod tests {
             distance: Some(1.1),
             threshold: None,
             captured_percent: Some(98),
+            measured: None,
             broken: None,
             note: None,
             early: true,
@@ -168,7 +197,7 @@ mod tests {
             serde_json::to_string(&VerdictLine::new(7, &verdict(), &PartId::new(b"A-17").unwrap())).unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
     }
 
@@ -180,6 +209,17 @@ mod tests {
             serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE)).unwrap();
         assert_eq!(line["broken"], serde_json::json!({"fault": "NotEnded", "activity": 2, "runs": 6}));
         assert_eq!(line["note"], "OtherHand");
+    }
+
+    #[test]
+    fn a_measure_is_told_with_its_unit_and_what_was_shown() {
+        let measured = Measured { measure: Measure::Duration, value: 2.1, shown_min: 4.8, shown_max: 5.4 };
+        let verdict = Verdict { measured: Some(measured), ..verdict() };
+        let line: serde_json::Value =
+            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE)).unwrap();
+        let expected =
+            serde_json::json!({"measure": "Duration", "unit": "s", "value": 2.1, "shown": [4.8, 5.4]});
+        assert_eq!(line["measures"], expected);
     }
 
     #[test]

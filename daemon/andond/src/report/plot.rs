@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use andon_core::couple::{Couple, Sight};
+use andon_core::couple::{Context, Couple, Sight};
 
 use super::words::Names;
 
@@ -56,6 +56,12 @@ const COLOURS: [&str; 10] = [
     "#c4c4ea",
 ];
 
+// The colours of the lane of contexts, and what they say.
+const SEEN: (&str, &str) = ("#333333", "seen");
+const ASSUMED: (&str, &str) = ("#e69f00", "assumed");
+const UNSEEN: (&str, &str) = ("#cc3311", "unseen");
+const NO_HAND: (&str, &str) = ("#bbbbbb", "no hand seen");
+
 struct Axis {
     began_ns: u64,
     ended_ns: u64,
@@ -78,6 +84,7 @@ pub fn draw(timelines: &[Timeline], names: &Names, bins: u8) -> String {
         y = draw_timeline(&mut body, timeline, names, bins, &axis, y);
     }
     y = draw_seconds(&mut body, &axis, y);
+    y = draw_legend(&mut body, y);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{y:.0}\" viewBox=\"0 0 {WIDTH} {y:.0}\" \
          font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n{body}</svg>\n"
@@ -136,21 +143,32 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
     let mut contexts: Vec<_> = timeline.couples.iter().map(|couple| couple.context).collect();
     contexts.sort_unstable();
     contexts.dedup();
-    let look = |couple: &Couple| (couple.context, couple.least_sight());
+    let look = |couple: &Couple| (couple.context, sight(couple));
     for run in timeline.couples.chunk_by(|a, b| look(a) == look(b)) {
         let (first, last) = (&run[0], &run[run.len() - 1]);
         let x = axis.x(first.captured_ns);
         let width = axis.x(last.captured_ns) - x;
         let level = contexts.binary_search(&first.context).unwrap_or(0) as f64;
         let step = LANE / contexts.len().max(1) as f64;
-        let (colour, sight) = match first.least_sight() {
-            Sight::Seen => ("#333333", "seen"),
-            Sight::Assumed => ("#e69f00", "assumed"),
-            Sight::Unseen => ("#cc3311", "unseen"),
-        };
+        let (colour, sight) = sight(first);
         let label = format!("{:?} {}, {sight}", first.context.0, names.context(first.context));
         rectangle(out, x, y + LANE - (level + 1.0) * step, width.max(1.0), step, colour, &label);
     }
+}
+
+/// The colour and the word for what was seen of what the context rests on. A hand that touches nothing may be anywhere, and need not be in
+/// the picture; but then it is not known to be idle.
+fn sight(couple: &Couple) -> (&'static str, &'static str) {
+    match couple.least_sight() {
+        Sight::Seen if is_out_of_picture(couple) => NO_HAND,
+        Sight::Seen => SEEN,
+        Sight::Assumed => ASSUMED,
+        Sight::Unseen => UNSEEN,
+    }
+}
+
+fn is_out_of_picture(couple: &Couple) -> bool {
+    couple.context == Context::IDLE && !couple.is_hand_seen()
 }
 
 fn draw_steps(
@@ -172,8 +190,9 @@ fn draw_steps(
     // There is a gap in the line where nothing was measured.
     let mut is_drawn = false;
     for couple in &timeline.couples {
-        let was_drawn = std::mem::replace(&mut is_drawn, couple.motion.is_some());
-        let Some(motion) = couple.motion else { continue };
+        let measured = couple.motion.filter(|_| !is_out_of_picture(couple));
+        let was_drawn = std::mem::replace(&mut is_drawn, measured.is_some());
+        let Some(motion) = measured else { continue };
         let share = (f64::from(motion.0[feature]) - range.0) / (range.1 - range.0).max(1.0);
         let (x, level) = (axis.x(couple.captured_ns), y + LANE - 2.0 - (LANE - 4.0) * share.clamp(0.0, 1.0));
         let _ =
@@ -189,6 +208,17 @@ fn draw_seconds(out: &mut String, axis: &Axis, y: f64) -> f64 {
     for second in (0..=span_s as u64).step_by(step as usize) {
         let x = axis.x(axis.began_ns + second * 1_000_000_000);
         text(out, x, y + 12.0, "middle", "normal", &format!("{second} s"));
+    }
+    y + 24.0
+}
+
+/// What the colours of the contexts say; a gap in a feature was not measured.
+fn draw_legend(out: &mut String, y: f64) -> f64 {
+    text(out, LEFT - 10.0, y + 12.0, "end", "normal", "context:");
+    for (place, (colour, word)) in [SEEN, ASSUMED, UNSEEN, NO_HAND].into_iter().enumerate() {
+        let x = LEFT + 110.0 * place as f64;
+        rectangle(out, x, y + 4.0, 18.0, 8.0, colour, word);
+        text(out, x + 24.0, y + 12.0, "start", "normal", word);
     }
     y + 24.0
 }

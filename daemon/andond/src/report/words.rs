@@ -8,6 +8,8 @@ use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason,
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::NamedObject;
 
+use crate::wire::verdict::measured_words;
+
 /// Names of the objects, by id, and of the steps of the job, by the number of the activity.
 #[derive(Clone, Debug, Default)]
 pub struct Names {
@@ -23,9 +25,8 @@ impl Names {
 
     /// The names of a job: its objects, and its steps, which are otherwise called by their numbers.
     pub fn of_job(job: &JobFile) -> Self {
-        let objects = job.objects.iter().map(|object| (object.shape.id, object.name.clone()));
         let steps = (0..job.steps.len()).map(|number| job.step_name(number)).collect();
-        Self { steps, ..Self::new(objects) }
+        Self { steps, ..Self::of_objects(&job.objects) }
     }
 
     /// The step that an activity of the job is, counted from 1.
@@ -110,7 +111,17 @@ fn broken_words(BrokenOrder { fault, activity, runs }: BrokenOrder, names: &Name
     }
 }
 
+/// Why: the rule, or the measure that says it better.
 fn because(verdict: &Verdict, names: &Names) -> Option<String> {
+    let measured = verdict.measured.map(|measured| measured_words(measured).to_string());
+    match (verdict.outcome, rule(verdict, names), measured) {
+        (Outcome::NotJudged, Some(rule), Some(measured)) => Some(format!("{rule}; seen were {measured}")),
+        (_, rule, measured) => measured.or(rule),
+    }
+}
+
+/// The rule that decided.
+fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
     let near =
         verdict.nearest.map(|nearest| format!(" of nominal activity {}", nearest + 1)).unwrap_or_default();
     Some(match verdict.reason {
@@ -144,6 +155,7 @@ fn because(verdict: &Verdict, names: &Names) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use andon_core::verdict::{Measure, Measured};
 
     #[test]
     fn a_sentence_names_the_parts_the_rule_and_the_figures() {
@@ -160,6 +172,7 @@ mod tests {
             distance: Some(3.5),
             threshold: Some(2.25),
             captured_percent: Some(100),
+            measured: None,
             broken: None,
             note: None,
             early: true,
@@ -171,6 +184,16 @@ mod tests {
             verdict_sentence(&verdict, &names),
             "   1.25 s  right  ANOMALY     activity 1 IU 2 (polisher at brick): not the motion of nominal activity 1, \
              distance 3.50 over 2.25, decided early"
+        );
+        let strokes = Measured { measure: Measure::Strokes, value: 4.0, shown_min: 6.0, shown_max: 6.0 };
+        let short = Verdict { reason: Reason::TooShort, measured: Some(strokes), early: false, ..verdict };
+        let start = "   1.25 s  right  ANOMALY     activity 1 IU 2 (polisher at brick): ";
+        assert_eq!(verdict_sentence(&short, &names), format!("{start}4 strokes, shown 6 to 6"));
+        let unjudged = Verdict { outcome: Outcome::NotJudged, reason: Reason::Blind, ..short };
+        assert_eq!(
+            verdict_sentence(&unjudged, &names),
+            "   1.25 s  right  NOT JUDGED  activity 1 IU 2 (polisher at brick): the hand or the part was out of sight for too \
+             long; seen were 4 strokes, shown 6 to 6"
         );
         let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 0, runs: 6 };
         let names = Names { steps: vec!["left hand: box".to_string()], ..names };

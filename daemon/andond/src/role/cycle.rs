@@ -114,7 +114,8 @@ impl<'n> Cycle<'n> {
             if self.wake == Wake::Stop {
                 return role.stop(self);
             }
-            if R::INPUT_IS_STEADY {
+            // A look that waits for nothing misses nothing.
+            if R::INPUT_IS_STEADY && !patience.is_zero() {
                 self.liveness.note(&self.wake);
             }
             if self.turn(role)? == Turn::Left {

@@ -1,11 +1,14 @@
 //! `encode`: detections to feature couples.
 
 use andon_core::couple::{self, Encoder};
+use andon_core::input::ObjectShape;
 use andon_ipc::{Node, Port, Reader, SourceTime, Writer};
-use shm_schemas::{Couples, Detections, RoleId, flag};
+use andon_learn::job_file::JobFile;
+use shm_schemas::{Couples, Detections, Judging, RoleId, flag};
 
 use super::RoleError;
 use super::cycle::{Cycle, Role, Turn};
+use super::jobs;
 use super::output::Output;
 use super::visibility::Visibility;
 use crate::config::Config;
@@ -14,11 +17,17 @@ use crate::wire;
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
+    // The judge begins with this job too. Where it cannot be used, the judge says so.
+    let job = config.station.job.as_deref().and_then(|path| jobs::load(path, config).ok());
+    let objects = Objects::of(job.as_ref(), config);
     let mut role = Encode {
         config,
         couples: Output::new(node.writer()?, &[RoleId::Judge]),
         detections: node.reader()?,
-        encoder: encoder(config)?,
+        judging: node.reader()?,
+        in_force: job.as_ref().map_or(0, JobFile::model_hash),
+        encoder: encoder(config, &objects)?,
+        objects,
         newest: SourceTime::default(),
         ready: Vec::new(),
         visibility: Visibility::new(config),
@@ -30,6 +39,10 @@ struct Encode<'a> {
     config: &'a Config,
     detections: Reader<Detections>,
     couples: Output<Writer<Couples>>,
+    judging: Reader<Judging>,
+    /// The hash of the job in force; 0 where there is none.
+    in_force: u64,
+    objects: Objects,
     encoder: Encoder,
     /// The time of the newest frame.
     newest: SourceTime,
@@ -41,14 +54,18 @@ impl Role for Encode<'_> {
     const INPUT_IS_STEADY: bool = true;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
-        vec![self.couples.port(), &mut self.detections]
+        vec![self.couples.port(), &mut self.judging, &mut self.detections]
     }
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        while let Some(judging) = self.judging.take()? {
+            self.follow(&judging, cycle)?;
+        }
         let Some(detections) = cycle.take(&mut self.detections)? else { return Ok(Turn::Idle) };
         let captured = SourceTime::from_nanoseconds(detections.source_ns);
         if cycle.is_at_end() || begins_again(captured, self.newest) {
-            self.start_over(cycle)?;
+            self.send_rest(cycle)?;
+            self.begin()?;
         }
         if cycle.is_at_end() {
             self.couples.send(cycle, |message| message.flags = detections.flags)?;
@@ -61,6 +78,22 @@ impl Role for Encode<'_> {
 }
 
 impl Encode<'_> {
+    /// Encodes for the job in force: its runs have shown where and how near its objects are met.
+    fn follow(&mut self, judging: &Judging, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        if judging.model_hash == self.in_force {
+            return Ok(());
+        }
+        let job = jobs::in_force(self.config, judging)?;
+        self.in_force = judging.model_hash;
+        let objects = Objects::of(job.as_ref(), self.config);
+        if objects.model_hash == self.objects.model_hash {
+            return Ok(());
+        }
+        self.send_rest(cycle)?;
+        self.objects = objects;
+        self.begin()
+    }
+
     fn encode(&mut self, detections: &Detections, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let frame = wire::detections::to_core(detections);
         let ready = &mut self.ready;
@@ -72,12 +105,16 @@ impl Encode<'_> {
         self.send_ready(cycle)
     }
 
-    /// Sends what the encoder still holds back, and begins with a new one.
-    fn start_over(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+    /// Sends what the encoder still holds back.
+    fn send_rest(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let ready = &mut self.ready;
         self.encoder.flush(&mut |couples| ready.push(couples));
-        self.send_ready(cycle)?;
-        self.encoder = encoder(self.config)?;
+        self.send_ready(cycle)
+    }
+
+    /// Begins with a new encoder.
+    fn begin(&mut self) -> Result<(), RoleError> {
+        self.encoder = encoder(self.config, &self.objects)?;
         self.visibility = Visibility::new(self.config);
         self.newest = SourceTime::default();
         Ok(())
@@ -85,9 +122,11 @@ impl Encode<'_> {
 
     fn send_ready(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let flags = cycle.flags() & !flag::END_OF_STREAM;
+        let model_hash = self.objects.model_hash;
         for couples in self.ready.drain(..) {
             self.couples.send(cycle, |message| {
                 message.flags = flags;
+                message.model_hash = model_hash;
                 wire::couples::write(&couples, message);
             })?;
         }
@@ -100,6 +139,25 @@ fn begins_again(captured: SourceTime, newest: SourceTime) -> bool {
     captured.nanoseconds() < newest.nanoseconds() / 2
 }
 
-fn encoder(config: &Config) -> Result<Encoder, RoleError> {
-    Encoder::new(config.method(), &config.shapes()).map_err(|error| RoleError::Method(format!("{error:?}")))
+/// The objects as the encoder knows them.
+struct Objects {
+    shapes: Vec<ObjectShape>,
+    /// The hash of the job that shows where they are met; 0 where that is as the station says.
+    model_hash: u64,
+}
+
+impl Objects {
+    fn of(job: Option<&JobFile>, config: &Config) -> Self {
+        let mut shapes = config.shapes();
+        for object in job.iter().flat_map(|job| &job.objects) {
+            if let Some(shape) = shapes.iter_mut().find(|shape| shape.id == object.shape.id) {
+                *shape = object.shape.clone();
+            }
+        }
+        Self { shapes, model_hash: job.map_or(0, JobFile::encoding_hash) }
+    }
+}
+
+fn encoder(config: &Config, objects: &Objects) -> Result<Encoder, RoleError> {
+    Encoder::new(config.method(), &objects.shapes).map_err(|error| RoleError::Method(format!("{error:?}")))
 }

@@ -8,6 +8,7 @@ use andon_journal::JournalError;
 use andon_learn::job_file::{JobFault, JobFileError};
 use andon_learn::recording::TrackError;
 use andon_perception::{PerceptionError, RuntimeFile};
+use shm_schemas::Refusal;
 
 use crate::compatibility::Misfit;
 use crate::exit::Code as Exit;
@@ -59,6 +60,17 @@ pub enum RoleError {
         path: PathBuf,
         /// What does not fit.
         misfit: Misfit,
+    },
+    /// The job that the judge has loaded cannot be found any more.
+    #[error(
+        "the job in force, {job_id}, cannot be encoded for: {}; put its file back into the folder of jobs, or load it again",
+        refusal.name()
+    )]
+    LostJob {
+        /// The id of the job.
+        job_id: u32,
+        /// Why it cannot be used.
+        refusal: Refusal,
     },
     /// The database cannot be opened or written.
     #[error(transparent)]
@@ -148,6 +160,7 @@ impl RoleError {
             },
             Self::UnreadJob { .. } => (&code::JOB_REFUSED, OfCode, Configuration),
             Self::UnfitJob { .. } => (&code::JOB_REFUSED, InMessage, Configuration),
+            Self::LostJob { .. } => (&code::JOB_REFUSED, InMessage, Fault),
             Self::Journal(error) => classify_journal(error),
             Self::Plc(_) => (&code::PLC_PORT_TAKEN, OfCode, Fault),
             Self::Metrics { .. } => (&code::METRICS_PORT_TAKEN, OfCode, Fault),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use andon_learn::job_file::JobFile;
-use shm_schemas::Refusal;
+use shm_schemas::{Judging, Refusal};
 
 use super::RoleError;
 use crate::compatibility;
@@ -30,6 +30,22 @@ pub(crate) fn load(path: &Path, config: &Config) -> Result<JobFile, RoleError> {
 pub(crate) fn read(path: &Path) -> Result<JobFile, RoleError> {
     let bytes = std::fs::read(path).map_err(|source| RoleError::UnreadJob { path: path.into(), source })?;
     Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
+}
+
+/// The job that the judge says to be in force; `None` where there is none.
+pub(super) fn in_force(config: &Config, judging: &Judging) -> Result<Option<JobFile>, RoleError> {
+    let Judging { job_id, model_hash, .. } = *judging;
+    if model_hash == 0 {
+        return Ok(None);
+    }
+    let configured = config.station.job.as_deref().and_then(|path| load(path, config).ok());
+    if let Some(job) = configured.filter(|job| job.model_hash() == model_hash) {
+        return Ok(Some(job));
+    }
+    match select(config, Wanted { job_id, model_hash }) {
+        Ok(found) => load(&found.path, config).map(Some),
+        Err(refusal) => Err(RoleError::LostJob { job_id, refusal }),
+    }
 }
 
 /// The one file of the job that a command names, and its hash.

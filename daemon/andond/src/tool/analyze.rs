@@ -1,6 +1,6 @@
 //! `andond analyze`: compares and clusters the interactions of a folder of recordings, and writes a report.
 
-use andon_learn::analysis::{Analysis, Kind, report, selection};
+use andon_learn::analysis::{Analysis, Kind, Order, report, selection};
 use andon_learn::experiment::experiment_1;
 use andon_learn::folder::Labelled;
 use andon_learn::teach::TeachOptions;
@@ -31,7 +31,8 @@ pub fn run(arguments: &Analyze) -> Result<Code, ToolError> {
     bar.finish_and_clear();
     let source = arguments.recordings.display().to_string();
     let selection = selection(&all, &method, cost);
-    let report = report(&analysis, drilling.as_ref(), selection.as_ref(), &source)?;
+    let order = Order::of(&all, &source, &method, cost);
+    let report = report(&analysis, drilling.as_ref(), selection.as_ref(), order.as_ref(), &source)?;
     report.save(&arguments.out).map_err(cannot_write(&arguments.out))?;
     println!("written: {}", arguments.out.join("index.html").display());
     Ok(Code::Stopped)

@@ -20,6 +20,7 @@ use shm_schemas::RoleId;
 
 use super::DEFAULT_CONFIGS;
 use super::check::Unusable;
+use super::teach::SourceError;
 use crate::backup::ArchiveError;
 use crate::compatibility::Misfit;
 use crate::config::Faults;
@@ -120,6 +121,9 @@ pub enum ToolError {
     /// Recordings of two spaces were given together.
     #[error("{}: recordings in plane and in metric coordinates cannot be mixed; give those of one space", .0.display())]
     MixedSpaces(PathBuf),
+    /// The recordings that a job was taught from cannot be used again.
+    #[error(transparent)]
+    Source(#[from] SourceError),
     /// Nothing can be learned from the runs.
     #[error(transparent)]
     Teach(#[from] TeachError),
@@ -250,6 +254,7 @@ impl ToolError {
             | Self::Recording(_)
             | Self::Run { .. }
             | Self::MixedSpaces(_)
+            | Self::Source(_)
             | Self::Teach(_)
             | Self::Folder(_)
             | Self::Experiment(_)

@@ -45,10 +45,15 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     };
     replay(&mut recording, &file, arguments, &mut printer)?;
     if printer.seq == 0 {
-        eprintln!(
-            "nothing was judged: in {} no hand touched an object of the job",
-            arguments.recording.display()
-        );
+        let (path, rate_hz) = (arguments.recording.display(), recording.header().rate_hz);
+        if rate_hz < file.min_rate_hz {
+            let needed_hz = file.min_rate_hz;
+            eprintln!(
+                "nothing was judged: {path} has {rate_hz:.1} frames a second, the job needs {needed_hz:.1}"
+            );
+        } else {
+            eprintln!("nothing was judged: in {path} no hand touched an object of the job");
+        }
     }
     Ok(printer.exit_code())
 }

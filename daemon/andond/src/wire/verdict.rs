@@ -2,11 +2,13 @@
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
+use andon_core::verdict::{
+    BrokenOrder, Level, Measure, Measured, Note, OrderFault, Outcome, Reason, Verdict,
+};
 use andon_ipc::UtcTime;
 use shm_schemas::{
-    HandCode, NO_INDEX, NO_PERCENT, OrderFault as WireFault, PartId, STATION_BYTES, Verdict as Message,
-    VerdictLevel, VerdictNote, VerdictOutcome, VerdictReason,
+    HandCode, MeasuredWords, NO_INDEX, NO_PERCENT, OrderFault as WireFault, PartId, STATION_BYTES,
+    Verdict as Message, VerdictLevel, VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
 };
 
 /// What all verdicts on one job have in common.
@@ -44,6 +46,11 @@ pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut
     message.decided_utc_ns = decided.nanoseconds();
     message.distance = verdict.distance.unwrap_or(f32::NAN);
     message.threshold = verdict.threshold.unwrap_or(f32::NAN);
+    let measured = verdict.measured;
+    message.measure = measured.map_or(VerdictMeasure::None, |measured| measure(measured.measure)).code();
+    message.measured = measured.map_or(f32::NAN, |measured| measured.value);
+    message.shown_min = measured.map_or(f32::NAN, |measured| measured.shown_min);
+    message.shown_max = measured.map_or(f32::NAN, |measured| measured.shown_max);
     message.x_c = verdict.context.0;
     message.activity = if verdict.level == Level::Job { NO_INDEX } else { verdict.activity };
     message.iu = none(verdict.iu);
@@ -101,6 +108,36 @@ const fn note_of_method(note: VerdictNote) -> Option<Note> {
     }
 }
 
+/// The measure as it travels.
+pub(crate) const fn measure(measure: Measure) -> VerdictMeasure {
+    match measure {
+        Measure::Duration => VerdictMeasure::Duration,
+        Measure::Strokes => VerdictMeasure::Strokes,
+        Measure::StrokeLength => VerdictMeasure::StrokeLength,
+        Measure::Path => VerdictMeasure::Path,
+        Measure::Direction => VerdictMeasure::Direction,
+        Measure::Place => VerdictMeasure::Place,
+    }
+}
+
+/// A measure that is out of its bounds, as a person says it.
+pub(crate) const fn measured_words(measured: Measured) -> MeasuredWords {
+    let Measured { measure: of, value, shown_min, shown_max } = measured;
+    MeasuredWords { measure: measure(of), value, shown_min, shown_max }
+}
+
+const fn measure_of_method(measure: VerdictMeasure) -> Option<Measure> {
+    match measure {
+        VerdictMeasure::None => None,
+        VerdictMeasure::Duration => Some(Measure::Duration),
+        VerdictMeasure::Strokes => Some(Measure::Strokes),
+        VerdictMeasure::StrokeLength => Some(Measure::StrokeLength),
+        VerdictMeasure::Path => Some(Measure::Path),
+        VerdictMeasure::Direction => Some(Measure::Direction),
+        VerdictMeasure::Place => Some(Measure::Place),
+    }
+}
+
 /// What was broken of the order, as it travels.
 pub(crate) const fn order_fault(fault: OrderFault) -> WireFault {
     match fault {
@@ -143,6 +180,13 @@ pub fn read(message: &Message) -> Option<Verdict> {
     let number = |value: f32| (!value.is_nan()).then_some(value);
     let fault = order_fault_of_method(message.broken.try_into().ok()?);
     let (activity, runs) = (message.broken_activity, message.broken_runs);
+    let measure = measure_of_method(message.measure.try_into().ok()?);
+    let measured = |measure: Measure| Measured {
+        measure,
+        value: message.measured,
+        shown_min: message.shown_min,
+        shown_max: message.shown_max,
+    };
     Some(Verdict {
         level: level_of_method(message.level().ok()?),
         outcome: outcome_of_method(message.outcome().ok()?),
@@ -155,6 +199,7 @@ pub fn read(message: &Message) -> Option<Verdict> {
         distance: number(message.distance),
         threshold: number(message.threshold),
         captured_percent: (message.captured_percent != NO_PERCENT).then_some(message.captured_percent),
+        measured: measure.map(measured),
         broken: fault.map(|fault| BrokenOrder { fault, activity, runs }),
         note: note_of_method(message.note.try_into().ok()?),
         early: message.early != 0,
@@ -175,13 +220,15 @@ mod tests {
         let sender = Sender { job_id: 1, model_hash: 2, station: station_name("bench1"), part };
         let notes = VerdictNote::ALL.iter().copied().map(note_of_method);
         let faults = WireFault::ALL.iter().copied().map(order_fault_of_method);
-        let mut orders = notes.zip(faults).cycle();
+        let measures = VerdictMeasure::ALL.iter().copied().map(measure_of_method);
+        let mut orders = notes.cycle().zip(faults.cycle()).zip(measures.cycle());
         for outcome in VerdictOutcome::ALL.iter().copied().map(outcome_of_method) {
             for reason in VerdictReason::ALL.iter().copied().map(reason_of_method) {
                 for (level, side) in
                     [(Level::Iu, Some(Side::Right)), (Level::Activity, Some(Side::Left)), (Level::Job, None)]
                 {
-                    let (note, fault) = orders.next().unwrap();
+                    let ((note, fault), measure) = orders.next().unwrap();
+                    let measured = |measure| Measured { measure, value: 4.0, shown_min: 6.0, shown_max: 6.5 };
                     let verdict = Verdict {
                         level,
                         outcome,
@@ -194,6 +241,7 @@ mod tests {
                         distance: side.map(|_| 1.5),
                         threshold: None,
                         captured_percent: side.map(|_| 40),
+                        measured: measure.map(measured),
                         broken: fault.map(|fault| BrokenOrder { fault, activity: 9, runs: 10 }),
                         note,
                         early: true,

@@ -8,7 +8,7 @@ use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
-use crate::verdict::{BrokenOrder, Note, Reason};
+use crate::verdict::{BrokenOrder, Measured, Note, Reason};
 use heapless::Vec;
 
 /// What the IUs of an activity are judged against.
@@ -46,6 +46,8 @@ pub(super) struct OpenActivity {
     pub(super) order_note: Option<Note>,
     /// The relation to another activity that it breaks.
     pub(super) broken: Option<BrokenOrder>,
+    /// The measure of its newest IU that is why it is wrong.
+    pub(super) measured: Option<Measured>,
     /// The context of its first IU.
     pub(super) context: Context,
     pub(super) began_ns: u64,
@@ -96,6 +98,7 @@ impl OpenActivity {
             step,
             order_note: None,
             broken: None,
+            measured: None,
             context,
             began_ns,
             ended_ns: began_ns,

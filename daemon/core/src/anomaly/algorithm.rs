@@ -65,6 +65,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 ..Extent::default()
             },
             captured: 0,
+            measured: None,
             is_certain,
             is_concluded: false,
         });
@@ -295,6 +296,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.conclude_unjudged(reason, progress, emit);
             return;
         };
+        if let Some(iu) = &mut self.iu {
+            iu.measured = nearest.measured;
+        }
         let early = !extent.ended;
         let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
         let is_right = nearest.reason == Reason::None;

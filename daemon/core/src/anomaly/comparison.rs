@@ -5,7 +5,7 @@ use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
 use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
 use crate::segment::{FRAMES_PER_REVERSAL, Measures};
-use crate::verdict::Reason;
+use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
 /// The comparison of the open IU with one nominal IU.
@@ -30,6 +30,8 @@ pub(super) struct ComparisonResult {
     /// The DTW distance, or a lower bound of it while the IU is open.
     pub(super) distance: f64,
     pub(super) threshold: f32,
+    /// The measure that breaks it, if one does.
+    pub(super) measured: Option<Measured>,
     /// The rule may be broken only because something was not seen.
     pub(super) is_doubtful: bool,
 }
@@ -127,16 +129,18 @@ pub(super) struct Comparisons<'a, M> {
     distances: M,
     /// [`Job::max_slowdown`].
     max_slowdown: f32,
+    /// The frame rate of the grid.
+    rate_hz: f32,
 }
 
 impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// Makes room for as many comparisons as a hand can have at the same time. The references have been checked.
-    pub(super) fn new(job: &'a Job<'a>) -> Self {
+    pub(super) fn new(job: &'a Job<'a>, rate_hz: f32) -> Self {
         let costs = LocalCosts::new(job.cost);
         let touch = job.activities.iter().flat_map(|nominal| nominal.ius).find(|iu| iu.context.is_touch());
         let spare = touch.and_then(|iu| OnlineDtw::new(&costs, iu.reference).ok());
         let distances = spare.iter().cycle().take(needed(job)).cloned().collect();
-        Self { comparisons: Vec::new(), distances, max_slowdown: job.max_slowdown }
+        Self { comparisons: Vec::new(), distances, max_slowdown: job.max_slowdown, rate_hz }
     }
 
     pub(super) fn clear(&mut self) {
@@ -182,19 +186,20 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
 
     /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
     pub(super) fn all_lost(&mut self, extent: Extent) -> bool {
-        let max_slowdown = self.max_slowdown;
+        let scale = (self.max_slowdown, self.rate_hz);
         for (comparison, distance) in self.comparisons.iter_mut().zip(self.distances.as_ref()) {
-            comparison.is_lost |= result(comparison, distance, extent, max_slowdown).reason != Reason::None;
+            comparison.is_lost |= result(comparison, distance, extent, scale).reason != Reason::None;
         }
         self.comparisons.iter().all(|comparison| comparison.is_lost)
     }
 
     /// The results of all comparisons.
     pub(super) fn results(&self, extent: Extent) -> impl Iterator<Item = ComparisonResult> {
+        let scale = (self.max_slowdown, self.rate_hz);
         self.comparisons
             .iter()
             .zip(self.distances.as_ref())
-            .map(move |(comparison, distance)| result(comparison, distance, extent, self.max_slowdown))
+            .map(move |(comparison, distance)| result(comparison, distance, extent, scale))
     }
 
     /// The nearest result of those that are right, or of all if none is.
@@ -211,7 +216,7 @@ fn result(
     comparison: &Comparison<'_>,
     dtw: &OnlineDtw<'_>,
     extent: Extent,
-    max_slowdown: f32,
+    (max_slowdown, rate_hz): (f32, f32),
 ) -> ComparisonResult {
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
     let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
@@ -219,12 +224,16 @@ fn result(
     // An open IU may still become as slow as the bounds allow.
     let length = if extent.ended { extent.frames } else { frames.max };
     let threshold = threshold * slowdown_factor(length, reference.len(), max_slowdown);
-    let reason_if = |may_be_hidden: bool| match extent.broken(comparison.iu, may_be_hidden) {
-        Reason::None if distance > f64::from(threshold) => Reason::Motion,
-        reason => reason,
+    let reason_of = |broken: Option<(Reason, Measure)>| match broken {
+        Some((reason, _)) => reason,
+        None if distance > f64::from(threshold) => Reason::Motion,
+        None => Reason::None,
     };
-    let reason = reason_if(false);
+    let broken = extent.broken(comparison.iu, false);
+    let reason = reason_of(broken);
     // What is right only if something happened unseen is neither right nor wrong.
-    let is_doubtful = reason != reason_if(true) || extent.explains(reason, comparison.is_unique);
-    ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, is_doubtful }
+    let is_doubtful = reason != reason_of(extent.broken(comparison.iu, true))
+        || extent.explains(reason, comparison.is_unique);
+    let measured = broken.and_then(|(_, measure)| extent.measured(comparison.iu, measure, rate_hz));
+    ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, measured, is_doubtful }
 }

@@ -9,7 +9,7 @@ use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
-use crate::verdict::{Level, Outcome, Reason, Verdict};
+use crate::verdict::{Level, Measured, Outcome, Reason, Verdict};
 
 /// An open IU.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +21,8 @@ pub(super) struct OpenIu {
     pub(super) extent: Extent,
     /// How many of its frames were captured.
     pub(super) captured: u32,
+    /// The measure that is out of its bounds, once that was decided.
+    pub(super) measured: Option<Measured>,
     /// It was seen well enough that it has happened.
     pub(super) is_certain: bool,
     /// It has its verdict.
@@ -68,7 +70,13 @@ impl Finding {
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn new(side: Side, job: &'a Job<'a>, method: &Method) -> Self {
-        Self { side, watch: Watch::new(method), comparisons: Comparisons::new(job), activity: None, iu: None }
+        Self {
+            side,
+            watch: Watch::new(method),
+            comparisons: Comparisons::new(job, method.rate_hz),
+            activity: None,
+            iu: None,
+        }
     }
 
     /// Nothing is known of what the hand does from now on.
@@ -177,7 +185,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
         let accuses_nobody = self.accuses_nobody();
-        let (Some(iu), Some(activity)) = (&mut self.iu, &self.activity) else { return };
+        let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         if iu.is_concluded {
             return;
         }
@@ -186,6 +194,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Finding { early, .. } if is_wrong && accuses_nobody => Finding::not_shown(early),
             finding => finding,
         };
+        let measured = iu.measured.filter(|_| outcome != Outcome::Ok);
+        activity.measured = measured.filter(|_| outcome == Outcome::Anomaly);
         emit(Verdict {
             level: Level::Iu,
             outcome,
@@ -198,6 +208,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             distance: result.map(|result| result.distance as f32),
             threshold: result.map(|result| result.threshold),
             captured_percent: iu.captured_percent(),
+            measured,
             broken: None,
             note: None,
             early,
@@ -247,10 +258,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.is_concluded = true;
         let note = activity.note(self.side, progress.job);
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
+        let measured = activity.measured.filter(|_| outcome == Outcome::Anomaly);
         progress.set_note(note);
         match outcome {
             Outcome::Ok => {}
-            Outcome::Anomaly => progress.set_wrong(nominal, reason, broken),
+            Outcome::Anomaly => progress.set_wrong(nominal, reason, measured, broken),
             Outcome::NotJudged => progress.set_unjudged(nominal, reason),
         }
         emit(Verdict {
@@ -265,6 +277,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             distance: None,
             threshold: None,
             captured_percent: None,
+            measured,
             broken,
             note,
             early,

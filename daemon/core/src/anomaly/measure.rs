@@ -1,56 +1,136 @@
 //! Which measure of an IU is not right.
 
 use super::comparison::Extent;
-use crate::job::{Around, MeasureBounds, NominalIu, Range};
+use crate::job::{Around, MeasureBounds, NominalIu, Range, Shown};
 use crate::segment::Measures;
-use crate::verdict::Reason;
+use crate::verdict::{Measure, Measured, Reason};
 
 /// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
 /// the rest.
 const GIVES_WAY: f32 = 2.0;
 
+/// A stroke goes to and fro.
+const PER_STROKE: u32 = 2;
+
 impl Extent {
-    /// The rule that the length, the reversals or another measure breaks, or [`Reason::None`]; with `may_be_hidden` only if no motion in
-    /// the frames that were not seen could have kept it. A path that was seen is never too long only because something else was not.
-    pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Reason {
+    /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
+    /// `may_be_hidden` only if no motion in the frames that were not seen could have kept it. A path that was seen is never too long only
+    /// because something else was not.
+    pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Option<(Reason, Measure)> {
         let hidden = if may_be_hidden { self.hidden() } else { 0.0 };
         let [min_frames, max_frames] = if may_be_hidden { self.possible_frames() } else { [self.frames; 2] };
+        // With fewer frames contacts are believed later.
+        let max_frames = max_frames as f32 * (1.0 + GIVES_WAY * hidden);
         let hidden_reversals = if may_be_hidden { self.possible_reversals() } else { 0 };
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.frames.min.max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, .. } = self.measures;
-        if min_frames > iu.frames.max || reversals > iu.reversals.max || walked_m > path_m.max {
-            Reason::TooLong
-        } else if self.ended
-            && (max_frames < iu.frames.min
-                || reversals.saturating_add(hidden_reversals) < iu.reversals.min
-                || walked_m + hidden_m < path_m.min)
-        {
-            Reason::TooShort
-        } else if self.ended && !self.is_elsewhere_right(&iu.measures, GIVES_WAY * hidden) {
-            Reason::Motion
-        } else {
-            Reason::None
+        let first = |measures: [(bool, Measure); 3]| {
+            measures.into_iter().find(|(is_broken, _)| *is_broken).map(|(_, measure)| measure)
+        };
+        let too_long = first([
+            (reversals > iu.reversals.max, Measure::Strokes),
+            (min_frames > iu.frames.max, Measure::Duration),
+            (walked_m > path_m.max, Measure::Path),
+        ]);
+        let too_short = || {
+            first([
+                (reversals.saturating_add(hidden_reversals) < iu.reversals.min, Measure::Strokes),
+                (max_frames < iu.frames.min as f32, Measure::Duration),
+                (walked_m + hidden_m < path_m.min, Measure::Path),
+            ])
+        };
+        if let Some(measure) = too_long {
+            return Some((Reason::TooLong, measure));
+        } else if !self.ended {
+            return None;
+        }
+        let elsewhere = first(self.elsewhere_broken(&iu.measures, GIVES_WAY * hidden));
+        match (too_short(), elsewhere) {
+            // Strokes that are small or go across are counted badly.
+            (Some(Measure::Strokes), Some(other))
+                if other != Measure::Place && reversals + PER_STROKE >= iu.reversals.min =>
+            {
+                Some((Reason::TooShort, other))
+            }
+            (Some(measure), _) => Some((Reason::TooShort, measure)),
+            (None, elsewhere) => elsewhere.map(|measure| (Reason::Motion, measure)),
         }
     }
 
-    /// Whether size, direction and place of the motion are right, if they may differ by `slack`, a share.
-    fn is_elsewhere_right(&self, bounds: &MeasureBounds, slack: f32) -> bool {
+    /// Whether size, direction and place of the motion are wrong, if they may differ by `slack`, a share.
+    fn elsewhere_broken(&self, bounds: &MeasureBounds, slack: f32) -> [(bool, Measure); 3] {
         let measures = &self.measures;
         let is_in = |range: Range, value: f32| {
             value * (1.0 + slack) >= range.min && value <= range.max * (1.0 + slack)
         };
-        measures.stroke_m.is_none_or(|stroke_m| is_in(bounds.stroke_m, stroke_m))
-            && bounds.axis.has(measures.axis, slack)
-            && bounds.place_m.has(measures.place_m, slack * measures.path_m)
+        let is_stroke_right = measures.stroke_m.is_none_or(|stroke_m| is_in(bounds.stroke_m, stroke_m));
+        [
+            (!is_stroke_right, Measure::StrokeLength),
+            (!bounds.axis.has(measures.axis, slack), Measure::Direction),
+            (!bounds.place_m.has(measures.place_m, slack * measures.path_m), Measure::Place),
+        ]
     }
+
+    /// What this measure is, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
+    pub(super) fn measured(&self, iu: &NominalIu<'_>, measure: Measure, rate_hz: f32) -> Option<Measured> {
+        let bounds = &iu.measures;
+        let Shown { frames, reversals, stroke_m, path_m, axis, place_m } = bounds.shown?;
+        let seconds = |frames: u32| frames as f32 / rate_hz;
+        let [value, shown_min, shown_max] = match measure {
+            Measure::Duration => [self.frames, frames.min, frames.max].map(seconds),
+            Measure::Strokes => strokes([self.measures.reversals, reversals.min, reversals.max]),
+            Measure::StrokeLength => [self.measures.stroke_m?, stroke_m.min, stroke_m.max],
+            Measure::Path => [self.measures.path_m, path_m.min, path_m.max],
+            Measure::Direction => [degrees(bounds.axis.distance(self.measures.axis)), 0.0, degrees(axis)],
+            Measure::Place => [bounds.place_m.distance(self.measures.place_m), 0.0, place_m],
+        };
+        Some(Measured { measure, value, shown_min, shown_max })
+    }
+}
+
+/// The strokes to and fro in so many reversals, first of the IU, then the least and the most that were shown. A stroke has two reversals, and
+/// where a hand comes from or goes to makes one more or less: people count whole strokes. A half is counted only where it makes the
+/// difference.
+fn strokes([value, min, max]: [u32; 3]) -> [f32; 3] {
+    let most = max / PER_STROKE;
+    let least = min.div_ceil(PER_STROKE).min(most);
+    let whole = value / PER_STROKE;
+    if (least..=most).contains(&whole) {
+        [value, min, max].map(|count| count as f32 / PER_STROKE as f32)
+    } else {
+        [whole, least, most].map(|count| count as f32)
+    }
+}
+
+/// The angle of a path to another one, from the distance of their axes: that is the chord of twice the angle.
+fn degrees(distance: f32) -> f32 {
+    libm::asinf((distance / 2.0).min(1.0)).to_degrees()
 }
 
 impl<const N: usize> Around<N> {
     fn has(&self, value: [f32; N], slack: f32) -> bool {
-        let square: f32 =
-            value.iter().zip(self.centre).map(|(value, centre)| (value - centre) * (value - centre)).sum();
-        libm::sqrtf(square) <= self.max + slack
+        self.distance(value) <= self.max + slack
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whole_strokes_are_counted_unless_a_half_makes_the_difference() {
+        assert_eq!(strokes([9, 12, 13]), [4.0, 6.0, 6.0]);
+        assert_eq!(strokes([15, 12, 13]), [7.0, 6.0, 6.0]);
+        assert_eq!(strokes([10, 11, 13]), [5.0, 6.0, 6.0]);
+        assert_eq!(strokes([9, 11, 11]), [4.0, 5.0, 5.0]);
+        assert_eq!(strokes([13, 11, 12]), [6.5, 5.5, 6.0]);
+    }
+
+    #[test]
+    fn an_axis_across_is_ninety_degrees_off() {
+        assert_eq!(degrees(2.0), 90.0);
+        assert!((degrees(libm::sqrtf(2.0)) - 45.0).abs() < 1e-4);
     }
 }

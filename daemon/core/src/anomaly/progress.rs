@@ -5,7 +5,7 @@ use crate::couple::Context;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
-use crate::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
+use crate::verdict::{BrokenOrder, Level, Measured, Note, OrderFault, Outcome, Reason, Verdict};
 
 /// The first fault of a job.
 #[derive(Clone, Copy, Debug)]
@@ -13,6 +13,7 @@ struct Fault {
     reason: Reason,
     /// The number of the activity that is nearest to it.
     nearest: Option<u16>,
+    measured: Option<Measured>,
     broken: Option<BrokenOrder>,
 }
 
@@ -387,10 +388,16 @@ impl<'a> Progress<'a> {
     }
 
     /// If no nominal activity is near a wrong one, and only one could come next, the wrong one came instead of that.
-    pub(super) fn set_wrong(&mut self, nominal: Option<usize>, reason: Reason, broken: Option<BrokenOrder>) {
+    pub(super) fn set_wrong(
+        &mut self,
+        nominal: Option<usize>,
+        reason: Reason,
+        measured: Option<Measured>,
+        broken: Option<BrokenOrder>,
+    ) {
         let nearest = nominal.and_then(|nominal| self.number(nominal));
         self.wrong |= nearest.map(usize::from).or_else(|| self.next_in_order()).into_iter().collect();
-        self.fault = self.fault.or(Some(Fault { reason, nearest, broken }));
+        self.fault = self.fault.or(Some(Fault { reason, nearest, measured, broken }));
     }
 
     pub(super) fn set_note(&mut self, note: Option<Note>) {
@@ -425,6 +432,7 @@ impl<'a> Progress<'a> {
             distance: None,
             threshold: None,
             captured_percent: None,
+            measured: fault.measured,
             broken: fault.broken,
             note: self.note,
             early: false,
@@ -437,7 +445,7 @@ impl<'a> Progress<'a> {
 
     /// How the job came out, and why.
     fn outcome(&self) -> (Outcome, Fault) {
-        let because = |reason, nearest| Fault { reason, nearest, broken: None };
+        let because = |reason, nearest| Fault { reason, nearest, measured: None, broken: None };
         let missing = self.required().without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
         match (self.fault, self.unjudged_reason, missing.lowest()) {

@@ -22,7 +22,7 @@ pub enum Unusable {
         /// The id.
         id: u16,
     },
-    /// A shape has id 0, no interaction point, or one that is not finite.
+    /// A shape has id 0, no interaction point, or a point or distance that is not finite.
     ObjectShape {
         /// The id.
         id: u16,
@@ -45,7 +45,8 @@ impl core::fmt::Display for Unusable {
             Self::ObjectShape { id } => {
                 write!(
                     f,
-                    "object {id} needs an id of at least 1 and at least one interaction point, in finite metres"
+                    "object {id} needs an id of at least 1 and at least one interaction point, and all its points and distances \
+                     in finite metres"
                 )
             }
         }
@@ -116,8 +117,11 @@ impl Encoder {
         }
         for (index, shape) in shapes.iter().enumerate() {
             let id = shape.id;
-            let points = &shape.interaction_points;
-            if id == 0 || points.is_empty() || !points.iter().flatten().all(|value| value.is_finite()) {
+            let points =
+                shape.interaction_points.iter().chain(shape.meetings.iter().flat_map(|met| &met.points));
+            let is_finite = points.flatten().all(|value| value.is_finite());
+            let is_near = shape.meetings.iter().all(|met| met.contact.is_valid());
+            if id == 0 || shape.interaction_points.is_empty() || !is_finite || !is_near {
                 return Err(Unusable::ObjectShape { id });
             }
             if shapes[..index].iter().any(|other| other.id == id) {

@@ -13,6 +13,7 @@ pub(crate) fn shapes(ids: &[u16]) -> Vec<ObjectShape> {
         .map(|id| ObjectShape {
             id: *id,
             interaction_points: heapless::Vec::from_slice(&[[0.0; 3]]).unwrap(),
+            ..ObjectShape::default()
         })
         .collect()
 }
@@ -129,7 +130,12 @@ impl Bench {
 
 /// The couples of frames.
 pub(crate) fn encode(ids: &[u16], frames: &[Frame]) -> Vec<Couples> {
-    let mut encoder = Encoder::new(Method::default(), &shapes(ids)).unwrap();
+    encode_shapes(&shapes(ids), frames)
+}
+
+/// The couples of frames with objects that are known like this.
+pub(crate) fn encode_shapes(shapes: &[ObjectShape], frames: &[Frame]) -> Vec<Couples> {
+    let mut encoder = Encoder::new(Method::default(), shapes).unwrap();
     let mut couples = Vec::new();
     for frame in frames {
         encoder.step(frame, &mut |each| couples.push(each)).unwrap();

@@ -3,8 +3,8 @@
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::{Point, Side};
-use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
-use andon_core::segment::{Event, Segmenter};
+use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown};
+use andon_core::segment::{Event, Iu, Measures, Segmenter};
 use andon_core::verdict::{Outcome, Reason, Verdict};
 
 use super::bench::PERIOD_NS;
@@ -115,7 +115,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
 }
 
 /// The IUs of one hand, each with its filtered motions.
-pub(crate) fn ius(side: Side, parts: &[Part]) -> Vec<(andon_core::segment::Iu, Vec<Motion>)> {
+pub(crate) fn ius(side: Side, parts: &[Part]) -> Vec<(Iu, Vec<Motion>)> {
     let mut segmenter = Segmenter::new(side, &Method::default()).unwrap();
     let mut ius = Vec::new();
     let mut motions = Vec::new();
@@ -149,7 +149,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
                         min: iu.measures.reversals.saturating_sub(1),
                         max: iu.measures.reversals + 1,
                     },
-                    measures: MeasureBounds::ANY,
+                    measures: MeasureBounds { shown: Some(shown(&iu)), ..MeasureBounds::ANY },
                 })
                 .collect();
             NominalActivity { activity: number as u16, ius: ius.leak() }
@@ -162,6 +162,20 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
         min_captured: 0.0,
+    }
+}
+
+/// What one demonstration shows.
+fn shown(iu: &Iu) -> Shown {
+    let Measures { reversals, stroke_m, path_m, .. } = iu.measures;
+    let metres = |metres: f32| Range { min: metres, max: metres };
+    Shown {
+        frames: Bounds { min: iu.frames, max: iu.frames },
+        reversals: Bounds { min: reversals, max: reversals },
+        stroke_m: metres(stroke_m.unwrap_or_default()),
+        path_m: metres(path_m),
+        axis: 0.0,
+        place_m: 0.0,
     }
 }
 

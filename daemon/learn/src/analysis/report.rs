@@ -3,7 +3,8 @@
 use super::candidates::Selection;
 use super::compare::{Analysis, AnalysisError};
 use super::drilling::Drilling;
-use super::picture::{self, Execution, LEGEND, Shown, elbow, escaped, heat, warping};
+use super::order::Order;
+use super::picture::{self, Execution, LEGEND, Shown, draw_order, elbow, escaped, heat, warping};
 use crate::cluster::{MotionClusters, Table};
 use crate::warp::Warp;
 use std::fmt::Write as _;
@@ -49,6 +50,7 @@ pub fn report(
     analysis: &Analysis,
     drilling: Option<&Drilling>,
     selection: Option<&Selection>,
+    order: Option<&Order>,
     source: &str,
 ) -> Result<Report, AnalysisError> {
     let mut page = Page { html: String::new(), files: Vec::new() };
@@ -61,6 +63,9 @@ pub fn report(
     }
     if let Some(selection) = selection {
         page.selection(selection);
+    }
+    if let Some(order) = order {
+        page.order(order);
     }
     page.traces(analysis)?;
     Ok(Report {
@@ -273,6 +278,16 @@ impl Page {
                  nothing remains, the activity is an anomaly.",
                 selection.run
             ),
+        );
+    }
+
+    fn order(&mut self, order: &Order) {
+        self.heading("The order of the steps");
+        self.figure(
+            "order",
+            draw_order(&order.job, Some(&order.rejected)),
+            "How to read it: each step is below those that come before it, in the column of the hand that does it. What all runs show is law where \
+             the evidence is enough; otherwise another order is only noted.",
         );
     }
 

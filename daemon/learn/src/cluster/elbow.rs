@@ -4,8 +4,8 @@
 const LEAST_SHARE: f64 = 1e-6;
 
 /// The k at the elbow of a curve of WCSS over k = 1, 2, ...: the point furthest below the straight line from the first point to the last,
-/// with both axes scaled to 0..1, that of the sums by their logarithms (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A curve that does not fall has its
-/// elbow at 1.
+/// with both axes scaled to 0..1, that of the sums by their logarithms (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A
+/// curve that does not fall has its elbow at 1.
 pub(super) fn elbow(wcss: &[f64]) -> usize {
     let (Some(first), Some(last)) = (wcss.first(), wcss.last()) else { return 1 };
     let fall = first - last;

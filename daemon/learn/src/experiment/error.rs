@@ -2,7 +2,6 @@
 
 use crate::run::RunError;
 use crate::teach::TeachError;
-use andon_core::anomaly::Unusable;
 
 /// Why an experiment could not be carried out.
 #[derive(Debug, thiserror::Error)]
@@ -24,13 +23,4 @@ pub enum ExperimentError {
     /// An execution cannot be encoded without the filter.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// A taught job cannot be used by the judge.
-    #[error("the taught job cannot be used by the judge: {0:?}")]
-    Unusable(Unusable),
-}
-
-impl From<Unusable> for ExperimentError {
-    fn from(unusable: Unusable) -> Self {
-        Self::Unusable(unusable)
-    }
 }

@@ -15,8 +15,10 @@ pub(crate) use text::context_words;
 
 use crate::recording::{NamedObject, object_name};
 use crate::rule::{BoundsRule, ThresholdRule};
+use crate::strictness::Strictness;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
+use andon_core::input::ObjectShape;
 use andon_core::job::{Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::set::ActivitySet;
 
@@ -127,6 +129,10 @@ pub struct Provenance {
     pub rule: ThresholdRule,
     /// How the bounds of duration and of reversals were chosen.
     pub bounds: BoundsRule,
+    /// How strict it was asked to be; `None` of a job that was taught before that was asked.
+    pub strictness: Option<Strictness>,
+    /// Whether somebody has said that the order matters, or that it does not.
+    pub order: Option<bool>,
     /// The recordings that it was taught from.
     pub sources: Vec<Source>,
 }
@@ -188,6 +194,13 @@ impl JobFile {
     /// Identifies the model: the same text gives the same number on every machine.
     pub fn model_hash(&self) -> u64 {
         checksum::model_hash(&self.to_toml())
+    }
+
+    /// What couples carry that are made for this job: its hash if its runs have shown objects to be met otherwise than the station says,
+    /// else 0, because couples that are made as the station says are right for it.
+    pub fn encoding_hash(&self) -> u64 {
+        let is_shown = |shape: &ObjectShape| !shape.meetings.is_empty() || shape.is_position_only;
+        if self.objects.iter().any(|object| is_shown(&object.shape)) { self.model_hash() } else { 0 }
     }
 
     /// What an activity of the job is called: which hand does what with which parts.

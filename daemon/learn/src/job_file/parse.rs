@@ -6,11 +6,11 @@ use super::{
 };
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
-use andon_core::capacity::INTERACTION_POINTS;
+use crate::strictness::Strictness;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
-use andon_core::input::{ObjectShape, Point, Space};
-use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range};
+use andon_core::input::{Meeting, ObjectShape, Point, Space};
+use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range, Shown};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -51,6 +51,8 @@ struct ProvenanceText {
     date: String,
     rule: ThresholdRule,
     bounds: BoundsRule,
+    strictness: Option<Strictness>,
+    order: Option<bool>,
     #[serde(default)]
     source: Vec<SourceText>,
 }
@@ -111,6 +113,19 @@ struct ObjectText {
     id: u16,
     name: String,
     interaction_points: Vec<Point>,
+    #[serde(default)]
+    position_only: bool,
+    #[serde(default)]
+    meetings: Vec<MeetingText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeetingText {
+    with: u16,
+    points: Vec<Point>,
+    on_m: f32,
+    off_m: f32,
 }
 
 #[derive(Deserialize)]
@@ -158,7 +173,20 @@ struct IuText {
     path_m: Option<[f32; 2]>,
     axis: Option<[f32; 3]>,
     place_m: Option<[f32; 4]>,
+    /// A file without this key was taught before verdicts named it.
+    shown: Option<ShownText>,
     reference: Vec<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShownText {
+    frames: [u32; 2],
+    reversals: [u32; 2],
+    stroke_m: [f32; 2],
+    path_m: [f32; 2],
+    axis: f32,
+    place_m: f32,
 }
 
 /// Minimum and maximum.
@@ -246,6 +274,8 @@ fn provenance_of(text: ProvenanceText) -> Provenance {
         date: text.date,
         rule: text.rule,
         bounds: text.bounds,
+        strictness: text.strictness,
+        order: text.order,
         sources: text.source.into_iter().map(source).collect(),
     }
 }
@@ -271,15 +301,30 @@ fn method_of(text: MethodText) -> Method {
 }
 
 fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
-    let interaction_points =
-        heapless::Vec::from_slice(&text.interaction_points).map_err(|_| JobFault::Invalid {
-            key: format!("object[{index}].interaction_points"),
-            problem: format!(
-                "there are {}; at most {INTERACTION_POINTS} can be followed",
-                text.interaction_points.len()
-            ),
-        })?;
-    Ok(NamedObject { name: text.name, shape: ObjectShape { id: text.id, interaction_points } })
+    let key = format!("object[{index}]");
+    let meeting = |text: MeetingText| {
+        let MeetingText { with, points, on_m, off_m } = text;
+        let points = fitting(&points, &format!("{key}.meetings.points"))?;
+        Ok::<_, JobFault>(Meeting { with, points, contact: Contact { on_m, off_m } })
+    };
+    let meetings: Vec<Meeting> = text.meetings.into_iter().map(meeting).collect::<Result<_, _>>()?;
+    Ok(NamedObject {
+        name: text.name,
+        shape: ObjectShape {
+            id: text.id,
+            interaction_points: fitting(&text.interaction_points, &format!("{key}.interaction_points"))?,
+            meetings: fitting(&meetings, &format!("{key}.meetings"))?,
+            is_position_only: text.position_only,
+        },
+    })
+}
+
+/// As many items as there may be.
+fn fitting<T: Clone, const MAX: usize>(items: &[T], key: &str) -> Result<heapless::Vec<T, MAX>, JobFault> {
+    heapless::Vec::from_slice(items).map_err(|_| JobFault::Invalid {
+        key: key.to_owned(),
+        problem: format!("there are {}; at most {MAX} can be followed", items.len()),
+    })
 }
 
 fn step_of(text: StepText) -> TaughtStep {
@@ -325,13 +370,30 @@ fn activity_of(index: usize, text: ActivityText) -> Result<TaughtActivity, JobFa
 
 fn measures_of(iu: &IuText) -> MeasureBounds {
     let any = MeasureBounds::ANY;
-    let range = |given: Option<[f32; 2]>, any| given.map_or(any, |[min, max]| Range { min, max });
+    let range = |given: Option<[f32; 2]>, any| given.map_or(any, range_of);
     MeasureBounds {
         stroke_m: range(iu.stroke_m, any.stroke_m),
         path_m: range(iu.path_m, any.path_m),
         axis: iu.axis.map_or(any.axis, |[x, y, max]| Around { centre: [x, y], max }),
         place_m: iu.place_m.map_or(any.place_m, |[x, y, z, max]| Around { centre: [x, y, z], max }),
+        shown: iu.shown.as_ref().map(shown_of),
     }
+}
+
+fn shown_of(text: &ShownText) -> Shown {
+    let bounds = |[min, max]: [u32; 2]| Bounds { min, max };
+    Shown {
+        frames: bounds(text.frames),
+        reversals: bounds(text.reversals),
+        stroke_m: range_of(text.stroke_m),
+        path_m: range_of(text.path_m),
+        axis: text.axis,
+        place_m: text.place_m,
+    }
+}
+
+fn range_of([min, max]: [f32; 2]) -> Range {
+    Range { min, max }
 }
 
 fn bounds_of(BoundsText(min, max): BoundsText) -> Bounds {

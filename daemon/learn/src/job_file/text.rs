@@ -3,9 +3,10 @@
 use super::{FORMAT, JobFile, Relation, TaughtActivity, TaughtIu, VERSION, checksum, runs};
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
+use andon_core::config::Contact;
 use andon_core::couple::Context;
-use andon_core::input::Side;
-use andon_core::job::{Around, Bounds, MeasureBounds, Range};
+use andon_core::input::{Meeting, ObjectShape, Point, Side};
+use andon_core::job::{Around, Bounds, MeasureBounds, Range, Shown};
 use std::fmt::Write as _;
 
 /// Appends a line. Writing to a `String` cannot fail, so the result is ignored here, once.
@@ -58,9 +59,13 @@ impl JobFile {
         );
         line!(
             text,
-            "# it, in metres, in the frame of the other part. A row of the reference has a number of frames, and the"
+            "# it, in metres, in the frame of the other part. `shown` is what the runs measured, from the least to the most, and how"
         );
-        line!(text, "# motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.");
+        line!(
+            text,
+            "# far from the two centres: verdicts name it, and it decides nothing. A row of the reference has a number of frames,"
+        );
+        line!(text, "# and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.");
         self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
         checksum::seal(&text)
     }
@@ -71,6 +76,12 @@ impl JobFile {
         line!(text, "date = {}", quoted(&from.date));
         line!(text, "rule = {{ {} }}", rule_text(from.rule));
         line!(text, "bounds = {{ {} }}", bounds_rule_text(from.bounds));
+        if let Some(strictness) = from.strictness {
+            line!(text, "strictness = {}", strictness.number());
+        }
+        if let Some(order) = from.order {
+            line!(text, "order = {order}");
+        }
         for source in &from.sources {
             line!(text, "\n[[provenance.source]]\nname = {}", quoted(&source.name));
             line!(text, "sha256 = {}", quoted(&source.sha256));
@@ -135,6 +146,7 @@ impl JobFile {
         line!(text, "frames = {}", bounds_text(iu.frames));
         line!(text, "reversals = {}", bounds_text(iu.reversals));
         measures_text(text, &iu.measures);
+        iu.measures.shown.iter().for_each(|shown| shown_text(text, shown));
         line!(text, "reference = [");
         for row in runs::rows(&iu.reference) {
             line!(text, "  {row:?},");
@@ -155,11 +167,38 @@ fn relation_text(relation: &Relation) -> String {
 }
 
 fn object_text(text: &mut String, object: &NamedObject) {
-    let points = object.shape.interaction_points.iter().map(|[x, y, z]| format!("[{x:?}, {y:?}, {z:?}]"));
-    let points: Vec<String> = points.collect();
-    line!(text, "\n[[object]]\nid = {}\nname = {}", object.shape.id, quoted(&object.name));
+    let ObjectShape { id, interaction_points, meetings, is_position_only } = &object.shape;
+    line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
     line!(text, "# Where it can be touched, in metres in its own frame.");
-    line!(text, "interaction_points = [{}]", points.join(", "));
+    line!(text, "interaction_points = {}", points_text(interaction_points));
+    if *is_position_only {
+        line!(
+            text,
+            "# Its orientation differed from run to run where its way did not: only its position counts."
+        );
+        line!(text, "position_only = true");
+    }
+    if !meetings.is_empty() {
+        line!(
+            text,
+            "# Where and how near the runs show it to be met, by a hand (0) or by another object: by the finger tips or"
+        );
+        line!(
+            text,
+            "# the position of that, in metres in the frame of this object; without points at the interaction points."
+        );
+        line!(text, "meetings = [");
+        for Meeting { with, points, contact: Contact { on_m, off_m } } in meetings {
+            let points = points_text(points);
+            line!(text, "  {{ with = {with}, points = {points}, on_m = {on_m:?}, off_m = {off_m:?} }},");
+        }
+        line!(text, "]");
+    }
+}
+
+fn points_text(points: &[Point]) -> String {
+    let points: Vec<String> = points.iter().map(|[x, y, z]| format!("[{x:?}, {y:?}, {z:?}]")).collect();
+    format!("[{}]", points.join(", "))
 }
 
 fn rule_text(rule: ThresholdRule) -> String {
@@ -197,6 +236,19 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
     if max.is_finite() {
         line!(text, "place_m = [{x:?}, {y:?}, {z:?}, {max:?}]");
     }
+}
+
+fn shown_text(text: &mut String, shown: &Shown) {
+    let Shown { frames, reversals, stroke_m, path_m, axis, place_m } = shown;
+    let range = |Range { min, max }: &Range| format!("[{min:?}, {max:?}]");
+    line!(
+        text,
+        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, axis = {axis:?}, place_m = {place_m:?} }}",
+        bounds_text(*frames),
+        bounds_text(*reversals),
+        range(stroke_m),
+        range(path_m)
+    );
 }
 
 fn bounds_text(Bounds { min, max }: Bounds) -> String {

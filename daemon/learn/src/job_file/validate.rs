@@ -4,8 +4,8 @@ use super::{JobFault, JobFile, TaughtActivity, TaughtIu};
 use crate::recording::NamedObject;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
-use andon_core::input::ObjectShape;
-use andon_core::job::{Bounds, MeasureBounds, Range};
+use andon_core::input::{Meeting, ObjectShape, Point};
+use andon_core::job::{Bounds, MeasureBounds, Range, Shown};
 
 /// Checks everything that the types do not guarantee.
 pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
@@ -40,12 +40,21 @@ pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
 
 fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
     let key = format!("object[{index}]");
-    let ObjectShape { id, interaction_points } = &objects[index].shape;
+    let ObjectShape { id, interaction_points, meetings, .. } = &objects[index].shape;
     let is_unique = objects[..index].iter().all(|other| other.shape.id != *id);
     rule(*id != 0 && is_unique, &key, || format!("id is {id}; ids are 1 to 65535 and differ"))?;
-    let is_finite = interaction_points.iter().flatten().all(|value| value.is_finite());
-    rule(is_finite && !interaction_points.is_empty(), &key, || {
+    let is_finite = |points: &[Point]| points.iter().flatten().all(|value| value.is_finite());
+    rule(is_finite(interaction_points) && !interaction_points.is_empty(), &key, || {
         "it needs at least one interaction point, and its coordinates must be finite".to_owned()
+    })?;
+    let is_known =
+        |other: u16| other == Meeting::HAND || objects.iter().any(|object| object.shape.id == other);
+    let is_possible = |met: &Meeting| {
+        is_finite(&met.points) && met.contact.is_valid() && met.with != *id && is_known(met.with)
+    };
+    rule(meetings.iter().all(is_possible), &format!("{key}.meetings"), || {
+        "each must be with 0 or another object of the job, with finite points and 0 < on_m <= off_m"
+            .to_owned()
     })
 }
 
@@ -73,7 +82,7 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
     for (key, Bounds { min, max }) in [("frames", iu.frames), ("reversals", iu.reversals)] {
         rule(min <= max, &key_of(key), || format!("the minimum {min} is greater than the maximum {max}"))?;
     }
-    let MeasureBounds { stroke_m, path_m, axis, place_m } = iu.measures;
+    let MeasureBounds { stroke_m, path_m, axis, place_m, shown } = iu.measures;
     for (key, Range { min, max }) in [("stroke_m", stroke_m), ("path_m", path_m)] {
         rule(0.0 <= min && min <= max, &key_of(key), || format!("{min} to {max} is no range of lengths"))?;
     }
@@ -84,6 +93,12 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
     }
     let is_finite = axis.centre.iter().chain(&place_m.centre).all(|value| value.is_finite());
     rule(is_finite, &key_of("axis"), || "a centre of axis or place_m is not a number".to_owned())?;
+    let is_finite = |shown: Shown| {
+        let Shown { stroke_m, path_m, axis, place_m, .. } = shown;
+        let values = [stroke_m.min, stroke_m.max, path_m.min, path_m.max, axis, place_m];
+        values.into_iter().all(f32::is_finite)
+    };
+    rule(shown.is_none_or(is_finite), &key_of("shown"), || "a value is not a number".to_owned())?;
     rule(!iu.reference.is_empty(), &key_of("reference"), || "it has no rows".to_owned())?;
     let bins = job.method.bins as i8;
     let is_possible = |Motion([a, t1, p1, j1, t2, p2, j2]): &Motion| {

@@ -221,7 +221,10 @@ fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
             return Err(TrackFault::InteractionPoints { id, found });
         }
         let name = if object.name.is_empty() { format!("object {id}") } else { object.name };
-        objects.push(NamedObject { name, shape: ObjectShape { id, interaction_points } });
+        objects.push(NamedObject {
+            name,
+            shape: ObjectShape { id, interaction_points, ..ObjectShape::default() },
+        });
     }
     Ok(objects)
 }

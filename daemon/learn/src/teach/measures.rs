@@ -1,23 +1,23 @@
 //! Bounds of the measures of an IU, with a stated rate of false alarms.
 //!
-//! A bound is a prediction interval of Student's t: what one more execution will measure, from the mean and the spread of those shown. A few runs
-//! show their spread badly, so it is pooled with that of people in general (an empirical Bayes estimate, Smyth 2004). Lengths are compared by
-//! their ratios, because people differ by them.
+//! A bound is a prediction interval of Student's t: what one more execution will measure, from the mean and the spread of those shown. A few
+//! runs show their spread badly, so it is pooled with that of people in general (an empirical Bayes estimate, Smyth 2004). Lengths are
+//! compared by their ratios, because people differ by them.
 
 use super::bounds::UNBOUNDED;
-use crate::statistics::{deviation, mean};
+use crate::statistics::{deviation, mean, student_t};
 use andon_core::couple::Context;
-use andon_core::job::{Around, Bounds, MeasureBounds, Range};
+use andon_core::job::{Around, Bounds, MeasureBounds, Range, Shown};
 use andon_core::segment::Measures;
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// As many runs as the spread of people in general counts for.
 const PRIOR_FREEDOM: f64 = 6.0;
 
-/// How people in general differ: in the logarithm of the length of a stroke and of a path, in the number of reversals, in the axis and in the
-/// place in metres.
+/// How people in general differ: in the logarithm of the length of a stroke and of a path, in the number of reversals, in the axis and in
+/// the place in metres.
 const PRIOR_STROKE: f64 = 0.12;
 const PRIOR_PATH: f64 = 0.12;
+const PRIOR_DURATION: f64 = 0.2;
 const PRIOR_REVERSALS: f64 = 0.3;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
@@ -31,15 +31,20 @@ const STRAY_REVERSALS: u32 = 2;
 /// Nobody notices a path that is longer by this, in metres.
 const STRAY_PATH_M: f64 = 0.05;
 
+/// Nobody notices that a step takes longer by this, in seconds: contacts begin and end by distance.
+const STRAY_S: f64 = 0.1;
+
 /// A shorter path has no direction, in metres.
 const MIN_DIRECTED_M: f32 = 0.1;
 
-/// The share of the job's rate of false alarms that the length of strokes has: people differ by it so much that half of a stroke is found only
-/// near the limit. The four other measures share the rest.
-const STROKE_SHARE: f64 = 0.45;
+/// The shares of the job's rate of false alarms that the measures have by which people differ so much that what is wrong is found only near
+/// the limit: half of a stroke, no pause at a part, one stroke less. The three other measures share the rest.
+const STROKE_SHARE: f64 = 0.42;
+const DURATION_SHARE: f64 = 0.36;
+const REVERSALS_SHARE: f64 = 0.13;
 
-/// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs that have
-/// it share that equally.
+/// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
+/// that have it share that equally.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rates {
     reversals: f64,
@@ -47,12 +52,16 @@ pub(super) struct Rates {
     path: f64,
     axis: f64,
     place: f64,
+    duration: f64,
+    /// How probable it is that one person showed all demonstrations.
+    one_person: f64,
 }
 
 impl Rates {
     /// From the demonstrations of each IU of the job.
     pub(super) fn new<'a>(
         false_alarms: f64,
+        one_person: f64,
         ius: impl Iterator<Item = (Context, &'a [Measures])> + Clone,
     ) -> Self {
         let rate = |share: f64, has: &dyn Fn(Context, &[Measures]) -> bool| {
@@ -60,34 +69,59 @@ impl Rates {
                 ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - STROKE_SHARE) / 4.0;
+        let other = (1.0 - STROKE_SHARE - DURATION_SHARE - REVERSALS_SHARE) / 3.0;
         Self {
-            reversals: rate(other, &|_, _| true),
+            reversals: rate(REVERSALS_SHARE, &|_, _| true),
             stroke: rate(STROKE_SHARE, &|_, shown| is_repeated(shown)),
             path: rate(other, &|_, _| true),
             axis: rate(other, &|context, shown| is_directed(context, shown)),
             place: rate(other, &|context, _| is_at_another(context)),
+            duration: rate(DURATION_SHARE, &|context, _| is_at_another(context)),
+            one_person,
         }
     }
 
-    /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations.
-    pub(super) fn bounds(&self, context: Context, shown: &[Measures]) -> (Bounds, MeasureBounds) {
-        if !context.is_touch() || self.path <= 0.0 {
-            return (UNBOUNDED, MeasureBounds::ANY);
-        }
+    /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations and their lengths in frames.
+    pub(super) fn bounds(
+        &self,
+        context: Context,
+        shown: &[Measures],
+        frames: &[u32],
+    ) -> (Bounds, MeasureBounds) {
         let any = MeasureBounds::ANY;
+        if !context.is_touch() {
+            return (UNBOUNDED, any);
+        } else if self.path <= 0.0 {
+            return (UNBOUNDED, MeasureBounds { shown: Some(what_was_shown(shown, frames, &any)), ..any });
+        }
         let bounds = MeasureBounds {
             stroke_m: if is_repeated(shown) { self.stroke_m(shown) } else { any.stroke_m },
             path_m: self.path_m(shown),
             axis: if is_directed(context, shown) { self.axis(shown) } else { any.axis },
             place_m: if is_at_another(context) { self.place_m(shown) } else { any.place_m },
+            shown: None,
         };
-        (self.reversals(shown), bounds)
+        (
+            self.reversals(shown),
+            MeasureBounds { shown: Some(what_was_shown(shown, frames, &bounds)), ..bounds },
+        )
+    }
+
+    /// The least duration of an IU at another part, in frames, from that of its demonstrations; `None` for other IUs: somebody may be quick
+    /// on the way. Only what is too short is asked for, so the whole rate is on that side.
+    pub(super) fn min_frames(&self, context: Context, frames: &[u32], rate_hz: f32) -> Option<u32> {
+        if !context.is_touch() || !is_at_another(context) || self.duration <= 0.0 {
+            return None;
+        }
+        let stray = STRAY_S * f64::from(rate_hz);
+        let durations: Vec<f64> = frames.iter().map(|frames| (f64::from(*frames) + stray).ln()).collect();
+        let (centre, apart) = self.interval(&durations, PRIOR_DURATION, 2.0 * self.duration);
+        Some(((centre - apart).exp() - stray).max(0.0) as u32)
     }
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {
         let counts: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
-        let (centre, apart) = interval(&counts, PRIOR_REVERSALS, self.reversals);
+        let (centre, apart) = self.interval(&counts, PRIOR_REVERSALS, self.reversals);
         let most = shown.iter().map(|measures| measures.reversals).max().unwrap_or_default();
         let stray = if is_repeated(shown) { 0 } else { STRAY_REVERSALS };
         Bounds {
@@ -102,25 +136,65 @@ impl Rates {
             .filter_map(|measures| measures.stroke_m)
             .map(|length| f64::from(length).ln())
             .collect();
-        let (centre, apart) = interval(&lengths, PRIOR_STROKE, self.stroke);
+        let (centre, apart) = self.interval(&lengths, PRIOR_STROKE, self.stroke);
         Range { min: (centre - apart).exp() as f32, max: (centre + apart).exp() as f32 }
     }
 
     fn path_m(&self, shown: &[Measures]) -> Range {
         let lengths: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.path_m) + STRAY_PATH_M).ln()).collect();
-        let (centre, apart) = interval(&lengths, PRIOR_PATH, self.path);
+        let (centre, apart) = self.interval(&lengths, PRIOR_PATH, self.path);
         let length = |logarithm: f64| (logarithm.exp() - STRAY_PATH_M).max(0.0) as f32;
         Range { min: length(centre - apart), max: length(centre + apart) }
     }
 
     fn axis(&self, shown: &[Measures]) -> Around<2> {
-        around(&shown.iter().map(|measures| measures.axis).collect::<Vec<_>>(), PRIOR_AXIS, self.axis)
+        self.around(&shown.iter().map(|measures| measures.axis).collect::<Vec<_>>(), PRIOR_AXIS, self.axis)
     }
 
     fn place_m(&self, shown: &[Measures]) -> Around<3> {
-        around(&shown.iter().map(|measures| measures.place_m).collect::<Vec<_>>(), PRIOR_PLACE_M, self.place)
+        self.around(
+            &shown.iter().map(|measures| measures.place_m).collect::<Vec<_>>(),
+            PRIOR_PLACE_M,
+            self.place,
+        )
     }
+
+    fn interval(&self, values: &[f64], prior: f64, false_alarms: f64) -> (f64, f64) {
+        interval(values, prior, false_alarms, self.one_person)
+    }
+
+    /// The same in the plane or in space: the spread is that of one axis.
+    fn around<const N: usize>(&self, values: &[[f32; N]], prior: f64, false_alarms: f64) -> Around<N> {
+        let axes: [(f64, f64); N] = std::array::from_fn(|axis| {
+            let along: Vec<f64> = values.iter().map(|value| f64::from(value[axis])).collect();
+            self.interval(&along, prior, false_alarms)
+        });
+        let apart = axes.iter().map(|(_, apart)| apart.powi(2)).sum::<f64>().sqrt();
+        Around { centre: axes.map(|(centre, _)| centre as f32), max: apart as f32 }
+    }
+}
+
+/// What the demonstrations measured, from the least to the most.
+fn what_was_shown(shown: &[Measures], frames: &[u32], bounds: &MeasureBounds) -> Shown {
+    let most = |distances: &mut dyn Iterator<Item = f32>| distances.fold(0.0, f32::max);
+    Shown {
+        frames: counts(frames.iter().copied()),
+        reversals: counts(shown.iter().map(|measures| measures.reversals)),
+        stroke_m: lengths(shown.iter().filter_map(|measures| measures.stroke_m)),
+        path_m: lengths(shown.iter().map(|measures| measures.path_m)),
+        axis: most(&mut shown.iter().map(|measures| bounds.axis.distance(measures.axis))),
+        place_m: most(&mut shown.iter().map(|measures| bounds.place_m.distance(measures.place_m))),
+    }
+}
+
+fn counts(values: impl Iterator<Item = u32> + Clone) -> Bounds {
+    Bounds { min: values.clone().min().unwrap_or_default(), max: values.max().unwrap_or_default() }
+}
+
+fn lengths(values: impl Iterator<Item = f32> + Clone) -> Range {
+    let min = values.clone().min_by(f32::total_cmp).unwrap_or_default();
+    Range { min, max: values.max_by(f32::total_cmp).unwrap_or_default() }
 }
 
 fn is_repeated(shown: &[Measures]) -> bool {
@@ -136,27 +210,24 @@ fn is_at_another(context: Context) -> bool {
     context.0[3] != 0
 }
 
+/// By which share the bounds of so many runs would be narrower with `more` of them, if these differ as the first do.
+pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) -> f64 {
+    let width = |runs: usize| {
+        let count = runs.max(1) as f64;
+        student_t(PRIOR_FREEDOM + count - 1.0, false_alarms / 2.0) * (1.0 + 1.0 / count).sqrt()
+    };
+    1.0 - width(runs + more) / width(runs)
+}
+
 /// The centre of these values, and how far from it one more may lie at this rate of false alarms.
-fn interval(values: &[f64], prior: f64, false_alarms: f64) -> (f64, f64) {
+pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, one_person: f64) -> (f64, f64) {
     let count = values.len() as f64;
     let freedom = PRIOR_FREEDOM + count - 1.0;
     let squares = PRIOR_FREEDOM * prior.powi(2) + (count - 1.0) * deviation(values, 1).powi(2);
-    let spread = (squares / freedom).sqrt() * (1.0 + 1.0 / count).sqrt();
-    (mean(values), quantile(freedom, false_alarms) * spread)
-}
-
-/// The same in the plane or in space: the spread is that of one axis.
-fn around<const N: usize>(values: &[[f32; N]], prior: f64, false_alarms: f64) -> Around<N> {
-    let axes: [(f64, f64); N] = std::array::from_fn(|axis| {
-        let along: Vec<f64> = values.iter().map(|value| f64::from(value[axis])).collect();
-        interval(&along, prior, false_alarms)
-    });
-    let apart = axes.iter().map(|(_, apart)| apart.powi(2)).sum::<f64>().sqrt();
-    Around { centre: axes.map(|(centre, _)| centre as f32), max: apart as f32 }
-}
-
-/// How many spreads apart a share of all executions is, on both sides together.
-fn quantile(freedom: f64, false_alarms: f64) -> f64 {
-    // The location, the scale and the freedom are always valid.
-    StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - false_alarms / 2.0))
+    let of_many = squares / freedom * (1.0 + 1.0 / count);
+    // The mean is that person's, from whom another one differs, and both do from time to time.
+    let of_one = 2.0 * prior.powi(2) + deviation(values, 1).powi(2) * (1.0 + 1.0 / count);
+    let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
+    // Half of them on each side.
+    (mean(values), student_t(freedom, false_alarms / 2.0) * spread)
 }

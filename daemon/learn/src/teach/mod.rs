@@ -1,14 +1,17 @@
 //! Teaching: from a few correct runs of a whole job, without labels, to a job file (paper III-C, III-D, IV-B).
 //!
 //! Contexts give the nominal activities ([`Disagreement`] says where a run differs), DBA the reference of each IU, a
-//! [`ThresholdRule`] its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of reversals.
+//! [`ThresholdRule`] its threshold, and a [`BoundsRule`](crate::rule::BoundsRule) the bounds of duration and of the other measures.
 //! The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in the report.
 
 mod bounds;
 mod left_out;
 mod measures;
+mod meetings;
+mod noticed;
 mod options;
 mod order;
+mod people;
 mod relation;
 mod report;
 mod sampling;
@@ -16,6 +19,7 @@ mod sequence;
 mod threshold;
 mod trust;
 
+pub use meetings::Unsure;
 pub use options::{TeachError, TeachOptions};
 pub use order::OrderReport;
 pub use report::{IuReport, TeachReport};
@@ -28,9 +32,10 @@ use crate::recording::object_name;
 use crate::rule::ThresholdRule;
 use crate::run::{Iu, Run};
 use crate::warp::Warp;
-use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS};
-use andon_core::couple::Motion;
+use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
+use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
+use andon_core::job::Bounds;
 use andon_core::segment::Measures;
 use measures::Rates;
 use report::Found;
@@ -48,6 +53,20 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     if runs.is_empty() {
         return Err(TeachError::NoRun);
     }
+    if !options.find_meetings {
+        return teach_examined(runs, options);
+    }
+    let (objects, unsure) = meetings::learn(runs, &options.method);
+    // The points and distances that are learnt are finite, so it is only their number that may be refused.
+    let too_many = |_| TeachError::Full { what: "objects", needed: objects.len(), max: OBJECTS };
+    let met = runs.iter().map(|run| run.encoded_with_objects(&objects)).collect::<Result<Vec<_>, _>>();
+    let met = met.map_err(too_many)?;
+    let (job, mut report) = teach_examined(&met, options)?;
+    report.unsure = unsure;
+    Ok((job, report))
+}
+
+fn teach_examined(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachReport), TeachError> {
     if !options.examine_runs {
         return teach_different(runs, options, Vec::new());
     }
@@ -71,12 +90,14 @@ fn teach_different(
         return Err(nothing_agrees(runs, &agreement));
     }
     check_capacities(&agreement)?;
+    let one_person = people::one_person(runs, &agreement);
     let mut teacher = Teacher {
         runs,
         options,
         warp: Warp::new(options.cost),
         tables: Barycentres::new(options.cost, options.method.bins),
-        rates: rates(runs, &agreement, options.bounds.false_alarms),
+        rates: rates(runs, &agreement, options.bounds.false_alarms, one_person),
+        one_person,
         ius: Vec::new(),
         blind: Vec::new(),
     };
@@ -84,21 +105,21 @@ fn teach_different(
         agreement.sequences.iter().map(|sequence| teacher.activity(sequence)).collect::<Result<_, _>>()?;
     let (ius, blind) = (teacher.ius, teacher.blind);
     let mut job = job_file(runs, options, &agreement, activities);
+    let used = agreement.used_runs(runs);
     if options.measure_rate {
-        job.min_rate_hz = needed_rate_hz(agreement.used.iter().map(|index| &runs[*index]), &job);
+        job.min_rate_hz = needed_rate_hz(&used, &job);
     }
     if options.examine_runs {
         // The lengths were checked when the IUs were learnt.
         doubts.extend(doubts_of(runs, &agreement, options).unwrap_or_default());
     }
-    let used: Vec<&Run> = agreement.used.iter().map(|index| &runs[*index]).collect();
-    let rejected = (options.try_runs && used.len() > 1).then(|| left_out::rejected(&used, options));
-    let found = Found { disagreements: agreement.disagreements, doubts, blind, rejected };
+    let rejected = (options.try_runs && used.len() > 1).then(|| left_out::rejected(&used, options, &job));
+    let found = Found { disagreements: agreement.disagreements, doubts, blind, rejected, one_person };
     let report = TeachReport::new(runs.len(), options, &job, found, ius);
     Ok((job, report))
 }
 
-fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64) -> Rates {
+fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64, one_person: f64) -> Rates {
     let sequences = agreement.sequences.iter();
     let ius: Vec<_> = sequences
         .flat_map(|sequence| {
@@ -106,7 +127,7 @@ fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64) -> Rates {
             contexts.map(move |(index, context)| (*context, measures_of(runs, sequence, index)))
         })
         .collect();
-    Rates::new(false_alarms, ius.iter().map(|(context, shown)| (*context, shown.as_slice())))
+    Rates::new(false_alarms, one_person, ius.iter().map(|(context, shown)| (*context, shown.as_slice())))
 }
 
 /// The measures of the demonstrations of an IU that were seen well.
@@ -156,7 +177,7 @@ fn job_file(
         id: options.id,
         name: options.name.clone(),
         rests: agreement.rests.clone(),
-        steps: relation::steps(runs, agreement, options.order_matters),
+        steps: relation::steps(runs, agreement, options),
         cost: options.cost,
         max_slowdown: options.max_slowdown,
         min_rate_hz: 0.0,
@@ -168,17 +189,18 @@ fn job_file(
             date: options.date.clone(),
             rule: options.rule,
             bounds: options.bounds,
+            strictness: Some(options.strictness),
+            order: options.order_matters,
             sources: sources(runs, agreement),
         },
     }
 }
 
 fn sources(runs: &[Run], agreement: &Agreement) -> Vec<Source> {
-    let is_left_out = |index| agreement.disagreements.iter().any(|found| found.run == index);
     let source = |(index, run): (usize, &Run)| Source {
         name: run.name.clone(),
         sha256: run.sha256.clone(),
-        left_out: is_left_out(index),
+        left_out: !agreement.used.contains(&index),
     };
     runs.iter().enumerate().map(source).collect()
 }
@@ -190,6 +212,8 @@ struct Teacher<'a> {
     warp: Warp,
     tables: Barycentres,
     rates: Rates,
+    /// How probable it is that one person showed all runs.
+    one_person: f64,
     ius: Vec<IuReport>,
     blind: Vec<Blind>,
 }
@@ -210,17 +234,18 @@ impl Teacher<'_> {
         self.check_lengths(sequence, index, &shown)?;
         let shown: Vec<&Iu> = shown.into_iter().map(|(_, iu)| iu).collect();
         let motions: Vec<&[Motion]> = shown.iter().map(|iu| iu.motion.as_slice()).collect();
-        let TeachOptions { rule, bounds, max_slowdown, method, .. } = self.options;
+        let TeachOptions { rule, max_slowdown, method, .. } = self.options;
         let leave_out = !matches!(rule, ThresholdRule::Paper { .. });
         let learned = learn(&mut self.warp, &self.tables, &motions, leave_out, *max_slowdown)
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?;
         let context = sequence.contexts[index];
         let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
-        let (reversals, measures) = self.rates.bounds(context, &measures_of(self.runs, sequence, index));
+        let (reversals, measures) =
+            self.rates.bounds(context, &measures_of(self.runs, sequence, index), &frames);
         let taught = TaughtIu {
             context,
-            threshold: learned.threshold(*rule, f64::from(method.rate_hz)) as f32,
-            frames: bounds.frames(context, method.rate_hz, &frames),
+            threshold: learned.threshold(*rule, f64::from(method.rate_hz), self.one_person) as f32,
+            frames: self.frames(context, &frames),
             reversals,
             measures,
             reference: learned.reference.clone(),
@@ -228,6 +253,14 @@ impl Teacher<'_> {
         };
         self.ius.push(IuReport::new(sequence.activity, index, &learned, &taught));
         Ok(taught)
+    }
+
+    /// The bounds of duration, from that of the demonstrations, in frames.
+    fn frames(&self, context: Context, frames: &[u32]) -> Bounds {
+        let TeachOptions { bounds, method, .. } = self.options;
+        let wide = bounds.frames(context, method.rate_hz, frames);
+        let min = self.rates.min_frames(context, frames, method.rate_hz);
+        Bounds { min: min.unwrap_or(wide.min), ..wide }
     }
 
     fn never_seen(&self, sequence: &Sequence, index: usize) -> TeachError {

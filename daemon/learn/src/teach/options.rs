@@ -1,6 +1,8 @@
 //! How to teach, and why nothing was taught.
 
+use crate::job_file::JobFile;
 use crate::rule::{BoundsRule, ThresholdRule};
+use crate::strictness::Strictness;
 use andon_core::capacity::IU_FRAMES;
 use andon_core::config::Method;
 use andon_core::dtw::Refused;
@@ -27,10 +29,14 @@ pub struct TeachOptions {
     pub rule: ThresholdRule,
     /// How bounds are chosen.
     pub bounds: BoundsRule,
+    /// How much evidence makes a law of an order.
+    pub strictness: Strictness,
     /// Whether the activities must come in the order in which they are numbered, or may come in any. `None`: as the runs show.
     pub order_matters: Option<bool>,
     /// Whether it is measured how many frames per second the job needs; otherwise nothing is asked of the rate.
     pub measure_rate: bool,
+    /// Whether the runs show where and how near hands and objects meet; otherwise it is as their objects say.
+    pub find_meetings: bool,
     /// Whether the runs are examined for what speaks against learning from them.
     pub examine_runs: bool,
     /// Whether each run is judged by what the others teach, which takes as many times as long.
@@ -53,11 +59,35 @@ impl TeachOptions {
             max_slowdown: Self::DEFAULT_MAX_SLOWDOWN,
             rule: ThresholdRule::default(),
             bounds: BoundsRule::default(),
+            strictness: Strictness::default(),
             order_matters: None,
             measure_rate: true,
+            find_meetings: true,
             examine_runs: true,
             try_runs: false,
         }
+    }
+
+    /// The options that a job was taught with, to teach it again with more or fewer runs on this date.
+    pub fn of_job(job: &JobFile, date: &str) -> Self {
+        let from = &job.provenance;
+        Self {
+            id: job.id,
+            cost: job.cost,
+            max_slowdown: job.max_slowdown,
+            rule: from.rule,
+            bounds: from.bounds,
+            strictness: from.strictness.unwrap_or_default(),
+            order_matters: from.order,
+            ..Self::new(&job.name, date, job.method)
+        }
+    }
+
+    /// The same with another strictness: of the order, and of the bounds.
+    #[must_use]
+    pub fn with_strictness(self, strictness: Strictness) -> Self {
+        let bounds = BoundsRule { false_alarms: strictness.false_alarms(), ..self.bounds };
+        Self { strictness, bounds, ..self }
     }
 
     /// Checks that every number is in its range.

@@ -9,6 +9,7 @@
 //! Two steps that have nothing to do with each other stand in one order in `n` runs by chance with a probability of `2^(1-n)`, so one run
 //! shows no order at all.
 
+use super::options::TeachOptions;
 use super::sequence::Agreement;
 use crate::job_file::{Relation, RelationKind, TaughtStep};
 use crate::run::{Activity, Run};
@@ -23,21 +24,6 @@ const BETWEEN_HANDS_S: f64 = 3.0;
 
 /// But a hand that takes up what the other one has left waits for it: so many seconds beyond the bound are enough.
 const AFTER_END_S: f64 = 0.1;
-
-/// Student's t for one side and 1, 2, 3 and so on degrees of freedom: exceeded with a probability of 5 % and of 1 %. Steps that share a part
-/// are likely to need their order, so less evidence is enough for them.
-const QUANTILES: [[f64; 2]; 10] = [
-    [6.314, 31.821],
-    [2.920, 6.965],
-    [2.353, 4.541],
-    [2.132, 3.747],
-    [2.015, 3.365],
-    [1.943, 3.143],
-    [1.895, 2.998],
-    [1.860, 2.896],
-    [1.833, 2.821],
-    [1.812, 2.764],
-];
 
 /// The probability that two steps which have nothing to do with each other stand in one order in so many runs.
 pub(super) fn chance_of_one_order(runs: usize) -> f64 {
@@ -69,8 +55,8 @@ impl<'a> Occurrence<'a> {
     }
 }
 
-/// The steps of the job with their relations to those before them. `order` is whether the order matters, where somebody has said so.
-pub(super) fn steps(runs: &[Run], agreement: &Agreement, order: Option<bool>) -> Vec<TaughtStep> {
+/// The steps of the job with their relations to those before them. The options say how strict that is, and may say whether the order matters.
+pub(super) fn steps(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Vec<TaughtStep> {
     let all: Vec<Vec<Option<Occurrence<'_>>>> = agreement
         .steps
         .iter()
@@ -80,7 +66,7 @@ pub(super) fn steps(runs: &[Run], agreement: &Agreement, order: Option<bool>) ->
         })
         .collect();
     let step = |later: usize| {
-        let after = (0..later).filter_map(|earlier| relation(earlier, &all[earlier], &all[later], order));
+        let after = (0..later).filter_map(|earlier| relation(earlier, &all[earlier], &all[later], options));
         let count = all[later].iter().flatten().count();
         TaughtStep {
             is_required: count == agreement.used.len(),
@@ -100,7 +86,7 @@ fn relation(
     activity: usize,
     earlier: &[Option<Occurrence<'_>>],
     later: &[Option<Occurrence<'_>>],
-    order: Option<bool>,
+    options: &TeachOptions,
 ) -> Option<Relation> {
     let both: Vec<_> =
         earlier.iter().zip(later).filter_map(|(a, b)| Some((a.as_ref()?, b.as_ref()?))).collect();
@@ -108,17 +94,18 @@ fn relation(
         both.iter().map(|(a, b)| gap(a, b)).collect()
     };
     let begins = gaps(&|a, b| b.began_s - a.began_s);
-    let kind = match order {
+    let quantile = options.strictness.law_quantile(both.len(), is_shared(&both));
+    let kind = match options.order_matters {
         Some(true) => Some(RelationKind::Begin),
         Some(false) => None,
         None if both.len() < 2 || begins.iter().any(|gap| *gap <= 0.0) => None,
         None if both.iter().all(|(a, b)| a.activity.side == b.activity.side) => {
             let places = [0, 1].map(|clock| gaps(&|a, b| b.places[clock] - a.places[clock]));
-            let is_law = |gaps: &Vec<f64>| margin(gaps, &both) >= 0.0;
+            let is_law = |gaps: &Vec<f64>| margin(gaps, quantile) >= 0.0;
             let clocks = [&places[0], &places[1], &begins];
             Some(if clocks.into_iter().any(is_law) { RelationKind::Begin } else { RelationKind::Usual })
         }
-        None => between_hands(&begins, &gaps(&|a, b| b.began_s - a.ended_s), &both),
+        None => between_hands(&begins, &gaps(&|a, b| b.began_s - a.ended_s), is_shared(&both), quantile),
     };
     kind.map(|kind| Relation {
         activity: activity as u16,
@@ -128,15 +115,11 @@ fn relation(
     })
 }
 
-fn between_hands(
-    begins: &[f64],
-    ends: &[f64],
-    both: &[(&Occurrence<'_>, &Occurrence<'_>)],
-) -> Option<RelationKind> {
-    let after_end_s = if is_shared(both) { AFTER_END_S } else { BETWEEN_HANDS_S };
-    if margin(ends, both) >= after_end_s {
+fn between_hands(begins: &[f64], ends: &[f64], is_shared: bool, quantile: f64) -> Option<RelationKind> {
+    let after_end_s = if is_shared { AFTER_END_S } else { BETWEEN_HANDS_S };
+    if margin(ends, quantile) >= after_end_s {
         Some(RelationKind::End)
-    } else if margin(begins, both) >= BETWEEN_HANDS_S {
+    } else if margin(begins, quantile) >= BETWEEN_HANDS_S {
         Some(RelationKind::Begin)
     } else {
         (mean(begins) >= BETWEEN_HANDS_S).then_some(RelationKind::Usual)
@@ -144,9 +127,8 @@ fn between_hands(
 }
 
 /// By how much the mean of these gaps exceeds what is safely large.
-fn margin(gaps: &[f64], both: &[(&Occurrence<'_>, &Occurrence<'_>)]) -> f64 {
-    let of_freedom = QUANTILES[(gaps.len().max(2) - 2).min(QUANTILES.len() - 1)];
-    mean(gaps) - bound(of_freedom[usize::from(!is_shared(both))], gaps)
+fn margin(gaps: &[f64], quantile: f64) -> f64 {
+    mean(gaps) - bound(quantile, gaps)
 }
 
 /// The least mean that a gap must have for the next one to be positive too, at this quantile of Student's t.

@@ -1,5 +1,7 @@
 //! What teaching found, and whether the job can be trusted.
 
+use super::meetings::Unsure;
+use super::noticed::{Noticed, what_more_would_bring};
 use super::options::TeachOptions;
 use super::order::OrderReport;
 use super::sequence::Disagreement;
@@ -9,8 +11,9 @@ use crate::job_file::{JobFile, TaughtIu, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
 use crate::statistics::{deviation, mean};
+use crate::strictness::Strictness;
 use andon_core::couple::Context;
-use andon_core::job::Bounds;
+use andon_core::job::{Bounds, MeasureBounds};
 use std::fmt;
 
 /// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
@@ -38,6 +41,8 @@ pub struct IuReport {
     pub frames: Bounds,
     /// Bounds of the number of reversals.
     pub reversals: Bounds,
+    /// Bounds of what it measures in metres, and what was shown.
+    pub measures: MeasureBounds,
 }
 
 impl IuReport {
@@ -52,6 +57,7 @@ impl IuReport {
             threshold: taught.threshold,
             frames: taught.frames,
             reversals: taught.reversals,
+            measures: taught.measures,
         }
     }
 }
@@ -63,6 +69,7 @@ pub(super) struct Found {
     pub(super) doubts: Vec<Doubt>,
     pub(super) blind: Vec<Blind>,
     pub(super) rejected: Option<Vec<String>>,
+    pub(super) one_person: f64,
 }
 
 /// What teaching found. `Display` prints it for people.
@@ -80,8 +87,16 @@ pub struct TeachReport {
     pub order: OrderReport,
     /// The names of the runs that a job taught with the others would have rejected; `None` if it was not tried.
     pub rejected: Option<Vec<String>>,
+    /// What they do not show for sure of where hands and objects meet.
+    pub unsure: Vec<Unsure>,
+    /// How probable it is that one person showed all of them.
+    pub one_person: f64,
     /// How many frames per second the job needs, and how many the runs were encoded with.
     pub rate_hz: [f32; 2],
+    /// How strict the job is.
+    pub strictness: Strictness,
+    /// The share of right jobs that the bounds may accuse together; 0 where there are none.
+    pub false_alarms: f64,
     /// The rule by which the thresholds were chosen.
     pub rule: ThresholdRule,
     /// Each IU of each nominal sequence.
@@ -97,7 +112,7 @@ impl TeachReport {
         found: Found,
         ius: Vec<IuReport>,
     ) -> Self {
-        let Found { disagreements, doubts, blind, rejected } = found;
+        let Found { disagreements, doubts, blind, rejected, one_person } = found;
         let order = OrderReport::new(job, runs - disagreements.len());
         Self {
             runs,
@@ -106,7 +121,11 @@ impl TeachReport {
             blind,
             order,
             rejected,
+            unsure: Vec::new(),
+            one_person,
             rate_hz: [job.min_rate_hz, job.method.rate_hz],
+            strictness: options.strictness,
+            false_alarms: options.bounds.false_alarms,
             rule: options.rule,
             ius,
             objects: job.objects.clone(),
@@ -128,8 +147,16 @@ impl TeachReport {
         let words = |context| self.words(context);
         let left_out =
             self.disagreements.iter().map(|found| format!("left out was {}", found.sentence(&words)));
-        let others = [self.few_demonstrations(), self.not_seen(), self.false_alarms()];
-        left_out.chain(others.into_iter().flatten()).collect()
+        let unsure = self.unsure.iter().map(ToString::to_string);
+        let others = [self.few_demonstrations(), self.one_person(), self.not_seen(), self.false_alarms()];
+        left_out.chain(unsure).chain(others.into_iter().flatten()).collect()
+    }
+
+    fn one_person(&self) -> Option<String> {
+        (self.used() > 1 && self.one_person > 0.5).then(|| {
+            "the runs are as alike as those of one person, so other people are given more room: show runs of others, and it becomes less"
+                .to_owned()
+        })
     }
 
     fn few_demonstrations(&self) -> Option<String> {
@@ -200,11 +227,28 @@ impl fmt::Display for TeachReport {
                 "the job needs {needed:.1} of {all:.1} frames a second; a step with fewer is not judged (overload)"
             )?;
         }
-        self.write_table(f)
+        self.write_table(f)?;
+        self.write_promise(f)
     }
 }
 
 impl TeachReport {
+    /// What the bounds promise, and what they notice for it.
+    fn write_promise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let number = self.strictness.number();
+        if self.false_alarms <= 0.0 {
+            return Ok(());
+        }
+        write!(f, "{}", Noticed { ius: &self.ius, rate_hz: self.rate_hz[1] })?;
+        writeln!(
+            f,
+            "strictness {number} of {}: of {:.0} right jobs these measures accuse one; --strictness changes it",
+            Strictness::MAX,
+            1.0 / self.false_alarms
+        )?;
+        writeln!(f, "{}", what_more_would_bring(self.order.runs, self.false_alarms))
+    }
+
     fn write_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "activity  IU  shown  frames          reversals   distance         threshold  context")?;
         for iu in &self.ius {

@@ -17,31 +17,30 @@ const UNJUDGED: usize = 10;
 /// Thins the runs to fewer and fewer frames, beginning with each possible frame, until one of them is segmented in another way or accused, or
 /// several are not judged. The last rate before that is what the job needs. Runs that are not right with all their frames say nothing;
 /// where none is right, the job needs all frames.
-pub(super) fn needed_rate_hz<'a>(runs: impl Iterator<Item = &'a Run>, job: &JobFile) -> f32 {
-    let method = &job.method;
+pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
+    let rate_hz = job.method.rate_hz;
     // Nothing is asked of the rate while it is measured.
     let free = JobFile { min_rate_hz: 0.0, ..job.clone() };
-    free.with_job(|lent| {
-        let shown: Vec<(&Run, Vec<Said>)> = runs
-            .filter_map(|run| Some((run, said(&run.judge(lent, method).ok()?))))
-            .filter(|(_, said)| is_right(said))
-            .collect();
-        let rate_of = |[kept, of]: [u32; 2]| method.rate_hz * kept as f32 / of as f32;
-        let is_enough = |share: &[u32; 2]| {
-            let thinned = |(run, shown): &(&Run, Vec<Said>)| -> Vec<Option<Outcome>> {
-                let verdicts = run.judge_at(rate_of(*share).into(), share[1], lent, method);
-                verdicts.iter().map(|verdicts| outcome(&said(verdicts), shown)).collect()
-            };
-            let outcomes: Vec<Option<Outcome>> = shown.iter().flat_map(thinned).collect();
-            let unjudged = outcomes.iter().filter(|outcome| **outcome == Some(Outcome::NotJudged)).count();
-            outcomes.len() == shown.len() * share[1] as usize
-                && outcomes.iter().all(|outcome| outcome.is_some_and(|outcome| outcome != Outcome::Anomaly))
-                && unjudged <= outcomes.len() / UNJUDGED
+    let shown: Vec<(&Run, Vec<Said>)> = runs
+        .iter()
+        .filter_map(|run| Some((*run, said(&run.judge(&free).ok()?))))
+        .filter(|(_, said)| is_right(said))
+        .collect();
+    let rate_of = |[kept, of]: [u32; 2]| rate_hz * kept as f32 / of as f32;
+    let is_enough = |share: &[u32; 2]| {
+        let thinned = |(run, shown): &(&Run, Vec<Said>)| -> Vec<Option<Outcome>> {
+            let verdicts = run.judge_at(rate_of(*share).into(), share[1], &free);
+            verdicts.iter().map(|verdicts| outcome(&said(verdicts), shown)).collect()
         };
-        let every = (2..=(method.rate_hz / LEAST_HZ) as u32).map(|every| [1, every]);
-        let least = MOST.into_iter().chain(every).take_while(is_enough).last();
-        least.filter(|_| !shown.is_empty()).map_or(method.rate_hz, rate_of)
-    })
+        let outcomes: Vec<Option<Outcome>> = shown.iter().flat_map(thinned).collect();
+        let unjudged = outcomes.iter().filter(|outcome| **outcome == Some(Outcome::NotJudged)).count();
+        outcomes.len() == shown.len() * share[1] as usize
+            && outcomes.iter().all(|outcome| outcome.is_some_and(|outcome| outcome != Outcome::Anomaly))
+            && unjudged <= outcomes.len() / UNJUDGED
+    };
+    let every = (2..=(rate_hz / LEAST_HZ) as u32).map(|every| [1, every]);
+    let least = MOST.into_iter().chain(every).take_while(is_enough).last();
+    least.filter(|_| !shown.is_empty()).map_or(rate_hz, rate_of)
 }
 
 /// What a verdict is about and how it came out.

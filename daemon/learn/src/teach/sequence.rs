@@ -67,6 +67,13 @@ pub(super) struct Agreement {
     pub(super) steps: Vec<Vec<Option<usize>>>,
 }
 
+impl Agreement {
+    /// The runs that are used, of those in which it was found.
+    pub(super) fn used_runs<'a>(&self, runs: &'a [Run]) -> Vec<&'a Run> {
+        self.used.iter().map(|index| &runs[*index]).collect()
+    }
+}
+
 /// Finds what the runs have in common.
 pub(super) fn agree(runs: &[Run]) -> Agreement {
     let steps = Steps::of(runs);

@@ -17,6 +17,10 @@ const SINGLE_DEMONSTRATION_PER_FRAME: f64 = 1.5;
 /// Minimum spread, as a share of the mean: the deviation of a few demonstrations can be small by chance.
 const MIN_SPREAD: f64 = 0.2;
 
+/// Another person's distance is greater than that of whom the reference is from: the variance between people is about that between the runs
+/// of one of them.
+const OTHER_PEOPLE: f64 = std::f64::consts::SQRT_2;
+
 /// Squared local cost of a frame in the opposite direction, under both costs: the square of the diameter of the unit circle.
 const OPPOSITE: f64 = 4.0;
 
@@ -61,8 +65,9 @@ pub(super) fn learn(
 }
 
 impl Learned {
-    /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid.
-    pub(super) fn threshold(&self, rule: ThresholdRule, rate_hz: f64) -> f64 {
+    /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `one_person` how probable it is that one person
+    /// showed all demonstrations.
+    pub(super) fn threshold(&self, rule: ThresholdRule, rate_hz: f64, one_person: f64) -> f64 {
         if self.own.len() == 1 {
             return SINGLE_DEMONSTRATION_PER_FRAME * (self.reference.len() as f64).sqrt();
         }
@@ -72,7 +77,8 @@ impl Learned {
                 let centre = mean(&self.left_out);
                 let spread = deviation(&self.left_out, 1).max(MIN_SPREAD * centre);
                 // Costs add up under the root.
-                (centre + sigmas * spread).hypot((border_s * rate_hz * OPPOSITE).sqrt())
+                let of_others = 1.0 + one_person * (OTHER_PEOPLE - 1.0);
+                (of_others * (centre + sigmas * spread)).hypot((border_s * rate_hz * OPPOSITE).sqrt())
             }
             ThresholdRule::Conformal { false_alarms } => {
                 let mut sorted = self.left_out.clone();

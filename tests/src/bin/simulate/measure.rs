@@ -80,7 +80,8 @@ pub(super) fn experiment_1(seeds: RangeInclusive<u64>, folder: &Path) -> Outcome
             println!("seed {seed}, {cost:?}\n{result}\n");
             let selection = selection(&runs, &method, cost);
             let source = format!("seed {seed}, {cost:?}");
-            let report = report(&result.analysis, result.drilling.as_ref(), selection.as_ref(), &source)?;
+            let report =
+                report(&result.analysis, result.drilling.as_ref(), selection.as_ref(), None, &source)?;
             report.save(&folder.join(format!("{seed}_{}", cost.name())))?;
         }
     }
@@ -99,8 +100,7 @@ pub(super) fn floor(seeds: RangeInclusive<u64>, demonstrations: usize) -> Outcom
         let (job, _) = teach(&taught, &TeachOptions::new("floor", "", method))?;
         for one in tested {
             let Some(flaw) = Flaw::ALL.into_iter().find(|flaw| flaw.name() == one.what) else { continue };
-            let verdicts =
-                job.with_job(|lent| one.run.judge(lent, &method)).map_err(|unusable| unusable.to_string())?;
+            let verdicts = one.run.judge(&job)?;
             let found = summary(&verdicts);
             let is_expected = match flaw.expected() {
                 Expected::Ok => found == OK,

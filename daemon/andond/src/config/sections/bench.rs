@@ -44,8 +44,8 @@ pub struct Object {
     pub name: String,
     /// Side of the marker's black square, m.
     pub marker_side_m: f32,
-    /// Where it can be touched, m, object's frame.
-    pub interaction_points: Vec<[f32; 3]>,
+    /// Where it can be touched, m, object's frame; where it is `None`, the runs of a job show it.
+    pub interaction_points: Option<Vec<[f32; 3]>>,
 }
 
 impl Object {
@@ -59,13 +59,13 @@ impl Object {
             "0.036",
             "Side of the marker's black square, as measured on the print.",
         );
-        k.required(
+        k.optional(
             "interaction_points",
             &mut self.interaction_points,
             several(1, capacity::INTERACTION_POINTS, within(-2.0, 2.0, "m")),
             "[[0.0, 0.0, -0.022], [0.104, 0.016, -0.011]]",
             "Where the object is gripped and where it touches other objects, in the object's frame: its origin is the \
-             marker's centre, x points right and y up in the marker's own picture, z out of it.",
+             marker's centre, x points right and y up in the marker's own picture, z out of it. Without them the runs of a job show it.",
         );
     }
 }

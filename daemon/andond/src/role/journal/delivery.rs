@@ -8,7 +8,8 @@ use super::super::RoleError;
 use super::super::cycle::Cycle;
 use super::super::output::Output;
 
-/// Rows that are sent in one turn: half of what the channel holds, so that plc can take them meanwhile.
+/// Rows that are sent before plc says something: half of what the channel holds, and more than plc can take at a time. What is left
+/// it asks for when it has room.
 const ROWS: usize = 32;
 
 /// The journal's side of the account.
@@ -24,6 +25,8 @@ pub(super) struct Delivery {
     asked: Option<(u32, u32)>,
     /// The newest row that was sent since then.
     sent_row: u64,
+    /// Rows that may still be sent before plc says something.
+    room: usize,
     has_more: bool,
 }
 
@@ -38,6 +41,7 @@ impl Delivery {
             owes_answer: true,
             asked: None,
             sent_row: 0,
+            room: 0,
             has_more: false,
         })
     }
@@ -59,7 +63,7 @@ impl Delivery {
             if update.account.journal == journal.identity() {
                 self.pending = Some(update.account);
             }
-            self.owes_answer = true;
+            (self.owes_answer, self.room) = (true, ROWS);
             let asked = Some((update.account.boot, update.asked));
             if asked != self.asked {
                 (self.asked, self.sent_row, self.has_more) = (asked, update.after_row, true);
@@ -85,11 +89,6 @@ impl Delivery {
         self.pending.is_some()
     }
 
-    /// Whether there is more to send than one turn did.
-    pub(super) fn has_more(&self) -> bool {
-        self.has_more && self.asked.is_some()
-    }
-
     /// Writes the account that waits.
     pub(super) fn keep(&mut self, journal: &mut Journal) -> Result<(), JournalError> {
         if let Some(account) = &self.pending {
@@ -113,8 +112,9 @@ impl Delivery {
     /// Sends the next rows that are asked for.
     pub(super) fn deliver(&mut self, journal: &Journal, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let Some((boot, asked)) = self.asked.filter(|_| self.has_more) else { return Ok(()) };
-        let written = journal.rows_after(self.sent_row, ROWS)?;
-        self.has_more = written.len() == ROWS;
+        let written = journal.rows_after(self.sent_row, self.room)?;
+        self.has_more = written.len() == self.room;
+        self.room -= written.len();
         for row in written {
             let before = std::mem::replace(&mut self.sent_row, row.row);
             self.rows.send(cycle, |message| {

@@ -27,9 +27,6 @@ const TRY_AGAIN: Duration = Duration::from_millis(250);
 /// What was done and waits while nothing can be written; as much as the channel's writers keep together.
 const MAX_DEEDS: usize = 256;
 
-/// Between two bursts of rows to a plc that is far behind: long enough for it to take them.
-const NEXT_ROWS: Duration = Duration::from_millis(20);
-
 /// Runs until it is asked to stop. What is on the channel then is written first.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
@@ -70,11 +67,7 @@ impl Role for Keeper {
     }
 
     fn patience(&self) -> Duration {
-        match (self.is_failing, self.delivery.has_more()) {
-            (true, _) => TRY_AGAIN,
-            (false, true) => NEXT_ROWS,
-            (false, false) => WAIT,
-        }
+        if self.is_failing { TRY_AGAIN } else { WAIT }
     }
 
     /// Writes all that has come in one transaction: a disk that syncs takes as long for one row as for a hundred.

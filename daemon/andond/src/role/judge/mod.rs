@@ -173,6 +173,9 @@ impl Session<'_, '_> {
         let Some(watched) = &mut self.watched else { return Ok(Turn::Idle) };
         if cycle.is_at_end() {
             watched.finish(self.ports, cycle)?;
+        } else if couples.model_hash != watched.encoded_for {
+            // Where parts are met differs from job to job, and encode has not followed yet.
+            return Ok(Turn::Idle);
         } else if self.ports.state.is_enabled() {
             watched.step(&wire::couples::read(&couples), self.ports, cycle)?;
         }

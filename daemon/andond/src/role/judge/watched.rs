@@ -24,6 +24,8 @@ pub(super) struct Watched<'j> {
     job: &'j Job<'j>,
     file: &'j JobFile,
     sender: Sender,
+    /// The hash in the couples that are made for this job.
+    pub(super) encoded_for: u64,
     names: Names,
     judge: Judge<'j>,
     /// The time of the newest couples.
@@ -42,7 +44,8 @@ impl<'j> Watched<'j> {
         };
         let names = Names::of_job(file);
         let judge = judge(job, file)?;
-        Ok(Self { job, file, sender, names, judge, newest_ns: 0, events: Vec::new() })
+        let encoded_for = file.encoding_hash();
+        Ok(Self { job, file, sender, encoded_for, names, judge, newest_ns: 0, events: Vec::new() })
     }
 
     /// Judges the next couples.

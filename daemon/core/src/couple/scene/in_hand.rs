@@ -83,7 +83,7 @@ impl Scene {
     /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a
     /// change takes to be believed; `None` where that was not measured.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
-        if self.distance_from_hand(hand, object, age) > self.method.hand_contact.on_m {
+        if self.distance_from_hand(hand, object, age) > self.hand_contact(object).on_m {
             return Some(false);
         }
         if self.follows(hand, object, age) {
@@ -104,7 +104,7 @@ impl Scene {
         let on_m = self.method.hand_contact.on_m;
         let Some((newest, path_m)) = self.relative_path(hand, object, age) else { return false };
         let distance = self.distance_from_hand(hand, object, newest);
-        distance > on_m
+        distance > self.hand_contact(object).on_m
             && distance > self.distance_from_hand(hand, object, age)
             && path_m > on_m / 2.0
             && !self.follows(hand, object, age)

@@ -1,27 +1,26 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
 mod in_hand;
+mod meeting;
 mod sight;
 
 use super::contact::Edge;
-use super::geometry::{Cloud, dot, subtract};
+use super::geometry::{dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Sight};
 use crate::capacity::{HANDS, OBJECTS};
 use crate::config::Method;
-use crate::input::{Frame, ObjectShape, Point, Side, Space};
+use crate::input::{Frame, ObjectShape, Point, Side};
 use heapless::Vec;
 use in_hand::InHand;
+use meeting::Shape;
 
 /// An object as a node of the graph.
 #[derive(Clone, Debug)]
 struct Node {
-    id: u16,
-    points: Cloud,
-    /// Maximum distance of an interaction point from the position, in metres.
-    radius_m: f32,
+    shape: Shape,
     poses: Recent<ObjectPose>,
     /// How it lies in the hand that holds it; it moves by this while it is hidden.
     grip: Option<Grip>,
@@ -36,11 +35,9 @@ struct Node {
 }
 
 impl Node {
-    fn new(id: u16, points: Cloud) -> Self {
+    fn new(shape: Shape) -> Self {
         Self {
-            id,
-            points,
-            radius_m: points.radius(),
+            shape,
             poses: Recent::new(ObjectPose::NEVER),
             grip: None,
             may_be_taken: [false; HANDS],
@@ -89,11 +86,9 @@ pub(super) struct Scene {
 impl Scene {
     /// An empty scene. The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
     pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
-        let nodes = shapes
-            .iter()
-            .filter_map(|shape| Some(Node::new(shape.id, Cloud::new(&shape.interaction_points)?)));
+        let nodes = shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?)));
         let mut objects: Vec<Node, OBJECTS> = nodes.take(OBJECTS).collect();
-        objects.sort_unstable_by_key(|node| node.id);
+        objects.sort_unstable_by_key(|node| node.shape.id);
         Self {
             method,
             quantiser: Quantiser::new(&method),
@@ -119,7 +114,7 @@ impl Scene {
 
     /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
-        let objects = self.objects.iter().map(|node| Node::new(node.id, node.points)).collect();
+        let objects = self.objects.iter().map(|node| Node::new(node.shape.clone())).collect();
         *self = Self { objects, ..Self::new(self.method, &[]) };
     }
 
@@ -160,7 +155,7 @@ impl Scene {
     fn push_objects(&mut self, frame: Option<&Frame>) {
         let mut seen = [None; OBJECTS];
         for object in frame.iter().flat_map(|frame| &frame.objects) {
-            if let Ok(index) = self.objects.binary_search_by_key(&object.id, |node| node.id) {
+            if let Ok(index) = self.objects.binary_search_by_key(&object.id, |node| node.shape.id) {
                 seen[index] = seen[index].or_else(|| ObjectPose::seen(object, self.method.space));
             }
         }
@@ -168,52 +163,15 @@ impl Scene {
             let before = node.poses.ago(0);
             let carrier = node.grip.map(|grip| (grip, self.hands[grip.hand].ago(0)));
             let covers = |hand: &Recent<HandPose>| hand.ago(0).covers(before.position);
-            let pose = match (seen, carrier) {
+            let mut pose = match (seen, carrier) {
                 (Some(pose), _) => pose,
                 (None, Some((grip, hand))) if hand.source == Source::Seen => grip.carried(hand, before),
                 _ => before.held(self.hands.iter().any(covers)),
             };
+            if node.shape.is_position_only {
+                pose.orientation = ObjectPose::NEVER.orientation;
+            }
             node.poses.push(pose);
-        }
-    }
-
-    fn push_edges(&mut self) {
-        let planar = self.method.space == Space::Plane;
-        let poses: Vec<(&ObjectPose, Cloud, f32), OBJECTS> = self
-            .objects
-            .iter()
-            .map(|node| {
-                let pose = node.poses.ago(0);
-                (pose, node.points.at(pose.position, pose.orientation, planar), node.radius_m)
-            })
-            .collect();
-        let persist = self.method.persist_frames;
-        let is_known = |source: Source, unseen: u32| source.is_known() && unseen <= self.blind_frames;
-        for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
-            let hand = hand.ago(0);
-            let tips = hand.cloud().filter(|_| hand.source == Source::Seen);
-            for ((pose, points, _), edge) in poses.iter().zip(edges) {
-                match tips {
-                    Some(tips) if is_known(pose.source, pose.unseen) => {
-                        edge.push(tips.distance(points), &self.method.hand_contact, persist);
-                    }
-                    _ => edge.push_unknown(),
-                }
-            }
-        }
-        let contact = &self.method.object_contact;
-        for (i, (one, edges)) in poses.iter().zip(&mut self.adjacent).enumerate() {
-            for (other, edge) in poses.iter().zip(edges).skip(i + 1) {
-                let [a, b] = [one.0, other.0];
-                let reach = one.2 + other.2 + contact.off_m;
-                if !(is_known(a.source, a.unseen) && is_known(b.source, b.unseen)) {
-                    edge.push_unknown();
-                } else if squared_distance(a.position, b.position) <= reach * reach {
-                    edge.push(one.1.distance(&other.1), contact, persist);
-                } else {
-                    edge.push(f32::INFINITY, contact, persist);
-                }
-            }
         }
     }
 
@@ -281,21 +239,7 @@ impl Scene {
     /// The edges from an object to the objects that it touches.
     fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = interaction::Edge> {
         let meets = move |l: &usize| self.meets[j.min(*l)][j.max(*l)];
-        (0..self.objects.len())
-            .filter(meets)
-            .map(move |l| (l, self.points(j, age).distance(&self.points(l, age))))
-    }
-
-    fn distance_from_hand(&self, hand: usize, j: usize, age: usize) -> f32 {
-        let tips = self.hands[hand].ago(age).cloud();
-        tips.map_or(f32::INFINITY, |tips| tips.distance(&self.points(j, age)))
-    }
-
-    /// The interaction points of an object in the bench frame.
-    fn points(&self, object: usize, age: usize) -> Cloud {
-        let node = &self.objects[object];
-        let pose = node.poses.ago(age);
-        node.points.at(pose.position, pose.orientation, self.method.space == Space::Plane)
+        (0..self.objects.len()).filter(meets).map(move |l| (l, self.distance_of_objects(j, l, age)))
     }
 
     fn couple(&self, hand: usize, interaction: Interaction, age: usize) -> Couple {
@@ -310,8 +254,11 @@ impl Scene {
             object.map_or(Sight::Seen, |object| self.sight(node(object).poses.ago(age).unseen))
         };
         let from_hand = j.filter(|_| acts);
-        let [h, o_j, o_l] =
-            [from_hand.map(|_| Side::ALL[hand] as u16), j.map(|j| node(j).id), l.map(|l| node(l).id)];
+        let [h, o_j, o_l] = [
+            from_hand.map(|_| Side::ALL[hand] as u16),
+            j.map(|j| node(j).shape.id),
+            l.map(|l| node(l).shape.id),
+        ];
         let mut couple = Couple {
             side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
@@ -325,7 +272,7 @@ impl Scene {
             position: from_hand.and_then(|j| self.position(hand, j, l, age)),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
-                j.zip(l).map_or(f32::INFINITY, |(j, l)| self.points(j, age).distance(&self.points(l, age))),
+                j.zip(l).map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
             ],
             sight: [self.sight(pose.unseen), sight(j), sight(l)],
             is_clear: self.clear[hand] >> age & 1 == 1,

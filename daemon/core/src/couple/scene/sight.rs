@@ -38,19 +38,20 @@ impl Scene {
             let (interaction, touches) = (self.interactions[index], &self.touches[index]);
             let held = interaction
                 .held()
-                .map(|j| (j, self.objects[j].poses.ago(0).position, self.objects[j].radius_m));
+                .map(|j| (j, self.objects[j].poses.ago(0).position, self.objects[j].shape.radius_m));
             let mut is_clear = hand.source == Source::Seen;
             for (object, node) in self.objects.iter_mut().enumerate() {
                 let pose = node.poses.ago(0);
                 let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
                 let taken = &mut node.may_be_taken[index];
-                let may_have_come = hand.source != Source::Seen || hand.is_over(pose.position, node.radius_m);
+                let may_have_come =
+                    hand.source != Source::Seen || hand.is_over(pose.position, node.shape.radius_m);
                 *taken = is_hidden && (*taken || may_have_come);
                 let other = held.filter(|(j, ..)| *j != object);
                 let is_edge_unknown =
                     other.is_some_and(|(j, ..)| !self.adjacent[j.min(object)][j.max(object)].is_known());
                 let is_in_reach = other.is_some_and(|(_, position, radius_m)| {
-                    let reach = radius_m + node.radius_m + self.method.object_contact.off_m;
+                    let reach = radius_m + node.shape.radius_m + self.method.object_contact.off_m;
                     squared_distance(position, pose.position) <= reach * reach
                 });
                 let is_in_doubt = match pose.source {

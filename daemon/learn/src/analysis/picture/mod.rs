@@ -2,12 +2,14 @@
 
 mod elbow;
 mod heat;
+mod order;
 mod selection;
 mod svg;
 mod warping;
 
 pub(super) use elbow::elbow;
 pub(super) use heat::{LEGEND, heat};
+pub use order::draw_order;
 pub(super) use selection::selection;
 pub(super) use svg::escaped;
 pub(super) use warping::{Execution, Shown, warping};

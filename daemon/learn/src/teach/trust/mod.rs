@@ -37,11 +37,10 @@ pub(super) fn doubts_of(
     agreement: &Agreement,
     options: &TeachOptions,
 ) -> Result<Vec<Doubt>, Refused> {
-    let used = runs.len() - agreement.disagreements.len();
+    let kept = agreement.used_runs(runs);
+    let used = kept.len();
     let few = (2 * used < runs.len() || used == 1 && runs.len() > 1)
         .then_some(Doubt::FewAgree { used, runs: runs.len() });
-    let is_used = |index: &usize| agreement.disagreements.iter().all(|found| found.run != *index);
-    let kept: Vec<&Run> = (0..runs.len()).filter(is_used).map(|index| &runs[index]).collect();
     // Whoever says that the order does not matter has seen that it differs.
     let order = if options.order_matters == Some(false) { None } else { order::odd_one(&kept) };
     let outliers = outlier::of_runs(runs, agreement, options)?;

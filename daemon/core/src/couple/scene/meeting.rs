@@ -1,0 +1,152 @@
+//! The edges of the scene graph: where and how near hands and objects meet (paper III-A.1, III-A.2). Two objects meet at their interaction
+//! points, or where the runs of a job have shown them to.
+
+use super::super::geometry::Cloud;
+use super::super::poses::{ObjectPose, Source};
+use super::{Scene, squared_distance};
+use crate::capacity::{MEETINGS, OBJECTS};
+use crate::config::{Contact, Method};
+use crate::input::{Meeting, ObjectShape, Space};
+use heapless::Vec;
+
+/// Where and how near something is met.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// `None`: at the interaction points.
+    points: Option<Cloud>,
+    contact: Contact,
+}
+
+/// An object as it is known before it is seen.
+#[derive(Clone, Debug)]
+pub(super) struct Shape {
+    pub(super) id: u16,
+    points: Cloud,
+    hand: Place,
+    /// With the ids of the other objects.
+    others: Vec<(u16, Place), MEETINGS>,
+    /// Maximum distance from the position at which it is met, in metres, beyond how near others must come.
+    pub(super) radius_m: f32,
+    pub(super) is_position_only: bool,
+}
+
+impl Shape {
+    /// `None` where there is no interaction point.
+    pub(super) fn new(shape: &ObjectShape, method: &Method) -> Option<Self> {
+        let points = Cloud::new(&shape.interaction_points)?;
+        let places = shape
+            .meetings
+            .iter()
+            .map(|met| (met.with, Place { points: Cloud::new(&met.points), contact: met.contact }));
+        let of_hand = places.clone().find(|(with, _)| *with == Meeting::HAND).map(|(_, place)| place);
+        let is_met_within = |met: &Meeting| {
+            let radius_m = Cloud::new(&met.points).map_or(points.radius(), |learnt| learnt.radius());
+            radius_m + f32::max(met.contact.off_m - method.object_contact.off_m, 0.0)
+        };
+        Some(Self {
+            id: shape.id,
+            points,
+            hand: of_hand.unwrap_or(Place { points: None, contact: method.hand_contact }),
+            others: places.filter(|(with, _)| *with != Meeting::HAND).collect(),
+            radius_m: shape.meetings.iter().map(is_met_within).fold(points.radius(), f32::max),
+            is_position_only: shape.is_position_only,
+        })
+    }
+
+    fn other(&self, id: u16) -> Option<&Place> {
+        self.others.iter().find(|(with, _)| *with == id).map(|(_, place)| place)
+    }
+}
+
+/// An object of which the pose is known, with its interaction points in the bench frame.
+type Posed<'a> = (&'a Shape, &'a ObjectPose, Cloud);
+
+impl Scene {
+    pub(super) fn push_edges(&mut self) {
+        let planar = self.is_planar();
+        let posed: Vec<Posed<'_>, OBJECTS> = self
+            .objects
+            .iter()
+            .map(|node| {
+                let pose = node.poses.ago(0);
+                (&node.shape, pose, node.shape.points.at(pose.position, pose.orientation, planar))
+            })
+            .collect();
+        let persist = self.method.persist_frames;
+        let is_known = |pose: &ObjectPose| pose.source.is_known() && pose.unseen <= self.blind_frames;
+        for (hand, edges) in self.hands.iter().zip(&mut self.touches) {
+            let hand = hand.ago(0);
+            let tips = hand.cloud().filter(|_| hand.source == Source::Seen);
+            for (posed, edge) in posed.iter().zip(edges) {
+                match tips {
+                    Some(tips) if is_known(posed.1) => {
+                        let distance = tips.distance(&met_by_hand(posed, planar));
+                        edge.push(distance, &posed.0.hand.contact, persist);
+                    }
+                    _ => edge.push_unknown(),
+                }
+            }
+        }
+        let contact = &self.method.object_contact;
+        for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
+            for (other, edge) in posed.iter().zip(edges).skip(i + 1) {
+                let contact = place_of(one.0, other.0).map_or(contact, |(place, _)| &place.contact);
+                let reach = one.0.radius_m + other.0.radius_m + contact.off_m;
+                if !(is_known(one.1) && is_known(other.1)) {
+                    edge.push_unknown();
+                } else if squared_distance(one.1.position, other.1.position) <= reach * reach {
+                    edge.push(apart(one, other, planar), contact, persist);
+                } else {
+                    edge.push(f32::INFINITY, contact, persist);
+                }
+            }
+        }
+    }
+
+    pub(super) fn distance_from_hand(&self, hand: usize, j: usize, age: usize) -> f32 {
+        let (node, tips) = (&self.objects[j], self.hands[hand].ago(age).cloud());
+        let (shape, pose) = (&node.shape, node.poses.ago(age));
+        let points = shape.hand.points.unwrap_or(shape.points);
+        tips.map_or(f32::INFINITY, |tips| {
+            tips.distance(&points.at(pose.position, pose.orientation, self.is_planar()))
+        })
+    }
+
+    pub(super) fn distance_of_objects(&self, i: usize, j: usize, age: usize) -> f32 {
+        apart(&self.posed(i, age), &self.posed(j, age), self.is_planar())
+    }
+
+    pub(super) fn hand_contact(&self, object: usize) -> Contact {
+        self.objects[object].shape.hand.contact
+    }
+
+    fn posed(&self, object: usize, age: usize) -> Posed<'_> {
+        let node = &self.objects[object];
+        let pose = node.poses.ago(age);
+        (&node.shape, pose, node.shape.points.at(pose.position, pose.orientation, self.is_planar()))
+    }
+
+    fn is_planar(&self) -> bool {
+        self.method.space == Space::Plane
+    }
+}
+
+/// Where a hand meets an object.
+fn met_by_hand((shape, pose, points): &Posed<'_>, planar: bool) -> Cloud {
+    shape.hand.points.map_or(*points, |learnt| learnt.at(pose.position, pose.orientation, planar))
+}
+
+/// Where two objects were shown to meet, and whether it is the first one that has the place.
+fn place_of<'a>(one: &'a Shape, other: &'a Shape) -> Option<(&'a Place, bool)> {
+    let of_one = one.other(other.id).map(|place| (place, true));
+    of_one.or_else(|| other.other(one.id).map(|place| (place, false)))
+}
+
+/// How far two objects are from meeting each other, in metres.
+fn apart(one: &Posed<'_>, other: &Posed<'_>, planar: bool) -> f32 {
+    let learnt = place_of(one.0, other.0).and_then(|(place, is_of_one)| Some((place.points?, is_of_one)));
+    let Some((points, is_of_one)) = learnt else { return one.2.distance(&other.2) };
+    let [at, with] = if is_of_one { [one.1, other.1] } else { [other.1, one.1] };
+    let place = points.at(at.position, at.orientation, planar);
+    Cloud::new(&[with.position]).map_or(f32::INFINITY, |with| with.distance(&place))
+}

@@ -1,0 +1,127 @@
+//! A verdict names the measure that is out of its bounds, what it measured and what was shown, as early as that can be known.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use andon_core::job::{Bounds, Job, MeasureBounds, NominalActivity, NominalIu, Range};
+use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
+use common::bench::PERIOD_NS;
+use common::script::{Part, Still, idle, part, short, stream};
+use common::work::{forgiving, judged, measure, polish, polish_and_measure};
+
+/// The job with other bounds for the strokes of the polisher and the brick at the meter.
+fn bounded(change: impl Fn(&mut NominalIu<'static>)) -> Job<'static> {
+    let job = forgiving(polish_and_measure());
+    let with = |nominal: &NominalActivity<'static>| {
+        let mut ius = nominal.ius.to_vec();
+        change(&mut ius[1]);
+        NominalActivity { ius: ius.leak(), ..*nominal }
+    };
+    Job { activities: job.activities.iter().map(with).collect::<Vec<_>>().leak(), ..job }
+}
+
+/// The verdicts on a job that has a measure out of its bounds, in short, with the measure.
+fn measured(job: &Job<'_>, right: &[Part]) -> Vec<(String, Measured)> {
+    let verdicts = judged(job, &stream(right, &[]));
+    verdicts.iter().filter_map(|verdict| Some((short(verdict), verdict.measured?))).collect()
+}
+
+fn value(measure: Measure, value: f32, shown: [f32; 2]) -> Measured {
+    Measured { measure, value, shown_min: shown[0], shown_max: shown[1] }
+}
+
+fn first(found: &[(String, Measured)]) -> (&str, Measured) {
+    (found[0].0.as_str(), found[0].1)
+}
+
+#[test]
+fn too_few_strokes_are_counted_in_the_verdicts_on_iu_activity_and_job() {
+    let right = [polish(3), measure()].concat();
+    let strokes = value(Measure::Strokes, 2.0, [5.0, 5.0]);
+    let said = |words: &str| (words.to_owned(), strokes);
+    assert_eq!(
+        measured(&forgiving(polish_and_measure()), &right),
+        [said("r0.1 IuAnomaly TooShort"), said("r0 ActivityAnomaly TooShort!"), said("JobAnomaly TooShort")]
+    );
+}
+
+#[test]
+fn too_many_strokes_are_counted_while_they_happen() {
+    let verdicts = judged(&forgiving(polish_and_measure()), &stream(&[polish(9), measure()].concat(), &[]));
+    let wrong = verdicts.iter().find(|verdict| verdict.outcome == Outcome::Anomaly).unwrap();
+    assert_eq!(short(wrong), "r0.1 IuAnomaly TooLong!");
+    assert_eq!(wrong.measured, Some(value(Measure::Strokes, 6.0, [5.0, 5.0])));
+    assert!(wrong.decided_ns < (30 + 9 * 16) * PERIOD_NS, "{wrong:?}");
+}
+
+#[test]
+fn a_step_that_is_too_short_or_too_long_says_its_seconds() {
+    let at_the_meter = |frames: usize| {
+        let parts = [part([1, 6, 0, 0], 30, common::script::Toward(5)), part([1, 6, 6, 3], frames, Still)];
+        [&polish(6)[..], &parts, &[part([0, 0, 6, 3], 20, Still), idle(20)]].concat()
+    };
+    let job = forgiving(polish_and_measure());
+    let shown = [40.0 / 30.0; 2];
+    let short = measured(&job, &at_the_meter(15));
+    assert_eq!(first(&short), ("r1.1 IuAnomaly TooShort", value(Measure::Duration, 0.5, shown)));
+    let long = measured(&job, &at_the_meter(90));
+    assert_eq!(first(&long), ("r1.1 IuAnomaly TooLong!", value(Measure::Duration, 61.0 / 30.0, shown)));
+}
+
+#[test]
+fn a_path_a_stroke_a_direction_and_a_place_are_measured_in_metres_and_degrees() {
+    let any = Bounds { min: 0, max: u32::MAX };
+    let job = |bounds: fn(&mut MeasureBounds)| {
+        bounded(move |iu| {
+            (iu.frames, iu.reversals) = (any, any);
+            bounds(&mut iu.measures);
+        })
+    };
+    let right = [polish(6), measure()].concat();
+    let of = |job: &Job<'_>| {
+        let found = measured(job, &right);
+        (found[0].0.clone(), found[0].1.measure, found[0].1.value)
+    };
+    let (said, measure, metres) = of(&job(|bounds| bounds.path_m = Range { min: 0.0, max: 0.5 }));
+    assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly TooLong!", Measure::Path));
+    assert!((0.5..0.55).contains(&metres), "{metres}");
+    let (said, measure, metres) = of(&job(|bounds| bounds.stroke_m = Range { min: 0.0, max: 0.01 }));
+    assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly Motion", Measure::StrokeLength));
+    assert!((metres - 0.14).abs() < 0.03, "{metres}");
+    let (said, measure, degrees) =
+        of(&job(|bounds| (bounds.axis.centre, bounds.axis.max) = ([-1.0, 0.0], 0.5)));
+    assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly Motion", Measure::Direction));
+    assert!((80.0..=90.0).contains(&degrees), "{degrees}");
+    let (said, measure, metres) =
+        of(&job(|bounds| (bounds.place_m.centre[1], bounds.place_m.max) = (9.0, 0.1)));
+    assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly Motion", Measure::Place));
+    assert!((8.0..10.0).contains(&metres), "{metres}");
+}
+
+#[test]
+fn what_is_not_judged_says_what_was_measured_all_the_same() {
+    // Of six strokes, no frame of the last three has come.
+    let mut couples = stream(&[polish(6), measure()].concat(), &[]);
+    couples.drain(30 + 3 * 16..30 + 6 * 16 - 4);
+    let verdicts = judged(&forgiving(polish_and_measure()), &couples);
+    let unjudged: Vec<&Verdict> = verdicts
+        .iter()
+        .filter(|verdict| verdict.outcome == Outcome::NotJudged && verdict.level == Level::Iu)
+        .collect();
+    assert_eq!(unjudged[0].measured.map(|measured| measured.measure), Some(Measure::Strokes), "{unjudged:?}");
+    assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
+}
+
+#[test]
+fn what_is_right_and_what_is_wrong_for_another_reason_names_no_measure() {
+    let right = [polish(6), measure()].concat();
+    assert_eq!(measured(&forgiving(polish_and_measure()), &right), []);
+    let wrong = [measure(), measure()].concat();
+    assert_eq!(measured(&forgiving(polish_and_measure()), &wrong), []);
+}
+
+#[test]
+fn a_job_that_does_not_know_what_was_shown_names_no_measure() {
+    let job = bounded(|iu| iu.measures.shown = None);
+    assert_eq!(measured(&job, &[polish(3), measure()].concat()), []);
+}

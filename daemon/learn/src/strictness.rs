@@ -1,0 +1,100 @@
+//! How strict a job is: one number for what a right job may be accused of, and for what is law.
+
+use crate::statistics::student_t;
+use serde::Deserialize;
+
+/// How strict a job is, from 1, which accuses right jobs seldom, to 5, which lets little pass.
+///
+/// Both of its rates are shares of right jobs or of pairs of steps, so that they mean the same whatever the job is. They are about twice as
+/// large with each number: a person who is content with a job finds the difference, and one who is not needs no more than two tries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "u8")]
+pub struct Strictness(u8);
+
+impl Strictness {
+    /// The least strict one.
+    pub const MIN: u8 = 1;
+    /// The strictest one.
+    pub const MAX: u8 = 5;
+
+    /// The share of right jobs that may be accused by their measures.
+    const FALSE_ALARMS: [f64; 5] = [0.0075, 0.015, 0.03, 0.06, 0.12];
+
+    /// How often two steps that may come in either order may be taken for a law, given how their times vary.
+    const CHANCE_OF_LAW: [f64; 5] = [0.002, 0.005, 0.01, 0.02, 0.05];
+
+    /// By how much that is multiplied for steps that share a part: they are likely to need their order, so less evidence is enough.
+    const SHARED: f64 = 5.0;
+
+    /// The number, if it is one of those that there are.
+    pub fn new(number: u8) -> Option<Self> {
+        (Self::MIN..=Self::MAX).contains(&number).then_some(Self(number))
+    }
+
+    /// The number.
+    pub const fn number(self) -> u8 {
+        self.0
+    }
+
+    fn index(self) -> usize {
+        usize::from(self.0 - Self::MIN)
+    }
+
+    /// One right job in so many may be accused by its measures.
+    pub fn one_in(self) -> u32 {
+        (1.0 / self.false_alarms()).round() as u32
+    }
+
+    /// The same as a share.
+    pub fn false_alarms(self) -> f64 {
+        Self::FALSE_ALARMS[self.index()]
+    }
+
+    /// The quantile of Student's t that the gap between two steps must exceed to be law, in so many runs.
+    pub(crate) fn law_quantile(self, runs: usize, is_shared: bool) -> f64 {
+        let chance = Self::CHANCE_OF_LAW[self.index()] * if is_shared { Self::SHARED } else { 1.0 };
+        student_t(runs.max(2) as f64 - 1.0, chance)
+    }
+}
+
+impl Default for Strictness {
+    /// In the middle: one right job in 33.
+    fn default() -> Self {
+        Self(3)
+    }
+}
+
+impl TryFrom<u8> for Strictness {
+    type Error = String;
+
+    fn try_from(number: u8) -> Result<Self, Self::Error> {
+        Self::new(number)
+            .ok_or_else(|| format!("strictness is {number}; it must be {} to {}", Self::MIN, Self::MAX))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_higher_number_accuses_more_and_makes_law_of_less() {
+        let all: Vec<Strictness> = (1..=5).map(|number| Strictness::new(number).unwrap()).collect();
+        for pair in all.windows(2) {
+            assert!(pair[0].false_alarms() < pair[1].false_alarms());
+            for (runs, is_shared) in [(2, false), (5, true), (20, false)] {
+                assert!(pair[0].law_quantile(runs, is_shared) > pair[1].law_quantile(runs, is_shared));
+            }
+        }
+        assert!(Strictness::new(0).is_none() && Strictness::new(6).is_none());
+    }
+
+    #[test]
+    fn the_middle_asks_for_one_and_for_five_percent_of_students_t() {
+        let middle = Strictness::default();
+        assert_eq!(middle.one_in(), 33);
+        assert!((middle.law_quantile(5, false) - 3.747).abs() < 0.001);
+        assert!((middle.law_quantile(5, true) - 2.132).abs() < 0.001);
+    }
+}

@@ -1,0 +1,37 @@
+//! Where and how near a hand is to what it carries.
+
+use super::trajectory::{Tips, Trajectories};
+use super::{apart_m, centres, contact_of, is_given, median, meeting, points_of};
+use andon_core::config::Contact;
+use andon_core::input::{Meeting, ObjectShape};
+
+/// Two finger tips that hold an object are at one interaction point if they are no farther apart, in metres.
+const TIPS_M: f32 = 0.02;
+
+/// How a hand meets an object; `None` if it does as the station says, or never carries it.
+pub(super) fn of(
+    object: usize,
+    shape: &ObjectShape,
+    shown: &[Trajectories],
+    default: Contact,
+) -> Option<Meeting> {
+    let holds: Vec<Vec<Tips>> = shown.iter().flat_map(|run| run.holds(object)).collect();
+    if holds.is_empty() {
+        return None;
+    }
+    let held_at = |hold: &Vec<Tips>| [0, 1, 2].map(|tip| median(hold.iter().map(|tips| tips[tip])));
+    let learnt = if is_given(shape) {
+        Vec::new()
+    } else {
+        centres(&holds.iter().flat_map(held_at).collect::<Vec<_>>(), TIPS_M)
+    };
+    let points = if is_given(shape) { points_of(shape) } else { learnt.clone() };
+    // All but the farthest tenth: markers jump.
+    let farthest = |hold: &Vec<Tips>| {
+        let mut distances: Vec<f32> = hold.iter().map(|tips| apart_m(tips, &points)).collect();
+        distances.sort_by(f32::total_cmp);
+        f64::from(distances[distances.len() * 9 / 10])
+    };
+    let contact = contact_of(&holds.iter().map(farthest).collect::<Vec<_>>(), default);
+    meeting(Meeting::HAND, &learnt, contact, default)
+}

@@ -1,0 +1,124 @@
+//! Where and how near hands and objects meet, as the runs show it. A station need not say where its parts are touched.
+//!
+//! What a hand carries moves with it: that shows where the object is held. Where it comes to dwell at another object, having been carried
+//! there, the two meet. Interaction points that were given count, and only the distances are learnt.
+
+mod hold;
+mod joining;
+mod orientation;
+mod trajectory;
+mod unsure;
+
+use super::measures::interval;
+use crate::recording::NamedObject;
+use crate::run::Run;
+use crate::statistics;
+use andon_core::capacity::INTERACTION_POINTS;
+use andon_core::config::{Contact, Method};
+use andon_core::input::{Meeting, ObjectShape};
+use nalgebra::Point3;
+use trajectory::Trajectories;
+pub use unsure::Unsure;
+
+/// How people in general differ in how near they come, in metres.
+const PRIOR_M: f64 = 0.004;
+
+/// How often one more execution may not come near enough.
+const MISSED: f64 = 0.01;
+
+/// The objects of the runs, with where and how near they are met, and what is not sure of it.
+pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Unsure>) {
+    let mut objects: Vec<NamedObject> = Vec::new();
+    for object in runs.iter().flat_map(|run| &run.objects) {
+        if objects.iter().all(|other| other.shape.id != object.shape.id) {
+            objects.push(object.clone());
+        }
+    }
+    let shapes: Vec<ObjectShape> = objects.iter().map(|object| object.shape.clone()).collect();
+    let mut shown: Vec<Trajectories> =
+        runs.iter().map(|run| Trajectories::new(run.frames(), &shapes, method.space)).collect();
+    for (index, object) in objects.iter_mut().enumerate() {
+        if !is_given(&object.shape) && orientation::means_nothing(index, &shown) {
+            object.shape.is_position_only = true;
+            shown.iter_mut().for_each(|run| run.forget_orientation(index));
+        }
+    }
+    let unsure = unsure::of(runs, &objects, &shown);
+    let mut found: Vec<(usize, Meeting)> = Vec::new();
+    for at in 0..shapes.len() {
+        found.extend(hold::of(at, &shapes[at], &shown, method.hand_contact).map(|met| (at, met)));
+        for with in 0..at {
+            let carried = |object: usize| shown.iter().map(|run| run.carried(object).len()).sum::<usize>();
+            // The place is in the frame of the one that lies more.
+            let [with, at] = if carried(with) >= carried(at) { [with, at] } else { [at, with] };
+            let met = joining::of([with, at], &shapes, &shown, method.object_contact);
+            found.extend(met.map(|met| (at, met)));
+        }
+    }
+    for (at, met) in found {
+        // What exceeds the capacity is met as the station says.
+        let _ = objects[at].shape.meetings.push(met);
+    }
+    (objects, unsure)
+}
+
+/// Whether the station says where the object is touched.
+fn is_given(shape: &ObjectShape) -> bool {
+    shape.interaction_points.iter().any(|point| *point != [0.0; 3])
+}
+
+fn points_of(shape: &ObjectShape) -> Vec<Point3<f32>> {
+    shape.interaction_points.iter().map(|[x, y, z]| Point3::new(*x, *y, *z)).collect()
+}
+
+/// `None` where it is as it would be without.
+fn meeting(with: u16, points: &[Point3<f32>], contact: Contact, default: Contact) -> Option<Meeting> {
+    (!points.is_empty() || contact != default).then(|| Meeting {
+        with,
+        points: points.iter().map(|point| [point.x, point.y, point.z]).collect(),
+        contact,
+    })
+}
+
+/// How near one more execution comes, as these came, in metres, but no less than by default.
+fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
+    if distances_m.is_empty() {
+        return default;
+    }
+    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * MISSED, 0.0);
+    widened(default, (centre + apart) as f32)
+}
+
+/// The contact that begins within so many metres, whole millimetres and no less than by default; it ends in proportion.
+fn widened(default: Contact, on_m: f32) -> Contact {
+    let on_m = f32::max(default.on_m, (1000.0 * on_m).ceil() / 1000.0);
+    Contact { on_m, off_m: on_m * default.off_m / default.on_m }
+}
+
+/// The distance of two sets of points.
+fn apart_m(one: &[Point3<f32>], other: &[Point3<f32>]) -> f32 {
+    let all = one.iter().flat_map(|one| other.iter().map(move |other| (one - other).norm()));
+    all.fold(f32::INFINITY, f32::min)
+}
+
+/// As few points as are within a distance of all these, at most as many as an object can have: each next one is that which is farthest from
+/// those before (Gonzalez 1985).
+fn centres(points: &[Point3<f32>], near_m: f32) -> Vec<Point3<f32>> {
+    let mut centres = vec![median(points.iter().copied())];
+    while centres.len() < INTERACTION_POINTS {
+        let apart = |point: &Point3<f32>| apart_m(&[*point], &centres);
+        let farthest = points.iter().max_by(|one, other| apart(one).total_cmp(&apart(other)));
+        let Some(point) = farthest.filter(|point| apart(point) > near_m) else { break };
+        centres.push(*point);
+    }
+    centres.iter().map(|point| point.map(|value| (1000.0 * value).round() / 1000.0)).collect()
+}
+
+/// The median of each coordinate.
+fn median(points: impl Iterator<Item = Point3<f32>> + Clone) -> Point3<f32> {
+    let axis = |axis: usize| {
+        let values: Vec<f64> = points.clone().map(|point| f64::from(point[axis])).collect();
+        statistics::median(&values) as f32
+    };
+    Point3::new(axis(0), axis(1), axis(2))
+}

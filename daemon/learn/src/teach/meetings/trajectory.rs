@@ -1,0 +1,185 @@
+//! What a run shows of the ways of hands and objects.
+
+use andon_core::input::{Frame, Hand, ObjectShape, Point, Space};
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+/// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`CHANGE_S`], in metres.
+const MOVED_M: f32 = 0.015;
+
+/// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default.
+const CHANGE_S: f64 = 1.0 / 6.0;
+
+/// No finger tip is farther from the middle of what it carries, in metres.
+const REACH_M: f32 = 0.3;
+
+/// An object dwells where it goes no farther than this in this time, in metres and seconds.
+const DWELL_M: f32 = 0.05;
+const DWELL_S: f64 = 0.5;
+
+/// When it was carried there, in seconds before it began to dwell.
+const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
+
+/// A pause in which an object that is carried does not move, in seconds.
+const PAUSE_S: f64 = 1.0;
+
+/// The finger tips of a hand, in metres.
+pub(super) type Tips = [Point3<f32>; 3];
+
+/// The frames of a dwelling, and the places in metres.
+pub(super) type Dwell = Vec<(usize, Point3<f32>)>;
+
+/// The poses in the frames of a run.
+pub(super) struct Trajectories {
+    times_s: Vec<f64>,
+    hands: [Vec<Option<Tips>>; 2],
+    /// In the order of the shapes.
+    objects: Vec<Vec<Option<Isometry3<f32>>>>,
+    /// For each object, the frames in which it is carried, with the finger tips in its frame of reference.
+    carried: Vec<Vec<(usize, Tips)>>,
+}
+
+impl Trajectories {
+    pub(super) fn new(frames: &[Frame], shapes: &[ObjectShape], space: Space) -> Self {
+        let flat = |[x, y, z]: Point| Point3::new(x, y, if space == Space::Plane { 0.0 } else { z });
+        let tips = |hand: &Hand| hand.tips.map(flat);
+        let of_hand = |index| {
+            let seen = |frame: &Frame| frame.hands.iter().find(|hand| hand.side.index() == index).map(tips);
+            frames.iter().map(seen).collect()
+        };
+        let of_object = |shape: &ObjectShape| {
+            let seen = |frame: &Frame| {
+                let object = frame.objects.iter().find(|object| object.id == shape.id)?;
+                let [w, x, y, z] = object.orientation;
+                let whole = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
+                let orientation = match space {
+                    Space::Plane => UnitQuaternion::from_euler_angles(0.0, 0.0, whole.euler_angles().2),
+                    Space::Metric => whole,
+                };
+                let position = Translation3::from(flat(object.position).coords);
+                Some(Isometry3::from_parts(position, orientation))
+            };
+            frames.iter().map(seen).collect()
+        };
+        let mut ways = Self {
+            times_s: frames.iter().map(|frame| frame.captured_ns as f64 * 1e-9).collect(),
+            hands: [0, 1].map(of_hand),
+            objects: shapes.iter().map(of_object).collect(),
+            carried: Vec::new(),
+        };
+        ways.carried = (0..shapes.len()).map(|object| ways.find_carried(object)).collect();
+        ways
+    }
+
+    /// The orientation of this object counts as that of the bench.
+    pub(super) fn forget_orientation(&mut self, object: usize) {
+        for pose in self.objects[object].iter_mut().flatten() {
+            pose.rotation = UnitQuaternion::identity();
+        }
+        self.carried[object] = self.find_carried(object);
+    }
+
+    fn find_carried(&self, object: usize) -> Vec<(usize, Tips)> {
+        let tips = |frame: usize| Some((frame, self.carrying_tips(object, frame)?));
+        (0..self.times_s.len()).filter_map(tips).collect()
+    }
+
+    /// The frames in which the object is carried, with the finger tips in its frame of reference.
+    pub(super) fn carried(&self, object: usize) -> &[(usize, Tips)] {
+        &self.carried[object]
+    }
+
+    /// The same, each time that it is carried.
+    pub(super) fn holds(&self, object: usize) -> Vec<Vec<Tips>> {
+        let holds = self.carried[object].chunk_by(|one, next| self.is_within(PAUSE_S, one, next));
+        holds.map(|hold| hold.iter().map(|(_, tips)| *tips).collect()).collect()
+    }
+
+    /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.
+    pub(super) fn first_way(&self, object: usize) -> Option<[Vector3<f32>; 2]> {
+        let hold = self.carried[object].chunk_by(|one, next| self.is_within(CHANGE_S, one, next)).next()?;
+        let pose = |frame: usize| self.objects[object][frame];
+        let (began, ended) = pose(hold.first()?.0).zip(pose(hold.last()?.0))?;
+        let way = (ended.translation.vector - began.translation.vector).try_normalize(MOVED_M)?;
+        Some([way, began.rotation.inverse_transform_vector(&way)])
+    }
+
+    /// How far the object lies at the end from where it lay first, in metres.
+    pub(super) fn moved_m(&self, object: usize) -> f32 {
+        let seen = || self.objects[object].iter().flatten();
+        let (Some(first), Some(last)) = (seen().next(), seen().next_back()) else { return 0.0 };
+        (last.translation.vector - first.translation.vector).norm()
+    }
+
+    fn is_within(&self, seconds: f64, one: &(usize, Tips), next: &(usize, Tips)) -> bool {
+        self.times_s[next.0] - self.times_s[one.0] <= seconds
+    }
+
+    /// The first object in the frame of reference of the second.
+    pub(super) fn relative_pose(&self, with: usize, at: usize, frame: usize) -> Option<Isometry3<f32>> {
+        let (with, at) = self.objects[with][frame].zip(self.objects[at][frame])?;
+        Some(at.inv_mul(&with))
+    }
+
+    /// Where the first object dwells at the second after one of them was carried there, each time.
+    pub(super) fn dwells(&self, with: usize, at: usize) -> Vec<Dwell> {
+        let place = |frame: usize| {
+            let pose = self.relative_pose(with, at, frame)?;
+            Some((frame, Point3::from(pose.translation.vector)))
+        };
+        let places: Dwell = (0..self.times_s.len()).filter_map(place).collect();
+        let mut dwells: Vec<Dwell> = Vec::new();
+        let mut end = 0;
+        for (index, (frame, place)) in places.iter().enumerate() {
+            let Some(last) = self.after(*frame, DWELL_S) else { break };
+            let until = places.partition_point(|(frame, _)| *frame <= last);
+            if places[index..until].iter().any(|(_, other)| (other - place).norm() > DWELL_M) {
+                continue;
+            }
+            let next = &places[end.max(index).min(until)..until];
+            match dwells.last_mut().filter(|_| index < end) {
+                Some(dwell) => dwell.extend(next),
+                None => dwells.push(next.to_vec()),
+            }
+            end = until;
+        }
+        dwells.retain(|dwell| [with, at].iter().any(|object| self.was_carried(*object, dwell[0].0)));
+        dwells
+    }
+
+    fn was_carried(&self, object: usize, began: usize) -> bool {
+        let ago_s = |frame: usize| self.times_s[began] - self.times_s[frame];
+        self.carried[object].iter().any(|(frame, _)| CARRIED_S.contains(&ago_s(*frame)))
+    }
+
+    /// The finger tips of the hand that carries the object, in its frame of reference; of the nearer one if both may.
+    fn carrying_tips(&self, object: usize, frame: usize) -> Option<Tips> {
+        let later = self.after(frame, CHANGE_S)?;
+        let (pose, moved) = self.objects[object][frame].zip(self.objects[object][later])?;
+        let way = moved.translation.vector - pose.translation.vector;
+        let held = |hand: &Vec<Option<Tips>>| {
+            let (tips, moved_tips) = hand[frame].zip(hand[later])?;
+            let own = tips.map(|tip| pose.inverse_transform_point(&tip));
+            let moved_own = moved_tips.map(|tip| moved.inverse_transform_point(&tip));
+            let slipped = (centre(&moved_tips) - centre(&tips) - way).norm();
+            let slipped_m = slipped.min((centre(&moved_own) - centre(&own)).norm());
+            let is_carried = slipped_m < way.norm() / 2.0 && centre(&own).coords.norm() < REACH_M;
+            is_carried.then_some(own)
+        };
+        let distance = |tips: &Tips| centre(tips).coords.norm();
+        let held =
+            self.hands.iter().filter_map(held).min_by(|one, other| distance(one).total_cmp(&distance(other)));
+        held.filter(|_| way.norm() > MOVED_M)
+    }
+
+    /// The first frame so many seconds after this one or later.
+    fn after(&self, frame: usize, seconds: f64) -> Option<usize> {
+        // A millionth of a second clears the rounding of times.
+        let at = self.times_s[frame] + seconds - 1e-6;
+        let index = self.times_s.partition_point(|time| *time < at);
+        (index < self.times_s.len()).then_some(index)
+    }
+}
+
+fn centre(points: &Tips) -> Point3<f32> {
+    Point3::from((points[0].coords + points[1].coords + points[2].coords) / 3.0)
+}
