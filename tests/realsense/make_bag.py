@@ -6,7 +6,7 @@
 
 The SDK's software device plays a D435i, the SDK's recorder writes the file. Beside it, OUT.colour (RGB8) and OUT.depth
 (Z16) have the pixels of all frames one after the other, and OUT.json the calibration: what a reader of the recording must
-get. The recorder loses the first frame. Needs the programs ffmpeg and Python 3.11.
+get. Needs the programs ffmpeg and Python 3.11.
 """
 import argparse
 import json

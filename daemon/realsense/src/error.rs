@@ -88,9 +88,9 @@ pub enum Error {
         /// The camera.
         serial: String,
     },
-    /// The camera is attached but sends nothing.
+    /// The camera is attached but sends nothing, or no depth with its colour pictures.
     #[error(
-        "camera {serial} has sent no picture for 2 s and is started again; if this repeats, try another cable and port"
+        "camera {serial} has sent no whole frame for 2 s and is started again; if this repeats, try another cable and port"
     )]
     Silent {
         /// The camera.

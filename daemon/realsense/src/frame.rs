@@ -92,7 +92,7 @@ pub struct DepthPlane {
 pub struct FrameInfo {
     /// The sensor's own number of the colour picture.
     pub number: u64,
-    /// Number of frames that were lost just before this one, at the sensor or on the way.
+    /// Number of frames that were lost just before this one, at the sensor or on the way, or had no depth of their moment.
     pub dropped: u32,
     /// When the colour picture was captured, or played from a recording, in nanoseconds on CLOCK_MONOTONIC.
     pub captured_ns: u64,
@@ -100,7 +100,7 @@ pub struct FrameInfo {
     pub source_ns: u64,
     /// Layout and optics of the colour picture.
     pub colour: Plane,
-    /// The depth picture, `None` when depth is off or missing from this frame.
+    /// The depth picture, `None` when depth is off.
     pub depth: Option<DepthPlane>,
 }
 

@@ -15,11 +15,13 @@
 //!
 //! Only the feature `realsense` brings `Source`. It loads librealsense at run time from the folder that `provision.py` fills, so nothing
 //! here needs the library to be built. Whatever can be decided without the library is tested without it: [`clock`] maps the sensor's
-//! time to CLOCK_MONOTONIC, [`wait`] says when a camera is silent, and [`usb`] finds out why no camera is there.
+//! time to CLOCK_MONOTONIC, [`pair`] finds the depth of a colour picture, [`wait`] says when a camera is silent, and [`usb`] finds out
+//! why no camera is there.
 
 pub mod clock;
 pub mod error;
 pub mod frame;
+pub mod pair;
 pub mod settings;
 pub mod usb;
 pub mod wait;

@@ -57,16 +57,10 @@ impl Source for RealSense {
     }
 
     fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
-        let layout = self.info.bytes();
-        loop {
-            let Some(frame) = self.next()? else { return Ok(None) };
-            // Depth can be missing from a frame while the camera starts; such a frame is skipped.
-            if frame.info().bytes() == layout {
-                self.info = *frame.info();
-                frame.write_to(picture).map_err(|error| error.to_string())?;
-                return Ok(Some(self.info.source_ns));
-            }
-        }
+        let Some(frame) = self.next()? else { return Ok(None) };
+        self.info = *frame.info();
+        frame.write_to(picture).map_err(|error| error.to_string())?;
+        Ok(Some(self.info.source_ns))
     }
 
     fn captured_ns(&self) -> Option<u64> {

@@ -13,7 +13,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
-/// On a busy machine the SDK itself now and then loses a picture, or pairs one with the depth beside its own. Then it is played again.
+/// On a busy machine frames may not reach the recorder, which says so, and that one should record again.
 const TRIES: usize = 5;
 
 /// The roles after the steward; each writer of a paced recording waits for the reader after it.
@@ -97,18 +97,11 @@ impl Bag {
         line(1 + self.clip.first + frame)["objects"].as_array().unwrap().iter().map(marker).collect()
     }
 
-    /// All frames of the recording, as `capture` sends them, and the header that flagged the end. They must also be `as_wanted`.
-    pub(crate) fn play(&self, as_wanted: impl Fn(&[Read]) -> bool) -> (Vec<Read>, Option<FrameHeader>) {
-        for _ in 0..TRIES {
-            let (played, end) = capture(self, false).frames(usize::MAX);
-            // The SDK finds no depth for the first frame.
-            if played.len() == self.clip.frames - 1 && as_wanted(&played) {
-                return (played, end);
-            }
-            let dropped: u32 = played.iter().map(|read| read.header.dropped).sum();
-            eprintln!("{} frames, {dropped} dropped", played.len());
-        }
-        panic!("frames are missing, or have the depth of others, every time");
+    /// All frames of the recording, as `capture` sends them, and the header that flagged the end.
+    pub(crate) fn play(&self) -> (Vec<Read>, Option<FrameHeader>) {
+        let (played, end) = capture(self, false).frames(usize::MAX);
+        assert_eq!(played.len(), self.clip.frames);
+        (played, end)
     }
 
     fn source(&self) -> String {
@@ -234,7 +227,6 @@ impl MetricLine {
     pub(crate) fn record(&mut self, count: usize) -> (PathBuf, Vec<Frame>) {
         let out = self.line.path("recorded.tracks.jsonl");
         for _ in 0..TRIES {
-            // On a busy machine frames may not reach the recorder. It says so, and that one should record again.
             let is_whole = self.records_all(&out);
             let frames = recording::read("recorded", &fs::read(&out).unwrap()).unwrap().frames;
             if is_whole && frames.len() == count {

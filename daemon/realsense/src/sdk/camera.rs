@@ -11,13 +11,14 @@ use realsense_rust::kind::{OptionSetError, Rs2CameraInfo, Rs2Format, Rs2Option, 
 use realsense_rust::pipeline::InactivePipeline;
 use realsense_rust::sensor::Sensor;
 
+use super::live::Live;
 use super::picture::Optics;
 use super::{Kind, Source};
-use crate::clock::CameraClock;
 use crate::settings::Camera;
 use crate::{Error, usb};
 
-pub(super) fn open(context: Context, wanted: &Camera, depth: bool) -> Result<Source, Error> {
+pub(super) fn open(wanted: &Camera, depth: bool) -> Result<Source, Error> {
+    let context = Context::new().map_err(|error| super::sdk("setting up", error))?;
     let device = choose(&context, wanted.serial.as_deref())?;
     let serial = info(&device, Rs2CameraInfo::SerialNumber);
     let mut streams = vec![Mode::new(Rs2StreamKind::Color, Rs2Format::Rgb8, wanted.colour_size, wanted)];
@@ -40,16 +41,9 @@ pub(super) fn open(context: Context, wanted: &Camera, depth: bool) -> Result<Sou
     set_options(&device, &serial, wanted, depth)?;
     let pipeline = InactivePipeline::try_from(&context).map_err(|error| failed(error.to_string()))?;
     let pipeline = pipeline.start(Some(config)).map_err(|error| not_started(&error.to_string(), &serial))?;
-    let optics = Optics::read(pipeline.profile())?;
-    Ok(Source {
-        pipeline,
-        depth,
-        optics,
-        kind: Kind::Camera { serial, clock: CameraClock::default() },
-        fetched: None,
-        last_number: None,
-        _context: context,
-    })
+    let optics = Optics::read(pipeline.profile().streams())?;
+    let live = Live::new(context, pipeline, serial, depth.then_some(wanted.rate_hz));
+    Ok(Source { kind: Kind::Camera(live), optics, last_number: None })
 }
 
 fn choose(context: &Context, serial: Option<&str>) -> Result<Device, Error> {

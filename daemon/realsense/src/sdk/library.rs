@@ -32,6 +32,10 @@ const STUB: &str = "libpystub.so";
 pub(super) struct Api {
     /// `rs2_playback_device_set_real_time`.
     pub(super) set_real_time: unsafe extern "C" fn(*const rs2_device, c_int, *mut *mut rs2_error),
+    /// `rs2_playback_device_pause`.
+    pub(super) pause: unsafe extern "C" fn(*const rs2_device, *mut *mut rs2_error),
+    /// `rs2_playback_device_resume`.
+    pub(super) resume: unsafe extern "C" fn(*const rs2_device, *mut *mut rs2_error),
     /// `rs2_playback_device_get_current_status`.
     pub(super) status: unsafe extern "C" fn(*const rs2_device, *mut *mut rs2_error) -> c_int,
 }
@@ -64,6 +68,8 @@ pub(super) fn load(folder: &Path) -> Result<Api, Error> {
     let api = unsafe {
         Api {
             set_real_time: symbol(&library, "rs2_playback_device_set_real_time").map_err(failed)?,
+            pause: symbol(&library, "rs2_playback_device_pause").map_err(failed)?,
+            resume: symbol(&library, "rs2_playback_device_resume").map_err(failed)?,
             status: symbol(&library, "rs2_playback_device_get_current_status").map_err(failed)?,
         }
     };

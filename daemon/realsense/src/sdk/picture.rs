@@ -3,7 +3,7 @@
 use realsense_rust::base::Rs2Intrinsics;
 use realsense_rust::frame::{ColorFrame, DepthFrame, FrameEx, ImageFrame};
 use realsense_rust::kind::{Rs2DistortionModel, Rs2Format, Rs2StreamKind, Rs2TimestampDomain};
-use realsense_rust::pipeline::PipelineProfile;
+use realsense_rust::stream_profile::StreamProfile;
 
 use crate::Error;
 use crate::clock::{Domain, SensorTime};
@@ -20,13 +20,8 @@ pub struct Frame {
 }
 
 impl Frame {
-    pub(super) fn new(
-        colour: ColorFrame,
-        depth: Option<DepthFrame>,
-        optics: &Optics,
-        times: Times,
-        dropped: u32,
-    ) -> Result<Self, Error> {
+    pub(super) fn new(pictures: Pictures, optics: &Optics, dropped: u32) -> Result<Self, Error> {
+        let Pictures { colour, depth, times } = pictures;
         let format = pixel_format(colour.stream_profile().format())?;
         let depth_plane = match (&depth, &optics.depth) {
             (Some(depth), Some((intrinsics, colour_from_depth))) => Some(DepthPlane {
@@ -61,6 +56,14 @@ impl Frame {
     }
 }
 
+/// The pictures of one moment.
+#[derive(Debug)]
+pub(super) struct Pictures {
+    pub(super) colour: ColorFrame,
+    pub(super) depth: Option<DepthFrame>,
+    pub(super) times: Times,
+}
+
 /// When a frame was taken; see [`FrameInfo`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Times {
@@ -76,10 +79,10 @@ pub(super) struct Optics {
 }
 
 impl Optics {
-    /// Asks the SDK. `depth` is `None` where no depth stream is on.
-    pub(super) fn read(profile: &PipelineProfile) -> Result<Self, Error> {
+    /// Asks the SDK. `depth` is `None` where no depth stream is among those that are on.
+    pub(super) fn read(streams: &[StreamProfile]) -> Result<Self, Error> {
         let failed = |error| super::sdk("reading the calibration", error);
-        let stream = |kind| profile.streams().iter().find(|stream| stream.kind() == kind);
+        let stream = |kind| streams.iter().find(|stream| stream.kind() == kind);
         let colour = stream(Rs2StreamKind::Color)
             .ok_or_else(|| super::sdk("reading the calibration", "there is no colour stream"))?;
         let depth = match stream(Rs2StreamKind::Depth) {
@@ -97,7 +100,7 @@ impl Optics {
     }
 }
 
-pub(super) fn sensor_time(frame: &ColorFrame) -> SensorTime {
+pub(super) fn sensor_time(frame: &impl FrameEx) -> SensorTime {
     let domain = match frame.timestamp_domain() {
         Rs2TimestampDomain::HardwareClock => Domain::Hardware,
         Rs2TimestampDomain::SystemTime => Domain::System,

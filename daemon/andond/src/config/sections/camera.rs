@@ -165,7 +165,13 @@ impl Camera {
             within(0, 360, "mW"),
             "Power of the RealSense projector; 0 turns it off.",
         );
-        k.key("depth", &mut self.depth, (), "Whether depth is taken from a RealSense camera or recording.");
+        k.key(
+            "depth",
+            &mut self.depth,
+            (),
+            "Whether depth is taken from a RealSense camera or recording. Then a colour picture without depth of the same moment \
+             is left out, and counts as lost.",
+        );
         k.optional(
             "depth_width",
             &mut self.depth_width,
