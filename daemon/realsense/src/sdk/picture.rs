@@ -5,6 +5,7 @@ use realsense_rust::frame::{ColorFrame, DepthFrame, FrameEx, ImageFrame};
 use realsense_rust::kind::{Rs2DistortionModel, Rs2Format, Rs2StreamKind, Rs2TimestampDomain};
 use realsense_rust::stream_profile::StreamProfile;
 
+use super::player;
 use crate::Error;
 use crate::clock::{Domain, SensorTime};
 use crate::frame::{
@@ -23,10 +24,12 @@ impl Frame {
     pub(super) fn new(pictures: Pictures, optics: &Optics, dropped: u32) -> Result<Self, Error> {
         let Pictures { colour, depth, times } = pictures;
         let format = pixel_format(colour.stream_profile().format())?;
+        let depth = depth.map(player::with_unit).transpose();
+        let depth = depth.map_err(|error| super::sdk("reading the depth unit", error))?;
         let depth_plane = match (&depth, &optics.depth) {
-            (Some(depth), Some((intrinsics, colour_from_depth))) => Some(DepthPlane {
+            (Some((depth, unit_m)), Some((intrinsics, colour_from_depth))) => Some(DepthPlane {
                 plane: plane(depth, PixelFormat::Z16, *intrinsics),
-                unit_m: depth.depth_units().map_err(|error| super::sdk("reading the depth unit", error))?,
+                unit_m: *unit_m,
                 colour_from_depth: *colour_from_depth,
             }),
             _ => None,
@@ -39,7 +42,7 @@ impl Frame {
             colour: plane(&colour, format, optics.colour),
             depth: depth_plane,
         };
-        Ok(Self { info, colour, depth: depth.filter(|_| depth_plane.is_some()) })
+        Ok(Self { info, colour, depth: depth.map(|(depth, _)| depth).filter(|_| depth_plane.is_some()) })
     }
 
     /// What is known of the frame besides its pixels.

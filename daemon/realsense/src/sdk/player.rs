@@ -7,13 +7,14 @@ use std::path::Path;
 use std::ptr::{self, NonNull};
 use std::sync::mpsc::SyncSender;
 
-use realsense_rust::frame::{FrameEx, ImageFrame};
+use realsense_rust::frame::{DepthFrame, FrameEx, ImageFrame};
 use realsense_sys::{
     RS2_API_VERSION, rs2_context_add_device, rs2_create_context, rs2_create_sensor, rs2_delete_context,
     rs2_delete_device, rs2_delete_sensor, rs2_delete_sensor_list, rs2_delete_stream_profiles_list,
-    rs2_device, rs2_error, rs2_frame, rs2_free_error, rs2_get_error_message, rs2_get_sensors_count,
-    rs2_get_stream_profile, rs2_get_stream_profiles, rs2_get_stream_profiles_count, rs2_open_multiple,
-    rs2_query_sensors, rs2_release_frame, rs2_sensor, rs2_start, rs2_stop, rs2_stream_profile,
+    rs2_depth_frame_get_units, rs2_device, rs2_error, rs2_frame, rs2_free_error, rs2_get_error_message,
+    rs2_get_sensors_count, rs2_get_stream_profile, rs2_get_stream_profiles, rs2_get_stream_profiles_count,
+    rs2_open_multiple, rs2_query_sensors, rs2_release_frame, rs2_sensor, rs2_start, rs2_stop,
+    rs2_stream_profile,
 };
 
 use super::library::Api;
@@ -192,6 +193,14 @@ impl RawFrame {
         mem::forget(self);
         Ok(image)
     }
+}
+
+/// A depth picture and the metres of one of its steps. `realsense-rust` would keep a sensor, and with it the device, for good at every question.
+pub(super) fn with_unit(depth: DepthFrame) -> Result<(DepthFrame, f32), String> {
+    let raw = RawFrame::of(depth);
+    // SAFETY: the frame is ours and a depth frame.
+    let unit_m = unsafe { checked(|error| rs2_depth_frame_get_units(raw.0.as_ptr(), error))? };
+    Ok((raw.into_image()?, unit_m))
 }
 
 impl Drop for RawFrame {
