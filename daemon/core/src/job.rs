@@ -64,6 +64,11 @@ pub struct Around<const N: usize> {
 }
 
 impl<const N: usize> Around<N> {
+    /// Whether the centre is finite and the distance a number of at least 0.
+    pub fn is_valid(&self) -> bool {
+        self.centre.iter().all(|value| value.is_finite()) && self.max >= 0.0
+    }
+
     /// How far a value lies from the centre.
     pub fn distance(&self, value: [f32; N]) -> f32 {
         let square: f32 =

@@ -7,10 +7,11 @@ use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
 use andon_core::dtw::OnlineDtw;
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
+use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space, StartPlace};
 use andon_core::job::{
     Around, Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown,
 };
+use andon_core::set::ActivitySet;
 
 /// Number of objects that the bytes can refer to.
 const KNOWN: u8 = 6;
@@ -204,6 +205,7 @@ impl Line<'_> {
                     known_ns: captured_ns,
                     is_captured,
                     has_moved_unseen,
+                    undone: ActivitySet::from_bits(u32::from(input.byte())),
                     hands,
                 });
             }
@@ -240,6 +242,10 @@ fn shape(id: u16) -> ObjectShape {
     ObjectShape {
         id,
         interaction_points: points.into_iter().take(1 + usize::from(id) % 2).collect(),
+        start: (id == 1).then_some(StartPlace {
+            place: Around { centre: [0.0; 3], max: 0.1 },
+            moved_by: ActivitySet::first(2),
+        }),
         ..ObjectShape::default()
     }
 }

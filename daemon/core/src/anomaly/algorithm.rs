@@ -13,6 +13,9 @@ use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
+        if progress.begins_undone(context) {
+            self.watch.may_be_rest = false;
+        }
         let hidden = self.watch.hidden_before_activity(context);
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
@@ -240,7 +243,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
             self.conclude_right(candidates, None, true, progress, emit);
-        } else if iu.is_certain && self.is_certainly_wrong(iu.extent) {
+        } else if iu.is_certain && !self.watch.is_doubtful() && self.is_certainly_wrong(iu.extent) {
             self.decide_by_motion(iu.extent, progress, emit);
         }
     }

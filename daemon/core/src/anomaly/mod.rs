@@ -243,6 +243,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
             hand.observe(couple, &mut bench.progress);
         }
+        bench.progress.set_undone(couples.undone);
         if couples.has_moved_unseen {
             bench.progress.set_moved_unseen();
         }

@@ -5,6 +5,7 @@ use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::{Point, Side};
 use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown};
 use andon_core::segment::{Event, Iu, Measures, Segmenter};
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Outcome, Reason, Verdict};
 
 use super::bench::PERIOD_NS;
@@ -108,6 +109,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 known_ns: captured_ns + 5 * PERIOD_NS,
                 is_captured: true,
                 has_moved_unseen: false,
+                undone: ActivitySet::EMPTY,
                 hands,
             }
         })

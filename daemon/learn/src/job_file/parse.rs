@@ -9,7 +9,7 @@ use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
-use andon_core::input::{Meeting, ObjectShape, Point, Space};
+use andon_core::input::{Meeting, ObjectShape, Point, Space, StartPlace};
 use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range, Shown};
 use serde::Deserialize;
 
@@ -117,6 +117,14 @@ struct ObjectText {
     position_only: bool,
     #[serde(default)]
     meetings: Vec<MeetingText>,
+    start: Option<StartText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StartText {
+    place_m: [f32; 4],
+    moved_by: Vec<usize>,
 }
 
 #[derive(Deserialize)]
@@ -315,8 +323,13 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
             interaction_points: fitting(&text.interaction_points, &format!("{key}.interaction_points"))?,
             meetings: fitting(&meetings, &format!("{key}.meetings"))?,
             is_position_only: text.position_only,
+            start: text.start.map(start_of),
         },
     })
+}
+
+fn start_of(StartText { place_m: [x, y, z, max], moved_by }: StartText) -> StartPlace {
+    StartPlace { place: Around { centre: [x, y, z], max }, moved_by: moved_by.into_iter().collect() }
 }
 
 /// As many items as there may be.

@@ -5,7 +5,7 @@ use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::config::Contact;
 use andon_core::couple::Context;
-use andon_core::input::{Meeting, ObjectShape, Point, Side};
+use andon_core::input::{Meeting, ObjectShape, Point, Side, StartPlace};
 use andon_core::job::{Around, Bounds, MeasureBounds, Range, Shown};
 use std::fmt::Write as _;
 
@@ -167,7 +167,7 @@ fn relation_text(relation: &Relation) -> String {
 }
 
 fn object_text(text: &mut String, object: &NamedObject) {
-    let ObjectShape { id, interaction_points, meetings, is_position_only } = &object.shape;
+    let ObjectShape { id, interaction_points, meetings, is_position_only, start } = &object.shape;
     line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
     line!(text, "# Where it can be touched, in metres in its own frame.");
     line!(text, "interaction_points = {}", points_text(interaction_points));
@@ -177,6 +177,20 @@ fn object_text(text: &mut String, object: &NamedObject) {
             "# Its orientation differed from run to run where its way did not: only its position counts."
         );
         line!(text, "position_only = true");
+    }
+    if let Some(StartPlace { place, moved_by }) = start {
+        line!(
+            text,
+            "# Where it lies until the activities with these numbers have moved it for good: a centre on the bench, and the"
+        );
+        line!(text, "# maximum distance from it, in metres.");
+        let [x, y, z] = place.centre;
+        let moved_by: Vec<usize> = moved_by.iter().collect();
+        line!(
+            text,
+            "start = {{ place_m = [{x:?}, {y:?}, {z:?}, {:?}], moved_by = {moved_by:?} }}",
+            place.max
+        );
     }
     if !meetings.is_empty() {
         line!(

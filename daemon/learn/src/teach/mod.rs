@@ -16,6 +16,7 @@ mod relation;
 mod report;
 mod sampling;
 mod sequence;
+mod start;
 mod threshold;
 mod trust;
 
@@ -182,7 +183,7 @@ fn job_file(
         max_slowdown: options.max_slowdown,
         min_rate_hz: 0.0,
         method: options.method,
-        objects: runs[0].objects.clone(),
+        objects: start::found(runs, agreement, options.method.space),
         activities,
         provenance: Provenance {
             program: options.program.clone(),
