@@ -16,14 +16,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if progress.begins_undone(context) {
             self.watch.may_be_rest = false;
         }
-        let hidden = self.watch.hidden_before_activity(context);
+        let before = (self.watch.hidden_before_activity(context), self.watch.was_idle());
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
             None if progress.has_parts_of(context) => Step::NotShown,
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
-        let activity = OpenActivity::new(number, step, context, began_ns, hidden, progress.job);
+        let activity = OpenActivity::new(number, step, context, began_ns, before, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }
@@ -56,7 +56,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.comparisons.clear();
         let is_certain = !self.watch.is_doubtful();
         let number = activity.next_iu(job, activity.as_shown(context), self.watch.hidden_before());
-        let may_be_rest = number == 0 && self.watch.may_be_rest;
+        let may_be_rest = number == 0 && self.watch.may_be_rest && !self.watch.was_idle();
         self.watch.may_be_rest = false;
         self.iu = Some(OpenIu {
             number,

@@ -169,13 +169,14 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
 
 /// What one demonstration shows.
 fn shown(iu: &Iu) -> Shown {
-    let Measures { reversals, stroke_m, path_m, .. } = iu.measures;
+    let Measures { reversals, stroke_m, path_m, detour_m, .. } = iu.measures;
     let metres = |metres: f32| Range { min: metres, max: metres };
     Shown {
         frames: Bounds { min: iu.frames, max: iu.frames },
         reversals: Bounds { min: reversals, max: reversals },
         stroke_m: metres(stroke_m.unwrap_or_default()),
         path_m: metres(path_m),
+        detour_m,
         axis: 0.0,
         place_m: 0.0,
     }

@@ -179,6 +179,7 @@ struct IuText {
     reversals: BoundsText,
     stroke_m: Option<[f32; 2]>,
     path_m: Option<[f32; 2]>,
+    max_detour_m: Option<f32>,
     axis: Option<[f32; 3]>,
     place_m: Option<[f32; 4]>,
     /// A file without this key was taught before verdicts named it.
@@ -193,6 +194,9 @@ struct ShownText {
     reversals: [u32; 2],
     stroke_m: [f32; 2],
     path_m: [f32; 2],
+    /// A file without this key was taught before it was measured.
+    #[serde(default)]
+    detour_m: f32,
     axis: f32,
     place_m: f32,
 }
@@ -387,6 +391,7 @@ fn measures_of(iu: &IuText) -> MeasureBounds {
     MeasureBounds {
         stroke_m: range(iu.stroke_m, any.stroke_m),
         path_m: range(iu.path_m, any.path_m),
+        max_detour_m: iu.max_detour_m.unwrap_or(any.max_detour_m),
         axis: iu.axis.map_or(any.axis, |[x, y, max]| Around { centre: [x, y], max }),
         place_m: iu.place_m.map_or(any.place_m, |[x, y, z, max]| Around { centre: [x, y, z], max }),
         shown: iu.shown.as_ref().map(shown_of),
@@ -400,6 +405,7 @@ fn shown_of(text: &ShownText) -> Shown {
         reversals: bounds(text.reversals),
         stroke_m: range_of(text.stroke_m),
         path_m: range_of(text.path_m),
+        detour_m: text.detour_m,
         axis: text.axis,
         place_m: text.place_m,
     }

@@ -51,8 +51,9 @@ impl JobFile {
         );
         line!(
             text,
-            "# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way;"
+            "# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way,"
         );
+        line!(text, "# which is no more than `max_detour_m` longer than the straight one;");
         line!(
             text,
             "# `axis` (cos 2a, sin 2a for a way along the angle a) and `place_m` are a centre and the maximum distance from"
@@ -242,6 +243,9 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
             line!(text, "{name} = [{min:?}, {max:?}]");
         }
     }
+    if bounds.max_detour_m.is_finite() {
+        line!(text, "max_detour_m = {:?}", bounds.max_detour_m);
+    }
     let Around { centre: [x, y], max } = bounds.axis;
     if max.is_finite() {
         line!(text, "axis = [{x:?}, {y:?}, {max:?}]");
@@ -253,11 +257,11 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
 }
 
 fn shown_text(text: &mut String, shown: &Shown) {
-    let Shown { frames, reversals, stroke_m, path_m, axis, place_m } = shown;
+    let Shown { frames, reversals, stroke_m, path_m, detour_m, axis, place_m } = shown;
     let range = |Range { min, max }: &Range| format!("[{min:?}, {max:?}]");
     line!(
         text,
-        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, axis = {axis:?}, place_m = {place_m:?} }}",
+        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
         bounds_text(*frames),
         bounds_text(*reversals),
         range(stroke_m),
