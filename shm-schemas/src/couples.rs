@@ -37,8 +37,8 @@ wire! { "andon.Couples", 152;
         model_hash: u64,
         /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`, `CAPTURED`, `MOVED_UNSEEN`.
         flags: u32,
-        /// Keeps the size a multiple of 8.
-        reserved: u32,
+        /// The activities of that job that have not been done, one bit for each: a part that they move for good lies where the job begins.
+        undone: u32,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

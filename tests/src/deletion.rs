@@ -2,6 +2,7 @@
 
 use crate::simulator::Random;
 use andon_core::anomaly::Judge;
+use andon_core::input::Side;
 use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
@@ -12,6 +13,8 @@ use andon_learn::run::Run;
 pub enum Hidden {
     /// Both hands.
     Hands,
+    /// One hand.
+    Hand(Side),
     /// The object with this index in the header.
     Object(usize),
     /// All objects.
@@ -36,10 +39,11 @@ pub enum Deletion {
 impl Deletion {
     /// Any deletion that a recording of this length in seconds and with so many objects can have.
     pub fn any(random: &mut Random, length_s: f64, objects: usize) -> Self {
-        let hidden = match random.index(4) {
+        let hidden = match random.index(5) {
             0 => Hidden::Hands,
             1 => Hidden::Object(random.index(objects)),
             2 => Hidden::Objects,
+            3 => Hidden::Hand(Side::ALL[random.index(2)]),
             _ => Hidden::Everything,
         };
         match random.index(8) {
@@ -80,6 +84,7 @@ impl Deletion {
                 for frame in left.frames.iter_mut().filter(|frame| is_within(frame.captured_ns)) {
                     match hidden {
                         Hidden::Hands => frame.hands.clear(),
+                        Hidden::Hand(side) => frame.hands.retain(|hand| hand.side != side),
                         Hidden::Objects => frame.objects.clear(),
                         Hidden::Object(index) => {
                             frame.objects.retain(|object| object.id != objects[index].id)

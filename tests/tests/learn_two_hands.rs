@@ -10,9 +10,9 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::length_s;
+use andon_tests::deletion::{self, Deletion, length_s, one_after_the_other, try_deletions};
 use andon_tests::environment;
-use andon_tests::simulator::{Noise, Performance, TwoHanded, perform_with_two_hands};
+use andon_tests::simulator::{Noise, Performance, Random, TwoHanded, perform_with_two_hands};
 
 /// Of the right jobs of others, so many of a hundred must be accepted: five people do not show how all others move.
 const MIN_ACCEPTED: usize = 90;
@@ -102,4 +102,38 @@ fn a_hand_that_is_not_seen_for_a_while_accuses_nobody() {
         }
     }
     assert!(accused.is_empty(), "{} of 1296: {accused:?}", accused.len());
+}
+
+#[test]
+fn a_judge_that_did_not_see_the_start_finds_faults_by_the_parts_that_lie_where_they_lay() {
+    let mut not_found = Vec::new();
+    for work in TwoHanded::ALL {
+        let job = taught(work);
+        let is_found = |person: &u64| is_accused(&deletion::judged(&job, &recording(work, *person, true)));
+        not_found.extend((6..12).filter(|person| !is_found(person)).map(|person| (work, person)));
+    }
+    assert!(not_found.is_empty(), "{not_found:?}");
+}
+
+/// `ANDON_SEED` and `ANDON_CASES` choose other deletions.
+#[test]
+fn nothing_is_accused_for_what_was_not_seen_where_parts_have_their_places() {
+    let (seed, cases) = (environment::number("ANDON_SEED", 71), environment::number("ANDON_CASES", 30));
+    for work in TwoHanded::ALL {
+        let job = taught(work);
+        let all: Vec<Recording> = (6..14).map(|person| recording(work, person, false)).collect();
+        let right: Vec<&Recording> =
+            all.iter().filter(|whole| is_right(&deletion::judged(&job, whole))).collect();
+        let tried = try_deletions(&job, &right, seed, cases);
+        assert!(tried.accused.is_empty(), "{work:?}: {:?}", tried.accused);
+        for case in 0..cases {
+            let mut random = Random::new(seed, &[case]);
+            let [one, next] = [(); 2].map(|()| right[random.index(right.len())]);
+            let deletion = Deletion::any(&mut random, length_s(one), one.header.objects.len());
+            let pieces = [&deletion.of(one, &mut random), next];
+            let both = one_after_the_other(&pieces, random.between(0.2, 3.0));
+            let accused = is_accused(&deletion::judged(&job, &both));
+            assert!(!accused, "{work:?}, case {case}: {deletion:?}, and then the next piece");
+        }
+    }
 }

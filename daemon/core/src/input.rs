@@ -2,6 +2,8 @@
 
 use crate::capacity::{HANDS, INTERACTION_POINTS, MEETINGS, OBJECTS};
 use crate::config::Contact;
+use crate::job::Around;
+use crate::set::ActivitySet;
 use heapless::Vec;
 
 /// A point or a vector in metres.
@@ -116,6 +118,17 @@ pub struct ObjectShape {
     pub meetings: Vec<Meeting, MEETINGS>,
     /// Its orientation means nothing, as that of a round part, and counts as that of the bench.
     pub is_position_only: bool,
+    /// Where it lies at the beginning of a job, if the runs of the job have shown it to lie there and nowhere near it afterwards.
+    pub start: Option<StartPlace>,
+}
+
+/// Where an object lies until the job moves it for good.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StartPlace {
+    /// The place of its position in metres in the bench frame; in plane mode without z.
+    pub place: Around<3>,
+    /// The activities that move it away, by their numbers. While it lies there, none of them has been done.
+    pub moved_by: ActivitySet,
 }
 
 /// Where and how near a hand or another object meets an object.

@@ -64,6 +64,11 @@ pub struct Around<const N: usize> {
 }
 
 impl<const N: usize> Around<N> {
+    /// Whether the centre is finite and the distance a number of at least 0.
+    pub fn is_valid(&self) -> bool {
+        self.centre.iter().all(|value| value.is_finite()) && self.max >= 0.0
+    }
+
     /// How far a value lies from the centre.
     pub fn distance(&self, value: [f32; N]) -> f32 {
         let square: f32 =
@@ -83,6 +88,8 @@ pub struct Shown {
     pub stroke_m: Range,
     /// Length of the path, in metres.
     pub path_m: Range,
+    /// How much longer than the straight way it was at most, in metres.
+    pub detour_m: f32,
     /// How far the direction of the path was away from the centre of [`MeasureBounds::axis`] at most.
     pub axis: f32,
     /// How far the mean position was away from the centre of [`MeasureBounds::place_m`] at most, in metres.
@@ -96,6 +103,8 @@ pub struct MeasureBounds {
     pub stroke_m: Range,
     /// Length of the path.
     pub path_m: Range,
+    /// Maximum of how much longer the path is than the straight way; it decides instead of the maximum of the path where it is finite.
+    pub max_detour_m: f32,
     /// The direction of the path.
     pub axis: Around<2>,
     /// Mean position.
@@ -109,6 +118,7 @@ impl MeasureBounds {
     pub const ANY: Self = Self {
         stroke_m: Range { min: 0.0, max: f32::INFINITY },
         path_m: Range { min: 0.0, max: f32::INFINITY },
+        max_detour_m: f32::INFINITY,
         axis: Around { centre: [0.0; 2], max: f32::INFINITY },
         place_m: Around { centre: [0.0; 3], max: f32::INFINITY },
         shown: None,

@@ -25,6 +25,16 @@ impl ActivitySet {
         if activity < ACTIVITIES { Self(1 << activity) } else { Self::EMPTY }
     }
 
+    /// The set of which these are the bits, from the lowest number on.
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// One bit for each member, from the lowest number on.
+    pub const fn bits(self) -> u32 {
+        self.0
+    }
+
     /// Whether it has no member.
     pub fn is_empty(self) -> bool {
         self.0 == 0

@@ -81,6 +81,7 @@ fn measures(shown: &Measures) -> MeasureBounds {
     MeasureBounds {
         stroke_m: around(shown.stroke_m.unwrap_or_default()),
         path_m: around(shown.path_m),
+        max_detour_m: around(shown.detour_m).max,
         axis: Around { centre: shown.axis, max: 0.5 },
         place_m: Around { centre: shown.place_m, max: 0.04 },
         shown: None,

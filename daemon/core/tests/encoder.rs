@@ -5,7 +5,9 @@ mod common;
 
 use andon_core::config::{Contact, Method};
 use andon_core::couple::{Couples, Encoder, Refused, Unusable};
-use andon_core::input::{Frame, Meeting, Object, Side};
+use andon_core::input::{Frame, Meeting, Object, Side, StartPlace};
+use andon_core::job::Around;
+use andon_core::set::ActivitySet;
 use common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
@@ -376,4 +378,24 @@ fn the_orientation_of_a_part_that_turns_without_meaning_changes_nothing() {
     assert_ne!(encode_shapes(&shapes, &turned), encode_shapes(&shapes, &bench.frames));
     shapes[0].is_position_only = true;
     assert_eq!(encode_shapes(&shapes, &turned), encode_shapes(&shapes, &bench.frames));
+}
+
+#[test]
+fn an_object_that_lies_where_the_job_begins_shows_what_has_not_been_done() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 30).rest(40);
+    let mut shapes = shapes(&[TOOL]);
+    let (place, moved_by) = (Around { centre: [0.0; 3], max: 0.03 }, ActivitySet::of(2));
+    shapes[0].start = Some(StartPlace { place, moved_by });
+    let undone_in = |frames: &[Frame]| -> Vec<usize> {
+        let couples = encode_shapes(&shapes, frames);
+        (0..couples.len()).filter(|frame| couples[*frame].undone == moved_by).collect()
+    };
+    let last = *undone_in(&bench.frames).last().unwrap();
+    assert!((20..30).contains(&last), "{last}");
+    for frame in &mut bench.frames[5..80] {
+        frame.objects.clear();
+    }
+    // It is not known for longer than 700 ms where the object lies.
+    assert_eq!(undone_in(&bench.frames), (0..26).collect::<Vec<_>>());
 }

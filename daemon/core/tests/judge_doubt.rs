@@ -7,6 +7,7 @@ use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Sight};
 use andon_core::job::Job;
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
@@ -239,4 +240,44 @@ fn what_is_done_with_an_object_that_may_be_another_one_accuses_nobody() {
     let verdicts = taken_in_doubt(true);
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
     assert_eq!(verdicts.last().unwrap(), "NotJudged Blind");
+}
+
+/// The verdicts of a judge that did not see what came before, on a bench that shows these activities not to have been done.
+fn judged_cold(job: &Job<'_>, parts: &[Part], undone: impl Fn(usize) -> ActivitySet) -> Vec<String> {
+    let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
+    let mut verdicts = Vec::new();
+    for (frame, couples) in stream(parts, &[]).into_iter().enumerate() {
+        let couples = Couples { undone: undone(frame), ..couples };
+        judge.step(&couples, &mut |event| verdicts.extend(event.verdict()));
+    }
+    judge.finish(&mut |event| verdicts.extend(event.verdict()));
+    verdicts.iter().map(short).collect()
+}
+
+#[test]
+fn parts_that_lie_where_the_job_begins_show_what_has_not_been_done() {
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
+    let polishing = ActivitySet::of(0);
+    let without_polishing = judged_cold(&job, &measure(), |_| polishing);
+    assert_eq!(without_polishing.last().unwrap(), "JobAnomaly WrongOrder");
+    let unknown = judged_cold(&job, &measure(), |_| ActivitySet::EMPTY);
+    assert_eq!(unknown.last().unwrap(), "NotJudged Blind", "it may have been polished before");
+    let job = polish_and_measure();
+    let not_measured = judged_cold(&job, &polish(6), |_| ActivitySet::of(1));
+    assert_eq!(not_measured.last().unwrap(), "JobAnomaly NotCompleted");
+    let unknown = judged_cold(&job, &polish(6), |_| ActivitySet::EMPTY);
+    assert_eq!(unknown.last().unwrap(), "NotJudged Blind", "it may have been measured before");
+}
+
+#[test]
+fn a_bench_that_is_set_as_it_was_at_first_is_that_of_the_next_piece() {
+    let job = polish_and_measure();
+    let (first, right) = (polish(6), [polish(6), measure()].concat());
+    let frames: usize = first.iter().map(|part| part.frames).sum();
+    let all = ActivitySet::first(2);
+    let verdicts = judged_cold(&job, &[&first[..], &right].concat(), |frame| {
+        if frame < 5 || (frames - 5..frames + 5).contains(&frame) { all } else { ActivitySet::EMPTY }
+    });
+    let jobs: Vec<_> = verdicts.iter().filter(|verdict| verdict.starts_with("Job")).collect();
+    assert_eq!(jobs, ["JobAnomaly NotCompleted", "JobOk"], "{verdicts:?}");
 }

@@ -49,6 +49,11 @@ impl Activity {
     pub fn contexts(&self) -> Vec<Context> {
         self.ius.iter().map(|iu| iu.context).collect()
     }
+
+    /// When its last touch ended, in nanoseconds of source time.
+    pub(crate) fn ended_ns(&self) -> u64 {
+        self.ius.iter().rfind(|iu| iu.context.is_touch()).map_or(0, |iu| iu.ended_ns)
+    }
 }
 
 /// One recording of a whole job, encoded and segmented.

@@ -7,10 +7,11 @@ use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
 use andon_core::dtw::OnlineDtw;
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space};
+use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space, StartPlace};
 use andon_core::job::{
     Around, Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown,
 };
+use andon_core::set::ActivitySet;
 
 /// Number of objects that the bytes can refer to.
 const KNOWN: u8 = 6;
@@ -125,6 +126,7 @@ fn measures(input: &mut Input<'_>) -> MeasureBounds {
     MeasureBounds {
         stroke_m: range(input),
         path_m: range(input),
+        max_detour_m: if input.below(2) == 0 { metres(input) } else { f32::INFINITY },
         axis: Around { centre: [metres(input), 0.0], max: metres(input) },
         place_m: Around { centre: [0.0, metres(input), 0.0], max: metres(input) },
         shown: (input.below(4) > 0).then(|| shown(input)),
@@ -135,7 +137,8 @@ fn measures(input: &mut Input<'_>) -> MeasureBounds {
 fn shown(input: &mut Input<'_>) -> Shown {
     let counts = Bounds { min: u32::from(input.below(8)), max: u32::from(input.byte()) };
     let metres = Range { min: 0.0, max: f32::from(input.byte()) / 100.0 };
-    Shown { frames: counts, reversals: counts, stroke_m: metres, path_m: metres, axis: 0.5, place_m: 0.1 }
+    let (stroke_m, path_m, detour_m) = (metres, metres, metres.max);
+    Shown { frames: counts, reversals: counts, stroke_m, path_m, detour_m, axis: 0.5, place_m: 0.1 }
 }
 
 /// A motion whose features may be out of range.
@@ -204,6 +207,7 @@ impl Line<'_> {
                     known_ns: captured_ns,
                     is_captured,
                     has_moved_unseen,
+                    undone: ActivitySet::from_bits(u32::from(input.byte())),
                     hands,
                 });
             }
@@ -240,6 +244,10 @@ fn shape(id: u16) -> ObjectShape {
     ObjectShape {
         id,
         interaction_points: points.into_iter().take(1 + usize::from(id) % 2).collect(),
+        start: (id == 1).then_some(StartPlace {
+            place: Around { centre: [0.0; 3], max: 0.1 },
+            moved_by: ActivitySet::first(2),
+        }),
         ..ObjectShape::default()
     }
 }

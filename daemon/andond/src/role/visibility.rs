@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use andon_core::couple::{Context, Couple, Couples};
 use andon_core::input::{Frame, Side};
+use andon_core::set::ActivitySet;
 use andon_ipc::SourceTime;
 
 use crate::config::Config;
@@ -192,6 +193,7 @@ mod tests {
             known_ns: at_ns,
             is_captured: true,
             has_moved_unseen: false,
+            undone: ActivitySet::EMPTY,
             hands: [Couple::idle(Side::Right, at_ns), left],
         }
     }

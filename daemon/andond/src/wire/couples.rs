@@ -2,12 +2,14 @@
 
 use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::Side;
+use andon_core::set::ActivitySet;
 use shm_schemas::{Couples as Message, HandCouple, flag};
 
 /// Writes the couples into the loaned message. Its other flags stay as they are.
 pub fn write(couples: &Couples, message: &mut Message) {
     message.described_ns = couples.captured_ns;
     message.known_ns = couples.known_ns;
+    message.undone = couples.undone.bits();
     message.flags |=
         bit(couples.is_captured, flag::CAPTURED) | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN);
     for (couple, place) in couples.hands.iter().zip(message.hands.iter_mut()) {
@@ -45,6 +47,7 @@ pub fn read(message: &Message) -> Couples {
         known_ns: message.known_ns,
         is_captured: message.flags & flag::CAPTURED != 0,
         has_moved_unseen: message.flags & flag::MOVED_UNSEEN != 0,
+        undone: ActivitySet::from_bits(message.undone),
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
 }
@@ -82,8 +85,15 @@ mod tests {
         };
         let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };
         let hands = [couple, left];
-        let couples =
-            Couples { captured_ns: 9, known_ns: 11, is_captured: true, has_moved_unseen: true, hands };
+        let undone = ActivitySet::first(3);
+        let couples = Couples {
+            captured_ns: 9,
+            known_ns: 11,
+            is_captured: true,
+            has_moved_unseen: true,
+            undone,
+            hands,
+        };
         let mut message = Message::default();
         write(&couples, &mut message);
         assert_eq!(read(&message), couples);

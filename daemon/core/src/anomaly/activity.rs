@@ -6,7 +6,7 @@ use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
 use crate::input::Side;
-use crate::job::Job;
+use crate::job::{Job, NominalActivity};
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Note, Reason};
 use heapless::Vec;
@@ -80,19 +80,22 @@ pub(super) struct OpenActivity {
 }
 
 impl OpenActivity {
-    /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier.
+    /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier; with
+    /// `was_idle` the hand was certainly idle before it.
     pub(super) fn new(
         number: u16,
         step: Step,
         context: Context,
         began_ns: u64,
-        hidden: u32,
+        (hidden, was_idle): (u32, bool),
         job: &Job<'_>,
     ) -> Self {
-        let places = core::array::from_fn(|nominal| {
-            let nominal = job.activities.get(nominal);
-            nominal.map_or(Places::NONE, |nominal| Places::new(hidden, nominal.ius))
-        });
+        let places_in = |nominal: &NominalActivity<'_>| {
+            let places = Places::new(hidden, nominal.ius);
+            if was_idle { places.after_idle(nominal.ius) } else { places }
+        };
+        let places =
+            core::array::from_fn(|nominal| job.activities.get(nominal).map_or(Places::NONE, places_in));
         Self {
             number,
             step,

@@ -13,14 +13,17 @@ use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
-        let hidden = self.watch.hidden_before_activity(context);
+        if progress.begins_undone(context) {
+            self.watch.may_be_rest = false;
+        }
+        let before = (self.watch.hidden_before_activity(context), self.watch.was_idle());
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
             None if progress.has_parts_of(context) => Step::NotShown,
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
-        let activity = OpenActivity::new(number, step, context, began_ns, hidden, progress.job);
+        let activity = OpenActivity::new(number, step, context, began_ns, before, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }
@@ -53,7 +56,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.comparisons.clear();
         let is_certain = !self.watch.is_doubtful();
         let number = activity.next_iu(job, activity.as_shown(context), self.watch.hidden_before());
-        let may_be_rest = number == 0 && self.watch.may_be_rest;
+        let may_be_rest = number == 0 && self.watch.may_be_rest && !self.watch.was_idle();
         self.watch.may_be_rest = false;
         self.iu = Some(OpenIu {
             number,
@@ -240,7 +243,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
             self.conclude_right(candidates, None, true, progress, emit);
-        } else if iu.is_certain && self.is_certainly_wrong(iu.extent) {
+        } else if iu.is_certain && !self.watch.is_doubtful() && self.is_certainly_wrong(iu.extent) {
             self.decide_by_motion(iu.extent, progress, emit);
         }
     }

@@ -25,14 +25,19 @@ impl Extent {
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.frames.min.max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
-        let Measures { reversals, path_m: walked_m, .. } = self.measures;
+        let Measures { reversals, path_m: walked_m, detour_m, .. } = self.measures;
+        let is_detour = if iu.measures.max_detour_m.is_finite() {
+            detour_m > iu.measures.max_detour_m
+        } else {
+            walked_m > path_m.max
+        };
         let first = |measures: [(bool, Measure); 3]| {
             measures.into_iter().find(|(is_broken, _)| *is_broken).map(|(_, measure)| measure)
         };
         let too_long = first([
             (reversals > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),
-            (walked_m > path_m.max, Measure::Path),
+            (is_detour, Measure::Path),
         ]);
         let too_short = || {
             first([
@@ -76,7 +81,7 @@ impl Extent {
     /// What this measure is, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
     pub(super) fn measured(&self, iu: &NominalIu<'_>, measure: Measure, rate_hz: f32) -> Option<Measured> {
         let bounds = &iu.measures;
-        let Shown { frames, reversals, stroke_m, path_m, axis, place_m } = bounds.shown?;
+        let Shown { frames, reversals, stroke_m, path_m, axis, place_m, .. } = bounds.shown?;
         let seconds = |frames: u32| frames as f32 / rate_hz;
         let [value, shown_min, shown_max] = match measure {
             Measure::Duration => [self.frames, frames.min, frames.max].map(seconds),

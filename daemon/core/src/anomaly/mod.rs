@@ -243,6 +243,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
             hand.observe(couple, &mut bench.progress);
         }
+        bench.progress.set_undone(couples.undone);
         if couples.has_moved_unseen {
             bench.progress.set_moved_unseen();
         }
@@ -361,5 +362,6 @@ fn is_usable(iu: &NominalIu<'_>) -> bool {
         && is_ordered(&iu.frames)
         && is_ordered(&iu.reversals)
         && iu.measures.path_m.min <= iu.measures.path_m.max
+        && iu.measures.max_detour_m >= 0.0
         && iu.measures.stroke_m.min <= iu.measures.stroke_m.max
 }

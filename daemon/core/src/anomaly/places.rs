@@ -30,6 +30,17 @@ impl Places {
         Self(1).or_later(hidden, nominal)
     }
 
+    /// Those of these places at which the hand is idle before the next IU: at the beginning, after it has let go, and between two IUs in the
+    /// same context, because what no hand touches stays as it is.
+    pub(super) fn after_idle(self, nominal: &[NominalIu<'_>]) -> Self {
+        let is_idle = |ius: &usize| match nominal.get(ius.wrapping_sub(1)..=*ius) {
+            Some([before, next]) => before.context.is_release() || before.context == next.context,
+            _ => true,
+        };
+        let places = (0..=nominal.len()).filter(|ius| self.contains(*ius)).filter(is_idle);
+        Self(places.fold(0, |places, ius| places | 1 << ius))
+    }
+
     /// The places after an IU with this context has begun.
     pub(super) fn step(self, nominal: &[NominalIu<'_>], context: Context, junction: Junction) -> Self {
         let before = self.or_later(junction.hidden, nominal);
@@ -144,6 +155,15 @@ mod tests {
         assert_eq!(after(0, &[('g', HIDDEN)]), 1 << 1 | 1 << 3);
         assert_eq!(after(u32::MAX, &[('g', SEEN)]), 1 << 1 | 1 << 3);
         assert_eq!(after(u32::MAX, &[('g', SEEN), ('p', SEEN)]), 1 << 2);
+    }
+
+    #[test]
+    fn a_hand_that_was_idle_begins_where_it_may_have_let_go() {
+        let mut nominal = nominal("gpgg");
+        let after_idle = |nominal: &[NominalIu<'_>]| Places::new(u32::MAX, nominal).after_idle(nominal).0;
+        assert_eq!(after_idle(&nominal), 1 | 1 << 3 | 1 << 4);
+        nominal[1].context = Context([0, 0, 1, 2]);
+        assert_eq!(after_idle(&nominal), 1 | 1 << 2 | 1 << 3 | 1 << 4);
     }
 
     #[test]

@@ -48,6 +48,11 @@ pub(super) struct Progress<'a> {
     is_start_seen: bool,
     /// The activities that may have come before the first one that was seen.
     may_precede: ActivitySet,
+    /// The activities that the newest frame shows not to have been done, those that the first one of the job did, and those that all frames
+    /// since did.
+    seen_undone: ActivitySet,
+    undone_first: ActivitySet,
+    undone: ActivitySet,
     /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
@@ -81,6 +86,9 @@ impl<'a> Progress<'a> {
             is_hidden: [false; HANDS],
             is_start_seen: false,
             may_precede: ActivitySet::EMPTY,
+            seen_undone: ActivitySet::EMPTY,
+            undone_first: ActivitySet::EMPTY,
+            undone: ActivitySet::EMPTY,
             is_start_expected: false,
             hidden_frames: 0,
             is_doubtful: false,
@@ -94,13 +102,18 @@ impl<'a> Progress<'a> {
     pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool) {
         // Before a start that was seen, nothing of the job was hidden.
         let hidden_frames = if is_start_seen { 0 } else { self.hidden_frames };
-        let is_start_seen = is_start_seen || self.is_start_expected;
+        let undone = self.seen_undone;
+        let may_precede = self.all().without(undone | self.behind(undone));
+        let is_start_seen = is_start_seen || self.is_start_expected || may_precede.is_empty();
         *self = Self {
             began_ns,
             now_ns: self.now_ns,
             known_ns: self.known_ns,
             is_start_seen,
-            may_precede: if is_start_seen { ActivitySet::EMPTY } else { self.all() },
+            may_precede: if is_start_seen { ActivitySet::EMPTY } else { may_precede },
+            seen_undone: undone,
+            undone_first: undone,
+            undone,
             hidden_frames,
             is_open: true,
             ..Self::new(self.job)
@@ -112,6 +125,23 @@ impl<'a> Progress<'a> {
         if self.is_open && self.activities > 0 && !self.is_matched() {
             self.unjudged_reason = self.unjudged_reason.or(Some(Reason::Blind));
         }
+    }
+
+    /// The bench shows that these activities have not been done. What has been away from there meanwhile may have been brought back.
+    pub(super) fn set_undone(&mut self, undone: ActivitySet) {
+        self.seen_undone = undone;
+        self.undone = self.undone & undone;
+    }
+
+    /// Whether the bench has been set for the next piece: what was moved lies where the job began, with all that lay there then.
+    fn is_set_anew(&self) -> bool {
+        self.seen_undone.intersects(self.tried()) && self.undone_first.without(self.seen_undone).is_empty()
+    }
+
+    /// Whether no activity that begins with this context has been done since the job began.
+    pub(super) fn begins_undone(&self, context: Context) -> bool {
+        let opening = self.opening(context);
+        !opening.is_empty() && opening.without(self.undone).is_empty()
     }
 
     /// The next touch is the first one of a job.
@@ -197,13 +227,13 @@ impl<'a> Progress<'a> {
 
     /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
     /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
-    /// or if the bench was rearranged; else it is done twice. A job whose start was not seen ends wherever a first activity begins. A job
+    /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose start was not seen ends wherever a first activity begins. A job
     /// with a fault also ends where the bench is rearranged: there is no other sign of its end if something was done instead of an activity.
     pub(super) fn begins_next_job(&self, side: Side, context: Context, is_disturbed: bool) -> bool {
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
-        if is_disturbed && self.fault.is_some() {
+        if is_disturbed && self.fault.is_some() || self.is_set_anew() {
             return true;
         }
         let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
@@ -252,9 +282,9 @@ impl<'a> Progress<'a> {
         // What shows less than half of itself may have been taken for another activity.
         let mut variants =
             self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
-        !self.is_start_seen
-            || self.is_doubtful
-            || variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2)
+        let is_before = !self.is_start_seen && self.may_precede.contains(activity);
+        let is_hidden = variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2);
+        !self.undone.contains(activity) && (is_before || self.is_doubtful || is_hidden)
     }
 
     /// The number in this job of an activity that this hand begins; whether it is a step of the job.
@@ -446,23 +476,25 @@ impl<'a> Progress<'a> {
     /// How the job came out, and why.
     fn outcome(&self) -> (Outcome, Fault) {
         let because = |reason, nearest| Fault { reason, nearest, measured: None, broken: None };
+        let not_completed = |lowest: usize| because(Reason::NotCompleted, Some(lowest as u16));
         let missing = self.required().without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
-        match (self.fault, self.unjudged_reason, missing.lowest()) {
-            (Some(fault), ..) => (Outcome::Anomaly, fault),
+        let certainly_missing = missing.lowest().filter(|_| !missing.iter().any(may_be_unseen));
+        let undone = (missing & self.undone).lowest();
+        match (self.fault.or(undone.map(not_completed)), self.unjudged_reason) {
+            (Some(fault), _) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.
-            (None, Some(reason), _) => (Outcome::NotJudged, because(reason, None)),
-            (None, None, _) if self.first_step.is_none() && self.activities > 0 => {
+            (None, Some(reason)) => (Outcome::NotJudged, because(reason, None)),
+            (None, None) if self.first_step.is_none() && self.activities > 0 => {
                 (Outcome::NotJudged, because(Reason::Unknown, None))
             }
-            (None, None, _) if !self.is_start_seen => (Outcome::NotJudged, because(Reason::Blind, None)),
-            (None, None, None) => (Outcome::Ok, because(Reason::None, None)),
-            (None, None, Some(_)) if missing.iter().any(may_be_unseen) => {
-                (Outcome::NotJudged, because(Reason::Blind, None))
-            }
-            (None, None, Some(lowest)) => {
-                (Outcome::Anomaly, because(Reason::NotCompleted, Some(lowest as u16)))
-            }
+            (None, None) => match certainly_missing {
+                Some(lowest) => (Outcome::Anomaly, not_completed(lowest)),
+                None if missing.is_empty() && self.is_start_seen => {
+                    (Outcome::Ok, because(Reason::None, None))
+                }
+                None => (Outcome::NotJudged, because(Reason::Blind, None)),
+            },
         }
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct Watch {
     /// The newest context that was certain, and how many frames ago it was so last.
     certain: Option<Context>,
     since_certain: u32,
+    /// The couple before the newest was certain, and the hand was idle.
+    was_idle: bool,
     /// `o_j`, or 0.
     held: u16,
     /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
@@ -44,6 +46,7 @@ impl Watch {
             since_doubt: 0,
             certain: None,
             since_certain: 0,
+            was_idle: false,
             held: 0,
             is_held_doubtful: false,
             has_been_clear: false,
@@ -66,6 +69,7 @@ impl Watch {
 
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
+        self.was_idle = self.certain == Some(Context::IDLE) && self.since_certain == 0;
         // Of a long gap, not all frames of the grid have a couple.
         let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
         let frames = u32::try_from(frames / self.period_ns).unwrap_or(u32::MAX).max(1);
@@ -118,6 +122,11 @@ impl Watch {
     /// The newest couple is certain.
     pub(super) fn is_certain(&self) -> bool {
         self.certain.is_some() && self.since_certain == 0
+    }
+
+    /// The newest couple is not doubtful, and before it the hand was certainly idle.
+    pub(super) fn was_idle(&self) -> bool {
+        self.was_idle && !self.is_doubtful()
     }
 
     /// In how many frames since the couple before the newest one something may have come and gone.

@@ -13,6 +13,7 @@ pub use encoder::{Encoder, Refused, Unusable};
 
 use crate::capacity::HANDS;
 use crate::input::{Point, Side};
+use crate::set::ActivitySet;
 
 /// Motion features `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]` (paper III-A.3).
 ///
@@ -134,6 +135,8 @@ pub struct Couples {
     pub is_captured: bool,
     /// An object lies elsewhere than before, and no hand was seen at it: a hand was overlooked, or somebody rearranged the bench.
     pub has_moved_unseen: bool,
+    /// The activities that have not been done: an object that they move for good lies where it does at the beginning of the job.
+    pub undone: ActivitySet,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
 }

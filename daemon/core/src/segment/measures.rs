@@ -24,6 +24,8 @@ pub struct Measures {
     pub stroke_m: Option<f32>,
     /// Length of the path in metres, in steps of 15 mm.
     pub path_m: f32,
+    /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
+    pub detour_m: f32,
     /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and
     /// `sin 2α` for a path along the angle `α` from the x axis, and shorter the more the path turns. Zero before the first step.
     pub axis: [f32; 2],
@@ -47,7 +49,8 @@ pub(super) struct Meter {
     hidden: f32,
     hidden_reversals: u32,
     sum: [f64; 3],
-    /// Where the newest step ended.
+    /// Where the first step began and the newest one ended.
+    began: Point,
     step: Option<Point>,
     path_m: f32,
     /// The sum of the steps with their directions doubled.
@@ -74,7 +77,10 @@ impl Meter {
             *sum += f64::from(value);
         }
         match self.step {
-            None => (self.step, self.reversed, self.farthest) = (Some(position), position, position),
+            None => {
+                (self.began, self.step) = (position, Some(position));
+                (self.reversed, self.farthest) = (position, position);
+            }
             Some(from) => self.walk(from, position),
         }
         self.turn(position);
@@ -123,6 +129,7 @@ impl Meter {
             reversals: self.reversals,
             stroke_m: (self.reversals > 1).then(|| self.strokes_m / (self.reversals - 1) as f32),
             path_m: self.path_m,
+            detour_m: self.path_m - self.step.map_or(0.0, |step| distance(self.began, step)),
             axis: self.axis.map(per_path),
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,

@@ -5,6 +5,7 @@ use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::{Point, Side};
 use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown};
 use andon_core::segment::{Event, Iu, Measures, Segmenter};
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Outcome, Reason, Verdict};
 
 use super::bench::PERIOD_NS;
@@ -108,6 +109,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 known_ns: captured_ns + 5 * PERIOD_NS,
                 is_captured: true,
                 has_moved_unseen: false,
+                undone: ActivitySet::EMPTY,
                 hands,
             }
         })
@@ -167,13 +169,14 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
 
 /// What one demonstration shows.
 fn shown(iu: &Iu) -> Shown {
-    let Measures { reversals, stroke_m, path_m, .. } = iu.measures;
+    let Measures { reversals, stroke_m, path_m, detour_m, .. } = iu.measures;
     let metres = |metres: f32| Range { min: metres, max: metres };
     Shown {
         frames: Bounds { min: iu.frames, max: iu.frames },
         reversals: Bounds { min: reversals, max: reversals },
         stroke_m: metres(stroke_m.unwrap_or_default()),
         path_m: metres(path_m),
+        detour_m,
         axis: 0.0,
         place_m: 0.0,
     }

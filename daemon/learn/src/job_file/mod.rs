@@ -196,10 +196,12 @@ impl JobFile {
         checksum::model_hash(&self.to_toml())
     }
 
-    /// What couples carry that are made for this job: its hash if its runs have shown objects to be met otherwise than the station says,
-    /// else 0, because couples that are made as the station says are right for it.
+    /// What couples carry that are made for this job: its hash if its runs have shown objects to be met otherwise than the station says, or
+    /// where they lie first, else 0, because couples that are made as the station says are right for it.
     pub fn encoding_hash(&self) -> u64 {
-        let is_shown = |shape: &ObjectShape| !shape.meetings.is_empty() || shape.is_position_only;
+        let is_shown = |shape: &ObjectShape| {
+            !shape.meetings.is_empty() || shape.is_position_only || shape.start.is_some()
+        };
         if self.objects.iter().any(|object| is_shown(&object.shape)) { self.model_hash() } else { 0 }
     }
 

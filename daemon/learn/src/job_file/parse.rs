@@ -9,7 +9,7 @@ use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
-use andon_core::input::{Meeting, ObjectShape, Point, Space};
+use andon_core::input::{Meeting, ObjectShape, Point, Space, StartPlace};
 use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range, Shown};
 use serde::Deserialize;
 
@@ -117,6 +117,14 @@ struct ObjectText {
     position_only: bool,
     #[serde(default)]
     meetings: Vec<MeetingText>,
+    start: Option<StartText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StartText {
+    place_m: [f32; 4],
+    moved_by: Vec<usize>,
 }
 
 #[derive(Deserialize)]
@@ -171,6 +179,7 @@ struct IuText {
     reversals: BoundsText,
     stroke_m: Option<[f32; 2]>,
     path_m: Option<[f32; 2]>,
+    max_detour_m: Option<f32>,
     axis: Option<[f32; 3]>,
     place_m: Option<[f32; 4]>,
     /// A file without this key was taught before verdicts named it.
@@ -185,6 +194,9 @@ struct ShownText {
     reversals: [u32; 2],
     stroke_m: [f32; 2],
     path_m: [f32; 2],
+    /// A file without this key was taught before it was measured.
+    #[serde(default)]
+    detour_m: f32,
     axis: f32,
     place_m: f32,
 }
@@ -315,8 +327,13 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
             interaction_points: fitting(&text.interaction_points, &format!("{key}.interaction_points"))?,
             meetings: fitting(&meetings, &format!("{key}.meetings"))?,
             is_position_only: text.position_only,
+            start: text.start.map(start_of),
         },
     })
+}
+
+fn start_of(StartText { place_m: [x, y, z, max], moved_by }: StartText) -> StartPlace {
+    StartPlace { place: Around { centre: [x, y, z], max }, moved_by: moved_by.into_iter().collect() }
 }
 
 /// As many items as there may be.
@@ -374,6 +391,7 @@ fn measures_of(iu: &IuText) -> MeasureBounds {
     MeasureBounds {
         stroke_m: range(iu.stroke_m, any.stroke_m),
         path_m: range(iu.path_m, any.path_m),
+        max_detour_m: iu.max_detour_m.unwrap_or(any.max_detour_m),
         axis: iu.axis.map_or(any.axis, |[x, y, max]| Around { centre: [x, y], max }),
         place_m: iu.place_m.map_or(any.place_m, |[x, y, z, max]| Around { centre: [x, y, z], max }),
         shown: iu.shown.as_ref().map(shown_of),
@@ -387,6 +405,7 @@ fn shown_of(text: &ShownText) -> Shown {
         reversals: bounds(text.reversals),
         stroke_m: range_of(text.stroke_m),
         path_m: range_of(text.path_m),
+        detour_m: text.detour_m,
         axis: text.axis,
         place_m: text.place_m,
     }

@@ -5,7 +5,7 @@ use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::config::Contact;
 use andon_core::couple::Context;
-use andon_core::input::{Meeting, ObjectShape, Point, Side};
+use andon_core::input::{Meeting, ObjectShape, Point, Side, StartPlace};
 use andon_core::job::{Around, Bounds, MeasureBounds, Range, Shown};
 use std::fmt::Write as _;
 
@@ -51,8 +51,9 @@ impl JobFile {
         );
         line!(
             text,
-            "# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way;"
+            "# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way,"
         );
+        line!(text, "# which is no more than `max_detour_m` longer than the straight one;");
         line!(
             text,
             "# `axis` (cos 2a, sin 2a for a way along the angle a) and `place_m` are a centre and the maximum distance from"
@@ -167,7 +168,7 @@ fn relation_text(relation: &Relation) -> String {
 }
 
 fn object_text(text: &mut String, object: &NamedObject) {
-    let ObjectShape { id, interaction_points, meetings, is_position_only } = &object.shape;
+    let ObjectShape { id, interaction_points, meetings, is_position_only, start } = &object.shape;
     line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
     line!(text, "# Where it can be touched, in metres in its own frame.");
     line!(text, "interaction_points = {}", points_text(interaction_points));
@@ -177,6 +178,20 @@ fn object_text(text: &mut String, object: &NamedObject) {
             "# Its orientation differed from run to run where its way did not: only its position counts."
         );
         line!(text, "position_only = true");
+    }
+    if let Some(StartPlace { place, moved_by }) = start {
+        line!(
+            text,
+            "# Where it lies until the activities with these numbers have moved it for good: a centre on the bench, and the"
+        );
+        line!(text, "# maximum distance from it, in metres.");
+        let [x, y, z] = place.centre;
+        let moved_by: Vec<usize> = moved_by.iter().collect();
+        line!(
+            text,
+            "start = {{ place_m = [{x:?}, {y:?}, {z:?}, {:?}], moved_by = {moved_by:?} }}",
+            place.max
+        );
     }
     if !meetings.is_empty() {
         line!(
@@ -228,6 +243,9 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
             line!(text, "{name} = [{min:?}, {max:?}]");
         }
     }
+    if bounds.max_detour_m.is_finite() {
+        line!(text, "max_detour_m = {:?}", bounds.max_detour_m);
+    }
     let Around { centre: [x, y], max } = bounds.axis;
     if max.is_finite() {
         line!(text, "axis = [{x:?}, {y:?}, {max:?}]");
@@ -239,11 +257,11 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
 }
 
 fn shown_text(text: &mut String, shown: &Shown) {
-    let Shown { frames, reversals, stroke_m, path_m, axis, place_m } = shown;
+    let Shown { frames, reversals, stroke_m, path_m, detour_m, axis, place_m } = shown;
     let range = |Range { min, max }: &Range| format!("[{min:?}, {max:?}]");
     line!(
         text,
-        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, axis = {axis:?}, place_m = {place_m:?} }}",
+        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
         bounds_text(*frames),
         bounds_text(*reversals),
         range(stroke_m),

@@ -40,7 +40,7 @@ pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
 
 fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
     let key = format!("object[{index}]");
-    let ObjectShape { id, interaction_points, meetings, .. } = &objects[index].shape;
+    let ObjectShape { id, interaction_points, meetings, start, .. } = &objects[index].shape;
     let is_unique = objects[..index].iter().all(|other| other.shape.id != *id);
     rule(*id != 0 && is_unique, &key, || format!("id is {id}; ids are 1 to 65535 and differ"))?;
     let is_finite = |points: &[Point]| points.iter().flatten().all(|value| value.is_finite());
@@ -55,6 +55,9 @@ fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
     rule(meetings.iter().all(is_possible), &format!("{key}.meetings"), || {
         "each must be with 0 or another object of the job, with finite points and 0 < on_m <= off_m"
             .to_owned()
+    })?;
+    rule(start.is_none_or(|start| start.place.is_valid()), &format!("{key}.start"), || {
+        "its place must be a finite centre and a distance of at least 0".to_owned()
     })
 }
 
@@ -82,11 +85,11 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
     for (key, Bounds { min, max }) in [("frames", iu.frames), ("reversals", iu.reversals)] {
         rule(min <= max, &key_of(key), || format!("the minimum {min} is greater than the maximum {max}"))?;
     }
-    let MeasureBounds { stroke_m, path_m, axis, place_m, shown } = iu.measures;
+    let MeasureBounds { stroke_m, path_m, max_detour_m, axis, place_m, shown } = iu.measures;
     for (key, Range { min, max }) in [("stroke_m", stroke_m), ("path_m", path_m)] {
         rule(0.0 <= min && min <= max, &key_of(key), || format!("{min} to {max} is no range of lengths"))?;
     }
-    for (key, max) in [("axis", axis.max), ("place_m", place_m.max)] {
+    for (key, max) in [("axis", axis.max), ("place_m", place_m.max), ("max_detour_m", max_detour_m)] {
         rule(max >= 0.0, &key_of(key), || {
             format!("the maximum distance {max} is not a number of at least 0")
         })?;
@@ -94,8 +97,8 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
     let is_finite = axis.centre.iter().chain(&place_m.centre).all(|value| value.is_finite());
     rule(is_finite, &key_of("axis"), || "a centre of axis or place_m is not a number".to_owned())?;
     let is_finite = |shown: Shown| {
-        let Shown { stroke_m, path_m, axis, place_m, .. } = shown;
-        let values = [stroke_m.min, stroke_m.max, path_m.min, path_m.max, axis, place_m];
+        let Shown { stroke_m, path_m, detour_m, axis, place_m, .. } = shown;
+        let values = [stroke_m.min, stroke_m.max, path_m.min, path_m.max, detour_m, axis, place_m];
         values.into_iter().all(f32::is_finite)
     };
     rule(shown.is_none_or(is_finite), &key_of("shown"), || "a value is not a number".to_owned())?;

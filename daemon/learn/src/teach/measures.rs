@@ -5,6 +5,7 @@
 //! compared by their ratios, because people differ by them.
 
 use super::bounds::UNBOUNDED;
+use super::people::People;
 use crate::statistics::{deviation, mean, student_t};
 use andon_core::couple::Context;
 use andon_core::job::{Around, Bounds, MeasureBounds, Range, Shown};
@@ -13,10 +14,11 @@ use andon_core::segment::Measures;
 /// As many runs as the spread of people in general counts for.
 const PRIOR_FREEDOM: f64 = 6.0;
 
-/// How people in general differ: in the logarithm of the length of a stroke and of a path, in the number of reversals, in the axis and in
-/// the place in metres.
+/// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals, in the
+/// axis and in the place in metres.
 const PRIOR_STROKE: f64 = 0.12;
 const PRIOR_PATH: f64 = 0.12;
+const PRIOR_DETOUR: f64 = 0.14;
 const PRIOR_DURATION: f64 = 0.2;
 const PRIOR_REVERSALS: f64 = 0.3;
 const PRIOR_AXIS: f64 = 0.15;
@@ -30,6 +32,9 @@ const STRAY_REVERSALS: u32 = 2;
 
 /// Nobody notices a path that is longer by this, in metres.
 const STRAY_PATH_M: f64 = 0.05;
+
+/// Nobody notices a way that is less straight by this, in metres.
+const STRAY_DETOUR_M: f64 = 0.1;
 
 /// Nobody notices that a step takes longer by this, in seconds: contacts begin and end by distance.
 const STRAY_S: f64 = 0.1;
@@ -53,15 +58,14 @@ pub(super) struct Rates {
     axis: f64,
     place: f64,
     duration: f64,
-    /// How probable it is that one person showed all demonstrations.
-    one_person: f64,
+    people: People,
 }
 
 impl Rates {
     /// From the demonstrations of each IU of the job.
     pub(super) fn new<'a>(
         false_alarms: f64,
-        one_person: f64,
+        people: People,
         ius: impl Iterator<Item = (Context, &'a [Measures])> + Clone,
     ) -> Self {
         let rate = |share: f64, has: &dyn Fn(Context, &[Measures]) -> bool| {
@@ -77,16 +81,18 @@ impl Rates {
             axis: rate(other, &|context, shown| is_directed(context, shown)),
             place: rate(other, &|context, _| is_at_another(context)),
             duration: rate(DURATION_SHARE, &|context, _| is_at_another(context)),
-            one_person,
+            people,
         }
     }
 
-    /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations and their lengths in frames.
+    /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations and their lengths in frames. `met_within_m` is
+    /// how near the runs show its two parts to come, 0 where the station says it.
     pub(super) fn bounds(
         &self,
         context: Context,
         shown: &[Measures],
         frames: &[u32],
+        met_within_m: f32,
     ) -> (Bounds, MeasureBounds) {
         let any = MeasureBounds::ANY;
         if !context.is_touch() {
@@ -97,8 +103,9 @@ impl Rates {
         let bounds = MeasureBounds {
             stroke_m: if is_repeated(shown) { self.stroke_m(shown) } else { any.stroke_m },
             path_m: self.path_m(shown),
+            max_detour_m: self.max_detour_m(shown),
             axis: if is_directed(context, shown) { self.axis(shown) } else { any.axis },
-            place_m: if is_at_another(context) { self.place_m(shown) } else { any.place_m },
+            place_m: if is_at_another(context) { self.place_m(shown, met_within_m) } else { any.place_m },
             shown: None,
         };
         (
@@ -148,20 +155,27 @@ impl Rates {
         Range { min: length(centre - apart), max: length(centre + apart) }
     }
 
+    /// People differ in where a part lies and in how straight they go, and a way can only become longer.
+    fn max_detour_m(&self, shown: &[Measures]) -> f32 {
+        let detours: Vec<f64> =
+            shown.iter().map(|measures| (f64::from(measures.detour_m) + STRAY_DETOUR_M).ln()).collect();
+        let (centre, apart) = self.interval(&detours, PRIOR_DETOUR, 2.0 * self.path);
+        ((centre + apart).exp() - STRAY_DETOUR_M) as f32
+    }
+
     fn axis(&self, shown: &[Measures]) -> Around<2> {
         self.around(&shown.iter().map(|measures| measures.axis).collect::<Vec<_>>(), PRIOR_AXIS, self.axis)
     }
 
-    fn place_m(&self, shown: &[Measures]) -> Around<3> {
-        self.around(
-            &shown.iter().map(|measures| measures.place_m).collect::<Vec<_>>(),
-            PRIOR_PLACE_M,
-            self.place,
-        )
+    /// Where the runs show how near two parts come, a part may lie anywhere within that, as on a shelf.
+    fn place_m(&self, shown: &[Measures], met_within_m: f32) -> Around<3> {
+        let places: Vec<_> = shown.iter().map(|measures| measures.place_m).collect();
+        let around = self.around(&places, PRIOR_PLACE_M, self.place);
+        Around { max: around.max.max(met_within_m), ..around }
     }
 
     fn interval(&self, values: &[f64], prior: f64, false_alarms: f64) -> (f64, f64) {
-        interval(values, prior, false_alarms, self.one_person)
+        interval(values, self.people.variety * prior, false_alarms, self.people.one_person)
     }
 
     /// The same in the plane or in space: the spread is that of one axis.
@@ -183,6 +197,7 @@ fn what_was_shown(shown: &[Measures], frames: &[u32], bounds: &MeasureBounds) ->
         reversals: counts(shown.iter().map(|measures| measures.reversals)),
         stroke_m: lengths(shown.iter().filter_map(|measures| measures.stroke_m)),
         path_m: lengths(shown.iter().map(|measures| measures.path_m)),
+        detour_m: most(&mut shown.iter().map(|measures| measures.detour_m)),
         axis: most(&mut shown.iter().map(|measures| bounds.axis.distance(measures.axis))),
         place_m: most(&mut shown.iter().map(|measures| bounds.place_m.distance(measures.place_m))),
     }

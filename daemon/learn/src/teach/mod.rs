@@ -16,6 +16,7 @@ mod relation;
 mod report;
 mod sampling;
 mod sequence;
+mod start;
 mod threshold;
 mod trust;
 
@@ -35,9 +36,11 @@ use crate::warp::Warp;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
+use andon_core::input::Meeting;
 use andon_core::job::Bounds;
 use andon_core::segment::Measures;
 use measures::Rates;
+use people::People;
 use report::Found;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
@@ -90,14 +93,14 @@ fn teach_different(
         return Err(nothing_agrees(runs, &agreement));
     }
     check_capacities(&agreement)?;
-    let one_person = people::one_person(runs, &agreement);
+    let people = People::of(runs, &agreement);
     let mut teacher = Teacher {
         runs,
         options,
         warp: Warp::new(options.cost),
         tables: Barycentres::new(options.cost, options.method.bins),
-        rates: rates(runs, &agreement, options.bounds.false_alarms, one_person),
-        one_person,
+        rates: rates(runs, &agreement, options.bounds.false_alarms, people),
+        people,
         ius: Vec::new(),
         blind: Vec::new(),
     };
@@ -114,12 +117,18 @@ fn teach_different(
         doubts.extend(doubts_of(runs, &agreement, options).unwrap_or_default());
     }
     let rejected = (options.try_runs && used.len() > 1).then(|| left_out::rejected(&used, options, &job));
-    let found = Found { disagreements: agreement.disagreements, doubts, blind, rejected, one_person };
+    let found = Found {
+        disagreements: agreement.disagreements,
+        doubts,
+        blind,
+        rejected,
+        one_person: people.one_person,
+    };
     let report = TeachReport::new(runs.len(), options, &job, found, ius);
     Ok((job, report))
 }
 
-fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64, one_person: f64) -> Rates {
+fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64, people: People) -> Rates {
     let sequences = agreement.sequences.iter();
     let ius: Vec<_> = sequences
         .flat_map(|sequence| {
@@ -127,7 +136,7 @@ fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64, one_person: f64
             contexts.map(move |(index, context)| (*context, measures_of(runs, sequence, index)))
         })
         .collect();
-    Rates::new(false_alarms, one_person, ius.iter().map(|(context, shown)| (*context, shown.as_slice())))
+    Rates::new(false_alarms, people, ius.iter().map(|(context, shown)| (*context, shown.as_slice())))
 }
 
 /// The measures of the demonstrations of an IU that were seen well.
@@ -182,7 +191,7 @@ fn job_file(
         max_slowdown: options.max_slowdown,
         min_rate_hz: 0.0,
         method: options.method,
-        objects: runs[0].objects.clone(),
+        objects: start::found(runs, agreement, options.method.space),
         activities,
         provenance: Provenance {
             program: options.program.clone(),
@@ -212,8 +221,7 @@ struct Teacher<'a> {
     warp: Warp,
     tables: Barycentres,
     rates: Rates,
-    /// How probable it is that one person showed all runs.
-    one_person: f64,
+    people: People,
     ius: Vec<IuReport>,
     blind: Vec<Blind>,
 }
@@ -240,11 +248,15 @@ impl Teacher<'_> {
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?;
         let context = sequence.contexts[index];
         let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
-        let (reversals, measures) =
-            self.rates.bounds(context, &measures_of(self.runs, sequence, index), &frames);
+        let (reversals, measures) = self.rates.bounds(
+            context,
+            &measures_of(self.runs, sequence, index),
+            &frames,
+            self.met_within_m(context),
+        );
         let taught = TaughtIu {
             context,
-            threshold: learned.threshold(*rule, f64::from(method.rate_hz), self.one_person) as f32,
+            threshold: learned.threshold(*rule, f64::from(method.rate_hz), self.people.one_person) as f32,
             frames: self.frames(context, &frames),
             reversals,
             measures,
@@ -253,6 +265,17 @@ impl Teacher<'_> {
         };
         self.ius.push(IuReport::new(sequence.activity, index, &learned, &taught));
         Ok(taught)
+    }
+
+    /// How near the runs show the two parts of an IU to come, in metres; 0 where the station says it.
+    fn met_within_m(&self, Context([_, _, j, l]): Context) -> f32 {
+        let place = |at: u16, with: u16| {
+            let mut at = self.runs[0].objects.iter().filter(move |object| object.shape.id == at);
+            let meetings = &at.next()?.shape.meetings;
+            let met = meetings.iter().find(|met| met.with == with && !met.points.is_empty())?;
+            (with != Meeting::HAND).then_some(met.contact.off_m)
+        };
+        place(l, j).or_else(|| place(j, l)).unwrap_or_default()
     }
 
     /// The bounds of duration, from that of the demonstrations, in frames.

@@ -33,10 +33,11 @@ impl Noticed<'_> {
     fn line(&self, iu: &IuReport, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bounds = &iu.measures;
         let Some(shown) = bounds.shown else { return Ok(()) };
-        let Shown { frames, reversals, stroke_m, path_m, .. } = shown;
+        let Shown { frames, reversals, stroke_m, path_m, detour_m, .. } = shown;
         let strokes = counts(reversals, iu.reversals).map(|count| count.map(|count| count / 2.0));
         let seconds = counts(frames, iu.frames).map(|count| count.map(|count| count / self.rate_hz));
         let off = |bound: f32| bound.is_finite().then_some(bound);
+        let [path_less, _] = lengths(path_m, bounds.path_m);
         // An axis is that of twice the angle.
         let degrees = off(bounds.axis.max).map(|max| (max / 2.0).min(1.0).asin().to_degrees());
         writeln!(
@@ -46,7 +47,7 @@ impl Noticed<'_> {
             iu.iu + 1,
             both(strokes, 1),
             both(seconds, 1),
-            both(lengths(path_m, bounds.path_m), 0),
+            both([path_less, off(bounds.max_detour_m - detour_m).map(centimetres)], 0),
             both(lengths(stroke_m, bounds.stroke_m), 1),
             one(off(bounds.place_m.max).map(centimetres), 1),
             one(degrees, 0),

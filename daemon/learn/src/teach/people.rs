@@ -1,28 +1,50 @@
-//! Whether one person showed all the runs. People differ from each other more than each does from time to time, so what one person does is
-//! less than what is right.
+//! Whether one person showed all the runs, and how much people differ here. They differ from each other more than each does from time to
+//! time, so what one person does is less than what is right.
 
 use super::sequence::Agreement;
 use crate::folder::person_of;
 use crate::run::{Iu, Run};
-use crate::statistics::mean;
+use crate::statistics::{chi_squared, mean};
 
 /// How people differ, and how one person does from run to run: the standard deviation of the logarithm of the pace and of the length of
 /// strokes.
 const BETWEEN_PEOPLE: f64 = 0.14;
 const BETWEEN_RUNS: f64 = 0.08;
 
-/// How probable it is that one person showed all the runs: as the names of the files say it (`p<person>_...`), or else as the runs agree in
-/// their pace and in the length of their strokes; both may be expected where nothing is known.
-pub(super) fn one_person(runs: &[Run], agreement: &Agreement) -> f64 {
-    let people: Option<Vec<u32>> = agreement.used_runs(runs).iter().map(|run| person_of(&run.name)).collect();
-    if let Some(people) = people {
-        return f64::from(people.iter().all(|person| *person == people[0]));
+/// How sure it must be that these people differ more than people in general do before they count for more.
+const SURE: f64 = 0.9;
+
+/// What the runs tell of the people who showed them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct People {
+    /// How probable it is that one person showed all the runs: as the names of the files say it (`p<person>_...`), or else as the runs agree
+    /// in their pace and in the length of their strokes; both may be expected where nothing is known.
+    pub(super) one_person: f64,
+    /// How many times as much as people in general they differ, at least: 1 or more.
+    pub(super) variety: f64,
+}
+
+impl People {
+    pub(super) fn of(runs: &[Run], agreement: &Agreement) -> Self {
+        let pace = |iu: &Iu| Some(f64::from(iu.frames));
+        let stroke = |iu: &Iu| iu.measures.stroke_m.map(f64::from);
+        let deviations = [deviations(runs, agreement, &pace), deviations(runs, agreement, &stroke)];
+        let people: Option<Vec<u32>> =
+            agreement.used_runs(runs).iter().map(|run| person_of(&run.name)).collect();
+        let one_person = match people {
+            Some(people) => f64::from(people.iter().all(|person| *person == people[0])),
+            None => 1.0 / (1.0 + (-deviations.iter().map(|them| evidence_of_one(them)).sum::<f64>()).exp()),
+        };
+        Self { one_person, variety: variety(&deviations) }
     }
-    let pace = |iu: &Iu| Some(f64::from(iu.frames));
-    let stroke = |iu: &Iu| iu.measures.stroke_m.map(f64::from);
-    let evidence = evidence_of_one(&deviations(runs, agreement, &pace))
-        + evidence_of_one(&deviations(runs, agreement, &stroke));
-    1.0 / (1.0 + (-evidence).exp())
+}
+
+/// The least variance that explains these deviations, as a multiple of that of people in general.
+fn variety(deviations: &[Vec<f64>]) -> f64 {
+    let freedom: usize = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum();
+    let squares: f64 = deviations.iter().flatten().map(|deviation| deviation.powi(2)).sum();
+    let in_general = BETWEEN_RUNS.powi(2) + BETWEEN_PEOPLE.powi(2);
+    (squares / in_general / chi_squared(freedom as f64, SURE)).sqrt().max(1.0)
 }
 
 /// The logarithm of how much more probable these deviations are for one person than for a different one in each run.

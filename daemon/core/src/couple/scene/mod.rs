@@ -3,6 +3,7 @@
 mod in_hand;
 mod meeting;
 mod sight;
+mod start;
 
 use super::contact::Edge;
 use super::geometry::{dot, subtract};
@@ -12,10 +13,11 @@ use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Sight};
 use crate::capacity::{HANDS, OBJECTS};
 use crate::config::Method;
-use crate::input::{Frame, ObjectShape, Point, Side};
+use crate::input::{Frame, ObjectShape, Point, Side, StartPlace};
 use heapless::Vec;
 use in_hand::InHand;
 use meeting::Shape;
+use start::Start;
 
 /// An object as a node of the graph.
 #[derive(Clone, Debug)]
@@ -32,10 +34,11 @@ struct Node {
     is_rival: [bool; HANDS],
     /// Where it was when a hand was last seen anywhere.
     attended: Option<Point>,
+    start: Start,
 }
 
 impl Node {
-    fn new(shape: Shape) -> Self {
+    fn new(shape: Shape, start: Option<StartPlace>) -> Self {
         Self {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
@@ -44,6 +47,7 @@ impl Node {
             may_be_touched: [false; HANDS],
             is_rival: [false; HANDS],
             attended: None,
+            start: Start::new(start),
         }
     }
 }
@@ -86,7 +90,8 @@ pub(super) struct Scene {
 impl Scene {
     /// An empty scene. The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
     pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
-        let nodes = shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?)));
+        let nodes =
+            shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?, shape.start)));
         let mut objects: Vec<Node, OBJECTS> = nodes.take(OBJECTS).collect();
         objects.sort_unstable_by_key(|node| node.shape.id);
         Self {
@@ -114,7 +119,8 @@ impl Scene {
 
     /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
-        let objects = self.objects.iter().map(|node| Node::new(node.shape.clone())).collect();
+        let objects =
+            self.objects.iter().map(|node| Node::new(node.shape.clone(), node.start.place())).collect();
         *self = Self { objects, ..Self::new(self.method, &[]) };
     }
 
@@ -221,6 +227,7 @@ impl Scene {
             known_ns,
             is_captured: self.captured >> age & 1 == 1,
             has_moved_unseen: self.moved_unseen >> age & 1 == 1,
+            undone: self.undone(age),
             hands,
         }
     }

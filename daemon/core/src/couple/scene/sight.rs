@@ -4,9 +4,11 @@ use super::super::Sight;
 use super::super::contact;
 use super::super::poses::Source;
 use super::{Scene, squared_distance};
+use crate::capacity::HANDS;
 
 impl Scene {
-    /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand held when it was last seen.
+    /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand holds: none acted on it or was at it when it
+    /// was last seen, the latter not longer ago than `blind_ms`.
     pub(super) fn push_moved_unseen(&mut self) {
         let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
         let was_handless = self.handless_frames >= self.method.persist_frames.into();
@@ -18,7 +20,12 @@ impl Scene {
             if pose.source != Source::Seen {
                 continue;
             }
-            let is_held = self.touches.iter().any(|edges| edges[index].is_near());
+            let holds = |hand: usize| {
+                let is_recent = self.hands[hand].ago(0).unseen <= self.blind_frames;
+                self.touches[hand][index].is_near()
+                    && (is_recent || self.interactions[hand].held() == Some(index))
+            };
+            let is_held = (0..HANDS).any(holds);
             let lay = *node.attended.get_or_insert(pose.position);
             let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
             let has_moved_unseen = was_handless && is_elsewhere && !is_held;

@@ -1,0 +1,43 @@
+//! What of a job has not been done, as the bench shows it: a part that an activity moves for good still lies where it did at the beginning.
+
+use super::Scene;
+use crate::couple::poses::Source;
+use crate::input::StartPlace;
+use crate::set::ActivitySet;
+
+/// Whether an object lies where it does at the beginning of the job.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start {
+    place: Option<StartPlace>,
+    is_there: bool,
+}
+
+impl Start {
+    pub(super) fn new(place: Option<StartPlace>) -> Self {
+        Self { place, is_there: false }
+    }
+
+    pub(super) fn place(self) -> Option<StartPlace> {
+        self.place
+    }
+
+    fn undone(self) -> ActivitySet {
+        self.place.filter(|_| self.is_there).map_or(ActivitySet::EMPTY, |start| start.moved_by)
+    }
+}
+
+impl Scene {
+    /// The activities that have not been done, as the frame `age` frames before the newest shows. Call it once for each frame, in order: an
+    /// object that is out of sight for no longer than `blind_ms` lies where it lay.
+    pub(super) fn undone(&mut self, age: usize) -> ActivitySet {
+        for node in &mut self.objects {
+            let (pose, start) = (node.poses.ago(age), &mut node.start);
+            let lies_within = |start: StartPlace| start.place.distance(pose.position) <= start.place.max;
+            start.is_there = match pose.source {
+                Source::Seen => start.place.is_some_and(lies_within),
+                _ => start.is_there && pose.unseen <= self.blind_frames,
+            };
+        }
+        self.objects.iter().fold(ActivitySet::EMPTY, |undone, node| undone | node.start.undone())
+    }
+}

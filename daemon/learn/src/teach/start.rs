@@ -1,0 +1,82 @@
+//! Where parts lie before the job moves them for good. A part that still lies there shows that the activities which move it have not been
+//! done, whatever was not seen of the hands.
+
+use super::sequence::Agreement;
+use crate::recording::NamedObject;
+use crate::run::{Activity, Run};
+use crate::statistics::median;
+use andon_core::input::{Point, Space, StartPlace};
+use andon_core::job::Around;
+use andon_core::set::ActivitySet;
+
+/// Beyond what the runs show, a part may lie so far from where they have it, in metres.
+const STRAY_M: f32 = 0.01;
+
+/// A part that the runs do not put back to within this, in metres, has no place of its own.
+const MAX_M: f32 = 0.05;
+
+/// What the runs move for good lies afterwards so many times as far from its place as it lay before.
+const AWAY: f32 = 2.0;
+
+/// The objects of the runs, each with where it lies first, if the runs show that.
+pub(super) fn found(runs: &[Run], agreement: &Agreement, space: Space) -> Vec<NamedObject> {
+    let mut objects = runs[0].objects.clone();
+    for object in &mut objects {
+        object.shape.start = start_of(object.shape.id, runs, agreement, space);
+    }
+    objects
+}
+
+fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Option<StartPlace> {
+    // One run shows one place, and not that it is always there.
+    if agreement.used.len() < 2 {
+        return None;
+    }
+    let firsts: Vec<Point> =
+        agreement.used.iter().map(|run| first_position(id, &runs[*run], space)).collect::<Option<_>>()?;
+    let axis =
+        |axis: usize| median(&firsts.iter().map(|first| f64::from(first[axis])).collect::<Vec<_>>()) as f32;
+    let centre = [0, 1, 2].map(axis);
+    let place = |max: f32| Around { centre, max };
+    let shown_m = firsts.iter().map(|first| place(0.0).distance(*first)).fold(0.0, f32::max);
+    let place = place(shown_m + STRAY_M);
+    let moves = |activity: &usize| -> bool {
+        let of_runs = agreement.steps[*activity].iter().zip(&agreement.used);
+        let mut shown = of_runs.filter_map(|(index, run)| Some((&runs[*run], (*index)?))).peekable();
+        shown.peek().is_some()
+            && shown.all(|(run, index)| {
+                let activity = &run.activities[index];
+                let mut after = positions(id, run, activity.ended_ns(), space).peekable();
+                acts_on(activity, id)
+                    && after.peek().is_some()
+                    && after.all(|position| place.distance(position) > AWAY * place.max)
+            })
+    };
+    let moved_by: ActivitySet = (0..agreement.steps.len()).filter(moves).collect();
+    (place.max <= MAX_M && !moved_by.is_empty()).then_some(StartPlace { place, moved_by })
+}
+
+/// Where an object lies before the first activity of the run.
+fn first_position(id: u16, run: &Run, space: Space) -> Option<Point> {
+    let until_ns = run.activities.iter().find(|activity| acts_on(activity, id))?.ius.first()?.began_ns;
+    let before: Vec<Point> =
+        seen(id, run, space).take_while(|(time_ns, _)| *time_ns < until_ns).map(|(_, at)| at).collect();
+    let axis = |axis: usize| median(&before.iter().map(|at| f64::from(at[axis])).collect::<Vec<_>>()) as f32;
+    (!before.is_empty()).then(|| [0, 1, 2].map(axis))
+}
+
+fn positions(id: u16, run: &Run, from_ns: u64, space: Space) -> impl Iterator<Item = Point> {
+    seen(id, run, space).filter(move |(time_ns, _)| *time_ns >= from_ns).map(|(_, at)| at)
+}
+
+fn seen(id: u16, run: &Run, space: Space) -> impl Iterator<Item = (u64, Point)> {
+    let flat = move |[x, y, z]: Point| [x, y, if space == Space::Plane { 0.0 } else { z }];
+    run.frames().iter().filter_map(move |frame| {
+        let object = frame.objects.iter().find(|object| object.id == id)?;
+        Some((frame.captured_ns, flat(object.position)))
+    })
+}
+
+fn acts_on(activity: &Activity, id: u16) -> bool {
+    activity.ius.iter().any(|iu| iu.context.0[1..].contains(&id))
+}
