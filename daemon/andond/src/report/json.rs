@@ -5,6 +5,7 @@ use andon_core::verdict::{BrokenOrder, Level, Measure, Measured, Reason, Verdict
 use serde::Serialize;
 use shm_schemas::{PartId, verdict_kind};
 
+use super::words::Names;
 use crate::wire::verdict::{level, measure, note, order_fault, outcome, reason};
 
 /// Seconds on the recording's own time.
@@ -76,6 +77,9 @@ pub struct VerdictLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     captured_percent: Option<u8>,
     nearest: Option<u16>,
+    /// What was expected instead, and what came, by the names of parts and steps.
+    expected: Option<String>,
+    got: Option<String>,
     measures: Option<MeasureLine>,
     broken: Option<BrokenLine>,
     note: Option<&'static str>,
@@ -88,7 +92,7 @@ pub struct VerdictLine {
 
 impl VerdictLine {
     /// The line of verdict number `seq` on this part.
-    pub fn new(seq: u64, verdict: &Verdict, part: &PartId) -> Self {
+    pub fn new(seq: u64, verdict: &Verdict, part: &PartId, names: &Names) -> Self {
         let (level, outcome) = (level(verdict.level), outcome(verdict.outcome));
         let of_job = verdict.level == Level::Job;
         Self {
@@ -105,6 +109,8 @@ impl VerdictLine {
             threshold: number(verdict.threshold),
             captured_percent: verdict.captured_percent.filter(|_| verdict.reason == Reason::Overload),
             nearest: verdict.nearest,
+            expected: names.expected(verdict),
+            got: names.got(verdict),
             measures: verdict.measured.map(MeasureLine::new),
             broken: verdict.broken.map(BrokenLine::new),
             note: verdict.note.map(|word| note(word).name()),
@@ -191,13 +197,18 @@ mod tests {
         }
     }
 
+    fn names() -> Names {
+        Names::new([(5, "polisher".to_owned()), (6, "brick".to_owned())])
+    }
+
     #[test]
     fn a_verdict_is_one_object_with_the_names_that_programs_read() {
         let line =
-            serde_json::to_string(&VerdictLine::new(7, &verdict(), &PartId::new(b"A-17").unwrap())).unwrap();
+            serde_json::to_string(&VerdictLine::new(7, &verdict(), &PartId::new(b"A-17").unwrap(), &names()))
+                .unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"expected":"step 2","got":"polisher at brick","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
     }
 
@@ -206,7 +217,7 @@ mod tests {
         let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 2, runs: 6 };
         let verdict = Verdict { broken: Some(broken), note: Some(Note::OtherHand), ..verdict() };
         let line: serde_json::Value =
-            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE)).unwrap();
+            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names())).unwrap();
         assert_eq!(line["broken"], serde_json::json!({"fault": "NotEnded", "activity": 2, "runs": 6}));
         assert_eq!(line["note"], "OtherHand");
     }
@@ -216,7 +227,7 @@ mod tests {
         let measured = Measured { measure: Measure::Duration, value: 2.1, shown_min: 4.8, shown_max: 5.4 };
         let verdict = Verdict { measured: Some(measured), ..verdict() };
         let line: serde_json::Value =
-            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE)).unwrap();
+            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names())).unwrap();
         let expected =
             serde_json::json!({"measure": "Duration", "unit": "s", "value": 2.1, "shown": [4.8, 5.4]});
         assert_eq!(line["measures"], expected);
@@ -225,7 +236,8 @@ mod tests {
     #[test]
     fn a_job_verdict_has_no_hand_no_place_and_no_context() {
         let job = Verdict { level: Level::Job, outcome: Outcome::Ok, side: None, iu: None, ..verdict() };
-        let line: serde_json::Value = serde_json::to_value(VerdictLine::new(1, &job, &PartId::NONE)).unwrap();
+        let line: serde_json::Value =
+            serde_json::to_value(VerdictLine::new(1, &job, &PartId::NONE, &names())).unwrap();
         for key in ["hand", "activity", "iu", "context", "threshold", "part"] {
             assert!(line[key].is_null(), "{key}");
         }

@@ -14,7 +14,14 @@ use crate::wire::verdict::measured_words;
 #[derive(Clone, Debug, Default)]
 pub struct Names {
     objects: HashMap<u16, String>,
-    steps: Vec<String>,
+    steps: Vec<Step>,
+}
+
+/// A step of the job: its name, and the contexts of its IUs as most runs have them.
+#[derive(Clone, Debug, Default)]
+struct Step {
+    name: String,
+    contexts: Vec<Context>,
 }
 
 impl Names {
@@ -25,14 +32,41 @@ impl Names {
 
     /// The names of a job: its objects, and its steps, which are otherwise called by their numbers.
     pub fn of_job(job: &JobFile) -> Self {
-        let steps = (0..job.steps.len()).map(|number| job.step_name(number)).collect();
+        let step = |number: usize| {
+            let first = job.activities.iter().find(|taught| usize::from(taught.activity) == number);
+            let contexts = first.into_iter().flat_map(|taught| &taught.ius).map(|iu| iu.context).collect();
+            Step { name: job.step_name(number), contexts }
+        };
+        let steps = (0..job.steps.len()).map(step).collect();
         Self { steps, ..Self::of_objects(&job.objects) }
     }
 
     /// The step that an activity of the job is, counted from 1.
     fn step(&self, activity: u16) -> String {
-        let name = self.steps.get(usize::from(activity)).map(|name| format!(" ({name})")).unwrap_or_default();
-        format!("step {}{name}", activity + 1)
+        let name = self.steps.get(usize::from(activity)).map(|step| format!(" ({})", step.name));
+        format!("step {}{}", activity + 1, name.unwrap_or_default())
+    }
+
+    /// What was expected instead of what a verdict is about: another step, or another context within the nearest one.
+    pub fn expected(&self, verdict: &Verdict) -> Option<String> {
+        match (verdict.outcome, verdict.broken) {
+            (Outcome::Anomaly, Some(BrokenOrder { fault, activity, .. })) => {
+                matches!(fault, OrderFault::NotBegun | OrderFault::NotEnded).then(|| self.step(activity))
+            }
+            (Outcome::Anomaly, None) => {
+                let nearest = verdict.nearest?;
+                let contexts = self.steps.get(usize::from(nearest)).map(|step| &step.contexts);
+                let context = contexts.zip(verdict.iu).and_then(|(all, iu)| all.get(usize::from(iu)));
+                let other = context.filter(|context| **context != verdict.context);
+                Some(other.map_or_else(|| self.step(nearest), |context| self.context(*context)))
+            }
+            _ => None,
+        }
+    }
+
+    /// What came, in words; a job is more than a few words can say.
+    pub fn got(&self, verdict: &Verdict) -> Option<String> {
+        (verdict.level != Level::Job).then(|| self.context(verdict.context))
     }
 
     /// The names in the head of a recording, or in a job file.
@@ -124,12 +158,13 @@ fn because(verdict: &Verdict, names: &Names) -> Option<String> {
 fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
     let near =
         verdict.nearest.map(|nearest| format!(" of nominal activity {}", nearest + 1)).unwrap_or_default();
+    let instead = names.expected(verdict).map(|other| format!(", expected was {other}")).unwrap_or_default();
     Some(match verdict.reason {
         Reason::None => return None,
-        Reason::WrongObject => "this object does not belong here".into(),
+        Reason::WrongObject => format!("this object does not belong here{instead}"),
         Reason::WrongOrder => match verdict.broken {
             Some(broken) => broken_words(broken, names),
-            None => "not now: it belongs elsewhere in the job".into(),
+            None => format!("not now: it belongs elsewhere in the job{instead}"),
         },
         Reason::Motion => match (verdict.distance, verdict.threshold) {
             (Some(distance), Some(threshold)) => {
@@ -139,6 +174,10 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
         },
         Reason::TooShort => format!("cut short against the demonstrations{near}"),
         Reason::TooLong => format!("longer than in any demonstration{near}"),
+        Reason::NotCompleted if verdict.level == Level::Job => match verdict.nearest {
+            Some(nearest) => format!("ended without {}", names.step(nearest)),
+            None => "ended before its last step".into(),
+        },
         Reason::NotCompleted => "ended before its last part".into(),
         Reason::Unknown => "nothing to compare it with".into(),
         Reason::Blind => "the hand or the part was out of sight for too long".into(),
@@ -196,7 +235,8 @@ mod tests {
              long; seen were 4 strokes, shown 6 to 6"
         );
         let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 0, runs: 6 };
-        let names = Names { steps: vec!["left hand: box".to_string()], ..names };
+        let contexts = vec![Context([2, 5, 0, 0]), Context([2, 5, 5, 6])];
+        let names = Names { steps: vec![Step { name: "left hand: box".to_string(), contexts }], ..names };
         let order = Verdict {
             level: Level::Activity,
             reason: Reason::WrongOrder,
@@ -208,6 +248,21 @@ mod tests {
             verdict_sentence(&order, &names),
             "   1.25 s  right  ANOMALY     activity 1 (polisher at brick): it began before step 1 (left hand: box) had ended; \
              in all 6 runs it came after"
+        );
+        let elsewhere = Verdict { level: Level::Iu, reason: Reason::WrongObject, broken: None, ..order };
+        assert_eq!(
+            verdict_sentence(&Verdict { context: Context([1, 9, 0, 0]), ..elsewhere }, &names),
+            "   1.25 s  right  ANOMALY     activity 1 IU 2 (object 9 in hand): this object does not belong here, expected was \
+             polisher at brick"
+        );
+        let ended = Verdict { level: Level::Job, reason: Reason::NotCompleted, iu: None, ..elsewhere };
+        assert_eq!(
+            verdict_sentence(&ended, &names),
+            "   1.25 s  right  ANOMALY     job: ended without step 1 (left hand: box)"
+        );
+        assert_eq!(
+            (names.expected(&ended).as_deref(), names.got(&ended)),
+            (Some("step 1 (left hand: box)"), None)
         );
         let noted = Verdict {
             level: Level::Job,

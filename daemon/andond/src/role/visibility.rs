@@ -5,7 +5,6 @@ use std::time::Duration;
 
 use andon_core::couple::{Context, Couple, Couples};
 use andon_core::input::{Frame, Side};
-use andon_core::set::ActivitySet;
 use andon_ipc::SourceTime;
 
 use crate::config::Config;
@@ -184,6 +183,7 @@ mod tests {
     use super::*;
     use andon_core::couple::Sight;
     use andon_core::input;
+    use andon_core::set::ActivitySet;
 
     const S: u64 = 1_000_000_000;
 

@@ -75,7 +75,7 @@ impl Printer<'_> {
         self.judged |= verdict.level == Level::Job && verdict.outcome == Outcome::Ok;
         let mut out = stdout().lock();
         if self.json {
-            serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE))?;
+            serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names))?;
             writeln!(out)
         } else {
             writeln!(out, "{}", verdict_sentence(verdict, self.names))

@@ -109,7 +109,10 @@ fn print(arguments: &Tail, message: &Message, names: &Names) -> std::io::Result<
     };
     let mut out = stdout().lock();
     if arguments.json {
-        serde_json::to_writer(&mut out, &VerdictLine::new(message.stamp.seq, &verdict, &message.part))?;
+        serde_json::to_writer(
+            &mut out,
+            &VerdictLine::new(message.stamp.seq, &verdict, &message.part, names),
+        )?;
         writeln!(out)?;
     } else {
         let sentence = verdict_sentence(&verdict, names);

@@ -44,6 +44,7 @@ use people::People;
 use report::Found;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
+use std::borrow::Cow;
 use threshold::learn;
 use trust::{doubts_of, too_few_frames, without_copies};
 
@@ -56,33 +57,38 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     if runs.is_empty() {
         return Err(TeachError::NoRun);
     }
+    let (runs, twice) = if options.examine_runs { without_copies(runs) } else { (Cow::Borrowed(runs), None) };
     if !options.find_meetings {
-        return teach_examined(runs, options);
+        return teach_examined(&runs, options, twice);
     }
-    let (objects, unsure) = meetings::learn(runs, &options.method);
+    let (objects, unsure) = meetings::learn(&runs, &options.method);
     // The points and distances that are learnt are finite, so it is only their number that may be refused.
     let too_many = |_| TeachError::Full { what: "objects", needed: objects.len(), max: OBJECTS };
     let met = runs.iter().map(|run| run.encoded_with_objects(&objects)).collect::<Result<Vec<_>, _>>();
     let met = met.map_err(too_many)?;
-    let (job, mut report) = teach_examined(&met, options)?;
+    let (job, mut report) = teach_examined(&met, options, twice)?;
     report.unsure = unsure;
     Ok((job, report))
 }
 
-fn teach_examined(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachReport), TeachError> {
+/// Teaches a job from runs that are different. `twice` is what speaks against those that were given.
+fn teach_examined(
+    runs: &[Run],
+    options: &TeachOptions,
+    twice: Option<Doubt>,
+) -> Result<(JobFile, TeachReport), TeachError> {
     if !options.examine_runs {
         return teach_different(runs, options, Vec::new());
     }
-    let (different, twice) = without_copies(runs);
-    let doubts: Vec<Doubt> = twice.into_iter().chain(too_few_frames(&different, &options.method)).collect();
-    let sentences: Vec<String> = doubts.iter().map(|doubt| doubt_words(doubt, &different)).collect();
-    teach_different(&different, options, doubts).map_err(|nothing| match nothing {
+    let doubts: Vec<Doubt> = twice.into_iter().chain(too_few_frames(runs, &options.method)).collect();
+    let sentences: Vec<String> = doubts.iter().map(|doubt| doubt_words(doubt, runs)).collect();
+    teach_different(runs, options, doubts).map_err(|nothing| match nothing {
         nothing if sentences.is_empty() || !nothing.is_of_runs() => nothing,
         nothing => TeachError::Doubtful { doubts: sentences, nothing: Box::new(nothing) },
     })
 }
 
-/// Teaches a job from runs that are different. `doubts` is what speaks against them so far.
+/// `doubts` is what speaks against the runs so far.
 fn teach_different(
     runs: &[Run],
     options: &TeachOptions,

@@ -41,6 +41,12 @@ pub(super) fn of(
     at_learnt_places(id, &places, shown.len(), default)
 }
 
+/// Whether a run shows one of the two to dwell at the other so near that they may touch.
+pub(super) fn is_shown([one, other]: [usize; 2], shown: &Trajectories) -> bool {
+    let is_near = |dwell: &Dwell| median(dwell.iter().map(|(_, place)| *place)).coords.norm() < TOUCH_M;
+    shown.dwells(one, other).iter().any(is_near)
+}
+
 /// How near the two come to each other where their points are given.
 fn at_given_points(
     [with, at]: [usize; 2],

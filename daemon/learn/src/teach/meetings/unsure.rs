@@ -1,6 +1,7 @@
 //! What the runs do not show for sure of where hands and objects meet.
 
 use super::trajectory::Trajectories;
+use super::{is_given, joining};
 use crate::recording::NamedObject;
 use crate::run::Run;
 use std::fmt;
@@ -18,6 +19,15 @@ pub enum Unsure {
         /// The names of the runs.
         runs: Vec<String>,
     },
+    /// Not all runs show two objects to meet.
+    SeldomMet {
+        /// The names of the two.
+        objects: [String; 2],
+        /// How many runs show it.
+        runs: usize,
+        /// Of how many.
+        of: usize,
+    },
     /// The orientation of an object is not used.
     PositionOnly {
         /// The name of the object.
@@ -32,6 +42,11 @@ impl fmt::Display for Unsure {
                 f,
                 "{object} was moved in {}, and no hand was seen to carry it: see that the hand stays in view",
                 runs.join(", ")
+            ),
+            Self::SeldomMet { objects: [one, other], runs, of } => write!(
+                f,
+                "{one} and {other} are seen to meet in {runs} of {of} runs, so where they do is not sure: show more runs in which they \
+                 meet, or give them interaction_points"
             ),
             Self::PositionOnly { object } => write!(
                 f,
@@ -54,6 +69,15 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
         }
         if object.shape.is_position_only {
             unsure.push(Unsure::PositionOnly { object: object.name.clone() });
+        }
+        for other in 0..index {
+            let pair = [index, other];
+            let count = shown.iter().filter(|shown| joining::is_shown(pair, shown)).count();
+            let is_learnt = pair.iter().all(|object| !is_given(&objects[*object].shape));
+            if is_learnt && (1..shown.len()).contains(&count) {
+                let names = pair.map(|object| objects[object].name.clone());
+                unsure.push(Unsure::SeldomMet { objects: names, runs: count, of: shown.len() });
+            }
         }
     }
     unsure
