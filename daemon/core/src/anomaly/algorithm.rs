@@ -345,10 +345,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let accuses_nobody = self.accuses_nobody();
         let Some(activity) = &mut self.activity else { return };
         let Against::Candidates(candidates) = activity.against else { return };
-        if activity.is_concluded || accuses_nobody || !activity.is_place_certain() {
+        let is_place_certain = activity.is_place_certain();
+        let is_certain = is_place_certain || self.iu.is_some_and(|iu| iu.is_certain);
+        if activity.is_concluded || accuses_nobody || !is_certain {
             return;
         }
-        let mut faults = candidates.iter().map(|nominal| progress.order_fault(self.side, nominal));
+        // Wherever in it the hand may be, it is too early for all of it while the bench shows that what comes before has not been done.
+        let fault = |nominal| {
+            let fault = progress.order_fault(self.side, nominal);
+            fault.filter(|broken| is_place_certain || progress.is_undone(broken))
+        };
+        let mut faults = candidates.iter().map(fault);
         if let Some(broken) = faults.try_fold(None, |first, fault| Some(first.or(Some(fault?)))) {
             activity.broken = broken;
             self.conclude_activity(
@@ -359,6 +366,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 progress,
                 emit,
             );
+            return;
+        }
+        if !is_place_certain {
             return;
         }
         let mut notes = candidates.iter().map(|nominal| progress.order_note(self.side, nominal));

@@ -354,6 +354,11 @@ impl<'a> Progress<'a> {
             .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
     }
 
+    /// Whether the bench shows that what must come before has not been done.
+    pub(super) fn is_undone(&self, broken: &BrokenOrder) -> bool {
+        broken.fault == OrderFault::NotBegun && self.undone.contains(broken.activity.into())
+    }
+
     /// Whether an activity was right that must come behind this one, because this one may have come unseen; and now it comes.
     pub(super) fn is_behind_its_time(&self, nominal: usize) -> bool {
         let activity = self.number(nominal).map(usize::from);
