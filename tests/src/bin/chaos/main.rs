@@ -2,10 +2,10 @@
 //! result and gives part ids. Checks what is left.
 //!
 //! `chaos [KILLS] [SEED] [REPORT] [P99_MS]`: fails when something hangs, when a verdict is lost or doubled for the journal or for the
-//! PLC, when a job was OK that was not right and whole, or for a part or by a job that the PLC did not want then, when no right job was OK
-//! while nothing was disturbed, when the line was ready while it could not judge, or not by the job that the PLC wants, when shared memory
-//! is leaked, when the PLC did not see `ready` drop, or when of a hundred roles more than one took longer than `P99_MS` to come back.
-//! Without `P99_MS` that time is only reported, because it depends on how busy the machine is.
+//! PLC, when a job was OK that was not right and whole, or for a part or by a job that the PLC did not want then, when no right job was
+//! OK or no wrong one was found while nothing was disturbed, when the line was ready while it could not judge, or not by the job that
+//! the PLC wants, when shared memory is leaked, when the PLC did not see `ready` drop, or when of a hundred roles more than one took
+//! longer than `P99_MS` to come back. Without `P99_MS` that time is only reported, because it depends on how busy the machine is.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod accounts;
@@ -38,12 +38,14 @@ const NOTICED: Duration = Duration::from_secs(1);
 /// A judge that works and does not watch, because it has not been given back job and `enable`, cannot judge either. Nor can one that has
 /// another job than the PLC was told that it has.
 const WATCH: &str = "the judge's watch";
-/// What the worker does in turn. Most parts are right, so that there are OKs that could be false.
-const WORK: [Flaw; 4] = [Flaw::None, Flaw::None, Flaw::None, Flaw::WrongOrder];
+/// What the worker does in turn. Most parts are right, so that there are OKs that could be false. The one that is not comes early: with every
+/// start of `perceive` the worker begins again.
+const WORK: [Flaw; 4] = [Flaw::None, Flaw::WrongOrder, Flaw::None, Flaw::None];
 /// Between two parts, in seconds: longer than `idle_end_ms`, so that a judge that has started again sees the next job begin.
 const PAUSE_S: f64 = 5.0;
-/// After so many disturbances the worker is left alone until a part is right, and so at the end.
+/// After every 20 disturbances the worker is left alone until a part is right, and every third time until one is not.
 const CALM_EVERY: u64 = 20;
+const WRONG_EVERY: u64 = 3 * CALM_EVERY;
 /// A role that has not come back after this long hangs.
 const HANGS: Duration = Duration::from_secs(30);
 
@@ -55,7 +57,8 @@ fn main() -> ExitCode {
     while chaos.tally.kills() < kills {
         chaos.disturb();
     }
-    chaos.leave_alone();
+    chaos.leave_alone(VerdictOutcome::Ok);
+    chaos.leave_alone(VerdictOutcome::Anomaly);
     let (text, has_passed) = chaos.finish(arguments.number(3, f64::INFINITY));
     report(path, &text, has_passed)
 }
@@ -156,30 +159,32 @@ impl Chaos {
             self.tally.unseen.push(format!("{role} after {what}"));
         }
         self.tally.disturbances += 1;
-        if self.tally.disturbances.is_multiple_of(CALM_EVERY) {
-            self.leave_alone();
+        if self.tally.disturbances.is_multiple_of(WRONG_EVERY) {
+            self.leave_alone(VerdictOutcome::Anomaly);
+        } else if self.tally.disturbances.is_multiple_of(CALM_EVERY) {
+            self.leave_alone(VerdictOutcome::Ok);
         }
     }
 
-    /// Until a job is OK that began after the last disturbance. One of the recording is, whatever it was doing.
-    fn leave_alone(&mut self) {
+    /// Until a job that began after the last disturbance comes out so. One of the recording does, wherever it was.
+    fn leave_alone(&mut self, outcome: VerdictOutcome) {
         let (since, since_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
         let patience = Duration::from_secs_f64(2.0 * self.recording.length_s);
         let heard = self.watcher.verdicts.len();
         while since.elapsed() < patience {
             self.listen(Duration::from_millis(50));
             self.supervise();
-            let is_ok = self.watcher.verdicts[heard..].iter().any(|verdict| {
+            let is_so = self.watcher.verdicts[heard..].iter().any(|verdict| {
                 verdict.level == VerdictLevel::Job.code()
-                    && verdict.outcome == VerdictOutcome::Ok.code()
+                    && verdict.outcome == outcome.code()
                     && verdict.stamp.sent_ns.saturating_sub(verdict.decided_ns - verdict.began_ns) > since_ns
             });
-            if is_ok {
+            if is_so {
                 self.tally.calm_s.push(since.elapsed().as_secs_f64());
                 return;
             }
         }
-        self.tally.calms_without_an_ok += 1;
+        self.tally.in_vain.push(format!("no job was {} although nothing was disturbed", outcome.name()));
     }
 
     /// As a controller that loses its power. The line goes on.
@@ -319,10 +324,7 @@ impl Chaos {
         let (ready, false_ready) = self.oracle.judge(&looks);
         failures.extend(false_ready);
         failures.extend(self.line.shared_files().iter().map(|name| format!("left in shared memory: {name}")));
-        if self.tally.calms_without_an_ok > 0 {
-            let calms = self.tally.calms_without_an_ok;
-            failures.push(format!("in {calms} times without a disturbance no right job was OK"));
-        }
+        failures.append(&mut self.tally.in_vain);
         failures.extend(self.tally.unseen.iter().map(|what| format!("ready did not drop: {what}")));
         if self.tally.p99_ms() > p99_ms {
             failures
