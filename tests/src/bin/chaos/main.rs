@@ -43,8 +43,8 @@ const WATCH: &str = "the judge's watch";
 const WORK: [Flaw; 4] = [Flaw::None, Flaw::WrongOrder, Flaw::None, Flaw::None];
 /// Between two parts, in seconds: longer than `idle_end_ms`, so that a judge that has started again sees the next job begin.
 const PAUSE_S: f64 = 5.0;
-/// After every 20 disturbances the worker is left alone until a part is right, and every third time until one is not.
-const CALM_EVERY: u64 = 20;
+/// After every 10 disturbances the worker is left alone until a part is right, and every third time until one is not.
+const CALM_EVERY: u64 = 10;
 const WRONG_EVERY: u64 = 3 * CALM_EVERY;
 /// A role that has not come back after this long hangs.
 const HANGS: Duration = Duration::from_secs(30);
