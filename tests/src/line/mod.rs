@@ -168,7 +168,7 @@ impl Line {
         watcher
     }
 
-    /// Lets the worker do these jobs one after the other instead, each after a pause of so many seconds: no hand is in the picture, and at
+    /// Lets the worker do these jobs one after the other instead, each after a pause of this many seconds: no hand is in the picture, and at
     /// its beginning the parts of the job are put in place. Returns from when to when the hand is in the picture for each, and how long
     /// the recording is, in seconds.
     pub fn work_in_turn(&self, flaws: &[Flaw], pause_s: f64) -> (Vec<(f64, f64)>, f64) {

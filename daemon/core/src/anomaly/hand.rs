@@ -36,7 +36,7 @@ impl OpenIu {
         Some(percent.min(100) as u8)
     }
 
-    /// Whether so many frames were captured that the motion is known as well as the job needs. One frame more or less is no difference.
+    /// Whether enough frames were captured for the motion to be known as well as the job needs. One frame more or less is no difference.
     pub(super) fn is_captured(&self, min_share: f32) -> bool {
         (self.captured + 1) as f32 >= min_share * self.extent.frames as f32
     }

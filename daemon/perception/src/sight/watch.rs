@@ -213,7 +213,7 @@ const EDGES_LEFT: f32 = 0.1;
 const CELL_CHANGE: f32 = 4.0;
 /// Share of the cells that a cover changes, and that no worker who leans over the bench does while their own edges are seen.
 const CELLS_CHANGED: f32 = 0.6;
-/// A picture without sharp edges is out of focus if its patches still differ by this share of what is usual, and by so many grey levels.
+/// A picture without sharp edges is out of focus if its patches still differ by this share of what is usual, and by this many grey levels.
 /// Out of focus by a twenty-fifth of the picture's width they differ by 43 % and 6.7 levels at least. Of a bench that was cleared, the
 /// share is 26 % at most, and a table without parts has 4.2 levels.
 const PATCHES_LEFT: f32 = 0.33;
