@@ -51,7 +51,7 @@ test: setup test-packages lint
 bench: test-packages
 	python3 tests/benches/report.py
 
-# Kills, stops and restarts every role and the PLC's program at random, 1,000 kills, which a quiet machine does in 20 minutes; of a hundred
+# Kills, stops and restarts every role and the PLC's program at random, 1,000 kills, which a quiet machine does in half an hour; of a hundred
 # roles 99 must be back within 600 ms. SEED=n repeats a run. Writes target/chaos/report.json.
 SEED = $(shell shuf -i 1-99999 -n 1)
 chaos: line test-packages

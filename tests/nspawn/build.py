@@ -19,6 +19,8 @@ import base
 SOURCE = Path(__file__).resolve().parents[2]
 # `make deb` installs the rest.
 TOOLS = ["ca-certificates", "git", "make"]
+# The container trusts whom this machine trusts, which may have a proxy with a certificate of its own.
+CERTIFICATES = "/etc/ssl/certs/ca-certificates.crt"
 
 
 def main():
@@ -38,7 +40,8 @@ def main():
     except base.Unusable as reason:
         sys.exit(f"the package cannot be built: {reason}")
     command = ["systemd-nspawn", "--quiet", "--register=no", "--keep-unit", "--resolv-conf=bind-host", "--console=pipe"]
-    command += [f"--directory={root}", f"--bind={SOURCE}:/source", f"--bind={target}:/source/target", *toolchain(folder)]
+    command += [f"--directory={root}", f"--bind={SOURCE}:/source", f"--bind={target}:/source/target"]
+    command += [f"--bind-ro={CERTIFICATES}", *toolchain(folder)]
     form = ["FORM=--short"] if options.short else []
     return subprocess.run([*command, "make", "-C", "/source", "deb", *form]).returncode
 

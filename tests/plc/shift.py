@@ -63,7 +63,8 @@ class Memory:
     def keep(self, retained, result):
         if retained == self.newest and result is None:
             return
-        self.file.write(json.dumps({"retained": retained, "result": result}) + "\n")
+        line = {"at_ns": time.monotonic_ns(), "retained": retained, "result": result}
+        self.file.write(json.dumps(line) + "\n")
         self.file.flush()
         os.fsync(self.file.fileno())
         self.newest = json.loads(json.dumps(retained))

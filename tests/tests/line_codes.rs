@@ -16,6 +16,7 @@ fn a_line_reports_what_it_watches_what_was_wrong_and_that_it_stops() {
     let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::default() });
     line.launch().until_judged();
     line.wait_for_log("judge", "AND-301", "job.toml");
+    assert!(line.log("judge").contains("watching the job 1 ") && line.log("judge").contains(" of hash "));
     line.wait_for_log("judge", "AND-306", "Stop and look at the step");
     line.wait_for_log("judge", "AND-305", "andond history --nok");
     line.wait_for_log("perceive", "AND-102", "at its end");

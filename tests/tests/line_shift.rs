@@ -75,7 +75,7 @@ fn work(line: &mut Line) -> String {
 #[test]
 fn after_a_shift_with_faults_and_kills_the_account_of_the_plc_is_the_journal_to_the_last_verdict() {
     let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
-    line.work_once_more(Flaw::J1);
+    line.work_in_turn(&[Flaw::None, Flaw::J1], 0.0);
     let _watcher = line.launch();
     let said = work(&mut line);
     let counted = account(&line);

@@ -61,7 +61,7 @@ pub fn running(files: &[PathBuf]) -> Result<Taken, Faults> {
 /// Every fault of the files.
 pub fn for_steward(files: &[PathBuf]) -> Result<Taken, Faults> {
     let (read, _) = Config::read_leniently(files);
-    let is_in_use = crate::role::station(&read).is_ok_and(|station| station.is_in_use());
+    let is_in_use = read.ipc_station().is_ok_and(|station| station.is_in_use());
     if is_in_use {
         return running(files);
     }

@@ -11,7 +11,7 @@ use andon_core::couple::Encoder;
 use andon_core::input::{Frame, Side};
 use andon_core::job::{Around, Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range};
 use andon_core::segment::{Event, JobSegmenter, Measures};
-use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::{Bench, encode, shapes};
 use common::work::IN_ORDER;
 use proptest::prelude::*;
@@ -166,6 +166,14 @@ fn the_whole_work_is_right() {
     assert_eq!(jobs, [Outcome::Ok]);
 }
 
+/// Why IUs and activities are not judged when these stretches are deleted.
+fn unjudged_reasons(hidden: Hidden, stretches: &[(usize, usize)]) -> Vec<Reason> {
+    let stretches: Vec<_> = stretches.iter().map(|(begin, count)| (hidden, *begin, *count)).collect();
+    let verdicts = judged(&delete(work(), &stretches, 1, 0));
+    let unjudged = verdicts.iter().filter(|verdict| verdict.outcome == Outcome::NotJudged);
+    unjudged.filter(|verdict| verdict.level != Level::Job).map(|verdict| verdict.reason).collect()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, rng_seed: seed(), ..ProptestConfig::default() })]
 
@@ -179,5 +187,17 @@ proptest! {
         let accused: Vec<Verdict> =
             judged(&left).into_iter().filter(|verdict| verdict.outcome == Outcome::Anomaly).collect();
         prop_assert!(accused.is_empty(), "{:?}", accused);
+    }
+
+    /// Where frames never came, nobody is told that something hid the work; where it was hidden, nobody is told to buy a faster machine.
+    #[test]
+    fn it_is_said_whether_frames_were_missing_or_did_not_show_the_work(
+        // A job that is seen from later on has no gap: there nobody knows what was before.
+        stretches in prop::collection::vec((1..work().len(), 1..120usize), 1..4),
+    ) {
+        let missing = unjudged_reasons(Hidden::Frames, &stretches);
+        prop_assert!(!missing.contains(&Reason::Blind), "{:?}", missing);
+        let hidden = unjudged_reasons(Hidden::Hand, &stretches);
+        prop_assert!(!hidden.contains(&Reason::Overload), "{:?}", hidden);
     }
 }

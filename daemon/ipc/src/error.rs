@@ -160,7 +160,7 @@ pub enum Error {
         /// The channel.
         channel: Channel,
     },
-    /// One wait cannot watch so many ports.
+    /// One wait cannot watch that many ports.
     #[error("one wait was given {ports} ports and can watch {max}: wait for fewer")]
     TooManyToWaitFor {
         /// Ports given.

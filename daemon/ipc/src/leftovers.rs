@@ -107,7 +107,7 @@ fn remove(config: &Config, view: DeadNodeView<Transport>) -> bool {
 }
 
 /// Removes what a steward was making when it was killed. Only the one steward may call this, before it makes anything: nobody else makes
-/// services, and what all processes share besides is a counter, which may begin anew.
+/// services, and what all processes share besides is a counter, which may begin again.
 pub(crate) fn remove_unsized_services(config: &Config) {
     let made = [config.global.service.dynamic_config_storage_suffix, config.global.node.global_mgmt_suffix];
     let made = made.map(|suffix| suffix.to_string());

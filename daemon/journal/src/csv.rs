@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use jiff::Timestamp;
 
 use super::audit::Deed;
-use super::history::{Entry, Gap, NotWatching, Record};
+use super::entry::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
                       threshold,early,note,broken,broken_activity,broken_runs,measure,measured,shown_min,shown_max,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc,part\r\n";

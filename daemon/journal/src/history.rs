@@ -4,9 +4,10 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
-use shm_schemas::{PartId, RoleId, Sight, VerdictLevel, VerdictOutcome, verdict_kind};
+use shm_schemas::PartId;
 
 use super::audit::Deed;
+use super::entry::{Entry, Gap, NotWatching, Record};
 use super::error::JournalError;
 use super::row::{signed, unsigned};
 use super::{csv, table};
@@ -22,116 +23,6 @@ pub struct Query {
     pub part: Option<PartId>,
     /// Only anomalies and what could not be judged.
     pub nok: bool,
-}
-
-/// A row of the journal, in the order of writing.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Entry {
-    /// A verdict.
-    Verdict(Box<Record>),
-    /// Missing verdicts. Every query returns them, since any verdict may have been among them.
-    Gap(Gap),
-    /// A time in which the line did not see its bench. Every query returns them, since anything may have happened in it.
-    NotWatching(NotWatching),
-}
-
-/// A verdict as it was written. Times are source times in nanoseconds, except `decided_utc_ns`.
-#[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs)] // The fields of `shm_schemas::Verdict`, under their names.
-pub struct Record {
-    pub epoch: u64,
-    pub seq: u64,
-    pub level: String,
-    pub outcome: String,
-    pub reason: String,
-    pub hand: String,
-    pub station: String,
-    pub job_id: u32,
-    /// In 16 hexadecimal digits.
-    pub model_hash: String,
-    pub activity: Option<u16>,
-    pub iu: Option<u16>,
-    pub nearest: Option<u16>,
-    pub x_c: [u16; 4],
-    pub distance: Option<f32>,
-    pub threshold: Option<f32>,
-    pub early: bool,
-    /// What was not shown before; `None` as a word.
-    pub note: String,
-    /// How the order of the job was broken; `None` as a word.
-    pub broken: String,
-    /// In relation to which activity.
-    pub broken_activity: Option<u16>,
-    /// And how many runs kept it.
-    pub broken_runs: u16,
-    /// Which measure was out of its bounds; `None` as a word.
-    pub measure: String,
-    /// What it was, in seconds, strokes, metres or degrees.
-    pub measured: Option<f32>,
-    /// The least and the most that were shown.
-    pub shown: [Option<f32>; 2],
-    pub began_ns: u64,
-    pub ended_ns: u64,
-    pub decided_ns: u64,
-    /// Nanoseconds since 1970 UTC.
-    pub decided_utc_ns: u64,
-    /// Empty where none was given.
-    pub part: String,
-}
-
-impl Record {
-    /// Level and outcome in one word. A row that holds the number of a code that this build does not know was not judged.
-    pub(super) fn kind(&self) -> &'static str {
-        let level = VerdictLevel::ALL.iter().find(|level| level.name() == self.level);
-        let outcome = VerdictOutcome::ALL.iter().find(|outcome| outcome.name() == self.outcome);
-        match (level, outcome) {
-            (Some(level), Some(outcome)) => verdict_kind(*level, *outcome),
-            _ => verdict_kind(VerdictLevel::Iu, VerdictOutcome::NotJudged),
-        }
-    }
-}
-
-/// Verdicts that are not in the journal.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Gap {
-    /// When the first verdict after it was decided, nanoseconds since 1970 UTC.
-    pub utc_ns: u64,
-    /// `lost`: they never arrived, or the queue was full. `restart`: the judge has restarted, and verdicts from before may be
-    /// missing. `retention`: they were removed because of their age or number. `removed`: the database was removed under its
-    /// writer. `damaged`: it was damaged and put aside.
-    pub why: String,
-    /// Their epoch; for `retention` that of the newest.
-    pub epoch: u64,
-    /// Number of the first.
-    pub first_seq: u64,
-    /// Number of the last; `None` where it is unknown whether any is missing, or which.
-    pub last_seq: Option<u64>,
-}
-
-/// A time in which the line did not watch, in nanoseconds since 1970 UTC.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NotWatching {
-    /// Its begin.
-    pub began_utc_ns: u64,
-    /// Its end; `None` while it lasts, and where nobody saw its end.
-    pub ended_utc_ns: Option<u64>,
-    /// A word of [`Sight`], or what was down.
-    pub why: String,
-}
-
-impl NotWatching {
-    /// Whether the line watched all the same: only a process beside the data path was down.
-    pub(super) fn is_beside(&self) -> bool {
-        [RoleId::Steward, RoleId::Journal, RoleId::Plc]
-            .iter()
-            .any(|role| self.why.strip_suffix(" was down") == Some(role.name()))
-    }
-
-    /// What was wrong, in a sentence; the word itself where this build does not know it.
-    pub(super) fn meaning(&self) -> &str {
-        let sight = Sight::ALL.iter().find(|sight| sight.name() == self.why);
-        sight.map_or(&self.why, |sight| sight.meaning())
-    }
 }
 
 /// How the journal is written as text.

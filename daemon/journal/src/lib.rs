@@ -14,6 +14,7 @@
 mod account;
 mod audit;
 mod csv;
+mod entry;
 mod error;
 mod history;
 mod place;
@@ -34,8 +35,9 @@ use rusqlite::{Connection, TransactionBehavior};
 use shm_schemas::{Account, Verdict};
 
 pub use audit::Deed;
+pub use entry::{Entry, Gap, NotWatching, Record};
 pub use error::JournalError;
-pub use history::{Entry, Format, Gap, History, NotWatching, Query, Record};
+pub use history::{Format, History, Query};
 pub use retention::Retention;
 
 /// Length of the queue that fills while the disk is full or the database is locked. It is as long as the channel `verdict`, which holds

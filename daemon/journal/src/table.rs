@@ -6,7 +6,7 @@ use jiff::Timestamp;
 use shm_schemas::{MeasuredWords, VerdictMeasure};
 
 use super::audit::Deed;
-use super::history::{Entry, Gap, NotWatching, Record};
+use super::entry::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided (UTC)        what             why           hand   act  iu  context            distance  threshold\n";
 

@@ -1,6 +1,6 @@
 //! The detections of one frame.
 
-use crate::sight::Picture;
+use crate::picture::Picture;
 use heapless::Vec;
 
 /// Maximum number of hands in a frame: those of one worker.

@@ -8,7 +8,7 @@ use crate::error::PerceptionError;
 use crate::hands::{OnnxModels, Tracker};
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
-use crate::sight::Picture;
+use crate::picture::Picture;
 use std::time::Instant;
 
 /// Frames in, detections out.

@@ -1,5 +1,5 @@
 //! Prints `REGISTERS.md`: `cargo run -p andon-plc --example registers > daemon/plc/REGISTERS.md`.
 
 fn main() {
-    print!("{}", andon_plc::registers::document());
+    print!("{}", andon_plc::document());
 }

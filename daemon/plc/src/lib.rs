@@ -7,6 +7,9 @@
 #![deny(unsafe_code)]
 
 pub mod c_abi;
+mod document;
 pub mod handshake;
 pub mod modbus;
 pub mod registers;
+
+pub use document::document;

@@ -14,7 +14,7 @@ mod watcher;
 pub use client::{Modbus, control, status};
 pub use journalled::Journalled;
 pub use process::{Process, andond, own_memory_kib};
-pub use shift::{Counted, Kept, Shift, account, kept};
+pub use shift::{Counted, Kept, Shift, Told, account, kept, told, told_last};
 pub use stand_in::{Sender, stand_in};
 pub use watcher::{Watcher, role_id};
 
@@ -168,23 +168,32 @@ impl Line {
         watcher
     }
 
-    /// Lets the worker do the job once more at the end of the recording, with this flaw. Returns when that begins, and how long the
-    /// recording is now, in seconds. One that is repeated goes on with its time.
-    pub fn work_once_more(&self, flaw: Flaw) -> (f64, f64) {
+    /// Lets the worker do these jobs one after the other instead, each after a pause of this many seconds: no hand is in the picture, and at
+    /// its beginning the parts of the job are put in place. Returns from when to when the hand is in the picture for each, and how long
+    /// the recording is, in seconds.
+    pub fn work_in_turn(&self, flaws: &[Flaw], pause_s: f64) -> (Vec<(f64, f64)>, f64) {
         let mut recording = recording::read("work", &fs::read(self.tracks()).unwrap()).unwrap();
-        let (more, _) = perform(&performance(9, 1), flaw);
-        let newest_ns = |frames: &[Frame]| frames.last().unwrap().captured_ns;
-        let step_ns = recording.frames[1].captured_ns - recording.frames[0].captured_ns;
-        let later_ns = newest_ns(&recording.frames) + step_ns - more.frames[0].captured_ns;
-        let shifted = more.frames.into_iter().map(|mut frame| {
-            frame.captured_ns += later_ns;
-            frame
-        });
-        let seconds = |ns: u64| ns as f64 / 1e9;
-        let began_s = seconds(newest_ns(&recording.frames) + step_ns - recording.frames[0].captured_ns);
-        recording.frames.extend(shifted);
+        recording.frames.clear();
+        let step_ns = (1e9 / f64::from(recording.header.rate_hz)) as u64;
+        let mut next_ns = 0;
+        let mut works_s = Vec::new();
+        for flaw in flaws {
+            let (job, _) = perform(&performance(9, 1), *flaw);
+            let idle = Frame { hands: Default::default(), ..job.frames[0].clone() };
+            for _ in 0..(pause_s * f64::from(recording.header.rate_hz)) as usize {
+                recording.frames.push(Frame { captured_ns: next_ns, ..idle.clone() });
+                next_ns += step_ns;
+            }
+            let (began_ns, first_ns) = (next_ns, job.frames[0].captured_ns);
+            for frame in job.frames {
+                next_ns = began_ns + frame.captured_ns - first_ns;
+                recording.frames.push(Frame { captured_ns: next_ns, ..frame });
+            }
+            next_ns += step_ns;
+            works_s.push((began_ns as f64 / 1e9, next_ns as f64 / 1e9));
+        }
         save(&self.tracks(), &recording);
-        (began_s, seconds(newest_ns(&recording.frames) + step_ns - recording.frames[0].captured_ns))
+        (works_s, next_ns as f64 / 1e9)
     }
 
     /// Changes the frames of the recording before it is played.

@@ -3,13 +3,15 @@
 use super::Line;
 use crate::python::python;
 use std::collections::BTreeMap;
-use std::io::{Read, Write};
+use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// The account, in the line's folder.
 const MEMORY: &str = "plc.memory";
+/// The newest lines of it are in as many bytes.
+const NEWEST_BYTES: u64 = 8192;
 /// Whatever must happen sooner or later has happened by then; only a test that fails waits for so long.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -88,13 +90,63 @@ pub fn account(line: &Line) -> Vec<(u32, Counted)> {
     results.map(counted).collect()
 }
 
-/// A verdict of the journal, and when it began in the recording, in seconds.
+/// What the PLC had told the line from some time on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// From when on, on the monotonic clock: before it was sent.
+    pub from_ns: u64,
+    /// The part at the bench; empty where there is none.
+    pub part: String,
+    /// Whether the line has answered that it has it.
+    pub is_part_taken: bool,
+    /// The job; 0 before the first.
+    pub job: u32,
+    /// Whether the line has answered that it has it.
+    pub is_job_taken: bool,
+}
+
+/// What the PLC has told the line, from its beginning on.
+pub fn told(line: &Line) -> Vec<Told> {
+    let memory = std::fs::read_to_string(line.path(MEMORY)).unwrap_or_default();
+    memory.lines().filter_map(told_by).collect()
+}
+
+/// What the PLC has told the line last.
+pub fn told_last(line: &Line) -> Option<Told> {
+    let mut memory = std::fs::File::open(line.path(MEMORY)).ok()?;
+    let length = memory.metadata().ok()?.len();
+    memory.seek(SeekFrom::Start(length.saturating_sub(NEWEST_BYTES))).ok()?;
+    let mut newest = String::new();
+    memory.read_to_string(&mut newest).ok()?;
+    newest.lines().rev().find_map(told_by)
+}
+
+/// `None` for a line that a kill has cut off.
+fn told_by(line: &str) -> Option<Told> {
+    let line: serde_json::Value = serde_json::from_str(line).ok()?;
+    let retained = &line["retained"];
+    let words = retained["toldPart"].as_array()?.iter().filter_map(serde_json::Value::as_u64);
+    let bytes: Vec<u8> = words.flat_map(|word| [(word >> 8) as u8, word as u8]).collect();
+    Some(Told {
+        from_ns: line["at_ns"].as_u64()?,
+        part: String::from_utf8(bytes).ok()?.trim_end_matches('\0').to_owned(),
+        is_part_taken: retained["isPartTold"].as_bool()?,
+        job: u32::try_from(retained["toldJob"].as_u64()?).ok()?,
+        is_job_taken: retained["isJobTold"].as_bool()?,
+    })
+}
+
+/// A verdict of the journal, with its times in the recording in seconds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Kept {
     /// The verdict.
     pub verdict: Counted,
     /// Its begin.
     pub began_s: f64,
+    /// Its end.
+    pub ended_s: f64,
+    /// The job that it was judged by.
+    pub job_id: u32,
 }
 
 /// The verdicts of the journal, by `andond history`.
@@ -113,6 +165,8 @@ pub fn kept(line: &Line) -> Vec<Kept> {
             part: row["part"].to_owned(),
         },
         began_s: row["began_s"].parse().unwrap(),
+        ended_s: row["ended_s"].parse().unwrap(),
+        job_id: row["job_id"].parse().unwrap(),
     };
     rows.filter(|row| row["entry"] == "verdict").map(kept).collect()
 }

@@ -163,6 +163,14 @@ impl Config {
         self.station.root.join(&self.station.name)
     }
 
+    /// The station in shared memory.
+    ///
+    /// # Errors
+    /// A root that cannot be one.
+    pub fn ipc_station(&self) -> Result<andon_ipc::Station, andon_ipc::Error> {
+        andon_ipc::Station::under(&self.station.name, &self.root())
+    }
+
     /// The database of the journal.
     #[must_use]
     pub fn journal_path(&self) -> PathBuf {

@@ -7,6 +7,7 @@ mod cycle;
 mod disabled;
 mod encode;
 mod error;
+mod input;
 mod jobs;
 mod journal;
 mod judge;
@@ -27,7 +28,7 @@ use std::time::Duration;
 
 use clap::ValueEnum as _;
 
-use andon_ipc::{Node, Station, Stop};
+use andon_ipc::{Node, Stop};
 use shm_schemas::RoleId;
 
 use crate::cli;
@@ -38,8 +39,9 @@ use crate::taken::Taken;
 
 pub(crate) use jobs::{job_files, load as load_job, read as read_job};
 
-pub use cycle::{Cycle, Flagged, Input, Role, Turn};
+pub use cycle::{Cycle, Role, Turn};
 pub use error::{RoleError, report_camera};
+pub use input::{Flagged, Input};
 pub use liveness::Liveness;
 pub use output::{Output, Publish};
 pub use player::{Played, Player, Recording};
@@ -58,7 +60,7 @@ pub fn run(role: cli::Role, taken: &Taken) -> Code {
     start_log(role, taken);
     let config = &taken.config;
     match role {
-        cli::Role::Steward => finish_with(|stop| steward::run(&station(config)?, config, stop)),
+        cli::Role::Steward => finish_with(|stop| steward::run(&config.ipc_station()?, config, stop)),
         cli::Role::Capture => finish(capture::replace_this_process()),
         cli::Role::Perceive => run_with(config, RoleId::Perceive, |node| perceive::run(node, config)),
         cli::Role::Encode => run_with(config, RoleId::Encode, |node| encode::run(node, config)),
@@ -87,7 +89,7 @@ pub fn start_log(role: cli::Role, taken: &Taken) {
 /// Joins the station and runs a role's loop until it is asked to stop.
 pub fn run_with(config: &Config, role: RoleId, body: impl FnOnce(&Node) -> Result<(), RoleError>) -> Code {
     finish_with(|stop| {
-        let node = Node::open(&station(config)?, role, PATIENCE, stop)?;
+        let node = Node::open(&config.ipc_station()?, role, PATIENCE, stop)?;
         let node = node.with_configuration(config.hash()).with_deadline(config.health.deadline(role));
         body(&node)
     })
@@ -118,12 +120,4 @@ fn finish(outcome: Result<(), RoleError>) -> Code {
         }
         Err(error) => error.report(),
     }
-}
-
-/// The station that the configuration names.
-///
-/// # Errors
-/// A root that cannot be one.
-pub fn station(config: &Config) -> Result<Station, RoleError> {
-    Ok(Station::under(&config.station.name, &config.root())?)
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use andon_ipc::{Error, MonotonicTime, Node, Reader};
 use shm_schemas::{Health, RoleId};
 
-use super::cycle::Input;
+use super::input::Input;
 
 /// How often it looks.
 const LOOK: Duration = Duration::from_millis(100);

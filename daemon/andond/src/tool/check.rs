@@ -50,7 +50,7 @@ pub fn run(arguments: &Check) -> Result<Code, ToolError> {
     checks.perception();
     checks.journal();
     checks.faults.extend(neighbours::faults(&config));
-    if role::station(&config).is_ok_and(|station| station.is_in_use()) {
+    if config.ipc_station().is_ok_and(|station| station.is_in_use()) {
         println!("the line runs: its camera and its port are in use, and were not opened");
     } else {
         checks.source();

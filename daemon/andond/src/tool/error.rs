@@ -27,7 +27,6 @@ use crate::config::Faults;
 use crate::exit::Code;
 use crate::picture::AnnotateError;
 use crate::recording::RecordingError;
-use crate::role::RoleError;
 use crate::video::VideoError;
 
 /// Why a command ended without a result. Each message names the place and the remedy.
@@ -166,7 +165,7 @@ pub enum ToolError {
     SaveCalibration(CalibrationError),
     /// The configuration names no station that can be joined.
     #[error(transparent)]
-    Station(RoleError),
+    Station(andon_ipc::Error),
     /// The station's shared memory.
     #[error(transparent)]
     Ipc(#[from] andon_ipc::Error),

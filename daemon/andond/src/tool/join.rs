@@ -7,7 +7,6 @@ use shm_schemas::RoleId;
 
 use super::ToolError;
 use crate::config::Config;
-use crate::role;
 
 /// How long a tool waits for a station that may just be starting.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -17,7 +16,7 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// # Errors
 /// That no steward runs there, or that the station is of another version.
 pub(super) fn join(config: &Config) -> Result<Node, ToolError> {
-    let station = role::station(config).map_err(ToolError::Station)?;
+    let station = config.ipc_station().map_err(ToolError::Station)?;
     let stop = Stop::on_signals()?;
     Ok(Node::open(&station, RoleId::Tool, PATIENCE, &stop)?)
 }

@@ -33,6 +33,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
+        self.missed.skip_to(couple.captured_ns);
         let hidden = self.watch.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
         if let Some(activity) = &mut self.activity {
@@ -115,7 +116,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown(true) };
             self.conclude_iu(finding, progress, emit);
         } else {
-            self.conclude_unjudged(Reason::Blind, progress, emit);
+            self.conclude_unjudged(self.unseen_reason(), progress, emit);
         }
     }
 
@@ -193,7 +194,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 emit,
             );
         } else if !couple.is_in_sight() || self.iu.is_some_and(|iu| iu.is_certain) {
-            self.conclude_unjudged(Reason::Blind, progress, emit);
+            self.conclude_unjudged(self.unseen_reason(), progress, emit);
         }
     }
 
@@ -225,6 +226,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
+        let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_rest;
+        self.missed.count(couple, is_captured, is_forgotten);
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
@@ -239,7 +242,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(iu) = self.iu.filter(|iu| !iu.is_concluded) else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
-            self.conclude_unjudged(Reason::Blind, progress, emit);
+            self.conclude_unjudged(self.unseen_reason(), progress, emit);
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
             self.conclude_right(candidates, None, true, progress, emit);
@@ -295,7 +298,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(nearest) = self.comparisons.nearest(extent) else {
             let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
-            let reason = if is_certain { Reason::Unknown } else { Reason::Blind };
+            let reason = if is_certain { Reason::Unknown } else { self.unseen_reason() };
             self.conclude_unjudged(reason, progress, emit);
             return;
         };
@@ -333,10 +336,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// Why too little of the open IU is known: most of its frames never came, or they did not show it.
-    fn unseen_reason(&self) -> Reason {
+    /// Why too little is known of the open IU or activity: most of the frames that would have shown it never came, or they did not show it.
+    pub(super) fn unseen_reason(&self) -> Reason {
         let is_overloaded = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
-        if self.iu.is_some_and(is_overloaded) { Reason::Overload } else { Reason::Blind }
+        let has_missed = self.missed.uncaptured > self.missed.captured;
+        if self.iu.is_some_and(is_overloaded) || has_missed { Reason::Overload } else { Reason::Blind }
     }
 
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
@@ -393,7 +397,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
             segmenter.activity_matched(&self.by_this_hand(activity.possible_continuations(job)));
             if activity.is_astray() {
-                let (nearest, reason) = (activity.nearest, activity.unjudged_reason.unwrap_or(Reason::Blind));
+                let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());
+                let nearest = activity.nearest;
                 self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
                 return;
             }
@@ -424,7 +429,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest;
         let may_be_complete = !activity.is_concluded && activity.may_be_complete(progress.job);
-        let reason = activity.unjudged_reason.unwrap_or(Reason::Blind);
+        let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());
         match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.

@@ -5,7 +5,7 @@ use super::comparison::{ComparisonResult, Comparisons, Extent, Memory};
 use super::progress::Progress;
 use super::watch::Watch;
 use crate::config::Method;
-use crate::couple::Context;
+use crate::couple::{Context, Couple, Sight};
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
@@ -36,7 +36,7 @@ impl OpenIu {
         Some(percent.min(100) as u8)
     }
 
-    /// Whether so many frames were captured that the motion is known as well as the job needs. One frame more or less is no difference.
+    /// Whether enough frames were captured for the motion to be known as well as the job needs. One frame more or less is no difference.
     pub(super) fn is_captured(&self, min_share: f32) -> bool {
         (self.captured + 1) as f32 >= min_share * self.extent.frames as f32
     }
@@ -50,6 +50,45 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) comparisons: Comparisons<'a, M>,
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
+    pub(super) missed: Missed,
+}
+
+/// How many frames of the open activity, and of the doubt before it, did not show what the hand acts on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Missed {
+    period_ns: u64,
+    newest_ns: u64,
+    /// The hand or an object was hidden in them.
+    pub(super) captured: u32,
+    /// They never came.
+    pub(super) uncaptured: u32,
+}
+
+impl Missed {
+    fn new(period_ns: u64) -> Self {
+        Self { period_ns, newest_ns: u64::MAX, captured: 0, uncaptured: 0 }
+    }
+
+    /// The next couple is of this time. Of a long gap, not all frames of the grid have a couple.
+    pub(super) fn skip_to(&mut self, captured_ns: u64) {
+        let elapsed_ns = captured_ns.saturating_sub(self.newest_ns).saturating_sub(self.period_ns / 2);
+        let missing = u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX);
+        self.uncaptured = self.uncaptured.saturating_add(missing);
+        self.newest_ns = captured_ns;
+    }
+
+    /// Takes that couple. `is_forgotten` if neither it nor anything before it matters.
+    pub(super) fn count(&mut self, couple: &Couple, is_captured: bool, is_forgotten: bool) {
+        // What is seen and not clear behind frames that never came is so because of them.
+        let is_hidden = couple.sight != [Sight::Seen; 3] || self.uncaptured == 0;
+        if is_forgotten {
+            *self = Self { newest_ns: self.newest_ns, ..Self::new(self.period_ns) };
+        } else if !is_captured {
+            self.uncaptured = self.uncaptured.saturating_add(1);
+        } else if !couple.is_clear && is_hidden {
+            self.captured = self.captured.saturating_add(1);
+        }
+    }
 }
 
 /// What was decided on an IU.
@@ -76,6 +115,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,
             iu: None,
+            missed: Missed::new(method.period_ns()),
         }
     }
 
@@ -156,6 +196,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let broken = progress.order_fault(self.side, nominal);
+        let unseen_reason = self.unseen_reason();
         let Some(activity) = &mut self.activity else { return };
         activity.broken = activity.broken.or(broken);
         let unjudged_reason = activity.unjudged_reason;
@@ -163,12 +204,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
             None if broken.is_none() && progress.is_behind_its_time(nominal) => {
-                (Outcome::NotJudged, Reason::Blind, early)
+                (Outcome::NotJudged, unseen_reason, early)
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
             None if is_place_certain => (Outcome::Anomaly, Reason::WrongOrder, false),
-            None => (Outcome::NotJudged, Reason::Blind, early),
+            None => (Outcome::NotJudged, unseen_reason, early),
         };
         self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);
         if outcome != Outcome::NotJudged {

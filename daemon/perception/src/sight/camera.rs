@@ -5,7 +5,7 @@
 //! from where the picture's movement would have taken it, and at least one of them lay where no hand was. A tray that carries all parts away
 //! looks the same from above.
 
-use super::watch::{Corners, Look, SeenMarker};
+use super::look::{Corners, Look, SeenMarker, centre, distance, side};
 use std::vec::Vec;
 
 /// Nanoseconds of a second.
@@ -194,19 +194,6 @@ impl Camera {
             place.lay.zip(known).is_some_and(|((lay, ..), (_, known))| is_within(STILL, &lay, known))
         })
     }
-}
-
-fn distance(one: [f32; 2], other: [f32; 2]) -> f32 {
-    (one[0] - other[0]).hypot(one[1] - other[1])
-}
-
-pub(super) fn side(corners: &Corners) -> f32 {
-    distance(corners[0], corners[1]).max(1.0)
-}
-
-/// The diagonal's middle.
-pub(super) fn centre(corners: &Corners) -> [f32; 2] {
-    [0, 1].map(|axis| (corners[0][axis] + corners[2][axis]) / 2.0)
 }
 
 /// Whether no corner is further from the other than this many sides.

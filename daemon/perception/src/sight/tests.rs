@@ -1,8 +1,8 @@
 //! The state machine on scripted looks; what real pictures measure is in the measurement `perception_accuracy sight`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use super::watch::{Expected, Look, SeenMarker, Sight, Spell, Trouble};
-use super::{Picture, picture::CELLS};
+use super::{Expected, Look, SeenMarker, Sight, Spell, Trouble};
+use crate::picture::{CELLS, Picture};
 
 const FRAME_NS: u64 = 33_333_333;
 

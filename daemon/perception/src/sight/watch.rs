@@ -1,8 +1,8 @@
 //! Follows the measures of the pictures, and what was seen in them.
 
-use super::camera::{Camera, centre, side};
-use super::picture::{CELLS, Picture};
-use crate::detections::{Detections, HANDS, LANDMARKS, OBJECTS};
+use super::camera::Camera;
+use super::look::Look;
+use crate::picture::{CELLS, Picture};
 use std::collections::VecDeque;
 
 /// Nanoseconds of a second.
@@ -77,63 +77,6 @@ pub struct Expected {
     pub hands: bool,
     /// Whether places on the bench come from a calibration, which holds for one place of the camera.
     pub is_calibrated: bool,
-}
-
-/// The corners of a marker in pixels, in the order of its own picture.
-pub type Corners = [[f32; 2]; 4];
-
-/// A marker of the station in a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SeenMarker {
-    /// Its id.
-    pub id: u16,
-    /// Where it is.
-    pub corners: Corners,
-}
-
-impl SeenMarker {
-    /// Its centre in units of its own side.
-    fn place(&self) -> [f32; 2] {
-        centre(&self.corners).map(|coordinate| coordinate / side(&self.corners))
-    }
-}
-
-/// What was seen in one picture.
-#[derive(Clone, Debug)]
-pub struct Look {
-    /// When it was captured, in nanoseconds of the capturing clock.
-    pub at_ns: u64,
-    /// Pictures before this one that nobody looked at.
-    pub dropped: u32,
-    /// Measures of the picture.
-    pub picture: Picture,
-    /// The station's markers.
-    pub markers: heapless::Vec<SeenMarker, OBJECTS>,
-    /// Markers that are not the station's.
-    pub foreign_markers: usize,
-    /// Hands, wanted or not.
-    pub hands: usize,
-    /// The landmarks of those that are wanted, in pixels.
-    pub hands_px: heapless::Vec<[[f32; 2]; LANDMARKS], HANDS>,
-}
-
-impl Look {
-    /// What the detections of a frame say. `dropped` are the frames before it that nobody looked at.
-    pub fn new(seen: &Detections, dropped: u32) -> Self {
-        let marker = |object: &crate::detections::ObjectDetection| SeenMarker {
-            id: object.id,
-            corners: object.corners_px,
-        };
-        Self {
-            at_ns: seen.captured_ns,
-            dropped,
-            picture: seen.picture,
-            markers: seen.objects.iter().map(marker).collect(),
-            foreign_markers: seen.foreign_markers,
-            hands: seen.hands_in_view,
-            hands_px: seen.hands.iter().map(|hand| hand.landmarks_px).collect(),
-        }
-    }
 }
 
 /// Follows one camera.
@@ -270,7 +213,7 @@ const EDGES_LEFT: f32 = 0.1;
 const CELL_CHANGE: f32 = 4.0;
 /// Share of the cells that a cover changes, and that no worker who leans over the bench does while their own edges are seen.
 const CELLS_CHANGED: f32 = 0.6;
-/// A picture without sharp edges is out of focus if its patches still differ by this share of what is usual, and by so many grey levels.
+/// A picture without sharp edges is out of focus if its patches still differ by this share of what is usual, and by this many grey levels.
 /// Out of focus by a twenty-fifth of the picture's width they differ by 43 % and 6.7 levels at least. Of a bench that was cleared, the
 /// share is 26 % at most, and a table without parts has 4.2 levels.
 const PATCHES_LEFT: f32 = 0.33;

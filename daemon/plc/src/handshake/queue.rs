@@ -159,7 +159,7 @@ impl Queue {
         let missing = match self.newest {
             // Nothing is lost before the first: what was never numbered was never the PLC's.
             None => 0,
-            // A journal that was made anew has it a second time.
+            // A new journal has it a second time.
             Some((known, newest)) if known == epoch && seq <= newest => return Taken::Repeated,
             Some((known, newest)) if known == epoch => seq - newest - 1,
             // A writer counts from 1 after its start.

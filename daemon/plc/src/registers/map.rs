@@ -127,7 +127,7 @@ fn scaled(image: &Image, value: fn(&Verdict) -> f32) -> u16 {
 }
 
 /// By how much a number of this measure is multiplied in its register, and the unit that it has there.
-pub(super) const fn measure_scale(measure: VerdictMeasure) -> (f32, &'static str) {
+pub(crate) const fn measure_scale(measure: VerdictMeasure) -> (f32, &'static str) {
     match measure {
         VerdictMeasure::None => (0.0, "none"),
         VerdictMeasure::Duration => (100.0, "hundredths of a second"),

@@ -2,26 +2,28 @@
 //! result and gives part ids. Checks what is left.
 //!
 //! `chaos [KILLS] [SEED] [REPORT] [P99_MS]`: fails when something hangs, when a verdict is lost or doubled for the journal or for the
-//! PLC, when a job with a flaw was OK, when the line was ready while it could not judge, when shared memory is leaked, when the
-//! PLC did not see `ready` drop, or when of a hundred roles more than one took longer than `P99_MS` to come back. Without `P99_MS`
-//! that time is only reported, because it depends on how busy the machine is.
+//! PLC, when a job was OK that was not right and whole, or for a part or by a job that the PLC did not want then, when no right job was
+//! OK or no wrong one was found while nothing was disturbed, when the line was ready while it could not judge, or not by the job that
+//! the PLC wants, when shared memory is leaked, when the PLC did not see `ready` drop, or when of a hundred roles more than one took
+//! longer than `P99_MS` to come back. Without `P99_MS` that time is only reported, because it depends on how busy the machine is.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod accounts;
+mod earned;
 mod oracle;
 mod poller;
 mod tally;
 
-use accounts::Recording;
 use andon_ipc::MonotonicTime;
-use andon_tests::line::{Line, ROLES, Settings, Shift, Watcher, role_id};
+use andon_tests::line::{Line, ROLES, Settings, Shift, Watcher, role_id, told_last};
 use andon_tests::measure::{Arguments, report};
 use andon_tests::simulator::{Flaw, Random};
+use earned::Recording;
 use oracle::Oracle;
 use poller::Poller;
 use rustix::process::Signal;
 use serde_json::{Value, json};
-use shm_schemas::RoleState;
+use shm_schemas::{RoleState, VerdictLevel, VerdictOutcome};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -33,8 +35,17 @@ const RESTART_SEC: Duration = Duration::from_millis(100);
 const JOBS: &str = "1,2";
 /// A role that has come back may have been heard here before the PLC's side has heard it.
 const NOTICED: Duration = Duration::from_secs(1);
-/// A judge that works and does not watch, because it has not been given back job and `enable`, cannot judge either.
+/// A judge that works and does not watch, because it has not been given back job and `enable`, cannot judge either. Nor can one that has
+/// another job than the PLC was told that it has.
 const WATCH: &str = "the judge's watch";
+/// What the worker does in turn. Most parts are right, so that there are OKs that could be false. The one that is not comes early: with every
+/// start of `perceive` the worker begins again.
+const WORK: [Flaw; 4] = [Flaw::None, Flaw::WrongOrder, Flaw::None, Flaw::None];
+/// Between two parts, in seconds: longer than `idle_end_ms`, so that a judge that has started again sees the next job begin.
+const PAUSE_S: f64 = 5.0;
+/// After every 10 disturbances the worker is left alone until a part is right, and every third time until one is not.
+const CALM_EVERY: u64 = 10;
+const WRONG_EVERY: u64 = 3 * CALM_EVERY;
 /// A role that has not come back after this long hangs.
 const HANGS: Duration = Duration::from_secs(30);
 
@@ -46,6 +57,8 @@ fn main() -> ExitCode {
     while chaos.tally.kills() < kills {
         chaos.disturb();
     }
+    chaos.leave_alone(VerdictOutcome::Ok);
+    chaos.leave_alone(VerdictOutcome::Anomaly);
     let (text, has_passed) = chaos.finish(arguments.number(3, f64::INFINITY));
     report(path, &text, has_passed)
 }
@@ -86,8 +99,10 @@ struct Chaos {
 impl Chaos {
     fn start(seed: u64, to: PathBuf) -> Self {
         let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
-        let (flawed_from_s, length_s) = line.work_once_more(Flaw::WrongOrder);
-        let recording = Recording { flawed_from_s, length_s };
+        let (works_s, length_s) = line.work_in_turn(&WORK, PAUSE_S);
+        let works_s = works_s.into_iter().zip(WORK);
+        let right_s = works_s.filter(|(_, flaw)| *flaw == Flaw::None).map(|(work_s, _)| work_s).collect();
+        let recording = Recording { right_s, length_s };
         let evidence = Evidence { from: line.path(""), to, is_wanted: false };
         let watcher = line.launch();
         let (program, poller) = (Shift::start(&line, JOBS), Poller::start(line.port));
@@ -144,6 +159,32 @@ impl Chaos {
             self.tally.unseen.push(format!("{role} after {what}"));
         }
         self.tally.disturbances += 1;
+        if self.tally.disturbances.is_multiple_of(WRONG_EVERY) {
+            self.leave_alone(VerdictOutcome::Anomaly);
+        } else if self.tally.disturbances.is_multiple_of(CALM_EVERY) {
+            self.leave_alone(VerdictOutcome::Ok);
+        }
+    }
+
+    /// Until a job that began after the last disturbance comes out so. One of the recording does, wherever it was.
+    fn leave_alone(&mut self, outcome: VerdictOutcome) {
+        let (since, since_ns) = (Instant::now(), MonotonicTime::now().nanoseconds());
+        let patience = Duration::from_secs_f64(2.0 * self.recording.length_s);
+        let heard = self.watcher.verdicts.len();
+        while since.elapsed() < patience {
+            self.listen(Duration::from_millis(50));
+            self.supervise();
+            let is_so = self.watcher.verdicts[heard..].iter().any(|verdict| {
+                verdict.level == VerdictLevel::Job.code()
+                    && verdict.outcome == outcome.code()
+                    && verdict.stamp.sent_ns.saturating_sub(verdict.decided_ns - verdict.began_ns) > since_ns
+            });
+            if is_so {
+                self.tally.calm_s.push(since.elapsed().as_secs_f64());
+                return;
+            }
+        }
+        self.tally.in_vain.push(format!("no job was {} although nothing was disturbed", outcome.name()));
     }
 
     /// As a controller that loses its power. The line goes on.
@@ -201,10 +242,15 @@ impl Chaos {
                 self.oracle.works(role, health.stamp.sent_ns);
             }
         }
-        match self.watcher.watches() {
-            Some((said_ns, true)) => self.oracle.works(WATCH, said_ns),
-            Some((said_ns, false)) => self.oracle.unable(WATCH, "a start of the judge", said_ns),
-            None => {}
+        let Some((said_ns, watches)) = self.watcher.watches() else { return };
+        // The PLC may not know yet that the judge has started again; what it was told of before counts.
+        let wanted = told_last(&self.line).filter(|told| told.is_job_taken).map(|told| told.job);
+        if !watches {
+            self.oracle.unable(WATCH, "a start of the judge", said_ns);
+        } else if wanted.is_none_or(|job| self.watcher.judging.is_some_and(|judging| judging.job_id == job)) {
+            self.oracle.works(WATCH, said_ns);
+        } else {
+            self.oracle.unable(WATCH, "a start of the judge with another job", said_ns);
         }
     }
 
@@ -267,24 +313,25 @@ impl Chaos {
         let looks = self.poller.stop();
         let mut failures = self.line.stop_all_but_steward();
         self.watcher.listen(Duration::ZERO);
-        let sent = self.watcher.verdict_keys();
+        let heard = std::mem::take(&mut self.watcher.verdicts);
         // The steward cleans up when it is the last member.
         drop(self.watcher);
         failures.extend(self.line.stop());
-        failures.extend(accounts::differences(&self.line, &sent, &self.recording));
+        failures.extend(accounts::differences(&self.line, &heard, &self.recording));
         if !said.contains("\"missed\": 0,") {
             failures.push(format!("the PLC's program says {said}"));
         }
         let (ready, false_ready) = self.oracle.judge(&looks);
         failures.extend(false_ready);
         failures.extend(self.line.shared_files().iter().map(|name| format!("left in shared memory: {name}")));
+        failures.append(&mut self.tally.in_vain);
         failures.extend(self.tally.unseen.iter().map(|what| format!("ready did not drop: {what}")));
         if self.tally.p99_ms() > p99_ms {
             failures
                 .push(format!("of a hundred roles more than one took longer than {p99_ms} ms to come back"));
         }
         let mut text = self.tally.json();
-        text["verdicts"] = accounts::counts(&self.line, &sent);
+        text["verdicts"] = accounts::counts(&self.line, &heard);
         text["ready_while_a_role_could_not_work"] = ready;
         text["failures"] = json!(failures);
         self.evidence.is_wanted = !failures.is_empty();

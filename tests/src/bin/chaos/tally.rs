@@ -31,6 +31,10 @@ pub(crate) struct Tally {
     pub(crate) ready_drops: u64,
     /// Disturbances after which the PLC did not see `ready` drop.
     pub(crate) unseen: Vec<String>,
+    /// For how long the worker was left alone until a job came out as it must, in seconds.
+    pub(crate) calm_s: Vec<f64>,
+    /// What it was left alone for in vain.
+    pub(crate) in_vain: Vec<String>,
     pub(crate) recoveries: Vec<Recovery>,
     pub(crate) ended_by_itself: Vec<String>,
 }
@@ -66,6 +70,8 @@ impl Tally {
             "disturbances": self.disturbances,
             "ready_drops_seen": self.ready_drops,
             "ready_drops_unseen": self.unseen,
+            "calms": self.calm_s.len(),
+            "calm_s": { "p50": percentile(&mut self.calm_s.clone(), 50), "max": percentile(&mut self.calm_s.clone(), 100) },
             "recoveries": self.recoveries.len(),
             "recovery_ms": {
                 "p50": percentile(&mut ms, 50),

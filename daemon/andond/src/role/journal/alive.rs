@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(second.beat(at(9500)), None);
         let stood_still = second.beat(at(20_000)).unwrap();
         assert_eq!((stood_still.began, stood_still.ended), (at(9500), Some(at(20_000))));
-        // A clock that has begun anew knows nothing of what was before.
+        // A clock that has begun again knows nothing of what was before.
         assert_eq!(Alive::new(&config).beat(at(10)), None);
     }
 }

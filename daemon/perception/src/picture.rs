@@ -6,7 +6,7 @@ use crate::image::ImageView;
 const COLUMNS: usize = 8;
 const ROWS: usize = 4;
 /// Number of cells.
-pub(super) const CELLS: usize = COLUMNS * ROWS;
+pub(crate) const CELLS: usize = COLUMNS * ROWS;
 /// Columns and rows of the patches, in which parts are told from the table: a part covers some of them, each has 25 points.
 const PATCH_COLUMNS: usize = 4 * COLUMNS;
 const PATCH_ROWS: usize = 6 * ROWS;

@@ -6,10 +6,9 @@ use shm_schemas::{
     JudgePhase, PART_BYTES, Refusal, VerdictLevel, VerdictMeasure, VerdictNote, VerdictReason,
 };
 
-use super::image::{control, status};
-use super::map::{Access, CONTROL_BASE, MAP, MAP_VERSION, measure_scale};
 use crate::handshake::{Fault, QUEUE};
 use crate::modbus::Config;
+use crate::registers::{Access, CONTROL_BASE, MAP, MAP_VERSION, control, measure_scale, status};
 
 /// The text of `REGISTERS.md`.
 pub fn document() -> String {
