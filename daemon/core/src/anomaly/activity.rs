@@ -156,6 +156,14 @@ impl OpenActivity {
         self.junction = Junction::default();
     }
 
+    /// The newest IU may not have happened.
+    pub(super) fn doubt_newest_iu(&mut self) {
+        self.junction.was_doubtful = true;
+        for (places, before) in self.places.iter_mut().zip(self.places_before) {
+            *places = places.or(before);
+        }
+    }
+
     /// `J \ L`; empty after a fault.
     pub(super) fn candidates(&self) -> ActivitySet {
         match self.against {

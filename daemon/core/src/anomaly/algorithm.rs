@@ -266,6 +266,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             && iu.context.is_touch()
         {
             activity.ended_ns = iu.ended_ns;
+            // In so few frames, a contact that came and went may only have seemed to.
+            if self.iu.is_some_and(|open| !self.watch.is_believable(open.captured)) {
+                activity.doubt_newest_iu();
+            }
         }
         if let Some(open) = self.iu.filter(|open| !open.is_concluded) {
             let extent = Extent {

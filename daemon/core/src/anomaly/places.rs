@@ -41,6 +41,11 @@ impl Places {
         Self(places.fold(0, |places, ius| places | 1 << ius))
     }
 
+    /// The places of both.
+    pub(super) fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// The places after an IU with this context has begun.
     pub(super) fn step(self, nominal: &[NominalIu<'_>], context: Context, junction: Junction) -> Self {
         let before = self.or_later(junction.hidden, nominal);

@@ -164,6 +164,11 @@ impl Watch {
         self.is_recent() || self.held != 0 && self.is_held_doubtful
     }
 
+    /// Whether so many captured frames are as many as a change takes to be believed.
+    pub(super) fn is_believable(&self, captured: u32) -> bool {
+        captured >= self.persist_frames
+    }
+
     /// Whether there was a doubtful couple not longer ago than a change takes to be believed.
     fn is_recent(&self) -> bool {
         self.since_doubt <= self.persist_frames
