@@ -46,7 +46,7 @@ fn a_step_that_lasts_longer_than_can_be_compared_is_reported_and_not_judged() {
         iu.measures = MeasureBounds::ANY;
     }
     std::fs::write(line.path("job.toml"), job.to_toml()).unwrap();
-    let x_c = job.activities[0].ius[0].context.0;
+    let (x_c, model_hash) = (job.activities[0].ius[0].context.0, job.encoding_hash());
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     line.start("judge");
@@ -56,6 +56,7 @@ fn a_step_that_lasts_longer_than_can_be_compared_is_reported_and_not_judged() {
         assert!(frame < 10_000, "nothing is judged:\n{}", line.log("judge"));
         encode.send(|message| {
             (message.described_ns, message.known_ns) = (frame * INTERVAL_NS, frame * INTERVAL_NS);
+            message.model_hash = model_hash;
             message.hands = [HandCouple { flags: flag::MEASURED | flag::CLEAR, ..HandCouple::default() }; 2];
             message.hands[usize::from(x_c[0]) - 1].x_c = x_c;
         });
@@ -223,7 +224,11 @@ fn a_judge_that_does_not_hear_encode_says_so_and_opens_its_channel_again() {
     watcher.until("the judge's state", |watcher| watcher.is(RoleId::Judge, RoleState::Fault));
     // What is sent then comes, through the new connection.
     let mut encode = Sender::<Couples>::new(&line, RoleId::Encode, &[RoleId::Judge]);
-    encode.send(|message| message.described_ns = INTERVAL_NS);
+    let job = JobFile::parse("job", &std::fs::read(line.path("job.toml")).unwrap()).unwrap();
+    encode.send(|message| {
+        message.described_ns = INTERVAL_NS;
+        message.model_hash = job.encoding_hash();
+    });
     watcher.until("the judge", |watcher| watcher.is(RoleId::Judge, RoleState::Running));
 }
 

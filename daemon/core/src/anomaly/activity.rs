@@ -75,6 +75,8 @@ pub(super) struct OpenActivity {
     newest: (Context, Junction),
     /// What was not seen since the newest IU began.
     junction: Junction,
+    /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
+    may_have_ended: bool,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }
@@ -117,6 +119,7 @@ impl OpenActivity {
             places_before: places,
             newest: (context, Junction::default()),
             junction: Junction::default(),
+            may_have_ended: false,
             is_concluded: false,
         }
     }
@@ -126,6 +129,7 @@ impl OpenActivity {
     pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context, hidden: u32) -> u16 {
         let is_doubtful = hidden > 0;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
+        self.may_have_ended |= self.unjudged_reason.is_some() && self.may_be_complete(job);
         self.places_before = self.places;
         self.newest = (context, junction);
         for (places, nominal) in self.places.iter_mut().zip(job.activities) {
@@ -190,7 +194,7 @@ impl OpenActivity {
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.
     pub(super) fn may_be_right(&self) -> bool {
-        self.places.iter().any(|places| !places.is_empty())
+        self.may_have_ended || self.places.iter().any(|places| !places.is_empty())
     }
 
     /// Whether what is missing may have happened unseen.
@@ -215,10 +219,15 @@ impl OpenActivity {
         self.ius == 0 && all.all(|(places, _)| places.is_certainly(0))
     }
 
-    /// Whether it is certain which IUs of its candidates have come.
+    /// Whether it is certain which IUs of its candidates have come; after a fault, whether all before was judged.
     pub(super) fn is_place_certain(&self) -> bool {
         let ius = usize::from(self.ius);
-        self.candidates().iter().all(|nominal| self.places[nominal].is_certainly(ius))
+        match self.against {
+            Against::Candidates(candidates) => {
+                candidates.iter().all(|nominal| self.places[nominal].is_certainly(ius))
+            }
+            Against::Following(_) => self.unjudged_reason.is_none(),
+        }
     }
 
     /// Something did not fit, and was not judged because something else may have happened unseen.

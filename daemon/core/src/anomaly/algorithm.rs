@@ -266,8 +266,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             && iu.context.is_touch()
         {
             activity.ended_ns = iu.ended_ns;
-            // In so few frames, a contact that came and went may only have seemed to.
-            if self.iu.is_some_and(|open| !self.watch.is_believable(open.captured)) {
+            // Where frames are missing, a contact that came and went soon may only have seemed to.
+            if self.iu.is_some_and(|open| !self.watch.is_believable(open.captured, open.extent.frames)) {
                 activity.doubt_newest_iu();
             }
         }

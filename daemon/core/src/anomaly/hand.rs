@@ -119,6 +119,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
+    /// Anything may have come of the open activity unseen. Whether there is one.
+    pub(super) fn lose_place(&mut self) -> bool {
+        self.activity.as_mut().map(|activity| activity.add_hidden(u32::MAX)).is_some()
+    }
+
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose_sight(&mut self) {
         self.watch.lose();
@@ -199,6 +204,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let unseen_reason = self.unseen_reason();
         let Some(activity) = &mut self.activity else { return };
         activity.broken = activity.broken.or(broken);
+        let is_too_early = broken.is_some_and(|broken| progress.is_undone(&broken));
         let unjudged_reason = activity.unjudged_reason;
         let (is_place_certain, number) = (activity.is_place_certain(), activity.number);
         let (outcome, reason, early) = match unjudged_reason {
@@ -208,7 +214,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if is_place_certain => (Outcome::Anomaly, Reason::WrongOrder, false),
+            None if is_place_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder, false),
             None => (Outcome::NotJudged, unseen_reason, early),
         };
         self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);

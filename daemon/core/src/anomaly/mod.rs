@@ -246,6 +246,17 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         bench.progress.set_undone(couples.undone);
         if couples.has_moved_unseen {
             bench.progress.set_moved_unseen();
+            // What a hand does with the same part afterwards may be another activity, and so may what it did meanwhile.
+            for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
+                if couple.context == Context::IDLE && hand.lose_place() {
+                    segmenter.hand(couple.side).activity_matched(&[]);
+                }
+            }
+        }
+        // What a hand does with the same part afterwards is not the rest of what it did before.
+        if bench.progress.is_set_anew() && couples.hands.iter().all(|couple| couple.context == Context::IDLE)
+        {
+            segmenter.finish(&mut |event| bench.take(&event, None, emit));
         }
         let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
         let begins_next_job = couples.hands.iter().any(|couple| {
@@ -285,6 +296,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Bench { hands, progress } = &mut self.bench;
         hands.iter_mut().for_each(HandJudge::lose_sight);
         progress.set_doubtful();
+        progress.forget_undone();
         self.finish(emit);
     }
 

@@ -133,9 +133,16 @@ impl<'a> Progress<'a> {
         self.undone = self.undone & undone;
     }
 
+    /// What has not been done is not missing.
+    pub(super) fn forget_undone(&mut self) {
+        self.undone = ActivitySet::EMPTY;
+    }
+
     /// Whether the bench has been set for the next piece: what was moved lies where the job began, with all that lay there then.
-    fn is_set_anew(&self) -> bool {
-        self.seen_undone.intersects(self.tried()) && self.undone_first.without(self.seen_undone).is_empty()
+    pub(super) fn is_set_anew(&self) -> bool {
+        self.is_open
+            && self.seen_undone.intersects(self.tried())
+            && self.undone_first.without(self.seen_undone).is_empty()
     }
 
     /// Whether no activity that begins with this context has been done since the job began.
@@ -227,8 +234,9 @@ impl<'a> Progress<'a> {
 
     /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
     /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
-    /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose start was not seen ends wherever a first activity begins. A job
-    /// with a fault also ends where the bench is rearranged: there is no other sign of its end if something was done instead of an activity.
+    /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose
+    /// start was not seen ends wherever a first activity begins that may have come before. A job with a fault also ends where the bench is
+    /// rearranged: there is no other sign of its end if something was done instead of an activity.
     pub(super) fn begins_next_job(&self, side: Side, context: Context, is_disturbed: bool) -> bool {
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
@@ -245,7 +253,8 @@ impl<'a> Progress<'a> {
         let opening = opening & first;
         let first_came = opening.intersects(came) && (others_came || is_disturbed)
             || opening.intersects(self.wrong) && others_came;
-        !opening.is_empty() && (!self.is_start_seen || first_came && !is_left)
+        let may_have_come = !self.is_start_seen && !opening.intersects(self.undone);
+        !opening.is_empty() && (may_have_come || first_came && !is_left)
     }
 
     /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
@@ -354,9 +363,9 @@ impl<'a> Progress<'a> {
             .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
     }
 
-    /// Whether the bench shows that what must come before has not been done.
+    /// Whether the bench has shown in this job that what must come before had not been done.
     pub(super) fn is_undone(&self, broken: &BrokenOrder) -> bool {
-        broken.fault == OrderFault::NotBegun && self.undone.contains(broken.activity.into())
+        broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())
     }
 
     /// Whether an activity was right that must come behind this one, because this one may have come unseen; and now it comes.

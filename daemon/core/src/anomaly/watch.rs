@@ -21,8 +21,8 @@ pub(super) struct Watch {
     /// The newest context that was certain, and how many frames ago it was so last.
     certain: Option<Context>,
     since_certain: u32,
-    /// The couple before the newest was certain, and the hand was idle.
-    was_idle: bool,
+    /// For how many frames in a row up to the couple before the newest the hand was certainly idle.
+    idle_frames: u32,
     /// `o_j`, or 0.
     held: u16,
     /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
@@ -46,7 +46,7 @@ impl Watch {
             since_doubt: 0,
             certain: None,
             since_certain: 0,
-            was_idle: false,
+            idle_frames: 0,
             held: 0,
             is_held_doubtful: false,
             has_been_clear: false,
@@ -69,7 +69,8 @@ impl Watch {
 
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
-        self.was_idle = self.certain == Some(Context::IDLE) && self.since_certain == 0;
+        let was_idle = self.certain == Some(Context::IDLE) && self.since_certain == 0;
+        self.idle_frames = if was_idle { self.idle_frames.saturating_add(1) } else { 0 };
         // Of a long gap, not all frames of the grid have a couple.
         let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
         let frames = u32::try_from(frames / self.period_ns).unwrap_or(u32::MAX).max(1);
@@ -124,9 +125,9 @@ impl Watch {
         self.certain.is_some() && self.since_certain == 0
     }
 
-    /// The newest couple is not doubtful, and before it the hand was certainly idle.
+    /// The newest couple is not doubtful, and before it the hand was certainly idle, for longer than it takes to see that it holds something.
     pub(super) fn was_idle(&self) -> bool {
-        self.was_idle && !self.is_doubtful()
+        self.idle_frames > 3 * self.persist_frames && !self.is_doubtful()
     }
 
     /// In how many frames since the couple before the newest one something may have come and gone.
@@ -164,9 +165,9 @@ impl Watch {
         self.is_recent() || self.held != 0 && self.is_held_doubtful
     }
 
-    /// Whether so many captured frames are as many as a change takes to be believed.
-    pub(super) fn is_believable(&self, captured: u32) -> bool {
-        captured >= self.persist_frames
+    /// Whether a stretch of so many frames was as captured as two changes take to be believed.
+    pub(super) fn is_believable(&self, captured: u32, frames: u32) -> bool {
+        captured >= frames.min(2 * self.persist_frames)
     }
 
     /// Whether there was a doubtful couple not longer ago than a change takes to be believed.
