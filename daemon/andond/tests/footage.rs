@@ -112,12 +112,15 @@ fn another_order_is_an_anomaly() {
 }
 
 #[test]
-fn what_was_done_with_another_part_is_noted_when_that_is_touched_and_the_job_is_not_right() {
+fn what_was_done_with_another_part_is_noted_and_the_polisher_that_still_lies_there_shows_what_is_missing() {
     let judged = replay("p1_wrong_object_r1");
-    // What should have been done may have come before the film.
     assert_eq!(
         judged.activities_and_job(),
-        [("ActivityOk", "None", Some(0)), ("ActivityOk", "None", Some(1)), ("NotJudged", "Blind", None)]
+        [
+            ("ActivityOk", "None", Some(0)),
+            ("ActivityAnomaly", "WrongOrder", Some(1)),
+            ("JobAnomaly", "WrongOrder", None)
+        ]
     );
     // The meter is grasped in frame 59: it is noted before anything is rubbed with it, in frame 107.
     let noted = judged.verdicts.iter().find(|verdict| verdict["note"] == "Step").unwrap();

@@ -48,8 +48,8 @@ pub(super) struct Progress<'a> {
     is_start_seen: bool,
     /// The activities that may have come before the first one that was seen.
     may_precede: ActivitySet,
-    /// The activities that the newest frame shows not to have been done, those that the first one of the job did, and those that all frames
-    /// since did.
+    /// The activities that the newest frame shows not to have been done, those that some frame has shown so between the last job and the first
+    /// touch of this one, and those that all frames since have shown so.
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     undone: ActivitySet,
@@ -102,8 +102,8 @@ impl<'a> Progress<'a> {
     pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool) {
         // Before a start that was seen, nothing of the job was hidden.
         let hidden_frames = if is_start_seen { 0 } else { self.hidden_frames };
-        let undone = self.seen_undone;
-        let may_precede = self.all().without(undone | self.behind(undone));
+        let (undone_first, undone) = (self.undone_first | self.seen_undone, self.seen_undone);
+        let may_precede = self.all().without(undone_first | self.behind(undone_first));
         let is_start_seen = is_start_seen || self.is_start_expected || may_precede.is_empty();
         *self = Self {
             began_ns,
@@ -112,7 +112,7 @@ impl<'a> Progress<'a> {
             is_start_seen,
             may_precede: if is_start_seen { ActivitySet::EMPTY } else { may_precede },
             seen_undone: undone,
-            undone_first: undone,
+            undone_first,
             undone,
             hidden_frames,
             is_open: true,
@@ -131,6 +131,9 @@ impl<'a> Progress<'a> {
     pub(super) fn set_undone(&mut self, undone: ActivitySet) {
         self.seen_undone = undone;
         self.undone = self.undone & undone;
+        if !self.is_open {
+            self.undone_first |= undone;
+        }
     }
 
     /// What has not been done is not missing.
@@ -462,6 +465,7 @@ impl<'a> Progress<'a> {
         }
         self.is_open = false;
         let (outcome, fault) = self.outcome();
+        self.undone_first = ActivitySet::EMPTY;
         self.is_start_expected = outcome == Outcome::Ok;
         self.hidden_frames = 0;
         emit(Verdict {
