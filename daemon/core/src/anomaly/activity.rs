@@ -125,11 +125,16 @@ impl OpenActivity {
     }
 
     /// Takes the context of the next IU and returns the number of that IU. Its beginning is in doubt if something may have come and gone in
-    /// some `hidden` frames before it.
-    pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context, hidden: u32) -> u16 {
+    /// some `hidden` frames before it; with `was_idle` the hand was certainly idle before it.
+    pub(super) fn next_iu(
+        &mut self,
+        job: &Job<'_>,
+        context: Context,
+        (hidden, was_idle): (u32, bool),
+    ) -> u16 {
         let is_doubtful = hidden > 0;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        self.may_have_ended |= self.unjudged_reason.is_some() && self.may_be_complete(job);
+        self.may_have_ended |= was_idle && self.unjudged_reason.is_some() && self.may_be_complete(job);
         self.places_before = self.places;
         self.newest = (context, junction);
         for (places, nominal) in self.places.iter_mut().zip(job.activities) {

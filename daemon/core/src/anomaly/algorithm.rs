@@ -56,7 +56,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
         let is_certain = !self.watch.is_doubtful();
-        let number = activity.next_iu(job, activity.as_shown(context), self.watch.hidden_before());
+        let before = (self.watch.hidden_before(), self.watch.was_idle());
+        let number = activity.next_iu(job, activity.as_shown(context), before);
         let may_be_rest = number == 0 && self.watch.may_be_rest && !self.watch.was_idle();
         self.watch.may_be_rest = false;
         self.iu = Some(OpenIu {
