@@ -67,6 +67,14 @@ impl Space {
             Self::Metric => "metric",
         }
     }
+
+    /// A point as far as it counts: in the plane without z.
+    pub const fn flat(self, [x, y, z]: Point) -> Point {
+        match self {
+            Self::Plane => [x, y, 0.0],
+            Self::Metric => [x, y, z],
+        }
+    }
 }
 
 /// The five landmarks of a hand that the method uses, in metres in the bench frame.

@@ -25,6 +25,12 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     mean(&sorted[from..(sorted.len() / 2 + 1).min(sorted.len())])
 }
 
+/// The median of each coordinate; 0 if there are no points.
+pub(crate) fn median_point(points: impl Iterator<Item = [f32; 3]> + Clone) -> [f32; 3] {
+    [0, 1, 2]
+        .map(|axis| median(&points.clone().map(|point| f64::from(point[axis])).collect::<Vec<_>>()) as f32)
+}
+
 /// The value that Student's t with so many degrees of freedom exceeds with this probability.
 pub(crate) fn student_t(freedom: f64, exceeded: f64) -> f64 {
     // The location and the scale are valid, and so is any positive freedom.

@@ -40,12 +40,7 @@ impl Strictness {
         usize::from(self.0 - Self::MIN)
     }
 
-    /// One right job in so many may be accused by its measures.
-    pub fn one_in(self) -> u32 {
-        (1.0 / self.false_alarms()).round() as u32
-    }
-
-    /// The same as a share.
+    /// The share of right jobs that may be accused by their measures.
     pub fn false_alarms(self) -> f64 {
         Self::FALSE_ALARMS[self.index()]
     }
@@ -93,7 +88,7 @@ mod tests {
     #[test]
     fn the_middle_asks_for_one_and_for_five_percent_of_students_t() {
         let middle = Strictness::default();
-        assert_eq!(middle.one_in(), 33);
+        assert_eq!((1.0 / middle.false_alarms()).round(), 33.0);
         assert!((middle.law_quantile(5, false) - 3.747).abs() < 0.001);
         assert!((middle.law_quantile(5, true) - 2.132).abs() < 0.001);
     }

@@ -32,11 +32,7 @@ impl Names {
 
     /// The names of a job: its objects, and its steps, which are otherwise called by their numbers.
     pub fn of_job(job: &JobFile) -> Self {
-        let step = |number: usize| {
-            let first = job.activities.iter().find(|taught| usize::from(taught.activity) == number);
-            let contexts = first.into_iter().flat_map(|taught| &taught.ius).map(|iu| iu.context).collect();
-            Step { name: job.step_name(number), contexts }
-        };
+        let step = |number: usize| Step { name: job.step_name(number), contexts: job.step_contexts(number) };
         let steps = (0..job.steps.len()).map(step).collect();
         Self { steps, ..Self::of_objects(&job.objects) }
     }

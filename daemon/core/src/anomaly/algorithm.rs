@@ -56,9 +56,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
         let is_certain = !self.watch.is_doubtful();
-        let before = (self.watch.hidden_before(), self.watch.was_idle());
+        let was_idle = self.watch.was_idle();
+        let before = (self.watch.hidden_before(), was_idle);
         let number = activity.next_iu(job, activity.as_shown(context), before);
-        let may_be_rest = number == 0 && self.watch.may_be_rest && !self.watch.was_idle();
+        let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
         self.watch.may_be_rest = false;
         self.iu = Some(OpenIu {
             number,
@@ -117,7 +118,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let finding = Finding { outcome: Outcome::Anomaly, ..Finding::not_shown(true) };
             self.conclude_iu(finding, progress, emit);
         } else {
-            self.conclude_unjudged(self.unseen_reason(), progress, emit);
+            self.conclude_unseen(progress, emit);
         }
     }
 
@@ -195,7 +196,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 emit,
             );
         } else if !couple.is_in_sight() || self.iu.is_some_and(|iu| iu.is_certain) {
-            self.conclude_unjudged(self.unseen_reason(), progress, emit);
+            self.conclude_unseen(progress, emit);
         }
     }
 
@@ -243,7 +244,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(iu) = self.iu.filter(|iu| !iu.is_concluded) else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
-            self.conclude_unjudged(self.unseen_reason(), progress, emit);
+            self.conclude_unseen(progress, emit);
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
             self.conclude_right(candidates, None, true, progress, emit);
@@ -314,7 +315,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
         let is_right = nearest.reason == Reason::None;
         if is_right && !extent.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
-            self.conclude_unjudged(self.unseen_reason(), progress, emit);
+            self.conclude_unseen(progress, emit);
         } else if is_right {
             let right = self.comparisons.results(extent).filter(|result| result.reason == Reason::None);
             let mut survivors = ActivitySet::EMPTY;

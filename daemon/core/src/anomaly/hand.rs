@@ -127,9 +127,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose_sight(&mut self) {
         self.watch.lose();
-        if let Some(activity) = &mut self.activity {
-            activity.add_hidden(u32::MAX);
-        }
+        self.lose_place();
     }
 
     /// No IU is open in which the hand acts: there is none, or only a release state, or one of a step that was not shown.
@@ -190,6 +188,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             progress,
             emit,
         );
+    }
+
+    /// The IU cannot be judged, because too little of it is known.
+    pub(super) fn conclude_unseen(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+        self.conclude_unjudged(self.unseen_reason(), progress, emit);
     }
 
     /// The activity equals a nominal one, or would if all of it had been judged.

@@ -69,7 +69,7 @@ impl Watch {
 
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
-        let was_idle = self.certain == Some(Context::IDLE) && self.since_certain == 0;
+        let was_idle = self.is_certain() && self.certain == Some(Context::IDLE);
         self.idle_frames = if was_idle { self.idle_frames.saturating_add(1) } else { 0 };
         // Of a long gap, not all frames of the grid have a couple.
         let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);

@@ -82,8 +82,8 @@ impl HandPose {
 
     /// The pose of a hand that is seen; `None` if a number is not finite or too large.
     pub(super) fn seen(hand: &Hand, space: Space) -> Option<Self> {
-        let flat = |point: Point| if space == Space::Plane { [point[0], point[1], 0.0] } else { point };
-        let points = [hand.wrist, hand.middle_knuckle, hand.tips[0], hand.tips[1], hand.tips[2]].map(flat);
+        let points = [hand.wrist, hand.middle_knuckle, hand.tips[0], hand.tips[1], hand.tips[2]];
+        let points = points.map(|point| space.flat(point));
         if !points.iter().all(|point| is_near(*point)) {
             return None;
         }

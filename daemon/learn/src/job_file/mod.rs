@@ -205,12 +205,15 @@ impl JobFile {
         if self.objects.iter().any(|object| is_shown(&object.shape)) { self.model_hash() } else { 0 }
     }
 
+    /// The contexts of the IUs of an activity, as most runs have it.
+    pub fn step_contexts(&self, number: usize) -> Vec<Context> {
+        let first = self.activities.iter().find(|taught| usize::from(taught.activity) == number);
+        first.into_iter().flat_map(|taught| &taught.ius).map(|iu| iu.context).collect()
+    }
+
     /// What an activity of the job is called: which hand does what with which parts.
     pub fn step_name(&self, number: usize) -> String {
-        let first = self.activities.iter().find(|taught| usize::from(taught.activity) == number);
-        let contexts: Vec<Context> =
-            first.into_iter().flat_map(|taught| &taught.ius).map(|iu| iu.context).collect();
-        text::sequence_words(&contexts, |id| self.object_name(id))
+        text::sequence_words(&self.step_contexts(number), |id| self.object_name(id))
     }
 
     /// What a person calls an object: its name, or its id if the file does not have it.

@@ -44,12 +44,12 @@ impl<'a> Occurrence<'a> {
     fn new(run: &'a Run, index: usize) -> Self {
         let activity = &run.activities[index];
         let of_hand = run.activities[..index].iter().filter(|before| before.side == activity.side).count();
-        let touches = || activity.ius.iter().filter(|iu| iu.context.is_touch());
+        let mut touches = activity.ius.iter().filter(|iu| iu.context.is_touch());
         let seconds = |ns: u64| ns as f64 * 1e-9;
         Self {
             activity,
-            began_s: touches().next().map_or(0.0, |iu| seconds(iu.began_ns)),
-            ended_s: touches().next_back().map_or(0.0, |iu| seconds(iu.ended_ns)),
+            began_s: touches.next().map_or(0.0, |iu| seconds(iu.began_ns)),
+            ended_s: seconds(activity.ended_ns()),
             places: [index as f64, of_hand as f64],
         }
     }

@@ -4,7 +4,7 @@
 use super::sequence::Agreement;
 use crate::recording::NamedObject;
 use crate::run::{Activity, Run};
-use crate::statistics::median;
+use crate::statistics::median_point;
 use andon_core::input::{Point, Space, StartPlace};
 use andon_core::job::Around;
 use andon_core::set::ActivitySet;
@@ -34,9 +34,7 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
     }
     let firsts: Vec<Point> =
         agreement.used.iter().map(|run| first_position(id, &runs[*run], space)).collect::<Option<_>>()?;
-    let axis =
-        |axis: usize| median(&firsts.iter().map(|first| f64::from(first[axis])).collect::<Vec<_>>()) as f32;
-    let centre = [0, 1, 2].map(axis);
+    let centre = median_point(firsts.iter().copied());
     let place = |max: f32| Around { centre, max };
     let shown_m = firsts.iter().map(|first| place(0.0).distance(*first)).fold(0.0, f32::max);
     let place = place(shown_m + STRAY_M);
@@ -46,34 +44,29 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
         shown.peek().is_some()
             && shown.all(|(run, index)| {
                 let activity = &run.activities[index];
-                let mut after = positions(id, run, activity.ended_ns(), space).peekable();
+                let mut after =
+                    seen(id, run, space).filter(|(time_ns, _)| *time_ns >= activity.ended_ns()).peekable();
                 acts_on(activity, id)
                     && after.peek().is_some()
-                    && after.all(|position| place.distance(position) > AWAY * place.max)
+                    && after.all(|(_, position)| place.distance(position) > AWAY * place.max)
             })
     };
     let moved_by: ActivitySet = (0..agreement.steps.len()).filter(moves).collect();
     (place.max <= MAX_M && !moved_by.is_empty()).then_some(StartPlace { place, moved_by })
 }
 
-/// Where an object lies before the first activity of the run.
+/// Where an object lies before the first activity of the run that acts on it.
 fn first_position(id: u16, run: &Run, space: Space) -> Option<Point> {
     let until_ns = run.activities.iter().find(|activity| acts_on(activity, id))?.ius.first()?.began_ns;
     let before: Vec<Point> =
         seen(id, run, space).take_while(|(time_ns, _)| *time_ns < until_ns).map(|(_, at)| at).collect();
-    let axis = |axis: usize| median(&before.iter().map(|at| f64::from(at[axis])).collect::<Vec<_>>()) as f32;
-    (!before.is_empty()).then(|| [0, 1, 2].map(axis))
-}
-
-fn positions(id: u16, run: &Run, from_ns: u64, space: Space) -> impl Iterator<Item = Point> {
-    seen(id, run, space).filter(move |(time_ns, _)| *time_ns >= from_ns).map(|(_, at)| at)
+    (!before.is_empty()).then(|| median_point(before.into_iter()))
 }
 
 fn seen(id: u16, run: &Run, space: Space) -> impl Iterator<Item = (u64, Point)> {
-    let flat = move |[x, y, z]: Point| [x, y, if space == Space::Plane { 0.0 } else { z }];
     run.frames().iter().filter_map(move |frame| {
         let object = frame.objects.iter().find(|object| object.id == id)?;
-        Some((frame.captured_ns, flat(object.position)))
+        Some((frame.captured_ns, space.flat(object.position)))
     })
 }
 

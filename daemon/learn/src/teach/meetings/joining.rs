@@ -37,14 +37,17 @@ pub(super) fn of(
         return meeting(id, &[], contact, default);
     }
     let places: Vec<(usize, Point3<f32>)> =
-        dwells.iter().map(|(run, dwell)| (*run, median(dwell.iter().map(|(_, place)| *place)))).collect();
+        dwells.iter().map(|(run, dwell)| (*run, place_of(dwell))).collect();
     at_learnt_places(id, &places, shown.len(), default)
 }
 
 /// Whether a run shows one of the two to dwell at the other so near that they may touch.
 pub(super) fn is_shown([one, other]: [usize; 2], shown: &Trajectories) -> bool {
-    let is_near = |dwell: &Dwell| median(dwell.iter().map(|(_, place)| *place)).coords.norm() < TOUCH_M;
-    shown.dwells(one, other).iter().any(is_near)
+    shown.dwells(one, other).iter().any(|dwell| place_of(dwell).coords.norm() < TOUCH_M)
+}
+
+fn place_of(dwell: &Dwell) -> Point3<f32> {
+    median(dwell.iter().map(|(_, place)| *place))
 }
 
 /// How near the two come to each other where their points are given.

@@ -12,7 +12,7 @@ mod unsure;
 use super::measures::interval;
 use crate::recording::NamedObject;
 use crate::run::Run;
-use crate::statistics;
+use crate::statistics::median_point;
 use andon_core::capacity::INTERACTION_POINTS;
 use andon_core::config::{Contact, Method};
 use andon_core::input::{Meeting, ObjectShape};
@@ -116,9 +116,5 @@ fn centres(points: &[Point3<f32>], near_m: f32) -> Vec<Point3<f32>> {
 
 /// The median of each coordinate.
 fn median(points: impl Iterator<Item = Point3<f32>> + Clone) -> Point3<f32> {
-    let axis = |axis: usize| {
-        let values: Vec<f64> = points.clone().map(|point| f64::from(point[axis])).collect();
-        statistics::median(&values) as f32
-    };
-    Point3::new(axis(0), axis(1), axis(2))
+    Point3::from(median_point(points.map(|point| [point.x, point.y, point.z])))
 }

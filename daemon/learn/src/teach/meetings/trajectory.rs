@@ -40,7 +40,7 @@ pub(super) struct Trajectories {
 
 impl Trajectories {
     pub(super) fn new(frames: &[Frame], shapes: &[ObjectShape], space: Space) -> Self {
-        let flat = |[x, y, z]: Point| Point3::new(x, y, if space == Space::Plane { 0.0 } else { z });
+        let flat = |point: Point| Point3::from(space.flat(point));
         let tips = |hand: &Hand| hand.tips.map(flat);
         let of_hand = |index| {
             let seen = |frame: &Frame| frame.hands.iter().find(|hand| hand.side.index() == index).map(tips);

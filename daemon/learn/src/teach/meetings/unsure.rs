@@ -70,11 +70,11 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
         if object.shape.is_position_only {
             unsure.push(Unsure::PositionOnly { object: object.name.clone() });
         }
-        for other in 0..index {
+        let is_learnt = |object: usize| !is_given(&objects[object].shape);
+        for other in (0..index).filter(|other| is_learnt(index) && is_learnt(*other)) {
             let pair = [index, other];
             let count = shown.iter().filter(|shown| joining::is_shown(pair, shown)).count();
-            let is_learnt = pair.iter().all(|object| !is_given(&objects[*object].shape));
-            if is_learnt && (1..shown.len()).contains(&count) {
+            if (1..shown.len()).contains(&count) {
                 let names = pair.map(|object| objects[object].name.clone());
                 unsure.push(Unsure::SeldomMet { objects: names, runs: count, of: shown.len() });
             }
