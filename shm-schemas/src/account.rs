@@ -1,8 +1,8 @@
 //! Channels `account`, `kept` and `journalled`: the PLC's account, which the journal keeps on disk, and the rows that it is owed.
 
-use crate::layout::{message, wire};
+use crate::layout::wire;
 use crate::part::PartId;
-use crate::stamp::Stamp;
+use crate::stamp::{Stamp, message};
 use crate::verdict::Verdict;
 
 /// Results that can wait behind the offered one.

@@ -1,8 +1,8 @@
 //! Channel `audit`: who has changed what, for the journal.
 
 use crate::code::codes;
-use crate::layout::{message, wire};
-use crate::stamp::Stamp;
+use crate::layout::wire;
+use crate::stamp::{Stamp, message};
 
 codes! {
     /// What kind of thing was done.

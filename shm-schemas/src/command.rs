@@ -1,9 +1,9 @@
 //! Channel `command`: what the PLC, or a person or scanner by `andond part`, asks of the judge.
 
 use crate::code::codes;
-use crate::layout::{message, wire};
+use crate::layout::wire;
 use crate::part::PartId;
-use crate::stamp::Stamp;
+use crate::stamp::{Stamp, message};
 
 codes! {
     /// What is asked.

@@ -1,8 +1,8 @@
 //! Channel `couple`: the feature couples `X = (x_m, x_c)` of both hands at one instant of the grid (paper III-A.3).
 
 use crate::HANDS;
-use crate::layout::{message, wire};
-use crate::stamp::Stamp;
+use crate::layout::wire;
+use crate::stamp::{Stamp, message};
 
 wire! { "andon.HandCouple", 40;
     /// The feature couple of one hand.

@@ -1,7 +1,7 @@
 //! Channel `detections`: the hands and objects of one frame.
 
-use crate::layout::{message, wire};
-use crate::stamp::Stamp;
+use crate::layout::wire;
+use crate::stamp::{Stamp, message};
 use crate::{HANDS, OBJECTS};
 
 /// Landmarks of a hand, in the order of MediaPipe: 0 is the wrist; 8, 12 and 16 are the tips of index, middle and ring finger.

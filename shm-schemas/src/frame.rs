@@ -1,8 +1,8 @@
 //! Channel `frame`: the header of a `[u8]` slice that holds the colour plane and then the depth plane, as the sensor gives them.
 
 use crate::code::codes;
-use crate::layout::{message, wire};
-use crate::stamp::Stamp;
+use crate::layout::wire;
+use crate::stamp::{Stamp, message};
 
 codes! {
     /// Bytes of one colour pixel, in memory order.

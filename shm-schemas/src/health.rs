@@ -1,8 +1,8 @@
 //! Channel `health`: how each role is doing. Its data loop sends it at 1 Hz or faster.
 
 use crate::code::codes;
-use crate::layout::{message, wire};
-use crate::stamp::Stamp;
+use crate::layout::wire;
+use crate::stamp::{Stamp, message};
 
 codes! {
     /// A role of `andond`. Each is one process.

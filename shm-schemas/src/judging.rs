@@ -1,9 +1,9 @@
 //! Channel `judging`: what the judge is doing, and what became of the last command.
 
 use crate::code::codes;
-use crate::layout::{message, wire};
+use crate::layout::wire;
 use crate::part::PartId;
-use crate::stamp::Stamp;
+use crate::stamp::{Stamp, message};
 
 codes! {
     /// Where the judge is in its job.

@@ -1,8 +1,5 @@
 //! The layout of a wire type as a number, computed at compile time.
 
-use crate::stamp::Stamp;
-use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
-
 /// A type whose bytes mean the same in every process.
 ///
 /// # Safety
@@ -11,14 +8,6 @@ use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 pub unsafe trait Layout: Copy + 'static {
     /// Changes when the name, the type, the order or the offset of a field changes, in this type or in a type of its fields.
     const HASH: u64;
-}
-
-/// A wire type that begins with a [`Stamp`] and travels on a channel.
-pub trait Message: Layout + ZeroCopySend + Default + core::fmt::Debug {
-    /// Who sent it and when, and which frame it depends on.
-    fn stamp(&self) -> &Stamp;
-    /// The same, for the writer's port, which numbers its messages.
-    fn stamp_mut(&mut self) -> &mut Stamp;
 }
 
 macro_rules! plain {
@@ -102,22 +91,7 @@ macro_rules! wire {
     };
 }
 
-/// Makes wire structs that begin with `stamp: Stamp` messages.
-macro_rules! message {
-    ($name:ident) => {
-        impl $crate::layout::Message for $name {
-            fn stamp(&self) -> &$crate::stamp::Stamp {
-                &self.stamp
-            }
-            fn stamp_mut(&mut self) -> &mut $crate::stamp::Stamp {
-                &mut self.stamp
-            }
-        }
-        const _: () = assert!(core::mem::offset_of!($name, stamp) == 0, "the stamp comes first");
-    };
-}
-
-pub(crate) use {message, wire};
+pub(crate) use wire;
 
 #[cfg(test)]
 #[allow(unreachable_pub)] // the macro makes public types

@@ -48,10 +48,10 @@ pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};
 pub use frame::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 pub use health::{Health, RoleId, RoleState, Sight};
 pub use judging::{JudgePhase, Judging, Refusal};
-pub use layout::{Layout, Message};
+pub use layout::Layout;
 pub use measured::MeasuredWords;
 pub use part::{BadPart, PART_BYTES, PartId};
-pub use stamp::Stamp;
+pub use stamp::{Message, Stamp};
 pub use verdict::{
     HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictMeasure,
     VerdictNote, VerdictOutcome, VerdictReason, verdict_kind,

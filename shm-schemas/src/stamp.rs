@@ -1,6 +1,7 @@
 //! The stamp with which every message begins.
 
-use crate::layout::wire;
+use crate::layout::{Layout, wire};
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 wire! { "andon.Stamp", 40;
     /// Who sent a message and when, and from which frame it comes: enough for any reader to compute every latency and every loss.
@@ -17,3 +18,28 @@ wire! { "andon.Stamp", 40;
         sent_ns: u64,
     }
 }
+
+/// A wire type that begins with a [`Stamp`] and travels on a channel.
+pub trait Message: Layout + ZeroCopySend + Default + core::fmt::Debug {
+    /// Who sent it and when, and which frame it depends on.
+    fn stamp(&self) -> &Stamp;
+    /// The same, for the writer's port, which numbers its messages.
+    fn stamp_mut(&mut self) -> &mut Stamp;
+}
+
+/// Makes wire structs that begin with `stamp: Stamp` messages.
+macro_rules! message {
+    ($name:ident) => {
+        impl $crate::stamp::Message for $name {
+            fn stamp(&self) -> &$crate::stamp::Stamp {
+                &self.stamp
+            }
+            fn stamp_mut(&mut self) -> &mut $crate::stamp::Stamp {
+                &mut self.stamp
+            }
+        }
+        const _: () = assert!(core::mem::offset_of!($name, stamp) == 0, "the stamp comes first");
+    };
+}
+
+pub(crate) use message;

@@ -1,9 +1,9 @@
 //! Channel `verdict`: what is judged, how it came out, and why.
 
 use crate::code::{UnknownCode, codes};
-use crate::layout::{message, wire};
+use crate::layout::wire;
 use crate::part::PartId;
-use crate::stamp::Stamp;
+use crate::stamp::{Stamp, message};
 
 /// Longest name of a station, in bytes: it must fit a verdict, a unit name and a path under 60 characters.
 pub const STATION_BYTES: usize = 16;

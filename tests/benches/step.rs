@@ -6,11 +6,13 @@
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use andon_core::anomaly::Judge;
+use andon_core::bounds::Bounds;
 use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Encoder, Motion};
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Side};
-use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::input::{Frame, Hand, Object, Side};
+use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::object::ObjectShape;
 use std::f32::consts::TAU;
 use std::time::Instant;
 

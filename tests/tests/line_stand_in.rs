@@ -1,7 +1,8 @@
 //! The codes of inputs that no simulated worker gives. Each test takes the place of one role and feeds those after it by hand.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_core::job::{Bounds, MeasureBounds};
+use andon_core::bounds::Bounds;
+use andon_core::job::MeasureBounds;
 use andon_ipc::{UtcTime, Wake};
 use andon_learn::job_file::JobFile;
 use andon_tests::line::{Line, Modbus, PATIENCE, Sender, Settings, Watcher, stand_in, status};

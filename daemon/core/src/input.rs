@@ -1,9 +1,6 @@
 //! What was seen in one frame, in the bench frame: metres, x to the right, y away from the worker, z up.
 
-use crate::capacity::{HANDS, INTERACTION_POINTS, MEETINGS, OBJECTS};
-use crate::config::Contact;
-use crate::job::Around;
-use crate::set::ActivitySet;
+use crate::capacity::{HANDS, OBJECTS};
 use heapless::Vec;
 
 /// A point or a vector in metres.
@@ -112,46 +109,4 @@ pub struct Frame {
     pub hands: Vec<Hand, HANDS>,
     /// The objects seen, at most one per id.
     pub objects: Vec<Object, OBJECTS>,
-}
-
-/// What is known of an object before it is seen: its id and where it can be touched.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ObjectShape {
-    /// Its id, 1 to 65535.
-    pub id: u16,
-    /// Interaction points in metres in the object's frame.
-    pub interaction_points: Vec<Point, INTERACTION_POINTS>,
-    /// Where and how near the runs of a job have shown it to be met. What is not here is met at its interaction points, as near as
-    /// [`Method`](crate::config::Method) says.
-    pub meetings: Vec<Meeting, MEETINGS>,
-    /// Its orientation means nothing, as that of a round part, and counts as that of the bench.
-    pub is_position_only: bool,
-    /// Where it lies at the beginning of a job, if the runs of the job have shown it to lie there and nowhere near it afterwards.
-    pub start: Option<StartPlace>,
-}
-
-/// Where an object lies until the job moves it for good.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StartPlace {
-    /// The place of its position in metres in the bench frame; in plane mode without z.
-    pub place: Around<3>,
-    /// The activities that move it away, by their numbers. While it lies there, none of them has been done.
-    pub moved_by: ActivitySet,
-}
-
-/// Where and how near a hand or another object meets an object.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Meeting {
-    /// The id of the other object, or [`Meeting::HAND`].
-    pub with: u16,
-    /// Where the finger tips, or the position of the other object, then are, in metres in the frame of this object. Empty: at the
-    /// interaction points.
-    pub points: Vec<Point, INTERACTION_POINTS>,
-    /// How near they come to these.
-    pub contact: Contact,
-}
-
-impl Meeting {
-    /// Either hand, instead of an object. No object has this id.
-    pub const HAND: u16 = 0;
 }

@@ -2,7 +2,7 @@
 //!
 //! The data path, in the order of the modules:
 //!
-//! [`input`] what was seen in one frame → [`couple`] its feature couple `X = (x_m, x_c)` →
+//! [`input`] what was seen in one frame → [`couple`] with what is known of each [`object`], its feature couple `X = (x_m, x_c)` →
 //! [`segment`] Elementary Reaction Units (ERU), Interaction Units (IU), activities and jobs →
 //! [`dtw`] distance to the taught references → [`anomaly`] verdicts against the nominal activities of a [`job`].
 //!
@@ -10,10 +10,12 @@
 //!
 //! ```
 //! use andon_core::anomaly::Judge;
+//! use andon_core::bounds::Bounds;
 //! use andon_core::config::Method;
 //! use andon_core::couple::{Context, Encoder, Motion};
-//! use andon_core::input::{Frame, Hand, Object, ObjectShape, Side};
-//! use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+//! use andon_core::input::{Frame, Hand, Object, Side};
+//! use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+//! use andon_core::object::ObjectShape;
 //! use andon_core::verdict::{Level, Outcome, Reason};
 //!
 //! // The job: the right hand rests on object 5 for about a second.
@@ -59,12 +61,14 @@
 extern crate std;
 
 pub mod anomaly;
+pub mod bounds;
 pub mod capacity;
 pub mod config;
 pub mod couple;
 pub mod dtw;
 pub mod input;
 pub mod job;
+pub mod object;
 pub mod segment;
 pub mod set;
 pub mod verdict;

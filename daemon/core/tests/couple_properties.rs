@@ -5,7 +5,8 @@ mod common;
 
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couples, Encoder, Refused};
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side};
+use andon_core::input::{Frame, Hand, Object, Point, Side};
+use andon_core::object::ObjectShape;
 use andon_core::segment::{Event, JobSegmenter};
 use common::bench::{Bench, PERIOD_NS, encode, shapes};
 use common::script::{Motions, Part, Still, Strokes, Toward, idle, part, stream};

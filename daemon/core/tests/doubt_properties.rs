@@ -6,10 +6,11 @@
 mod common;
 
 use andon_core::anomaly::Judge;
+use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::config::Method;
 use andon_core::couple::Encoder;
 use andon_core::input::{Frame, Side};
-use andon_core::job::{Around, Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range};
+use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::{Bench, encode, shapes};

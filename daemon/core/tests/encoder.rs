@@ -3,10 +3,11 @@
 
 mod common;
 
+use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::{Couples, Encoder, Refused, Unusable};
-use andon_core::input::{Frame, Meeting, Object, Side, StartPlace};
-use andon_core::job::Around;
+use andon_core::input::{Frame, Object, Side};
+use andon_core::object::{Meeting, StartPlace};
 use andon_core::set::ActivitySet;
 use common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 

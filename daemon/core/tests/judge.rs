@@ -4,8 +4,9 @@
 mod common;
 
 use andon_core::anomaly::{Judge, Unusable};
+use andon_core::bounds::Bounds;
 use andon_core::config::Method;
-use andon_core::job::{Bounds, Job, Law, NominalActivity, NominalIu};
+use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::PERIOD_NS;

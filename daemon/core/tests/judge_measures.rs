@@ -3,7 +3,8 @@
 
 mod common;
 
-use andon_core::job::{Bounds, Job, MeasureBounds, NominalActivity, NominalIu, Range};
+use andon_core::bounds::{Bounds, Range};
+use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, idle, part, short, stream};

@@ -3,14 +3,14 @@
 use super::Input;
 use super::ledger::Ledger;
 use andon_core::anomaly::Judge;
+use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
 use andon_core::dtw::OnlineDtw;
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Side, Space, StartPlace};
-use andon_core::job::{
-    Around, Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown,
-};
+use andon_core::input::{Frame, Hand, Object, Side, Space};
+use andon_core::job::{Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
+use andon_core::object::{ObjectShape, StartPlace};
 use andon_core::set::ActivitySet;
 
 /// Number of objects that the bytes can refer to.

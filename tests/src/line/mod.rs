@@ -20,7 +20,8 @@ pub use watcher::{Watcher, role_id};
 
 use crate::simulator::{Flaw, Noise, Performance, perform};
 use andon_core::config::Contact;
-use andon_core::input::{Frame, Meeting};
+use andon_core::input::Frame;
+use andon_core::object::Meeting;
 use andon_ipc::Station;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{self, Header};

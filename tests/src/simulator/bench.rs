@@ -1,7 +1,7 @@
 //! The parts on the bench, and their poses.
 
 use super::{Random, Vector, add, turn};
-use andon_core::input::ObjectShape;
+use andon_core::object::ObjectShape;
 use andon_learn::recording::NamedObject;
 
 /// A part that can be taken.

@@ -1,6 +1,7 @@
 //! The runs as recorded by motion capture, and what is composed of them.
 
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side, Space};
+use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
+use andon_core::object::ObjectShape;
 use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
 use std::path::PathBuf;
 

@@ -6,7 +6,8 @@ mod capture;
 
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
-use andon_core::input::{Meeting, Side, Space};
+use andon_core::input::{Side, Space};
+use andon_core::object::Meeting;
 use andon_core::verdict::{Level, Outcome};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;

@@ -35,7 +35,7 @@ pub use sections::service::{Health, Journal, Log, Metrics, Plc};
 pub use sections::station::Station;
 
 use andon_core::config::Method;
-use andon_core::input::ObjectShape;
+use andon_core::object::ObjectShape;
 use andon_learn::digest::sha256_hex;
 use check::Learned;
 use document::{Document, File};

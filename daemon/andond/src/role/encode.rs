@@ -1,7 +1,7 @@
 //! `encode`: detections to feature couples.
 
 use andon_core::couple::{self, Encoder};
-use andon_core::input::ObjectShape;
+use andon_core::object::ObjectShape;
 use andon_ipc::{Node, Port, Reader, SourceTime, Writer};
 use andon_learn::job_file::JobFile;
 use shm_schemas::{Couples, Detections, Judging, RoleId, flag};

@@ -48,7 +48,8 @@ impl Alignment {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::job::{Bounds, MeasureBounds};
+    use crate::bounds::Bounds;
+    use crate::job::MeasureBounds;
     use std::vec::Vec;
 
     /// The index with which each IU is aligned. Every letter is a context.

@@ -1,7 +1,8 @@
 //! Which measure of an IU is not right.
 
 use super::comparison::Extent;
-use crate::job::{Around, MeasureBounds, NominalIu, Range, Shown};
+use crate::bounds::{Around, Range};
+use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::Measures;
 use crate::verdict::{Measure, Measured, Reason};
 

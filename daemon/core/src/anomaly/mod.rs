@@ -66,12 +66,13 @@ mod watch;
 
 pub use comparison::Memory;
 
+use crate::bounds::Bounds;
 use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
 use crate::couple::{Context, Couples};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
-use crate::job::{Bounds, Job, NominalIu};
+use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
 use hand::HandJudge;

@@ -115,7 +115,8 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::job::{Bounds, MeasureBounds};
+    use crate::bounds::Bounds;
+    use crate::job::MeasureBounds;
     use std::vec::Vec;
 
     const SEEN: Junction = Junction { hidden: 0, was_doubtful: false, is_doubtful: false };

@@ -5,7 +5,8 @@ use super::grid::{Grid, Location};
 use super::scene::Scene;
 use crate::capacity::OBJECTS;
 use crate::config::{Method, MethodFault};
-use crate::input::{Frame, ObjectShape};
+use crate::input::Frame;
+use crate::object::ObjectShape;
 
 /// Why an encoder cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]

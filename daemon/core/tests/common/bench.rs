@@ -2,7 +2,8 @@
 
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Encoder};
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Side};
+use andon_core::input::{Frame, Hand, Object, Side};
+use andon_core::object::ObjectShape;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(crate) const PERIOD_NS: u64 = 33_333_333;

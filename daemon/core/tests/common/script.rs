@@ -1,9 +1,10 @@
 //! Couples of a scripted worker, part by part, and jobs taught from them.
 
+use andon_core::bounds::{Bounds, Range};
 use andon_core::config::Method;
 use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
 use andon_core::input::{Point, Side};
-use andon_core::job::{Bounds, Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Range, Shown};
+use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
 use andon_core::segment::{Event, Iu, Measures, Segmenter};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Outcome, Reason, Verdict};

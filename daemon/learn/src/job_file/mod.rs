@@ -16,10 +16,11 @@ pub(crate) use text::context_words;
 use crate::recording::{NamedObject, object_name};
 use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
+use andon_core::bounds::Bounds;
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
-use andon_core::input::ObjectShape;
-use andon_core::job::{Bounds, Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::job::{Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::object::ObjectShape;
 use andon_core::set::ActivitySet;
 
 /// The value of `format`.

@@ -7,10 +7,12 @@ use super::{
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
+use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
-use andon_core::input::{Meeting, ObjectShape, Point, Space, StartPlace};
-use andon_core::job::{Around, Bounds, LocalCost, MeasureBounds, Range, Shown};
+use andon_core::input::{Point, Space};
+use andon_core::job::{LocalCost, MeasureBounds, Shown};
+use andon_core::object::{Meeting, ObjectShape, StartPlace};
 use serde::Deserialize;
 
 #[derive(Deserialize)]

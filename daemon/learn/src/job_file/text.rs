@@ -3,10 +3,12 @@
 use super::{FORMAT, JobFile, Relation, TaughtActivity, TaughtIu, VERSION, checksum, runs};
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
+use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::config::Contact;
 use andon_core::couple::Context;
-use andon_core::input::{Meeting, ObjectShape, Point, Side, StartPlace};
-use andon_core::job::{Around, Bounds, MeasureBounds, Range, Shown};
+use andon_core::input::{Point, Side};
+use andon_core::job::{MeasureBounds, Shown};
+use andon_core::object::{Meeting, ObjectShape, StartPlace};
 use std::fmt::Write as _;
 
 /// Appends a line. Writing to a `String` cannot fail, so the result is ignored here, once.

@@ -2,10 +2,12 @@
 
 use super::{JobFault, JobFile, TaughtActivity, TaughtIu};
 use crate::recording::NamedObject;
+use andon_core::bounds::{Bounds, Range};
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
-use andon_core::input::{Meeting, ObjectShape, Point};
-use andon_core::job::{Bounds, MeasureBounds, Range, Shown};
+use andon_core::input::Point;
+use andon_core::job::{MeasureBounds, Shown};
+use andon_core::object::{Meeting, ObjectShape};
 
 /// Checks everything that the types do not guarantee.
 pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {

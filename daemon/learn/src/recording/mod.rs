@@ -21,7 +21,8 @@ pub use error::{TrackError, TrackFault};
 pub use reader::{TrackReader, Truncation, read};
 pub use writer::{TrackWriter, write};
 
-use andon_core::input::{Frame, ObjectShape, Side, Space};
+use andon_core::input::{Frame, Side, Space};
+use andon_core::object::ObjectShape;
 
 /// Which landmarks of a hand a track file has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,8 @@ use super::error::{TrackError, TrackFault};
 use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION};
 use super::{Header, Landmarks, NamedObject, Recording};
 use andon_core::capacity::{HANDS, OBJECTS};
-use andon_core::input::{Frame, Hand, Object, ObjectShape, Point, Side, Space};
+use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
+use andon_core::object::ObjectShape;
 use std::fmt;
 use std::io::{BufRead, Read};
 

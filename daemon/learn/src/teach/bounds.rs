@@ -1,9 +1,9 @@
 //! Bounds of duration. DTW stretches time, so by distance alone it forgives a motion that was cut short or never ends.
 
 use crate::rule::BoundsRule;
+use andon_core::bounds::Bounds;
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Context;
-use andon_core::job::Bounds;
 
 /// The bounds of a release state: it lasts until the hand comes back, at once or never.
 pub(super) const UNBOUNDED: Bounds = Bounds { min: 0, max: u32::MAX };

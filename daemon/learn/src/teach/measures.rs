@@ -7,8 +7,9 @@
 use super::bounds::UNBOUNDED;
 use super::people::People;
 use crate::statistics::{deviation, mean, student_t};
+use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
-use andon_core::job::{Around, Bounds, MeasureBounds, Range, Shown};
+use andon_core::job::{MeasureBounds, Shown};
 use andon_core::segment::Measures;
 
 /// As many runs as the spread of people in general counts for.

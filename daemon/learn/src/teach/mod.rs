@@ -5,6 +5,7 @@
 //! The same runs give the same job, byte for byte. What speaks against learning from the runs is found in [`trust`] and said in the report.
 
 mod bounds;
+mod iu_report;
 mod left_out;
 mod measures;
 mod meetings;
@@ -20,10 +21,11 @@ mod start;
 mod threshold;
 mod trust;
 
+pub use iu_report::IuReport;
 pub use meetings::Unsure;
 pub use options::{TeachError, TeachOptions};
 pub use order::OrderReport;
-pub use report::{IuReport, TeachReport};
+pub use report::TeachReport;
 pub use sequence::Disagreement;
 pub use trust::{Blind, Doubt, Measure, Outlier};
 
@@ -33,11 +35,11 @@ use crate::recording::object_name;
 use crate::rule::ThresholdRule;
 use crate::run::{Iu, Run};
 use crate::warp::Warp;
+use andon_core::bounds::Bounds;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
-use andon_core::input::Meeting;
-use andon_core::job::Bounds;
+use andon_core::object::Meeting;
 use andon_core::segment::Measures;
 use measures::Rates;
 use people::People;

@@ -1,8 +1,9 @@
 //! The smallest deviation of each kind that the bounds of a job notice, and what more runs would change in it.
 
+use super::iu_report::IuReport;
 use super::measures::narrower_with_more;
-use super::report::IuReport;
-use andon_core::job::{Bounds, Range, Shown};
+use andon_core::bounds::{Bounds, Range};
+use andon_core::job::Shown;
 use std::fmt;
 
 /// How many more runs are offered as a measure of what they bring.

@@ -1,19 +1,19 @@
 //! What teaching found, and whether the job can be trusted.
 
+use super::iu_report::IuReport;
 use super::meetings::Unsure;
 use super::noticed::{Noticed, what_more_would_bring};
 use super::options::TeachOptions;
 use super::order::OrderReport;
 use super::sequence::Disagreement;
-use super::threshold::{Learned, min_false_alarms};
+use super::threshold::min_false_alarms;
 use super::trust::{Blind, Doubt, summary};
-use crate::job_file::{JobFile, TaughtIu, context_words};
+use crate::job_file::{JobFile, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
-use crate::statistics::{deviation, mean};
 use crate::strictness::Strictness;
+use andon_core::bounds::Bounds;
 use andon_core::couple::Context;
-use andon_core::job::{Bounds, MeasureBounds};
 use std::fmt;
 
 /// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
@@ -21,46 +21,6 @@ const ENOUGH_DEMONSTRATIONS: usize = 5;
 
 /// How many more runs are asked for where the runs reject each other.
 const MORE_RUNS: usize = 3;
-
-/// What teaching found for one IU of a nominal activity.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IuReport {
-    /// Index of the activity in the job, from 0.
-    pub activity: u16,
-    /// Index of the IU in the activity, from 0.
-    pub iu: usize,
-    /// The context of the IU.
-    pub context: Context,
-    /// Number of demonstrations.
-    pub demonstrations: usize,
-    /// Mean and standard deviation of the DTW distances that the threshold is derived from.
-    pub distances: (f64, f64),
-    /// Maximum DTW distance of a correct execution.
-    pub threshold: f32,
-    /// Bounds of duration, in frames of the grid.
-    pub frames: Bounds,
-    /// Bounds of the number of reversals.
-    pub reversals: Bounds,
-    /// Bounds of what it measures in metres, and what was shown.
-    pub measures: MeasureBounds,
-}
-
-impl IuReport {
-    pub(super) fn new(activity: u16, iu: usize, learned: &Learned, taught: &TaughtIu) -> Self {
-        let distances = if learned.left_out.is_empty() { &learned.own } else { &learned.left_out };
-        Self {
-            activity,
-            iu,
-            context: taught.context,
-            demonstrations: learned.own.len(),
-            distances: (mean(distances), deviation(distances, 1)),
-            threshold: taught.threshold,
-            frames: taught.frames,
-            reversals: taught.reversals,
-            measures: taught.measures,
-        }
-    }
-}
 
 /// What was found in the runs.
 #[derive(Debug)]

@@ -5,8 +5,9 @@ use super::sequence::Agreement;
 use crate::recording::NamedObject;
 use crate::run::{Activity, Run};
 use crate::statistics::median_point;
-use andon_core::input::{Point, Space, StartPlace};
-use andon_core::job::Around;
+use andon_core::bounds::Around;
+use andon_core::input::{Point, Space};
+use andon_core::object::StartPlace;
 use andon_core::set::ActivitySet;
 
 /// Beyond what the runs show, a part may lie so far from where they have it, in metres.

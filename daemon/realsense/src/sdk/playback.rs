@@ -13,7 +13,6 @@ use realsense_rust::kind::Rs2StreamKind;
 
 use super::picture::{Pictures, Times, sensor_time};
 use super::player::{Player, RawFrame, Sensor, Status};
-use super::recording;
 use crate::Error;
 use crate::clock::{Arrival, RecordingClock};
 use crate::pair::Pairing;
@@ -113,8 +112,7 @@ impl Playback {
     }
 
     fn bad(&self, detail: String) -> Error {
-        let wanted = recording::wanted(self.pairing.is_some());
-        Error::Recording { file: self.file.clone(), wanted, detail }
+        Error::recording(&self.file, self.pairing.is_some(), detail)
     }
 }
 

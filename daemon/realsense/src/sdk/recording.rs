@@ -16,7 +16,7 @@ use crate::Error;
 pub(super) fn open(api: Api, file: &Path, depth: bool) -> Result<Source, Error> {
     // The SDK notices a missing file late and reports it in terms of its own.
     File::open(file).map_err(|error| Error::NoRecording { file: file.into(), detail: error.to_string() })?;
-    let bad = |detail: String| Error::Recording { file: file.into(), wanted: wanted(depth), detail };
+    let bad = |detail: String| Error::recording(file, depth, detail);
     let player = Player::open(api, file).map_err(bad)?;
     let kinds = [("colour", Rs2StreamKind::Color), ("depth", Rs2StreamKind::Depth)];
     let kinds = &kinds[..=usize::from(depth)];
@@ -46,9 +46,4 @@ pub(super) fn open(api: Api, file: &Path, depth: bool) -> Result<Source, Error> 
     let rate_hz = colour.and_then(|colour| u32::try_from(colour.framerate()).ok()).unwrap_or(0);
     let playback = Playback::start(player, sensors, depth.then_some(rate_hz), file).map_err(bad)?;
     Ok(Source { kind: Kind::Recording(playback), optics, last_number: None })
-}
-
-/// The streams that are played, for a message.
-pub(super) fn wanted(depth: bool) -> &'static str {
-    if depth { "colour and depth" } else { "colour" }
 }

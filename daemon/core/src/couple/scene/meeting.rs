@@ -6,7 +6,8 @@ use super::super::poses::{ObjectPose, Source};
 use super::{Scene, squared_distance};
 use crate::capacity::{MEETINGS, OBJECTS};
 use crate::config::{Contact, Method};
-use crate::input::{Meeting, ObjectShape, Space};
+use crate::input::Space;
+use crate::object::{Meeting, ObjectShape};
 use heapless::Vec;
 
 /// Where and how near something is met.

@@ -2,7 +2,7 @@
 
 use super::Scene;
 use crate::couple::poses::Source;
-use crate::input::StartPlace;
+use crate::object::StartPlace;
 use crate::set::ActivitySet;
 
 /// Whether an object lies where it does at the beginning of the job.

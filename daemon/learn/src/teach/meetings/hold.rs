@@ -3,7 +3,7 @@
 use super::trajectory::{Tips, Trajectories};
 use super::{apart_m, centres, contact_of, is_given, median, meeting, points_of};
 use andon_core::config::Contact;
-use andon_core::input::{Meeting, ObjectShape};
+use andon_core::object::{Meeting, ObjectShape};
 
 /// Two finger tips that hold an object are at one interaction point if they are no farther apart, in metres.
 const TIPS_M: f32 = 0.02;

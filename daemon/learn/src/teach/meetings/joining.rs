@@ -3,7 +3,7 @@
 use super::trajectory::{Dwell, Trajectories};
 use super::{apart_m, centres, contact_of, is_given, median, meeting, points_of, widened};
 use andon_core::config::Contact;
-use andon_core::input::{Meeting, ObjectShape};
+use andon_core::object::{Meeting, ObjectShape};
 use nalgebra::Point3;
 use std::collections::BTreeSet;
 

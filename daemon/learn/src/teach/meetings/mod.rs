@@ -15,7 +15,7 @@ use crate::run::Run;
 use crate::statistics::median_point;
 use andon_core::capacity::INTERACTION_POINTS;
 use andon_core::config::{Contact, Method};
-use andon_core::input::{Meeting, ObjectShape};
+use andon_core::object::{Meeting, ObjectShape};
 use nalgebra::Point3;
 use trajectory::Trajectories;
 pub use unsure::Unsure;

@@ -1,6 +1,7 @@
 //! What a run shows of the ways of hands and objects.
 
-use andon_core::input::{Frame, Hand, ObjectShape, Point, Space};
+use andon_core::input::{Frame, Hand, Point, Space};
+use andon_core::object::ObjectShape;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`CHANGE_S`], in metres.

@@ -1,0 +1,48 @@
+//! What teaching found for one IU.
+
+use super::threshold::Learned;
+use crate::job_file::TaughtIu;
+use crate::statistics::{deviation, mean};
+use andon_core::bounds::Bounds;
+use andon_core::couple::Context;
+use andon_core::job::MeasureBounds;
+
+/// What teaching found for one IU of a nominal activity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IuReport {
+    /// Index of the activity in the job, from 0.
+    pub activity: u16,
+    /// Index of the IU in the activity, from 0.
+    pub iu: usize,
+    /// The context of the IU.
+    pub context: Context,
+    /// Number of demonstrations.
+    pub demonstrations: usize,
+    /// Mean and standard deviation of the DTW distances that the threshold is derived from.
+    pub distances: (f64, f64),
+    /// Maximum DTW distance of a correct execution.
+    pub threshold: f32,
+    /// Bounds of duration, in frames of the grid.
+    pub frames: Bounds,
+    /// Bounds of the number of reversals.
+    pub reversals: Bounds,
+    /// Bounds of what it measures in metres, and what was shown.
+    pub measures: MeasureBounds,
+}
+
+impl IuReport {
+    pub(super) fn new(activity: u16, iu: usize, learned: &Learned, taught: &TaughtIu) -> Self {
+        let distances = if learned.left_out.is_empty() { &learned.own } else { &learned.left_out };
+        Self {
+            activity,
+            iu,
+            context: taught.context,
+            demonstrations: learned.own.len(),
+            distances: (mean(distances), deviation(distances, 1)),
+            threshold: taught.threshold,
+            frames: taught.frames,
+            reversals: taught.reversals,
+            measures: taught.measures,
+        }
+    }
+}
