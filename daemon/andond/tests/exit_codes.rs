@@ -77,11 +77,15 @@ fn asking_whether_a_result_can_be_written_changes_nothing() {
     assert!(!new.exists());
 }
 
-/// A station over the demo's whose models are in `folder`.
-fn station(folder: &Path) -> String {
+/// A station over the demo's whose models are in `folder`, with these other keys of `[perception]`.
+fn station_with(folder: &Path, keys: &str) -> String {
     let path = folder.join("station.toml");
-    std::fs::write(&path, format!("[perception]\nmodels = {folder:?}\n")).unwrap();
+    std::fs::write(&path, format!("[perception]\nmodels = {folder:?}\n{keys}\n")).unwrap();
     path.to_str().unwrap().to_owned()
+}
+
+fn station(folder: &Path) -> String {
+    station_with(folder, "")
 }
 
 #[test]
@@ -110,6 +114,20 @@ fn a_model_that_is_damaged_ends_with_78_and_names_the_file() {
     }
     let station = station(folder.path());
     ends(&["segment", "-c", "config/stations/demo.toml", "-c", &station, FILM], 78, ".onnx");
+}
+
+#[test]
+fn only_the_hand_model_that_is_chosen_is_needed() {
+    let folder = tempfile::tempdir().unwrap();
+    let runtime = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/runtime");
+    for name in ["libonnxruntime.so", "hand_landmark_lite.onnx", "palm_detection_lite.onnx"] {
+        let file = runtime.join(name).canonicalize().expect("the models are needed: run `make setup`");
+        std::os::unix::fs::symlink(file, folder.path().join(name)).unwrap();
+    }
+    let full = station_with(folder.path(), "hand_model = 'full'");
+    ends(&["segment", "-c", "config/stations/demo.toml", "-c", &full, FILM], 78, "palm_detection_full.onnx");
+    let lite = station_with(folder.path(), "hand_model = 'lite'");
+    ends(&["segment", "-c", "config/stations/demo.toml", "-c", &lite, FILM], 0, "");
 }
 
 #[test]

@@ -139,3 +139,43 @@ fn intrinsics(of: &frame::Intrinsics) -> Intrinsics {
     let ([fx, fy], [cx, cy]) = (of.focal, of.centre);
     Intrinsics { fx, fy, cx, cy, distortion: of.coefficients, model: model.code() }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+
+    /// How the camera is opened with these keys of `[camera]`.
+    fn camera(keys: &str) -> (Camera, bool) {
+        let folder = tempfile::tempdir().unwrap();
+        let station = folder.path().join("station.toml");
+        std::fs::write(&station, format!("[camera]\nsource = 'realsense'\n{keys}\n")).unwrap();
+        let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/stations/demo.toml").into();
+        let settings = settings(&Config::load_to_learn(&[demo, station]).unwrap());
+        let Origin::Camera(camera) = settings.origin else { panic!("{:?}", settings.origin) };
+        (camera, settings.depth)
+    }
+
+    #[test]
+    fn the_camera_is_opened_as_its_keys_say() {
+        let as_it_is = Camera {
+            serial: None,
+            colour_size: [1280, 720],
+            depth_size: [1280, 720],
+            rate_hz: 30,
+            exposure_us: None,
+            laser_mw: 150,
+        };
+        assert_eq!(camera(""), (as_it_is.clone(), true));
+        for (keys, changed) in [
+            ("serial = '035422071234'", Camera { serial: Some("035422071234".into()), ..as_it_is.clone() }),
+            ("depth_width = 848\ndepth_height = 480", Camera { depth_size: [848, 480], ..as_it_is.clone() }),
+            ("exposure_us = 8300", Camera { exposure_us: Some(8300), ..as_it_is.clone() }),
+            ("laser_power_mw = 0", Camera { laser_mw: 0, ..as_it_is.clone() }),
+            ("rate_hz = 60", Camera { rate_hz: 60, ..as_it_is.clone() }),
+        ] {
+            assert_eq!(camera(keys), (changed, true), "{keys}");
+        }
+        assert_eq!(camera("depth = false"), (as_it_is, false));
+    }
+}

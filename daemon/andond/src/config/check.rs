@@ -14,9 +14,6 @@ use std::path::Path;
 /// the path of a Unix socket has at most 108 (unix(7)).
 pub(super) const ROOT_CHARACTERS: usize = 60;
 
-/// A deadline must be at least this many frames long, or one late frame raises an alarm.
-const DEADLINE_FRAMES: f32 = 2.0;
-
 /// Whether the files that the tools make, the job and the calibration, must exist.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Learned {
@@ -43,7 +40,6 @@ pub(super) fn check(
     checks.method(config);
     checks.plc(config);
     checks.metrics(config);
-    checks.health(config);
     checks.faults
 }
 
@@ -244,19 +240,6 @@ impl Checks<'_> {
         if config.plc.enable && config.metrics.enable && config.metrics.port == config.plc.port {
             let problem = "is plc.port as well; must be another one".into();
             self.fault("metrics.port", &["plc.port", "plc.enable", "metrics.enable"], problem);
-        }
-    }
-
-    fn health(&mut self, config: &Config) {
-        if !config.camera.source.is_live() {
-            return;
-        }
-        let min_ms = DEADLINE_FRAMES * 1000.0 / config.camera.rate_hz;
-        for (name, deadline_ms) in config.health.clone().deadlines() {
-            if (*deadline_ms as f32) < min_ms {
-                let problem = format!("must be at least {min_ms:.0} ms, two frames at camera.rate_hz");
-                self.fault(&format!("health.{name}"), &["camera.rate_hz"], problem);
-            }
         }
     }
 }

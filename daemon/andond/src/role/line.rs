@@ -15,7 +15,7 @@ pub(super) struct LineHealth {
     roles: Vec<RoleHealth>,
     /// When the newest departure of a writer was noticed. Which one left shows by who sends no health after that.
     departure: MonotonicTime,
-    /// A role that has started again since the last look: that is told once, also where everybody has been heard since.
+    /// A role that has started again since the last look: it is reported once, even if everybody has been heard since.
     restarted: Option<RoleId>,
     was_ready: bool,
     /// The first role that keeps the line from being ready, and what is the matter with it.
@@ -130,8 +130,10 @@ impl RoleHealth {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use shm_schemas::Sight;
+    use std::path::Path;
 
     const S: u64 = 1_000_000_000;
 
@@ -173,6 +175,25 @@ mod tests {
         let mut line = healthy();
         assert_eq!(line.line(at(10 * S)), Line::Ready);
         assert_eq!(fault_of(line.line(at(12 * S))), Some(Fault::Role));
+    }
+
+    #[test]
+    fn each_role_is_missed_after_the_deadline_of_its_own_key() {
+        let folder = tempfile::tempdir().unwrap();
+        let station = folder.path().join("station.toml");
+        let demo = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/stations/demo.toml"));
+        for role in RoleId::ALL.iter().filter(|role| Config::default().health.deadline(**role).is_some()) {
+            let key = format!("[health]\n{}_deadline_ms = 7000\n", role.name());
+            std::fs::write(&station, key).unwrap();
+            let mut line = LineHealth::new(&Config::load(&[demo, station.as_path()]).unwrap());
+            line.received(&health(*role, RoleState::Running, 10 * S));
+            for other in RoleId::ALL.iter().filter(|other| *other != role) {
+                line.received(&health(*other, RoleState::Running, 17 * S));
+            }
+            assert_eq!(line.line(at(17 * S)), Line::Ready, "{role:?}");
+            assert_eq!(fault_of(line.line(at(17 * S + 1))), Some(Fault::Role), "{role:?}");
+            assert_eq!(line.cause(), format!("{} gives no sign of life", role.name()));
+        }
     }
 
     #[test]

@@ -124,33 +124,47 @@ impl std::fmt::Display for Mode {
 fn set_options(device: &Device, serial: &str, wanted: &Camera, depth: bool) -> Result<(), Error> {
     for mut sensor in device.sensors() {
         let has = |kind| sensor.stream_profiles().iter().any(|profile| profile.kind() == kind);
-        let (is_colour, is_depth) = (has(Rs2StreamKind::Color), has(Rs2StreamKind::Depth));
-        let mut set = |option, name, value: f32| set_option(&mut sensor, serial, option, name, value);
-        if is_colour {
-            // Auto exposure must not lower the frame rate in the dark.
-            set(Rs2Option::AutoExposurePriority, "auto exposure priority", 0.0)?;
-            // The colour sensor counts exposure in steps of 100 µs.
-            let steps = wanted.exposure_us.map(|us| us as f32 / 100.0);
-            expose(&mut set, steps)?;
-        } else if is_depth && depth {
-            expose(&mut set, None)?;
-            let power = wanted.laser_mw;
-            set(Rs2Option::EmitterEnabled, "the projector", if power == 0 { 0.0 } else { 1.0 })?;
-            if power > 0 {
-                set(Rs2Option::LaserPower, "laser power in mW", power as f32)?;
-            }
+        let options = if has(Rs2StreamKind::Color) {
+            colour_options(wanted)
+        } else if has(Rs2StreamKind::Depth) && depth {
+            depth_options(wanted)
+        } else {
+            Vec::new()
+        };
+        for (option, name, value) in options {
+            set_option(&mut sensor, serial, option, name, value)?;
         }
     }
     Ok(())
 }
 
+/// An option of a sensor, what people call it, and its value.
+type SensorOption = (Rs2Option, &'static str, f32);
+
+fn colour_options(wanted: &Camera) -> Vec<SensorOption> {
+    // Auto exposure must not lower the frame rate in the dark.
+    let mut options = vec![(Rs2Option::AutoExposurePriority, "auto exposure priority", 0.0)];
+    // The colour sensor counts exposure in steps of 100 µs.
+    options.extend(exposure(wanted.exposure_us.map(|us| us as f32 / 100.0)));
+    options
+}
+
+fn depth_options(wanted: &Camera) -> Vec<SensorOption> {
+    let is_on = wanted.laser_mw > 0;
+    let mut options = exposure(None);
+    options.push((Rs2Option::EmitterEnabled, "the projector", if is_on { 1.0 } else { 0.0 }));
+    if is_on {
+        options.push((Rs2Option::LaserPower, "laser power in mW", wanted.laser_mw as f32));
+    }
+    options
+}
+
 /// Fixes the exposure, or returns it to the camera, which keeps what an earlier program has set.
-fn expose(
-    set: &mut impl FnMut(Rs2Option, &'static str, f32) -> Result<(), Error>,
-    exposure: Option<f32>,
-) -> Result<(), Error> {
-    set(Rs2Option::EnableAutoExposure, "auto exposure", if exposure.is_some() { 0.0 } else { 1.0 })?;
-    exposure.map_or(Ok(()), |value| set(Rs2Option::Exposure, "exposure", value))
+fn exposure(fixed: Option<f32>) -> Vec<SensorOption> {
+    let automatic = if fixed.is_some() { 0.0 } else { 1.0 };
+    let mut options = vec![(Rs2Option::EnableAutoExposure, "auto exposure", automatic)];
+    options.extend(fixed.map(|value| (Rs2Option::Exposure, "exposure", value)));
+    options
 }
 
 fn set_option(
@@ -208,6 +222,35 @@ mod tests {
         let why = pick(&attached(&["7", "8"]), Some("9")).err().map(|why| why.to_string());
         let told = "camera 9 is not attached, only 7, 8; correct the serial number, or plug that camera in";
         assert_eq!(why.as_deref(), Some(told));
+    }
+
+    fn camera(exposure_us: Option<u32>, laser_mw: u32) -> Camera {
+        let size = [640, 480];
+        Camera { serial: None, colour_size: size, depth_size: size, rate_hz: 30, exposure_us, laser_mw }
+    }
+
+    fn value_of(option: Rs2Option, options: Vec<SensorOption>) -> Option<f32> {
+        options.into_iter().find(|(set, ..)| *set == option).map(|(.., value)| value)
+    }
+
+    #[test]
+    fn an_exposure_is_fixed_in_steps_of_100_us_or_returned_to_the_camera() {
+        let set = |exposure_us| {
+            [Rs2Option::EnableAutoExposure, Rs2Option::Exposure]
+                .map(|option| value_of(option, colour_options(&camera(exposure_us, 150))))
+        };
+        assert_eq!(set(Some(8300)), [Some(0.0), Some(83.0)]);
+        assert_eq!(set(None), [Some(1.0), None]);
+    }
+
+    #[test]
+    fn the_projector_has_the_power_that_is_asked_for_and_none_is_off() {
+        let set = |laser_mw| {
+            [Rs2Option::EmitterEnabled, Rs2Option::LaserPower]
+                .map(|option| value_of(option, depth_options(&camera(None, laser_mw))))
+        };
+        assert_eq!(set(90), [Some(1.0), Some(90.0)]);
+        assert_eq!(set(0), [Some(0.0), None]);
     }
 
     #[test]

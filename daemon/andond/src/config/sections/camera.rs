@@ -66,7 +66,7 @@ pub struct Camera {
     pub speed: Speed,
     /// Whether a recording starts again at its end.
     pub repeat: bool,
-    /// Serial number of the RealSense camera; the first one found where it is `None`.
+    /// Serial number of the RealSense camera; the only one that is attached where it is `None`.
     pub serial: Option<String>,
     /// Fixed exposure of a live camera, µs; automatic where it is `None`.
     pub exposure_us: Option<u32>,
@@ -149,7 +149,7 @@ impl Camera {
             &mut self.serial,
             Text::Name,
             r#""035422071234""#,
-            "Serial number of the RealSense camera. Without it the first one found is used.",
+            "Serial number of the RealSense camera. Without it only one may be attached.",
         );
         k.optional(
             "exposure_us",

@@ -2,7 +2,10 @@
 
 use crate::config::keys::Keys;
 use crate::config::value::within;
+use andon_core::capacity::PERSIST_FRAMES;
 use andon_core::config::{Contact, Method};
+
+const MAX_PERSIST_FRAMES: u8 = PERSIST_FRAMES as u8;
 
 /// `[method]`: see [`Method`], whose defaults these are.
 pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
@@ -28,7 +31,7 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
     k.key(
         "persist_frames",
         &mut method.persist_frames,
-        within(1, 30, "frames"),
+        within(1, MAX_PERSIST_FRAMES, "frames"),
         "How long a contact must hold before it counts. Verdicts come later by this time.",
     );
     k.key(

@@ -253,7 +253,8 @@ impl Health {
             k.key(
                 name,
                 deadline,
-                within(100, 60_000, "ms"),
+                // A role gives two signs of life per second, and one of them may be late.
+                within(1000, 60_000, "ms"),
                 "When the role gives no sign of life for this long, `ready` drops at the PLC.",
             );
         }
