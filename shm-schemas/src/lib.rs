@@ -51,7 +51,7 @@ pub use judging::{JudgePhase, Judging, Refusal};
 pub use layout::Layout;
 pub use measured::MeasuredWords;
 pub use part::{BadPart, PART_BYTES, PartId};
-pub use stamp::{Message, Stamp};
+pub use stamp::{Message, MessageId, Stamp};
 pub use verdict::{
     HandCode, NO_INDEX, NO_PERCENT, OrderFault, STATION_BYTES, Verdict, VerdictLevel, VerdictMeasure,
     VerdictNote, VerdictOutcome, VerdictReason, verdict_kind,

@@ -19,6 +19,22 @@ wire! { "andon.Stamp", 40;
     }
 }
 
+/// Which message of a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MessageId {
+    /// The start of the writer that sent it, see [`Stamp::epoch`].
+    pub epoch: u64,
+    /// Its number in this epoch, from 1; 0 for none.
+    pub seq: u64,
+}
+
+impl Stamp {
+    /// Which message this is.
+    pub const fn id(&self) -> MessageId {
+        MessageId { epoch: self.epoch, seq: self.seq }
+    }
+}
+
 /// A wire type that begins with a [`Stamp`] and travels on a channel.
 pub trait Message: Layout + ZeroCopySend + Default + core::fmt::Debug {
     /// Who sent it and when, and which frame it depends on.

@@ -5,7 +5,9 @@ mod ipc_support;
 
 use andon_ipc::{Channel, ChannelMessage, Error, Heartbeat, Limits, Node, Steward, Stop, Wake, Writer};
 use ipc_support::{Bench, PATIENCE, SMALL};
-use shm_schemas::{Command, Health, Layout, Message, RoleId, RoleState, Stamp, Verdict, VerdictLevel};
+use shm_schemas::{
+    Command, Health, Layout, Message, MessageId, RoleId, RoleState, Stamp, Verdict, VerdictLevel,
+};
 use std::time::Duration;
 
 const NOW: Duration = Duration::ZERO;
@@ -316,7 +318,7 @@ fn health_is_sent_when_the_state_changes_and_carries_the_counts() {
     let mut heartbeat = Heartbeat::new(&node).unwrap();
     assert!(heartbeat.beat().unwrap());
     heartbeat.received(&Stamp { seq: 1, frame_seq: 9, captured_ns: 8, sent_ns: 7, epoch: 6 });
-    heartbeat.sent((7, 1));
+    heartbeat.sent(MessageId { epoch: 7, seq: 1 });
     heartbeat.refused();
     heartbeat.losses(5, 1);
     (1..=100).for_each(|millis| heartbeat.stepped(Duration::from_millis(millis)));

@@ -52,7 +52,7 @@ fn exchange<T: ChannelMessage>(what: &str, node: &Node, writer: &mut Writer<T>, 
         node.wait(&mut [reader], A_MOMENT).unwrap();
         while reader.take().unwrap().is_some() {}
     }
-    let (_, sent) = writer.newest();
+    let sent = writer.newest().seq;
     let history = T::CHANNEL.qos().history as u64;
     if sent <= history {
         assert_eq!((reader.received(), reader.lost()), (sent, 0), "{}: {what}, with history", T::CHANNEL);

@@ -9,7 +9,7 @@ use crate::subscription::Subscription;
 use crate::wait::{Wake, sealed};
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut::SampleMut;
-use shm_schemas::{FrameHeader, RoleId};
+use shm_schemas::{FrameHeader, MessageId, RoleId};
 use std::os::fd::BorrowedFd;
 
 const CHANNEL: Channel = Channel::Frame;
@@ -65,8 +65,8 @@ impl FrameWriter {
         Ok(())
     }
 
-    /// Epoch and `seq` of the newest frame that was sent; `seq` is 0 before the first.
-    pub fn newest(&self) -> (u64, u64) {
+    /// The newest frame that was sent; its `seq` is 0 before the first.
+    pub fn newest(&self) -> MessageId {
         self.publication.newest()
     }
 

@@ -5,7 +5,7 @@ use crate::error::Error;
 use crate::node::Node;
 use crate::writer::Writer;
 use hdrhistogram::Histogram;
-use shm_schemas::{Health, RoleState, Sight, Stamp};
+use shm_schemas::{Health, MessageId, RoleState, Sight, Stamp};
 use std::time::{Duration, Instant};
 
 /// The longest step that is measured, in microseconds: a minute. A longer one counts as this long.
@@ -68,9 +68,9 @@ impl Heartbeat {
         self.steps.saturating_record(micros.clamp(1, MAX_STEP_US));
     }
 
-    /// This is the newest message that was sent on the role's data channel: epoch and `seq`.
-    pub fn sent(&mut self, (epoch, seq): (u64, u64)) {
-        (self.counts.sent_epoch, self.counts.sent) = (epoch, seq);
+    /// This is the newest message that was sent on the role's data channel.
+    pub fn sent(&mut self, newest: MessageId) {
+        (self.counts.sent_epoch, self.counts.sent) = (newest.epoch, newest.seq);
     }
 
     /// The losses and restarts so far, as the reader counts them.

@@ -1,6 +1,6 @@
 //! Counts losses by the numbers of the messages alone.
 
-use shm_schemas::Stamp;
+use shm_schemas::{MessageId, Stamp};
 
 /// Writers whose numbers are followed at the same time: the maximum number of writers of any channel.
 const EPOCHS: usize = 16;
@@ -17,8 +17,8 @@ pub(crate) enum Arrival {
 /// Follows `seq` per epoch.
 #[derive(Debug, Default)]
 pub(crate) struct LossCounter {
-    /// Each epoch with its newest `seq`. A new epoch replaces the oldest one.
-    newest: [(u64, u64); EPOCHS],
+    /// The newest message of each epoch. A new epoch replaces the oldest one.
+    newest: [MessageId; EPOCHS],
     next: usize,
     /// Messages that were sent and not received.
     pub(crate) lost: u64,
@@ -31,29 +31,29 @@ pub(crate) struct LossCounter {
 impl LossCounter {
     /// Whether a message of this epoch has come before.
     pub(crate) fn knows(&self, epoch: u64) -> bool {
-        self.newest.iter().any(|&(known, seq)| known == epoch && seq != 0)
+        self.newest_of(epoch) != 0
     }
 
     /// The newest `seq` of this epoch; 0 where nothing of it has come.
     pub(crate) fn newest_of(&self, epoch: u64) -> u64 {
-        let known = self.newest.iter().find(|(known, seq)| *known == epoch && *seq != 0);
-        known.map_or(0, |(_, seq)| *seq)
+        let known = self.newest.iter().find(|known| known.epoch == epoch && known.seq != 0);
+        known.map_or(0, |known| known.seq)
     }
 
     /// Notes a message. `from_start`: if its epoch is new, this reader was there for every message of it.
     pub(crate) fn note(&mut self, stamp: &Stamp, from_start: bool) -> Arrival {
-        let known = self.newest.iter_mut().find(|(epoch, seq)| *epoch == stamp.epoch && *seq != 0);
+        let known = self.newest.iter_mut().find(|known| known.epoch == stamp.epoch && known.seq != 0);
         match known {
-            Some((_, newest)) if stamp.seq <= *newest => return Arrival::Again,
-            Some((_, newest)) => {
-                self.lost += stamp.seq - *newest - 1;
-                *newest = stamp.seq;
+            Some(newest) if stamp.seq <= newest.seq => return Arrival::Again,
+            Some(newest) => {
+                self.lost += stamp.seq - newest.seq - 1;
+                newest.seq = stamp.seq;
             }
             None => {
                 if from_start {
                     self.lost += stamp.seq.saturating_sub(1);
                 }
-                self.newest[self.next] = (stamp.epoch, stamp.seq);
+                self.newest[self.next] = stamp.id();
                 self.next = (self.next + 1) % EPOCHS;
                 self.restarts += u32::from(self.received > 0);
             }

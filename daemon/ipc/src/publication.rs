@@ -16,7 +16,7 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::sample_mut::SampleMut;
 use iceoryx2::service::port_factory::publisher::PortFactoryPublisher;
-use shm_schemas::{RoleId, Stamp};
+use shm_schemas::{MessageId, RoleId, Stamp};
 use std::fmt::Debug;
 use std::os::fd::BorrowedFd;
 use std::time::Instant;
@@ -80,9 +80,9 @@ impl<P: Payload + ?Sized, H: Header> Publication<P, H> {
         Ok(self.outbound.seq)
     }
 
-    /// Epoch and `seq` of the newest message that was sent; `seq` is 0 before the first.
-    pub(crate) fn newest(&self) -> (u64, u64) {
-        (self.outbound.epoch, self.outbound.seq)
+    /// The newest message that was sent; its `seq` is 0 before the first.
+    pub(crate) fn newest(&self) -> MessageId {
+        MessageId { epoch: self.outbound.epoch, seq: self.outbound.seq }
     }
 
     /// What went wrong on this channel.

@@ -7,7 +7,7 @@ use crate::service::{Messages, Refused, Services};
 use crate::station::Transport;
 use crate::wait::{Wake, sealed};
 use iceoryx2::sample_mut::SampleMut;
-use shm_schemas::{RoleId, Stamp};
+use shm_schemas::{MessageId, RoleId, Stamp};
 use std::ops::{Deref, DerefMut};
 use std::os::fd::BorrowedFd;
 
@@ -63,8 +63,8 @@ impl<T: ChannelMessage> Writer<T> {
         Ok(Loan(sample.write_payload(T::default())))
     }
 
-    /// Epoch and `seq` of the newest message that was sent; `seq` is 0 before the first.
-    pub fn newest(&self) -> (u64, u64) {
+    /// The newest message that was sent; its `seq` is 0 before the first.
+    pub fn newest(&self) -> MessageId {
         self.0.newest()
     }
 

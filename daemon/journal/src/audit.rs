@@ -1,7 +1,7 @@
 //! Who has changed what, and when.
 
 use rusqlite::{OptionalExtension, params};
-use shm_schemas::{Audit, AuditKind};
+use shm_schemas::{Audit, AuditKind, MessageId};
 
 use super::row::signed;
 use super::{Journal, JournalError};
@@ -26,8 +26,7 @@ impl Journal {
     /// [`JournalError`] when it could not be written; nothing is kept for later.
     pub fn record(&mut self, audit: &Audit) -> Result<(), JournalError> {
         let kind = AuditKind::try_from(audit.kind).map_or("?", AuditKind::name);
-        let key = (audit.stamp.epoch, audit.stamp.seq);
-        self.insert_deed(audit.utc_ns, kind, (audit.who(), audit.what()), key)
+        self.insert_deed(audit.utc_ns, kind, (audit.who(), audit.what()), audit.stamp.id())
     }
 
     /// Writes what this process itself has found or done.
@@ -36,7 +35,8 @@ impl Journal {
     /// As [`Journal::record`].
     pub fn note(&mut self, utc_ns: u64, kind: AuditKind, who: &str, what: &str) -> Result<(), JournalError> {
         // The epochs of messages are times since the boot: a time since 1970 is none of them.
-        self.insert_deed(utc_ns, kind.name(), (who, what), (utc_ns, kind.code().into()))
+        let id = MessageId { epoch: utc_ns, seq: kind.code().into() };
+        self.insert_deed(utc_ns, kind.name(), (who, what), id)
     }
 
     /// Writes that the line runs with something else than it did last; nothing where it is the same. The first is no change.
@@ -72,11 +72,11 @@ impl Journal {
         utc_ns: u64,
         kind: &str,
         (who, what): (&str, &str),
-        (epoch, seq): (u64, u64),
+        id: MessageId,
     ) -> Result<(), JournalError> {
         let written = self.connection.execute(
             "INSERT OR IGNORE INTO audit (utc_ns, kind, who, what, epoch, seq) VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-            params![signed(utc_ns), kind, who, what, signed(epoch), signed(seq)],
+            params![signed(utc_ns), kind, who, what, signed(id.epoch), signed(id.seq)],
         );
         written.map(drop).map_err(|source| self.failed(source))
     }

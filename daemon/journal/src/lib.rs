@@ -32,13 +32,14 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use rusqlite::{Connection, TransactionBehavior};
-use shm_schemas::{Account, Verdict};
+use shm_schemas::{Account, MessageId, Verdict};
 
 pub use audit::Deed;
 pub use entry::{Entry, Gap, NotWatching, Record};
 pub use error::JournalError;
 pub use history::{Format, History, Query};
 pub use retention::Retention;
+pub use watching::OpenRow;
 
 /// Length of the queue that fills while the disk is full or the database is locked. It is as long as the channel `verdict`, which holds
 /// some minutes of a busy bench.
@@ -47,15 +48,6 @@ const MAX_WAITING: usize = 1024;
 const LOCK_TIMEOUT: Duration = Duration::from_millis(250);
 /// Rows between two applications of the retention: one costs a query on an index, and a thousand rows take a quarter of a megabyte.
 const ROWS_BETWEEN_RETENTIONS: u32 = 1000;
-
-/// The newest verdict on disk. Every earlier verdict of its epoch is on disk too, or a gap stands for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Confirmed {
-    /// The epoch of the judge that sent it.
-    pub epoch: u64,
-    /// Its number within the epoch, from 1.
-    pub seq: u64,
-}
 
 /// A verdict and its row, which grows with every verdict that is written.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,7 +67,7 @@ pub struct Journal {
     /// Device and inode of the database that is open.
     file: Option<(u64, u64)>,
     retention: Retention,
-    newest: Option<Confirmed>,
+    newest: Option<MessageId>,
     waiting: VecDeque<Verdict>,
     lost: u64,
     removed: u64,
@@ -132,7 +124,7 @@ impl Journal {
     fn replace(
         path: &Path,
         retention: Retention,
-        newest: Option<Confirmed>,
+        newest: Option<MessageId>,
     ) -> Result<(Self, PathBuf), JournalError> {
         let moved = place::put_aside(path, &stamp());
         let aside = moved.map_err(|source| JournalError::PutAside { path: path.into(), source })?;
@@ -160,7 +152,7 @@ impl Journal {
             let (fresh, aside) = Self::replace(&self.path, self.retention, self.newest)?;
             (fresh, Some(aside))
         };
-        let holds = |newest: Confirmed| {
+        let holds = |newest: MessageId| {
             fresh.newest.is_some_and(|fresh| fresh.epoch == newest.epoch && fresh.seq >= newest.seq)
         };
         if was_removed && aside.is_none() && self.newest.is_some_and(|newest| !holds(newest)) {
@@ -179,7 +171,7 @@ impl Journal {
         self.file.is_some() && place::identity(&self.path) == self.file
     }
 
-    fn insert_missing(&mut self, why: &str, newest: Option<Confirmed>) -> Result<(), JournalError> {
+    fn insert_missing(&mut self, why: &str, newest: Option<MessageId>) -> Result<(), JournalError> {
         let written = row::insert_missing(&self.connection, why, now_utc_ns(), newest);
         written.map_err(|source| self.failed(source))
     }
@@ -224,7 +216,7 @@ impl Journal {
     }
 
     /// The newest verdict on disk.
-    pub fn newest(&self) -> Option<Confirmed> {
+    pub fn newest(&self) -> Option<MessageId> {
         self.newest
     }
 
@@ -273,7 +265,7 @@ impl Journal {
     }
 
     /// Writes the queue in one transaction: all of it or nothing. Returns the newest verdict on disk and the number of verdicts in new gaps.
-    fn write_waiting(&mut self) -> rusqlite::Result<(Option<Confirmed>, u64)> {
+    fn write_waiting(&mut self) -> rusqlite::Result<(Option<MessageId>, u64)> {
         let mut lost = 0;
         if self.waiting.is_empty() {
             return Ok((self.newest, lost));

@@ -2,17 +2,17 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use shm_schemas::{
-    HandCode, NO_INDEX, OrderFault, PartId, Stamp, Verdict, VerdictLevel, VerdictMeasure, VerdictNote,
-    VerdictOutcome, VerdictReason,
+    HandCode, MessageId, NO_INDEX, OrderFault, PartId, Stamp, Verdict, VerdictLevel, VerdictMeasure,
+    VerdictNote, VerdictOutcome, VerdictReason,
 };
 
-use super::{Confirmed, Written};
+use super::Written;
 
 /// The newest verdict on disk.
-pub(super) fn newest(connection: &Connection) -> rusqlite::Result<Option<Confirmed>> {
+pub(super) fn newest(connection: &Connection) -> rusqlite::Result<Option<MessageId>> {
     connection
         .query_row("SELECT epoch, seq FROM verdict ORDER BY id DESC LIMIT 1", [], |row| {
-            Ok(Confirmed { epoch: unsigned(row.get(0)?), seq: unsigned(row.get(1)?) })
+            Ok(MessageId { epoch: unsigned(row.get(0)?), seq: unsigned(row.get(1)?) })
         })
         .optional()
 }
@@ -21,9 +21,9 @@ pub(super) fn newest(connection: &Connection) -> rusqlite::Result<Option<Confirm
 pub(super) fn insert(
     connection: &Connection,
     verdict: &Verdict,
-    newest: Option<Confirmed>,
+    newest: Option<MessageId>,
     lost: &mut u64,
-) -> rusqlite::Result<Confirmed> {
+) -> rusqlite::Result<MessageId> {
     let stamp = &verdict.stamp;
     let missing_from = match newest {
         Some(newest) if newest.epoch == stamp.epoch => {
@@ -34,24 +34,30 @@ pub(super) fn insert(
         }
         Some(old) => {
             // A judge that was killed may have sent verdicts that never arrived.
-            insert_gap(connection, verdict, "restart", (old.epoch, old.seq + 1), None)?;
+            insert_gap(connection, verdict, "restart", MessageId { seq: old.seq + 1, ..old }, None)?;
             1
         }
         None => 1,
     };
     if missing_from < stamp.seq {
         *lost += stamp.seq - missing_from;
-        insert_gap(connection, verdict, "lost", (stamp.epoch, missing_from), Some(stamp.seq - 1))?;
+        insert_gap(
+            connection,
+            verdict,
+            "lost",
+            MessageId { epoch: stamp.epoch, seq: missing_from },
+            Some(stamp.seq - 1),
+        )?;
     }
     insert_verdict(connection, verdict)?;
-    Ok(Confirmed { epoch: stamp.epoch, seq: stamp.seq })
+    Ok(stamp.id())
 }
 
 fn insert_gap(
     connection: &Connection,
     before: &Verdict,
     why: &str,
-    (epoch, first_seq): (u64, u64),
+    first: MessageId,
     last_seq: Option<u64>,
 ) -> rusqlite::Result<()> {
     connection
@@ -62,8 +68,8 @@ fn insert_gap(
         .execute(params![
             signed(before.decided_utc_ns),
             why,
-            signed(epoch),
-            signed(first_seq),
+            signed(first.epoch),
+            signed(first.seq),
             last_seq.map(signed)
         ])?;
     Ok(())
@@ -74,7 +80,7 @@ pub(super) fn insert_missing(
     connection: &Connection,
     why: &str,
     utc_ns: u64,
-    newest: Option<Confirmed>,
+    newest: Option<MessageId>,
 ) -> rusqlite::Result<()> {
     connection.execute(
         "INSERT INTO gap (before_verdict, utc_ns, why, epoch, first_seq, last_seq)

@@ -1,6 +1,8 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use shm_schemas::{AuditKind, NO_INDEX, PartId, VerdictLevel, VerdictMeasure, VerdictOutcome, VerdictReason};
+use shm_schemas::{
+    AuditKind, MessageId, NO_INDEX, PartId, VerdictLevel, VerdictMeasure, VerdictOutcome, VerdictReason,
+};
 
 const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
 const DAY_NS: u64 = 86_400_000_000_000;
@@ -94,7 +96,7 @@ fn a_verdict_comes_back_as_it_was_written() {
     sent.model_hash = 0xFFFF_0000_0000_0001;
     sent.x_c = [1, 2, 2, 65535];
     bench.append(&sent).unwrap();
-    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: u64::MAX, seq: 1 }));
+    assert_eq!(bench.journal.newest(), Some(MessageId { epoch: u64::MAX, seq: 1 }));
     let entries = bench.entries(&Query::default());
     let [Entry::Verdict(record)] = entries.as_slice() else { unreachable!("{entries:?}") };
     assert_eq!(
@@ -176,7 +178,7 @@ fn a_verdict_that_arrives_twice_is_written_once_even_across_a_restart_of_the_jou
     let mut bench = Bench::new();
     bench.send(1, [1, 2, 2]);
     bench.journal = Journal::open(&bench.path(), KEEP).unwrap();
-    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: 2 }));
+    assert_eq!(bench.journal.newest(), Some(MessageId { epoch: 1, seq: 2 }));
     bench.send(1, [1, 2, 3]);
     assert_eq!(bench.lines(&Query::default()), ["v 1 1", "v 1 2", "v 1 3"]);
 }
@@ -296,16 +298,16 @@ fn on_a_full_disk_nothing_is_confirmed_and_the_queue_is_written_when_there_is_ro
     let error = loop {
         seq += 1;
         match bench.append(&verdict(1, seq)) {
-            Ok(()) => assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq })),
+            Ok(()) => assert_eq!(bench.journal.newest(), Some(MessageId { epoch: 1, seq })),
             Err(error) => break error,
         }
     };
     assert!(matches!(error, JournalError::Full { waiting: 1, .. }), "{error}");
     assert!(bench.append(&verdict(1, seq + 1)).is_err());
-    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: seq - 1 }));
+    assert_eq!(bench.journal.newest(), Some(MessageId { epoch: 1, seq: seq - 1 }));
     bench.journal.connection.pragma_update(None, "max_page_count", 1_000_000).unwrap();
     bench.journal.flush().unwrap();
-    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: seq + 1 }));
+    assert_eq!(bench.journal.newest(), Some(MessageId { epoch: 1, seq: seq + 1 }));
     assert_eq!(bench.lines(&Query::default()).len() as u64, seq + 1, "every one, and no gap");
 }
 
@@ -357,7 +359,7 @@ fn a_database_that_is_too_large_shrinks_and_keeps_its_newest() {
     }
     assert!(size() <= before / 2 + (1 << 20), "{} of {before}", size());
     let journal = Journal::open(&path, retention).unwrap();
-    assert_eq!(journal.newest(), Some(Confirmed { epoch: 1, seq: 9000 }));
+    assert_eq!(journal.newest(), Some(MessageId { epoch: 1, seq: 9000 }));
 }
 
 #[test]
@@ -502,7 +504,7 @@ fn a_database_that_is_removed_under_its_writer_confirms_nothing_more_and_a_new_o
     }
     let error = bench.append(&verdict(1, 4)).unwrap_err();
     assert!(matches!(error, JournalError::Removed { .. }), "{error}");
-    assert_eq!(bench.journal.newest(), Some(Confirmed { epoch: 1, seq: 3 }), "4 is not confirmed");
+    assert_eq!(bench.journal.newest(), Some(MessageId { epoch: 1, seq: 3 }), "4 is not confirmed");
     let identity = bench.journal.identity();
     assert_eq!(bench.journal.begin_anew().unwrap(), None);
     assert_ne!(bench.journal.identity(), identity, "its rows are others");
@@ -618,6 +620,6 @@ fn a_copy_that_is_made_while_the_journal_is_written_is_a_whole_journal() {
     let journal = Journal::open(&copy, KEEP).unwrap();
     assert_eq!(
         (journal.identity(), journal.newest()),
-        (bench.journal.identity(), Some(Confirmed { epoch: 1, seq: 5 }))
+        (bench.journal.identity(), Some(MessageId { epoch: 1, seq: 5 }))
     );
 }

@@ -7,7 +7,7 @@ use super::RoleError;
 use super::cycle::Cycle;
 use super::output::Output;
 
-/// The role's end of the channel `audit`. Its history keeps what is told while the journal is away.
+/// The role's end of the channel `audit`. Its history keeps what is reported while the journal is away.
 pub(super) struct Auditor {
     writer: Output<Writer<Audit>>,
     role: RoleId,

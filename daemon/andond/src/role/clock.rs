@@ -25,7 +25,7 @@ impl ClockWatch {
         }
     }
 
-    /// How far the clock was stepped since the last look. Drift is no step.
+    /// How far the clock was stepped since the last look. Drift is not a step.
     fn step(&mut self, offset_ns: i128) -> Option<i128> {
         let step_ns = offset_ns - std::mem::replace(&mut self.offset_ns, offset_ns);
         (step_ns.abs() >= STEP_NS).then_some(step_ns)

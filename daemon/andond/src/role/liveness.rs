@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use andon_ipc::{Error, Heartbeat, Node, Wake};
 use sd_notify::NotifyState;
-use shm_schemas::{RoleState, Sight, Stamp};
+use shm_schemas::{MessageId, RoleState, Sight, Stamp};
 
 use crate::log::{code, last_error, log};
 
@@ -53,8 +53,8 @@ impl Liveness {
         self.heartbeat.received(stamp);
     }
 
-    /// This is the newest message that was sent: its epoch and `seq`.
-    pub(super) fn sent(&mut self, newest: (u64, u64)) {
+    /// This is the newest message that was sent.
+    pub(super) fn sent(&mut self, newest: MessageId) {
         self.heartbeat.sent(newest);
     }
 

@@ -1,7 +1,7 @@
 //! What a role publishes: a writer that goes at the pace of the source.
 
 use andon_ipc::{ChannelMessage, Error, FrameLoan, FrameWriter, Loan, Paced, Port, Writer};
-use shm_schemas::RoleId;
+use shm_schemas::{MessageId, RoleId};
 
 use super::RoleError;
 use super::cycle::Cycle;
@@ -101,7 +101,7 @@ pub trait Publish: Paced + Port + Sized {
     fn send(&mut self, loan: Self::Loan) -> Result<u64, Error>;
 
     /// See [`Writer::newest`].
-    fn newest(&self) -> (u64, u64);
+    fn newest(&self) -> MessageId;
 }
 
 impl<T: ChannelMessage> Publish for Writer<T> {
@@ -119,7 +119,7 @@ impl<T: ChannelMessage> Publish for Writer<T> {
         Writer::send(self, loan)
     }
 
-    fn newest(&self) -> (u64, u64) {
+    fn newest(&self) -> MessageId {
         Writer::newest(self)
     }
 }
@@ -139,7 +139,7 @@ impl Publish for FrameWriter {
         FrameWriter::send(self, loan)
     }
 
-    fn newest(&self) -> (u64, u64) {
+    fn newest(&self) -> MessageId {
         FrameWriter::newest(self)
     }
 }

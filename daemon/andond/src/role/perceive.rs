@@ -49,7 +49,7 @@ struct Perceive<'a> {
     sight: SightWatch,
     /// Of the source that the perceiver has seen; 0 before the first.
     source_epoch: u64,
-    /// Frames up to the newest one that were not looked at, whoever lost or skipped them.
+    /// Frames up to the newest one that were not processed, whoever lost or skipped them.
     missed: u64,
 }
 

@@ -27,7 +27,7 @@ impl SightWatch {
         Self { sight: andon_perception::sight::Sight::new(expected), newest: None, has_looked: false }
     }
 
-    /// Takes what was seen in a frame. `dropped` are the frames before it that were not looked at.
+    /// Takes what was seen in a frame. `dropped` are the frames before it that were not processed.
     pub(super) fn look(
         &mut self,
         header: &FrameHeader,

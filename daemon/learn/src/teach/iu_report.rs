@@ -18,8 +18,10 @@ pub struct IuReport {
     pub context: Context,
     /// Number of demonstrations.
     pub demonstrations: usize,
-    /// Mean and standard deviation of the DTW distances that the threshold is derived from.
-    pub distances: (f64, f64),
+    /// Mean of the DTW distances that the threshold is derived from.
+    pub mean_distance: f64,
+    /// Their standard deviation.
+    pub distance_deviation: f64,
     /// Maximum DTW distance of a correct execution.
     pub threshold: f32,
     /// Bounds of duration, in frames of the grid.
@@ -38,7 +40,8 @@ impl IuReport {
             iu,
             context: taught.context,
             demonstrations: learned.own.len(),
-            distances: (mean(distances), deviation(distances, 1)),
+            mean_distance: mean(distances),
+            distance_deviation: deviation(distances, 1),
             threshold: taught.threshold,
             frames: taught.frames,
             reversals: taught.reversals,

@@ -51,8 +51,10 @@ pub struct TeachReport {
     pub unsure: Vec<Unsure>,
     /// How probable it is that one person showed all of them.
     pub one_person: f64,
-    /// How many frames per second the job needs, and how many the runs were encoded with.
-    pub rate_hz: [f32; 2],
+    /// How many frames per second the job needs.
+    pub min_rate_hz: f32,
+    /// How many frames per second the runs were encoded with.
+    pub rate_hz: f32,
     /// How strict the job is.
     pub strictness: Strictness,
     /// The share of right jobs that the bounds may accuse together; 0 where there are none.
@@ -83,7 +85,8 @@ impl TeachReport {
             rejected,
             unsure: Vec::new(),
             one_person,
-            rate_hz: [job.min_rate_hz, job.method.rate_hz],
+            min_rate_hz: job.min_rate_hz,
+            rate_hz: job.method.rate_hz,
             strictness: options.strictness,
             false_alarms: options.bounds.false_alarms,
             rule: options.rule,
@@ -180,11 +183,11 @@ impl fmt::Display for TeachReport {
                 )?,
             }
         }
-        let [needed, all] = self.rate_hz;
-        if needed > 0.0 {
+        if self.min_rate_hz > 0.0 {
             writeln!(
                 f,
-                "the job needs {needed:.1} of {all:.1} frames a second; a step with fewer is not judged (overload)"
+                "the job needs {:.1} of {:.1} frames a second; a step with fewer is not judged (overload)",
+                self.min_rate_hz, self.rate_hz
             )?;
         }
         self.write_table(f)?;
@@ -199,7 +202,7 @@ impl TeachReport {
         if self.false_alarms <= 0.0 {
             return Ok(());
         }
-        write!(f, "{}", Noticed { ius: &self.ius, rate_hz: self.rate_hz[1] })?;
+        write!(f, "{}", Noticed { ius: &self.ius, rate_hz: self.rate_hz })?;
         writeln!(
             f,
             "strictness {number} of {}: of {:.0} right jobs these measures accuse one; --strictness changes it",
@@ -220,8 +223,8 @@ impl TeachReport {
                 iu.demonstrations,
                 range(iu.frames),
                 range(iu.reversals),
-                iu.distances.0,
-                iu.distances.1,
+                iu.mean_distance,
+                iu.distance_deviation,
                 iu.threshold,
                 self.words(iu.context)
             )?;
@@ -229,7 +232,7 @@ impl TeachReport {
         writeln!(
             f,
             "shown: number of demonstrations; frames ({:.0} a second) and reversals of",
-            self.rate_hz[1]
+            self.rate_hz
         )?;
         writeln!(f, "the motion: from the least to the most that is right; distance: DTW distances of the")?;
         writeln!(f, "demonstrations, mean and standard deviation; threshold: the greatest that is right")

@@ -14,7 +14,9 @@ mod ledger;
 mod queue;
 mod results;
 
-use shm_schemas::{Account, AccountKept, CommandKind, Journalled, JudgePhase, Judging, PartId, Refusal};
+use shm_schemas::{
+    Account, AccountKept, CommandKind, Journalled, JudgePhase, Judging, MessageId, PartId, Refusal,
+};
 
 pub use commands::LineCommand;
 pub use fault::{Fault, Line};
@@ -317,12 +319,14 @@ impl Handshake {
 
     /// Compares what the judge has sent with what the journal has: `has_progress` when a row has come.
     fn compare(&mut self, has_progress: bool, now_ns: u64) {
-        let judged = self.judging.map(|(judging, _)| (judging.verdict_epoch, judging.verdict_seq));
-        let is_behind = match (judged, self.results.newest_key()) {
-            (None | Some((_, 0)), _) => false,
+        let judged = self
+            .judging
+            .map(|(judging, _)| MessageId { epoch: judging.verdict_epoch, seq: judging.verdict_seq });
+        let is_behind = match (judged, self.results.newest_verdict()) {
+            (None | Some(MessageId { seq: 0, .. }), _) => false,
             // It is the PLC that does not keep up.
             _ if self.results.has_more() => false,
-            (Some((judged, seq)), Some((epoch, newest))) => judged != epoch || newest < seq,
+            (Some(judged), Some(newest)) => judged.epoch != newest.epoch || newest.seq < judged.seq,
             (Some(_), None) => true,
         };
         self.behind_since = match self.behind_since {

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use shm_schemas::{Account, Journalled, Verdict, VerdictOutcome, WAITING_RESULTS};
+use shm_schemas::{Account, Journalled, MessageId, Verdict, VerdictOutcome, WAITING_RESULTS};
 
 use crate::registers::{ResultBlock, status};
 
@@ -54,10 +54,10 @@ pub enum Taken {
 #[derive(Debug, Default)]
 pub(super) struct Queue {
     waiting: VecDeque<Owed>,
-    /// The newest row that was numbered, its number and the key of its verdict.
+    /// The newest row that was numbered, its number and its verdict.
     row: u64,
     sequence: u32,
-    newest: Option<(u64, u64)>,
+    newest: Option<MessageId>,
     /// The newest request for rows, and the row up to which everything has come that answers it.
     asked: u32,
     heard: u64,
@@ -72,7 +72,7 @@ impl Queue {
             waiting: waiting.filter_map(|(row, sequence)| Owed::resume(*row, sequence)).collect(),
             row: account.row,
             sequence: account.sequence,
-            newest: (account.seq != 0).then_some((account.epoch, account.seq)),
+            newest: (account.seq != 0).then_some(MessageId { epoch: account.epoch, seq: account.seq }),
             ..Self::default()
         }
     }
@@ -80,7 +80,8 @@ impl Queue {
     /// Writes what [`Queue::resume`] reads.
     pub(super) fn save(&self, account: &mut Account) {
         (account.row, account.sequence) = (self.row, self.sequence);
-        (account.epoch, account.seq) = self.newest.unwrap_or_default();
+        let newest = self.newest.unwrap_or_default();
+        (account.epoch, account.seq) = (newest.epoch, newest.seq);
         for (index, owed) in self.waiting.iter().enumerate() {
             (account.waiting_rows[index], account.waiting_sequences[index]) = (owed.row, owed.sequence);
         }
@@ -101,8 +102,8 @@ impl Queue {
         self.row
     }
 
-    /// The key of the newest verdict that was numbered.
-    pub(super) fn newest(&self) -> Option<(u64, u64)> {
+    /// The newest verdict that was numbered.
+    pub(super) fn newest(&self) -> Option<MessageId> {
         self.newest
     }
 
@@ -155,17 +156,17 @@ impl Queue {
     }
 
     fn number(&mut self, row: &Journalled, lost: &mut u64) -> Taken {
-        let (epoch, seq) = (row.verdict.stamp.epoch, row.verdict.stamp.seq);
+        let id = row.verdict.stamp.id();
         let missing = match self.newest {
             // Nothing is lost before the first: what was never numbered was never the PLC's.
             None => 0,
             // A new journal has it a second time.
-            Some((known, newest)) if known == epoch && seq <= newest => return Taken::Repeated,
-            Some((known, newest)) if known == epoch => seq - newest - 1,
+            Some(newest) if newest.epoch == id.epoch && id.seq <= newest.seq => return Taken::Repeated,
+            Some(newest) if newest.epoch == id.epoch => id.seq - newest.seq - 1,
             // A writer counts from 1 after its start.
-            Some(_) => seq.saturating_sub(1),
+            Some(_) => id.seq.saturating_sub(1),
         };
-        self.newest = Some((epoch, seq));
+        self.newest = Some(id);
         *lost += missing;
         self.advance(missing);
         let sequence = self.advance(1);

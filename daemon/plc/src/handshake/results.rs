@@ -14,7 +14,7 @@
 //! when there is room. Without writes nobody says that they keep up, and so it is lost; the overrun bit and a jump of
 //! `sequence` say so, as for a result that the journal does not have.
 
-use shm_schemas::{Account, Journalled};
+use shm_schemas::{Account, Journalled, MessageId};
 
 use super::queue::{Owed, Queue, Taken};
 use crate::registers::ResultBlock;
@@ -174,8 +174,8 @@ impl Results {
         self.shown?.result
     }
 
-    /// The key of the newest verdict that came from the journal.
-    pub(super) fn newest_key(&self) -> Option<(u64, u64)> {
+    /// The newest verdict that came from the journal.
+    pub(super) fn newest_verdict(&self) -> Option<MessageId> {
         self.queue.newest()
     }
 

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, VecDeque};
 
 use andon_ipc::{MonotonicTime, UtcTime};
-use andon_journal::{Journal, JournalError};
+use andon_journal::{Journal, JournalError, OpenRow};
 use shm_schemas::{Health, RoleId};
 
 use super::alive::Alive;
@@ -38,7 +38,7 @@ pub(super) struct Watching {
     down: Vec<RoleId>,
     waiting: VecDeque<Change>,
     /// The rows of what has begun and not ended.
-    rows: HashMap<Cause, u64>,
+    rows: HashMap<Cause, OpenRow>,
 }
 
 impl Watching {

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use andon_ipc::{Error, Heartbeat, Node, Port, Writer};
-use shm_schemas::{CommandSource, JudgePhase, Judging, PartId, Refusal};
+use shm_schemas::{CommandSource, JudgePhase, Judging, MessageId, PartId, Refusal};
 
 use super::super::RoleError;
 use super::super::cycle::Cycle;
@@ -74,14 +74,14 @@ impl State {
         (self.now.command, self.now.refusal) = (number, answer.err().unwrap_or(Refusal::None).code());
     }
 
-    /// An answer may have been lost: it is told again.
+    /// An answer may have been lost: it is sent again.
     pub(super) fn repeat(&mut self) {
         self.told = None;
     }
 
-    /// Tells what has changed since it was told last, and everything with every beat.
-    pub(super) fn tell(&mut self, newest: (u64, u64), cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        (self.now.verdict_epoch, self.now.verdict_seq) = newest;
+    /// Sends what has changed since the last message, and everything with every beat.
+    pub(super) fn tell(&mut self, newest: MessageId, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        (self.now.verdict_epoch, self.now.verdict_seq) = (newest.epoch, newest.seq);
         let now = self.now;
         let is_known = self.told.is_some_and(|(told, at)| told == now && at.elapsed() < Heartbeat::PERIOD);
         if !is_known {

@@ -97,7 +97,7 @@ impl<'j> Watched<'j> {
                 Event::JobBegan { .. } => {
                     log!(code::JOB_STARTED, "the job {:?} has begun", self.file.name);
                     ports.state.phase(JudgePhase::Running);
-                    // One that comes in the midst of a job is that of the next part.
+                    // One that comes in the middle of a job is that of the next part.
                     self.sender.part = ports.state.part();
                 }
                 Event::Verdict(verdict) => {
