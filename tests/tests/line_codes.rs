@@ -28,13 +28,15 @@ fn a_line_reports_what_it_watches_what_was_wrong_and_that_it_stops() {
 }
 
 #[test]
-fn a_station_without_a_job_and_without_a_plc_says_so() {
+fn a_station_without_a_job_a_plc_and_metrics_says_so() {
     let mut line = endless(false);
     line.reconfigure("job = \"job.toml\"\n", "");
     line.reconfigure("enable = true", "enable = false");
     let _watcher = line.launch();
     line.wait_for_log("judge", "AND-311", "Set station.job");
     line.wait_for_log("plc", "AND-511", "");
+    line.start("metrics");
+    line.wait_for_log("metrics", "AND-618", "");
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! What a line keeps through the faults of its surroundings: its journal, its configuration, and who has changed what.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, Modbus, PATIENCE, ROLES, Settings, Watcher, control, role_id, status};
+use andon_tests::line::{Line, Modbus, PATIENCE, ROLES, Settings, Watcher, andond, control, role_id, status};
 use rustix::process::Signal;
 use shm_schemas::{RoleId, RoleState};
+use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 fn until(what: &str, mut holds: impl FnMut() -> bool) {
@@ -172,6 +173,27 @@ fn a_role_that_starts_again_goes_on_with_the_configuration_of_the_line_and_statu
     let audit = audit(&line);
     assert!(audit.contains("configuration") && audit.contains("before: hash "), "{audit}");
     assert!(audit.contains("station.toml"), "who: the file and its owner: {audit}");
+}
+
+#[test]
+fn a_role_that_is_started_with_the_files_as_given_is_named_by_status() {
+    let mut line = Line::new(Settings::live());
+    let _watcher = line.up();
+    line.role("encode").kill();
+    let edited = line.path("edited.toml");
+    let good = std::fs::read_to_string(line.config()).unwrap();
+    std::fs::write(&edited, format!("{good}\n[health]\njudge_deadline_ms = 1500\n")).unwrap();
+    let mut encode = Command::new(andond())
+        .args(["run", "encode", "--as-given", "--config"])
+        .arg(edited)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    until("the role is named", || {
+        text(&line, "status", &[]).contains("encode runs with another configuration than the line has taken")
+    });
+    encode.kill().unwrap();
+    encode.wait().unwrap();
 }
 
 #[test]

@@ -45,7 +45,7 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
     let station = || "bench1".to_owned();
     let (root, lock) = (PathBuf::new(), PathBuf::new());
     let address = ([127, 0, 0, 1], 502).into();
-    let errors: [(RoleError, u32, Code); 29] = [
+    let errors: [(RoleError, u32, Code); 30] = [
         (open(OpenError::Refused), 105, Code::Configuration),
         (open(OpenError::NotAllowed), 107, Code::Fault),
         (open(OpenError::Gone), 108, Code::Fault),
@@ -83,6 +83,7 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
         (RoleError::NoProgress(Duration::ZERO), 612, Code::NoProgress),
         (transport().into(), 613, Code::Fault),
         (RoleError::Start { path: String::new(), source: io() }, 615, Code::Fault),
+        (RoleError::Metrics { address, source: io() }, 619, Code::Fault),
     ];
     for (error, code, exit) in errors {
         assert_eq!((error.report(), last_error()), (exit, code), "{error}");

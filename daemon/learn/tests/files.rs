@@ -84,3 +84,12 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
     ));
     assert!(matches!(refused(invalid.to_toml().as_bytes()), JobFault::Invalid { .. }));
 }
+
+/// A PLC selects a job by its hash, which covers the comments as well.
+#[test]
+fn the_shipped_job_is_written_as_it_was_read() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let job = JobFile::parse(path, text.as_bytes()).unwrap();
+    assert!(job.to_toml() == text, "a word of the job file has changed");
+}
