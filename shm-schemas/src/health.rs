@@ -61,7 +61,7 @@ codes! {
         Blurred = 6,
         /// There is too much noise in the picture.
         Noisy = 7,
-        /// Too few of the camera's pictures are looked at.
+        /// Too few of the camera's pictures are processed.
         TooFewFrames = 8,
         /// The station's markers are not in the picture, and hands work there, or other markers lie there.
         NoMarkers = 9,

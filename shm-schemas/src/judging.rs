@@ -44,7 +44,7 @@ codes! {
         NothingOffered = 10 as "nothing offered",
         /// Another command is under way, or too many wait.
         TooMany = 11 as "too many",
-        /// The part id is no printable ASCII. The next job has none.
+        /// The part id is not printable ASCII. The next job has none.
         BadPart = 12 as "bad part",
         /// Another result is offered than the one that is acknowledged.
         OtherResult = 13 as "other result",

@@ -62,7 +62,7 @@ fn write_path(f: &mut fmt::Formatter<'_>, centimetres: [f32; 3]) -> fmt::Result 
     }
 }
 
-/// So many decimals, at least `min`, that a value which differs from what was shown reads so.
+/// The number of decimals, at least `min`, with which a value that differs from what was shown also looks different.
 fn decimals(values: [f32; 3], min: usize) -> usize {
     let reads_apart = |decimals: &usize| {
         let scale = [1.0, 10.0, 100.0][*decimals];

@@ -12,7 +12,7 @@ pub const PART_BYTES: usize = 32;
 #[repr(transparent)]
 pub struct PartId([u8; PART_BYTES]);
 
-// SAFETY: plain bytes, every pattern of which is valid: `text` shows nothing of one that is no text.
+// SAFETY: plain bytes, every pattern of which is valid: `text` shows nothing of one that is not text.
 unsafe impl Layout for PartId {
     const HASH: u64 = <[u8; PART_BYTES]>::HASH;
 }
@@ -22,7 +22,7 @@ unsafe impl Layout for PartId {
 pub enum BadPart {
     /// There are more than [`PART_BYTES`].
     TooLong,
-    /// One of them is no printable ASCII.
+    /// One of them is not printable ASCII.
     NotPrintable(u8),
 }
 

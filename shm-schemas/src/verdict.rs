@@ -165,9 +165,9 @@ wire! { "andon.Verdict", 184;
         threshold: f32,
         /// What the measure is that is out of its bounds, in the unit of `measure`; NaN when none is.
         measured: f32,
-        /// The least of it that was shown; NaN when none is.
+        /// The minimum that was shown; NaN when none is.
         shown_min: f32,
-        /// The most of it that was shown; NaN when none is.
+        /// The maximum that was shown; NaN when none is.
         shown_max: f32,
         /// Context of the IU, `x_c`; of its first IU for an activity; zero for a job.
         x_c: [u16; 4],
@@ -181,7 +181,7 @@ wire! { "andon.Verdict", 184;
         broken_activity: u16,
         /// How many of the runs that were shown keep that order.
         broken_runs: u16,
-        /// A [`VerdictLevel`]. Zero is none: an empty message is no verdict.
+        /// A [`VerdictLevel`]. Zero is none: an empty message is not a verdict.
         level: u8,
         /// A [`VerdictOutcome`]. Zero is none.
         outcome: u8,

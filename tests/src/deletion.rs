@@ -28,16 +28,16 @@ pub enum Hidden {
 pub enum Deletion {
     /// Something is not seen from a time on, for so long, both in seconds.
     Stretch(Hidden, f64, f64),
-    /// Only every so many frames come.
+    /// Only every n-th frame comes.
     Every(usize),
     /// Frames are lost at random, each with this probability.
     Lost(f64),
-    /// The recording begins later, by so many seconds.
+    /// The recording begins this many seconds later.
     Late(f64),
 }
 
 impl Deletion {
-    /// Any deletion that a recording of this length in seconds and with so many objects can have.
+    /// Any deletion that a recording of this length in seconds and with this number of objects can have.
     pub fn any(random: &mut Random, length_s: f64, objects: usize) -> Self {
         let hidden = match random.index(5) {
             0 => Hidden::Hands,
@@ -98,7 +98,7 @@ impl Deletion {
     }
 }
 
-/// Recordings one after the other, with a pause of so many seconds without frames between them. The parts of the next piece then lie
+/// Recordings one after the other, with a pause of this many seconds without frames between them. The parts of the next piece then lie
 /// where that recording has them.
 pub fn one_after_the_other(recordings: &[&Recording], pause_s: f64) -> Recording {
     let mut all = recordings[0].clone();

@@ -19,7 +19,7 @@ impl Arguments {
     /// The argument at this index, from 0, as a number. Panics where it is none.
     pub fn number<N: FromStr>(&self, index: usize, default: N) -> N {
         self.0.get(index).map_or(default, |text| {
-            text.parse().unwrap_or_else(|_| panic!("argument {}: {text:?} is no number", index + 1))
+            text.parse().unwrap_or_else(|_| panic!("argument {}: {text:?} is not a number", index + 1))
         })
     }
 

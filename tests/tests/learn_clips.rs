@@ -1,4 +1,4 @@
-//! What a camera saw of real clips: a film is looked at once and judged often, with and without what may not have been seen.
+//! What a camera saw of real clips: a film is processed once and judged often, with and without what may not have been seen.
 #![allow(clippy::unwrap_used)]
 
 use andon_core::verdict::Outcome;

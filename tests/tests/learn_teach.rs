@@ -243,7 +243,7 @@ fn five_runs_distinguish_every_flaw_of_a_shop_floor_from_harmless_variations() {
     }
 }
 
-/// What a line sees of a run that looks at every so many frames only.
+/// What a line that processes only every n-th frame sees of a run.
 fn thinned(person: u64, flaw: Flaw, every: usize) -> Run {
     let performance = Performance { seed: SEED, person, repetition: 1, noise: Noise::default() };
     let whole = perform(&performance, flaw).0;

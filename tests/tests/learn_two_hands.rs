@@ -14,10 +14,10 @@ use andon_tests::deletion::{self, Deletion, length_s, one_after_the_other, try_d
 use andon_tests::environment;
 use andon_tests::simulator::{Noise, Performance, Random, TwoHanded, perform_with_two_hands};
 
-/// Of the right jobs of others, so many of a hundred must be accepted: five people do not show how all others move.
+/// The percentage of the right jobs of others that must be accepted: five people do not show how all others move.
 const MIN_ACCEPTED: usize = 90;
 
-/// Of the faults of others, so many of a hundred must be found where the start was not seen: not every part lies where nothing else does.
+/// The percentage of the faults of others that must be found where the start was not seen: not every part lies where nothing else does.
 const MIN_FOUND: usize = 75;
 
 fn recording(work: TwoHanded, person: u64, is_faulty: bool) -> Recording {

@@ -103,7 +103,7 @@ fn a_journal_that_cannot_be_written_is_found() {
     std::fs::write(&text, "no journal, but a text that is long enough").unwrap();
     refuses(&line, "[journal]\npath = \"missing/j.sqlite\"\n", &["journal.path: ", "missing"]);
     refuses(&line, &format!("[journal]\npath = {folder:?}\n"), &["journal.path: ", "is a folder"]);
-    refuses(&line, &format!("[journal]\npath = {text:?}\n"), &["journal.path: ", "is no journal"]);
+    refuses(&line, &format!("[journal]\npath = {text:?}\n"), &["journal.path: ", "is not a journal"]);
 }
 
 /// The line's job, changed.
@@ -139,7 +139,7 @@ fn a_folder_of_jobs_that_is_missing_or_has_a_damaged_file_is_found_where_a_plc_m
     refuses(&line, &station, &["station.jobs: ", "a PLC selects jobs from there"]);
     std::fs::create_dir(&folder).unwrap();
     std::fs::copy(line.path("job.toml"), folder.join("good.toml")).unwrap();
-    // One for another station that has the same folder is no fault.
+    // One for another station that has the same folder is not a fault.
     std::fs::copy(job(&line, with_another_object), folder.join("other.toml")).unwrap();
     let (code, said) = check(&line, &station);
     assert_eq!(code, Some(0), "{said}");
@@ -190,7 +190,7 @@ fn ever_so_many_objects_are_one_fault() {
         .collect();
     let (code, said) = check(&line, &objects);
     assert_eq!(code, Some(78), "{said}");
-    assert!(said.contains("there are 20000; must be 32 at most"), "{}", &said[..1000.min(said.len())]);
+    assert!(said.contains("there are 20000; must be at most 32"), "{}", &said[..1000.min(said.len())]);
     assert!(
         said.lines().count() < 50,
         "what else is wrong with the 20,000 helps nobody: {} lines",

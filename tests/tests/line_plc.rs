@@ -325,7 +325,7 @@ fn the_configuration_decides_which_register_of_a_value_comes_first() {
         line.start("steward");
         line.start("plc");
         let mut plc = Modbus::connect_when_up(line.port);
-        // `distance`, which is no number before the first result.
+        // `distance`, which is not a number before the first result.
         assert_eq!(plc.read(31, 2).unwrap(), not_a_number, "{word_order}");
     }
 }

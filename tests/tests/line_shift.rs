@@ -6,7 +6,7 @@ use andon_tests::simulator::Flaw;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-/// Waits until the PLC has counted so many more results.
+/// Waits until the PLC has counted this number of further results.
 fn wait_for_results(line: &Line, more: usize, after: &str) {
     let (from, until) = (account(line).len(), Instant::now() + PATIENCE);
     while account(line).len() < from + more {
@@ -15,7 +15,7 @@ fn wait_for_results(line: &Line, more: usize, after: &str) {
     }
 }
 
-/// Waits until the journal has so many more verdicts.
+/// Waits until the journal has this number of further verdicts.
 fn wait_for_rows(line: &Line, more: usize) {
     let (from, until) = (line.journal().verdicts().len(), Instant::now() + PATIENCE);
     while line.journal().verdicts().len() < from + more {
@@ -36,7 +36,7 @@ const KILLED: [&str; 8] = ["plc", "program", "judge", "encode", "program", "jour
 /// Verdicts while the PLC is away: more than wait for it outside of the journal.
 const AWAY: usize = 15;
 
-/// The shift goes on until so many parts are done, and a job was right and one was not.
+/// The shift goes on until this number of parts is done, and at least one job was right and one was not.
 const PARTS: usize = 5;
 
 fn is_over(line: &Line) -> bool {

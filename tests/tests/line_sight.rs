@@ -40,7 +40,7 @@ fn line_with_film(camera: &str, perception: &str, ffmpeg: &[&str]) -> Line {
     line
 }
 
-/// As fast as it can be looked at: nothing is dropped.
+/// As fast as it can be processed: nothing is dropped.
 const MAX: &str = "speed = \"max\"";
 /// What every picture is like that a camera gives; rendered ones have no noise.
 const NOISE: &str = "noise=alls=4:allf=t";

@@ -88,7 +88,7 @@ pub enum ArchiveError {
     )]
     Running(String),
     /// Files that are there differ from those of the archive.
-    #[error("these files are there and differ: {}; give --replace to replace them, nothing was changed", list(.0))]
+    #[error("these files exist and differ: {}; nothing was changed, --replace would replace them", list(.0))]
     InTheWay(Vec<PathBuf>),
 }
 

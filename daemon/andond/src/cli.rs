@@ -107,10 +107,10 @@ pub struct Teach {
     /// The job file to write; with --add and --without the one to change
     #[arg(short, long)]
     pub out: PathBuf,
-    /// One more correct run for a job that is there; can be repeated
+    /// One more correct run for an existing job; can be repeated
     #[arg(long, value_name = "RECORDING")]
     pub add: Vec<PathBuf>,
-    /// The name of a recording that a job which is there is no longer to be taught from; can be repeated
+    /// The name of a recording that the existing job should no longer be taught from; can be repeated
     #[arg(long, value_name = "NAME")]
     pub without: Vec<String>,
     /// How strict the job is, 1 to 5: at 1 its measures accuse one right job in 133, then one in 67, 33 and 17, at 5 one in 8, and less
@@ -136,7 +136,7 @@ pub struct Teach {
     /// the evidence is enough]
     #[arg(long)]
     pub order: Option<bool>,
-    /// Write the job also where the report says that the runs cannot be trusted, and over a file that is there
+    /// Write the job even if the report says that the runs cannot be trusted, and even over an existing file
     #[arg(long)]
     pub force: bool,
 }
@@ -234,7 +234,7 @@ pub struct Record {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// A film or a folder of pictures, to be looked at once for all that is done with it later [default: the running station]
+    /// A film or a folder of pictures, so that it need not be processed again for what is done with it later [default: the running station]
     pub recording: Option<PathBuf>,
     /// The track file to write
     #[arg(short, long)]
@@ -247,7 +247,7 @@ pub struct Run {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Take the files as they are, also where the running line has taken others
+    /// Use the files as they are, even if the running line uses others
     #[arg(long)]
     pub as_given: bool,
     /// The role
@@ -346,7 +346,7 @@ pub struct History {
     /// Show only the job with this number
     #[arg(long)]
     pub job: Option<u32>,
-    /// Show only the part with this id; an empty one shows what was judged without
+    /// Show only the part with this id; an empty one shows what was judged without an id
     #[arg(long, value_name = "ID")]
     pub part: Option<String>,
     /// Show only anomalies and what could not be judged
@@ -378,7 +378,7 @@ pub struct Restore {
     /// Only show what is in it, and check it
     #[arg(long)]
     pub list: bool,
-    /// Replace files that are there and differ
+    /// Replace existing files that differ
     #[arg(long)]
     pub replace: bool,
     /// Put the files under this folder instead of where they were

@@ -60,7 +60,7 @@ fn a_job_that_is_there_is_replaced_only_by_force() {
     let there = folder.path().join("there.toml");
     std::fs::write(&there, "a job").unwrap();
     // The recording is not even looked for.
-    ends(&["teach", "no-such-film.mp4", "--out", there.to_str().unwrap()], 64, "it is there already");
+    ends(&["teach", "no-such-film.mp4", "--out", there.to_str().unwrap()], 64, "it exists already");
     assert_eq!(std::fs::read_to_string(there).unwrap(), "a job");
 }
 

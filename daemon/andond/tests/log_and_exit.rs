@@ -1,11 +1,11 @@
-//! What a process logs, and how it ends: each test starts itself again as the process that is looked at.
+//! What a process logs, and how it ends: each test starts itself again as the process under test.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andond::log::{Level, code, index, last_error, log};
 use std::process::{Command, Output};
 
-/// Set in the process that is looked at.
+/// Set in the process under test.
 const INSIDE: &str = "ANDON_TEST_INSIDE";
 
 fn is_inside() -> bool {

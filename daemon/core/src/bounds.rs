@@ -28,7 +28,7 @@ pub struct Around<const N: usize> {
 }
 
 impl<const N: usize> Around<N> {
-    /// Whether the centre is finite and the distance a number of at least 0.
+    /// Whether the centre is finite and the distance is at least 0.
     pub fn is_valid(&self) -> bool {
         self.centre.iter().all(|value| value.is_finite()) && self.max >= 0.0
     }

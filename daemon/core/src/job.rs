@@ -12,7 +12,7 @@ pub enum LocalCost {
     /// As in the paper (IV-A): every feature is a number, divided by the length of its range so that all lie in `[0, 1]`, and the cost is
     /// the squared Euclidean distance. A direction is one of the N + 1 numbers 0 to N, the acceleration one of 3, joint motion one of 2: a
     /// direction that is one bin off counts 1/N² of a joint motion that has ended. The opening-closing filter, which the paper
-    /// applies after this, takes least and greatest values only, so that it makes no difference which of the two comes first.
+    /// applies after this, takes minima and maxima only, so that it makes no difference which of the two comes first.
     Normalised {
         /// N, the number of direction bins around the circle.
         bins: u8,
@@ -37,7 +37,7 @@ impl LocalCost {
     }
 }
 
-/// What the runs that were shown measured in an IU, from the least to the most. It decides nothing: a verdict names it.
+/// What the runs that were shown measured in an IU, from minimum to maximum. It decides nothing: a verdict names it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
     /// How long they lasted, in frames of the grid.
@@ -120,7 +120,7 @@ pub struct Law {
     pub after_begin: ActivitySet,
     /// The activities that must have ended before it begins.
     pub after_end: ActivitySet,
-    /// The activities that had begun before it in all runs, without evidence enough for a law: another order is a note.
+    /// The activities that had begun before it in all runs, without enough evidence for a law: another order is a note.
     pub usually_after: ActivitySet,
     /// Whether a job without it is not complete. What is optional accuses nobody where it is missing.
     pub is_required: bool,
@@ -154,7 +154,7 @@ pub struct Job<'a> {
     pub activities: &'a [NominalActivity<'a>],
     /// The law of each activity, by its number; one that has none is [`Law::FREE`].
     pub laws: &'a [Law],
-    /// The objects at which a hand was shown to rest or to steady: that is no step, and no note.
+    /// The objects at which a hand was shown to rest or to steady: that is neither a step nor a note.
     pub rests: &'a [u16],
     /// How motions are compared.
     pub cost: LocalCost,

@@ -111,9 +111,9 @@ pub struct Measured {
     pub measure: Measure,
     /// What it measured; of an early verdict, so far.
     pub value: f32,
-    /// The least that was shown.
+    /// The minimum that was shown.
     pub shown_min: f32,
-    /// The most that was shown.
+    /// The maximum that was shown.
     pub shown_max: f32,
 }
 

@@ -168,7 +168,7 @@ fn ius_that_may_have_happened_out_of_sight_are_no_anomaly() {
     assert_eq!(verdicts.last().unwrap(), "NotJudged Blind");
 }
 
-/// The couples of a camera of which only every so many frames were looked at.
+/// The couples of a camera of which only every n-th frame was processed.
 fn thinned(couples: &[Couples], count: usize) -> Vec<Couples> {
     let of = |(index, couples): (usize, &Couples)| Couples { is_captured: index % count == 0, ..*couples };
     couples.iter().enumerate().map(of).collect()

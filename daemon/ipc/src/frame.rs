@@ -209,7 +209,7 @@ impl FrameReader {
         self.subscription.losses().newest_of(epoch)
     }
 
-    /// Connects again with the next look, although iceoryx2 has not said that one could not be made. What was lost
+    /// Connects again at the next poll, although iceoryx2 has not said that one could not be made. What was lost
     /// meanwhile is counted, and what the writer still has comes.
     pub fn reconnect(&mut self) {
         self.subscription.recreate();

@@ -73,7 +73,7 @@ impl Node {
         Self { configuration, ..self }
     }
 
-    /// The hash of the configuration; 0 where it was not said.
+    /// The hash of the configuration; 0 where none was given.
     pub fn configuration(&self) -> u64 {
         self.configuration
     }

@@ -47,7 +47,7 @@ impl<T: ChannelMessage> Reader<T> {
         self.0.losses().newest_of(epoch)
     }
 
-    /// Connects again with the next look, although iceoryx2 has not said that one could not be made. What was lost
+    /// Connects again at the next poll, although iceoryx2 has not said that one could not be made. What was lost
     /// meanwhile is counted, and what the writer still has comes.
     pub fn reconnect(&mut self) {
         self.0.recreate();

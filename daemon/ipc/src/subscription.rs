@@ -70,7 +70,7 @@ impl<P: Payload + ?Sized, H: Header> Subscription<P, H> {
         &self.inbound.losses
     }
 
-    /// Recreates the subscriber with the next look, although iceoryx2 has not said that a connection could not be made.
+    /// Recreates the subscriber at the next poll, although iceoryx2 has not said that a connection could not be made.
     pub(crate) fn recreate(&mut self) {
         self.alarm.raise();
     }

@@ -31,13 +31,13 @@ pub(crate) fn median_point(points: impl Iterator<Item = [f32; 3]> + Clone) -> [f
         .map(|axis| median(&points.clone().map(|point| f64::from(point[axis])).collect::<Vec<_>>()) as f32)
 }
 
-/// The value that Student's t with so many degrees of freedom exceeds with this probability.
+/// The value that Student's t with `freedom` degrees of freedom exceeds with this probability.
 pub(crate) fn student_t(freedom: f64, exceeded: f64) -> f64 {
     // The location and the scale are valid, and so is any positive freedom.
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - exceeded))
 }
 
-/// The value that the sum of so many squares of standard normal variables stays below with this probability; infinite for none of them.
+/// The value that chi-squared with `freedom` degrees of freedom stays below with this probability; infinite for 0.
 pub(crate) fn chi_squared(freedom: f64, probability: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::INFINITY, |distribution| distribution.inverse_cdf(probability))
 }

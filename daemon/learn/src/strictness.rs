@@ -45,7 +45,7 @@ impl Strictness {
         Self::FALSE_ALARMS[self.index()]
     }
 
-    /// The quantile of Student's t that the gap between two steps must exceed to be law, in so many runs.
+    /// The quantile of Student's t that the gap between two steps must exceed to be law, in this number of runs.
     pub(crate) fn law_quantile(self, runs: usize, is_shared: bool) -> f64 {
         let chance = Self::CHANCE_OF_LAW[self.index()] * if is_shared { Self::SHARED } else { 1.0 };
         student_t(runs.max(2) as f64 - 1.0, chance)

@@ -7,14 +7,14 @@ const COLUMNS: usize = 8;
 const ROWS: usize = 4;
 /// Number of cells.
 pub(crate) const CELLS: usize = COLUMNS * ROWS;
-/// Columns and rows of the patches, in which parts are told from the table: a part covers some of them, each has 25 points.
+/// Columns and rows of the patches, in which parts are distinguished from the table: a part covers some of them, each has 25 points.
 const PATCH_COLUMNS: usize = 4 * COLUMNS;
 const PATCH_ROWS: usize = 6 * ROWS;
 const PATCHES: usize = PATCH_COLUMNS * PATCH_ROWS;
 /// How many patches away a patch is compared: a shade or a vignette is even over so few.
 const ASIDE: usize = 2;
 
-/// Points per row that are looked at. More would cost time and say the same.
+/// Points per row that are examined. More would cost time and say the same.
 const POINTS: usize = 160;
 /// How far around a point the picture is compared, in pixels. An edge that is sharp has all of its step within the near points.
 const NEAR: usize = 1;

@@ -331,11 +331,11 @@ typedef struct AndonVerdict {
    */
   float measured;
   /**
-   * The least of it that was shown; NaN if none is out of its bounds.
+   * The minimum that was shown; NaN if none is out of its bounds.
    */
   float shown_min;
   /**
-   * The most of it that was shown; NaN if none is out of its bounds.
+   * The maximum that was shown; NaN if none is out of its bounds.
    */
   float shown_max;
   /**

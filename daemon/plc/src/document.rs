@@ -93,19 +93,19 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 
 - Addresses are protocol addresses and count from 0. Add 1 where a tool counts from 40001 or 30001.
 - Functions 3 (read holding registers) and 4 (read input registers) read the same registers. Functions 6 and 16 write the registers
-  from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration. All of it, from 0 to 124, fits one request, and 100 to
-  124 fits one request to write: a controller may simply exchange both in every cycle.
+  from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration. All of it, from 0 to 124, fits in one request, and 100 to
+  124 fits in one write request: a controller may simply exchange both in every cycle.
 - Exception 1: the function is not served, or a client writes that may only read. Exception 2: the address is outside the map, or
   the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning. What is not in
   the table below address {CONTROL_BASE} is read as 0.
 - The unit identifier is echoed and otherwise ignored.
 - Only the clients in `plc.allow` may connect, {connections} of them at once, and only those in `plc.commanders` may write:
-  normally the one PLC. The log names the address of every other one that tries. A connection without a whole request for {idle_s} s is closed.
+  normally the one PLC. The log names the address of every other one that tries. A connection that sends no complete request for {idle_s} s is closed.
 - Inside a register Modbus is big-endian. A value of two or four registers has its most significant register first, which is
   `plc.word_order = \"big\"`, the default. With `\"little\"` the least significant register is first, so that a controller with a
   little-endian processor can lay the registers over a variable of 32 or 64 bits.
 - A text has {PART_BYTES} bytes of printable ASCII in {words} registers, whatever `plc.word_order` is: the first character is the high byte of the
-  first register, the second its low byte. It is filled up with zeros. A client may also fill it up with blanks; what follows the
+  first register, the second its low byte. It is padded with zeros. A client may also pad it with spaces; what follows the
   first zero is ignored.
 - Numbers of activities and IUs count from 0.
 
@@ -135,7 +135,7 @@ one that does not want the part may end at `sequence_copy`, and one that wants t
 `sequence` only grows, so nothing can have changed between two equal values, even if every register is read by itself: for the
 halves of two sequences to look alike, 65,536 results would have to pass between two requests.
 
-**Silence is never OK.** Take the line for not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
+**Silence is never OK.** Treat the line as not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
 2 s when the camera or a process of the line fails, and within 4 s when the journal hangs, which a busy disk may make it do for a while;
 `busy` drops with it. `error` then names the first fault and stays until `reset_error`; without `plc.writes` it stays until the line is ready again. A result that is offered at that time
 stays offered.
@@ -164,9 +164,9 @@ write `control_set` and `control_clear` instead: a panel that resets an error se
    in the output of `andond tail --json` and in the struct for C.
 
 **It counts from the next job on.** A job begins with the first touch, or with `start`, and keeps the id that was in force then. An id
-that is set in the midst of a job is that of the next job: so a PLC can set it while the worker still ends the part before.
+that is set in the middle of a job is that of the next job: so a PLC can set it while the worker still ends the part before.
 
-**Never the wrong one.** An id with a byte that is no printable ASCII is refused, and the next job has none instead of the one before. A judge that
+**Never the wrong one.** An id with a byte that is not printable ASCII is refused, and the next job has none instead of the one before. A judge that
 starts again is given the id before `enable`; what the worker goes on with is a new job to it. After a restart of this role the client
 sets the id again, before it writes `enable`; the judge keeps the last one until then. Where nothing was ever written here, a scanner
 or a person gives the id by `andond part ID`; once `set_part` was used, that is refused.
@@ -178,7 +178,7 @@ control block is 0 then, and nothing is judged until the client writes `enable` 
 ## A program for the PLC
 
 [`andon.st`](andon.st) is a whole client in structured text (IEC 61131-3), to be copied: it sets parts, loads jobs, takes results,
-acknowledges them, and goes on after a restart of either side. A test runs that very text through a shift with faults and kills, and
+acknowledges them, and goes on after a restart of either side. A test runs exactly this text through a shift with faults and kills, and
 compares its account with the journal.
 "
     )

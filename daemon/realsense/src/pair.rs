@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 
 use crate::clock::SensorTime;
 
-/// How many pictures of each stream wait for the other one. One stream of a D4xx is never later than the other by so many pictures, and the
+/// How many pictures of each stream wait for the other one. One stream of a D4xx is never later than the other by this number of pictures, and the
 /// SDK has 32 buffers for each.
 const MAX_WAITING: usize = 16;
 
@@ -29,7 +29,7 @@ pub struct Pairing<C, D> {
 }
 
 impl<C, D> Pairing<C, D> {
-    /// For a colour stream with so many pictures per second.
+    /// For a colour stream with this number of pictures per second.
     pub fn new(rate_hz: u32) -> Self {
         Self { rate_hz, colours: VecDeque::new(), depths: VecDeque::new() }
     }

@@ -40,7 +40,7 @@ impl Device {
         let mut capture = VideoCapture::from_file(path, videoio::CAP_V4L2).map_err(gone)?;
         if !capture.is_opened().unwrap_or(false) {
             return Err(OpenError::Gone(format!(
-                "{}: this is no camera that sends pictures, or another program is using it",
+                "{}: this is not a camera that sends pictures, or another program is using it",
                 path.display()
             )));
         }

@@ -223,7 +223,7 @@ impl MetricLine {
         Self { line }
     }
 
-    /// Plays the recording into a track file with the real `andond record`. Returns its path, and its frames, which must be so many.
+    /// Plays the recording into a track file with the real `andond record`. Returns its path, and its frames, of which there must be this number.
     pub(crate) fn record(&mut self, count: usize) -> (PathBuf, Vec<Frame>) {
         let out = self.line.path("recorded.tracks.jsonl");
         for _ in 0..TRIES {

@@ -147,7 +147,7 @@ impl Checks<'_> {
             self.fault("objects", &["camera.source"], problem);
         }
         if objects.len() > OBJECTS {
-            self.fault("objects", &[], format!("there are {}; must be {OBJECTS} at most", objects.len()));
+            self.fault("objects", &[], format!("there are {}; must be at most {OBJECTS}", objects.len()));
         }
         let markers = config.perception.dictionary.markers();
         // Those that are too many are no station's: what else is wrong with them helps nobody.

@@ -47,7 +47,7 @@ table! {
     ERROR 107 CAMERA_NOT_ALLOWED: "this user may not open the camera",
         "Add the unit's user to the group `video`; in a terminal run `sudo usermod -aG video $USER` and log in again";
     ERROR 108 RECORDING_DAMAGED: "the recording cannot be read any further",
-        "Copy it again from where it was recorded, or cut it off before the damaged place";
+        "Copy it again from where it was recorded, or cut it off before the damaged part";
     ERROR 109 REALSENSE_UNFIT: "the RealSense camera is on a slow USB port, or its library or udev rule is missing",
         "Use a USB 3 port and a cable of its own; the package installs the library and the udev rule";
 
@@ -72,14 +72,14 @@ table! {
     ERROR 213 PICTURE_BLACK: "the picture is black",
         "Switch on the light, take the cap off the lens, and look at camera.exposure_us";
     ERROR 214 PICTURE_WHITE: "the picture is white",
-        "Turn away what shines into the lens, or lower camera.exposure_us";
+        "Turn away whatever shines into the lens, or lower camera.exposure_us";
     ERROR 215 LENS_COVERED: "something lies over the lens: the picture shows nothing of the bench",
         "Clear the camera's view";
-    ERROR 216 PICTURE_BLURRED: "the picture is blurred, and markers are lost by it",
+    ERROR 216 PICTURE_BLURRED: "the picture is blurred, and markers are lost because of it",
         "Clean the lens, let it dry, and focus it on the bench";
     ERROR 217 PICTURE_NOISY: "there is so much noise in the picture that nothing is found",
         "Light the bench better, or give the camera a longer camera.exposure_us";
-    WARN 218 TOO_FEW_FRAMES: "too few of the camera's pictures are looked at",
+    WARN 218 TOO_FEW_FRAMES: "too few of the camera's pictures are processed",
         "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz";
     ERROR 219 MARKERS_FOREIGN: "none of the station's markers has been seen, although there are others or hands at work",
         "Compare the printed markers with perception.dictionary and with the ids under [[objects]]; they must lie flat, whole and in the light";
@@ -96,7 +96,7 @@ table! {
     INFO 304 JOB_OK: "the job was done right", "";
     WARN 305 JOB_ANOMALY: "the job was not done right",
         "Look at the product; `andond history --nok` shows the steps";
-    WARN 306 ACTIVITY_ANOMALY: "a step cannot be right any more",
+    WARN 306 ACTIVITY_ANOMALY: "a step can no longer be right",
         "Stop and look at the step that the message names";
     WARN 307 NOT_JUDGED: "a step could not be judged",
         "Look at the product; the reason names what was missing";
@@ -109,8 +109,8 @@ table! {
         "Set station.job, or let the PLC select a job";
     WARN 312 FRAME_OUT_OF_ORDER: "a frame came late, twice or out of order and was refused",
         "If it happens again and again, look at the camera's driver and at the load of the machine";
-    WARN 313 NOTE: "a step was done as nobody has shown it, and breaks no law",
-        "Look whether it was right; if it was, teach the job again with such a run too";
+    WARN 313 NOTE: "a step was done in a way that nobody has shown, but it breaks no law",
+        "Check whether it was right; if it was, teach the job again with such a run as well";
 
     INFO 401 JOURNAL_OPENED: "the journal is open", "";
     ERROR 402 DISK_FULL: "the journal cannot be written",
@@ -125,7 +125,7 @@ table! {
     ERROR 407 JOURNAL_REMOVED: "the journal's database was removed or replaced while it was in use; a new one has begun",
         "Find out who removed it: what was in it is gone, unless it was moved. `andond backup` makes a copy while the line runs";
     ERROR 408 JOURNAL_NOT_OPENED: "the journal's database cannot be opened; Andon tries again until it can",
-        "See that the folder of journal.path exists, that journal.path is no folder itself, and that the role's user may write there";
+        "Check that the folder of journal.path exists, that journal.path is not a folder itself, and that the role's user may write there";
 
     INFO 501 PLC_LISTENING: "the Modbus server listens", "";
     INFO 502 PLC_CONNECTED: "a PLC has connected", "";
@@ -133,7 +133,7 @@ table! {
         "Check the PLC and the network between it and this machine";
     WARN 504 PLC_CLIENT_REFUSED: "a client was refused: it is not in plc.allow, or too many are connected",
         "If it should connect, add its address to plc.allow and to the unit's IPAddressAllow=";
-    WARN 505 PLC_WRITE_REFUSED: "a client tried to write that may only read",
+    WARN 505 PLC_WRITE_REFUSED: "a client that may only read tried to write",
         "Set plc.writes = true and name it in plc.commanders if it should write";
     ERROR 506 PLC_PORT_TAKEN: "the Modbus port cannot be opened",
         "Another program has it, perhaps another station of this machine: each needs a plc.port of its own; or plc.bind is not an address of this machine, or the port is below 1024, for which andon-plc@.service says what is needed";

@@ -91,7 +91,7 @@ impl Visibility {
                     log!(
                         code::MARKER_COVERED,
                         { object },
-                        "the marker of {name} has not been seen for {hidden_s:.1} s: where it is was assumed, and is unknown now"
+                        "the marker of {name} has not been seen for {hidden_s:.1} s: its position was assumed so far, and is unknown now"
                     );
                 }
                 Change::MarkerBack { object } => {

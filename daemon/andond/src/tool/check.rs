@@ -170,7 +170,9 @@ fn unusable_journal(path: &Path) -> Option<String> {
         return Some(format!("cannot be read: {error}"));
     }
     if !begin.is_empty() && begin != SQLITE {
-        return Some("is no journal: it would be put aside, and a new one begun; name another file".into());
+        return Some(
+            "is not a journal: it would be put aside, and a new one begun; name another file".into(),
+        );
     }
     if begin.is_empty() {
         return None;

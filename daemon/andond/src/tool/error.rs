@@ -76,7 +76,7 @@ pub enum ToolError {
         source: io::Error,
     },
     /// A result would replace a file that is there.
-    #[error("{}: it is there already; name another file, or replace it with --force", .0.display())]
+    #[error("{}: it exists already; name another file, or replace it with --force", .0.display())]
     Exists(PathBuf),
     /// The job file that the command needs is not there.
     #[error("job {}: {source}; teach it with `andond teach`", path.display())]

@@ -34,7 +34,7 @@ pub(super) fn part_id(option: &'static str, given: &str) -> Result<PartId, ToolE
     PartId::new(given.as_bytes()).map_err(|bad| {
         let expected = match bad {
             BadPart::TooLong => "give at most 32 characters",
-            BadPart::NotPrintable(_) => "give letters, digits and signs of ASCII",
+            BadPart::NotPrintable(_) => "give ASCII letters, digits and punctuation",
         };
         ToolError::Option { option, given: given.to_owned(), expected }
     })

@@ -41,7 +41,7 @@ pub fn run(arguments: &Restore) -> Result<Code, ToolError> {
         put(&place(entry), entry.kind, bytes)?;
     }
     note(&archive, arguments)?;
-    println!("restored; `andond check` looks at it before the station starts");
+    println!("restored; check it with `andond check` before the station starts");
     Ok(Code::Stopped)
 }
 
@@ -66,7 +66,7 @@ fn put(path: &Path, kind: Kind, bytes: &[u8]) -> Result<(), ToolError> {
             std::fs::create_dir_all(folder)?;
         }
         if kind == Kind::Journal {
-            // What lies beside the old database is no part of this one.
+            // What lies beside the old database is not part of this one.
             for ending in ["-wal", "-shm"] {
                 let mut beside = path.as_os_str().to_owned();
                 beside.push(ending);

@@ -17,7 +17,7 @@ use crate::report::{Names, VerdictLine, verdict_sentence};
 use crate::sight::{self, SightChange, SightChanges};
 use crate::wire;
 
-/// A role that falls silent is told of within this time after its deadline.
+/// A role that falls silent is reported within this time after its deadline.
 const WAIT: Duration = Heartbeat::PERIOD;
 
 /// Runs the command until it is interrupted or the reader of its output is gone. It begins with the newest verdicts that

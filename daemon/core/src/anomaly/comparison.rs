@@ -68,7 +68,7 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// The number of frames that the IU may have, from the fewest to the most.
+    /// The minimum and the maximum number of frames that the IU may have.
     pub(super) fn possible_frames(&self) -> [u32; 2] {
         [self.frames.saturating_sub(self.gap_after), self.frames.saturating_add(self.gap_before)]
     }

@@ -96,7 +96,7 @@ impl Extent {
     }
 }
 
-/// The strokes to and fro in so many reversals, first of the IU, then the least and the most that were shown. A stroke has two reversals, and
+/// The strokes to and fro in these numbers of reversals: of the IU, and the minimum and maximum that were shown. A stroke has two reversals, and
 /// where a hand comes from or goes to makes one more or less: people count whole strokes. A half is counted only where it makes the
 /// difference.
 fn strokes([value, min, max]: [u32; 3]) -> [f32; 3] {

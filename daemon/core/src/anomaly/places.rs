@@ -7,7 +7,7 @@ use crate::job::NominalIu;
 // One bit for each number of IUs that may have come, from none to all.
 const _: () = assert!(ACTIVITY_IUS < u64::BITS as usize);
 
-/// The set of the numbers of IUs of a nominal activity that may have come. Empty: what was seen is no part of it.
+/// The set of the numbers of IUs of a nominal activity that may have come. Empty: what was seen is not part of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Places(u64);
 
@@ -88,7 +88,7 @@ impl Places {
         self.0 == 0
     }
 
-    /// Whether so many IUs may have come.
+    /// Whether this number of IUs may have come.
     fn contains(self, ius: usize) -> bool {
         self.0 >> ius & 1 == 1
     }
@@ -101,7 +101,7 @@ impl Places {
         nominal.iter().enumerate().filter(move |(index, _)| self.contains(*index)).map(|(_, iu)| iu)
     }
 
-    /// Whether so many IUs have come, and not any other number.
+    /// Whether exactly this number of IUs has come.
     pub(super) fn is_certainly(self, ius: usize) -> bool {
         self.0 == 1 << ius
     }

@@ -99,7 +99,7 @@ impl Watch {
 
     fn observe_held(&mut self, couple: &Couple) {
         let context = couple.context;
-        // A hand that has let go may still be told of the same object.
+        // A hand that has let go may still be reported at the same object.
         let held = if context.is_release() { context.0[2] } else { context.0[1] };
         let before = core::mem::replace(&mut self.held, held);
         if held != before && held != 0 {
@@ -165,7 +165,7 @@ impl Watch {
         self.is_recent() || self.held != 0 && self.is_held_doubtful
     }
 
-    /// Whether a stretch of so many frames was as captured as two changes take to be believed.
+    /// Whether enough of the frames of a stretch were captured for two changes to be believed.
     pub(super) fn is_believable(&self, captured: u32, frames: u32) -> bool {
         captured >= frames.min(2 * self.persist_frames)
     }

@@ -112,7 +112,7 @@ impl Couple {
         self.sight[0] == Sight::Seen
     }
 
-    /// The least sight of what the context rests on; a hand that touches nothing may be anywhere.
+    /// The worst sight of what the context rests on; a hand that touches nothing may be anywhere.
     pub fn least_sight(&self) -> Sight {
         let relevant = if self.context.is_touch() { &self.sight[..] } else { &self.sight[1..] };
         relevant.iter().copied().max().unwrap_or_default()

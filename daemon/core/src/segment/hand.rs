@@ -48,7 +48,7 @@ struct OpenActivity {
 /// - A new activity begins when the hand touches an object other than the first one of the activity, or touches that one again
 ///   after the activity has matched a nominal activity to its last IU.
 ///
-/// Frames whose motion was not measured pass by the filter, and are told where they belong.
+/// Frames whose motion was not measured bypass the filter and are reported where they belong.
 ///
 /// The hand is idle while `x_c` is zero, and also in a release state that belongs to no activity.
 #[derive(Clone, Debug)]

@@ -9,7 +9,7 @@ const MOVED_M: f32 = 0.015;
 /// In as many frames in a row that were not seen, a motion may have reversed.
 pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;
 
-/// The share of a frame that is missing between two that were seen: what happened in it can be told.
+/// The share of a frame that is missing between two that were seen: what happened in it can still be known.
 const SINGLE_FRAME: f32 = 0.2;
 
 /// The measures of one IU, so far or whole.
@@ -33,7 +33,7 @@ pub struct Measures {
     pub place_m: Point,
     /// How often the motion may have reversed in addition, in frames that were not seen.
     pub hidden_reversals: u32,
-    /// The share of the frames that were not seen, where what happened in them cannot be told; 0 to 1.
+    /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
 }
 

@@ -64,7 +64,7 @@ pub enum RelationKind {
     Begin,
     /// It is law that the other one has ended.
     End,
-    /// The other one had begun in all runs, without evidence enough for a law.
+    /// The other one had begun in all runs, without enough evidence for a law.
     Usual,
 }
 
@@ -153,7 +153,7 @@ pub struct JobFile {
     pub cost: LocalCost,
     /// The job's [`max_slowdown`](Job::max_slowdown), 1 or more.
     pub max_slowdown: f32,
-    /// How many frames per second must be looked at for the job to be judged; 0 where that was not measured.
+    /// How many frames per second must be processed for the job to be judged; 0 where that was not measured.
     pub min_rate_hz: f32,
     /// The constants that the job was taught with and must be judged with.
     pub method: Method,

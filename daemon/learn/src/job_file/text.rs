@@ -17,7 +17,8 @@ macro_rules! line {
 }
 
 impl JobFile {
-    /// The text of the job file. The same job gives the same bytes.
+    /// The text of the job file. The same job gives the same bytes. [`JobFile::model_hash`] covers all of it, so that other words in a
+    /// comment would be another job to a PLC.
     pub fn to_toml(&self) -> String {
         let mut text = String::new();
         line!(

@@ -190,7 +190,7 @@ impl Rates {
     }
 }
 
-/// What the demonstrations measured, from the least to the most.
+/// What the demonstrations measured, from minimum to maximum.
 fn what_was_shown(shown: &[Measures], frames: &[u32], bounds: &MeasureBounds) -> Shown {
     let most = |distances: &mut dyn Iterator<Item = f32>| distances.fold(0.0, f32::max);
     Shown {
@@ -226,7 +226,7 @@ fn is_at_another(context: Context) -> bool {
     context.0[3] != 0
 }
 
-/// By which share the bounds of so many runs would be narrower with `more` of them, if these differ as the first do.
+/// The share by which the bounds of `runs` runs would be narrower with `more` of them, if these differ as the first ones do.
 pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) -> f64 {
     let width = |runs: usize| {
         let count = runs.max(1) as f64;

@@ -1,4 +1,4 @@
-//! The order of a job as a partial one: what stands before what in all runs, and whether that is evidence enough for a law.
+//! The order of a job as a partial one: what stands before what in all runs, and whether that is enough evidence for a law.
 //!
 //! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large: its
 //! mean over the runs is at least [`bound`] on the clock with the least spread for its size. Those clocks are the sequence of the one hand that
@@ -19,13 +19,13 @@ use std::collections::BTreeSet;
 /// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance.
 const MIN_DEVIATION: f64 = 0.02;
 
-/// Two hands that come within so many seconds beyond the bound of each other show no order.
+/// Two hands that come within this many seconds of each other, beyond the bound, show no order.
 const BETWEEN_HANDS_S: f64 = 3.0;
 
-/// But a hand that takes up what the other one has left waits for it: so many seconds beyond the bound are enough.
+/// But a hand that takes up what the other one has put down waits for it: this many seconds beyond the bound are enough.
 const AFTER_END_S: f64 = 0.1;
 
-/// The probability that two steps which have nothing to do with each other stand in one order in so many runs.
+/// The probability that two steps which have nothing to do with each other stand in one order in this number of runs.
 pub(super) fn chance_of_one_order(runs: usize) -> f64 {
     0.5_f64.powi(runs as i32 - 1)
 }

@@ -234,8 +234,11 @@ impl TeachReport {
             "shown: number of demonstrations; frames ({:.0} a second) and reversals of",
             self.rate_hz
         )?;
-        writeln!(f, "the motion: from the least to the most that is right; distance: DTW distances of the")?;
-        writeln!(f, "demonstrations, mean and standard deviation; threshold: the greatest that is right")
+        writeln!(
+            f,
+            "the motion: from the minimum to the maximum that is right; distance: DTW distances of the"
+        )?;
+        writeln!(f, "demonstrations, mean and standard deviation; threshold: the maximum that is right")
     }
 }
 

@@ -8,10 +8,10 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 /// At fewer frames per second than this, nobody runs a line.
 const LEAST_HZ: f32 = 1.0;
 
-/// Shares of the frames that are tried before every second, third, fourth frame and so on: so many of so many.
+/// Shares of the frames that are tried before every second, third, fourth frame and so on: numerator and denominator.
 const MOST: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
 
-/// One in so many thinned runs may not be judged: what a run hides by itself may lie where a frame is left out.
+/// One in this number of thinned runs may fail to be judged: what a run itself hides may lie where a frame is left out.
 const UNJUDGED: usize = 10;
 
 /// Thins the runs to fewer and fewer frames, beginning with each possible frame, until one of them is segmented in another way or accused, or

@@ -16,7 +16,7 @@ const STRAY_M: f32 = 0.01;
 /// A part that the runs do not put back to within this, in metres, has no place of its own.
 const MAX_M: f32 = 0.05;
 
-/// What the runs move for good lies afterwards so many times as far from its place as it lay before.
+/// What the runs move for good lies at least this many times as far from its place afterwards as before.
 const AWAY: f32 = 2.0;
 
 /// The objects of the runs, each with where it lies first, if the runs show that.

@@ -117,7 +117,7 @@ pub enum CalibrationError {
         source: std::io::Error,
     },
     /// The file is no calibration.
-    #[error("{} is no calibration: {reason}", path.display())]
+    #[error("{} is not a calibration: {reason}", path.display())]
     Content {
         /// The file.
         path: PathBuf,

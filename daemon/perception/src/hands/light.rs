@@ -10,7 +10,7 @@ const DARK: f32 = 0.3;
 const BRIGHT_SHARE: f32 = 0.1;
 /// Nothing can be seen in five grey levels of 255.
 const BLACK: f32 = 0.02;
-/// Grey levels that are told apart.
+/// Grey levels that are distinguished.
 const LEVELS: usize = 256;
 /// Only every fourth pixel is counted: 9,000 of the smaller input are more than enough for a tenth.
 const COUNTED: usize = 4;

@@ -30,7 +30,7 @@ struct Script {
     palm_detections: usize,
     /// The next landmarks lie this far beside the hand.
     slip: f32,
-    /// So many of the next looks read the hand as one of the other side, with its fingers in the opposite order.
+    /// The number of the next looks that read the hand as one of the other side, with its fingers in the opposite order.
     misread: usize,
 }
 

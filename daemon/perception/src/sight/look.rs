@@ -27,7 +27,7 @@ impl SeenMarker {
 pub struct Look {
     /// When it was captured, in nanoseconds of the capturing clock.
     pub at_ns: u64,
-    /// Pictures before this one that nobody looked at.
+    /// Pictures before this one that were not processed.
     pub dropped: u32,
     /// Measures of the picture.
     pub picture: Picture,
@@ -42,7 +42,7 @@ pub struct Look {
 }
 
 impl Look {
-    /// What the detections of a frame say. `dropped` are the frames before it that nobody looked at.
+    /// What the detections of a frame say. `dropped` are the frames before it that were not processed.
     pub fn new(seen: &Detections, dropped: u32) -> Self {
         let marker = |object: &ObjectDetection| SeenMarker { id: object.id, corners: object.corners_px };
         Self {

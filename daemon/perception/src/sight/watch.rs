@@ -25,7 +25,7 @@ pub enum Trouble {
     Noisy,
     /// The camera looks elsewhere than it did.
     CameraMoved,
-    /// Too few of the camera's pictures are looked at.
+    /// Too few of the camera's pictures are processed.
     TooFewFrames,
     /// The markers in the picture are not those of the station, or hands work and no marker has ever been seen.
     NoMarkers,
@@ -315,11 +315,11 @@ impl Stillness {
     }
 }
 
-/// How many pictures are looked at.
+/// How many pictures are processed.
 #[derive(Default)]
 struct Rate {
     began_ns: Option<u64>,
-    /// Time, and pictures that nobody looked at before it.
+    /// Time, and the pictures before it that were not processed.
     recent: VecDeque<(u64, u32)>,
     slow_since_ns: Option<u64>,
 }

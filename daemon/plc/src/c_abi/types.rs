@@ -73,9 +73,9 @@ pub struct AndonVerdict {
     pub threshold: f32,
     /// What the measure is that is out of its bounds, in the unit of `measure`; NaN if none is.
     pub measured: f32,
-    /// The least of it that was shown; NaN if none is out of its bounds.
+    /// The minimum that was shown; NaN if none is out of its bounds.
     pub shown_min: f32,
-    /// The most of it that was shown; NaN if none is out of its bounds.
+    /// The maximum that was shown; NaN if none is out of its bounds.
     pub shown_max: f32,
     /// Context features x_c of the IU; of its first IU for an activity; 0 for a job.
     pub x_c: [u16; 4],

@@ -390,7 +390,7 @@ impl Handshake {
             return Some("this role has stood still");
         }
         if self.ledger.boot() == 0 {
-            return Some("the journal does not keep yet that this role has started");
+            return Some("the journal has not yet stored the start of this role");
         }
         if !self.is_enabled() {
             return Some("the PLC has not set `enable`, or has cleared it");
@@ -409,7 +409,7 @@ impl Handshake {
             return Some("no job is loaded");
         }
         (!self.commands.has_job(judging))
-            .then_some("the judge has not taken back yet the job that the PLC has loaded")
+            .then_some("the judge has not yet taken back the job that the PLC has loaded")
     }
 
     /// Not while a fault is latched: what runs then has no result that counts, and must not keep the PLC from loading another job. The

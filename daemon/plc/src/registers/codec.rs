@@ -39,7 +39,7 @@ fn words(register: &Register, image: &Image, order: WordOrder) -> Words {
         Get::F32(get) => u64::from(get(image).to_bits()),
         Get::U64(get) => get(image),
         Get::Text(get) => {
-            // A text is no number: its registers have one order, whichever numbers have.
+            // A text is not a number: its registers have one order, whichever numbers have.
             for (word, two) in out.iter_mut().zip(get(image).chunks_exact(2)) {
                 *word = u16::from_be_bytes([two[0], two[1]]);
             }

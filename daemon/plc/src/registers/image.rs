@@ -71,11 +71,7 @@ pub mod control {
     pub const ALL: u16 = (1 << 7) - 1;
     /// Every bit in order, with its name and meaning.
     pub const BITS: [(u16, &str, &str); 7] = [
-        (
-            ENABLE,
-            "enable",
-            "the line watches for as long as this bit is set; carried out once the judge says so",
-        ),
+        (ENABLE, "enable", "the line watches as long as this bit is set; carried out once the judge says so"),
         (
             LOAD_JOB,
             "load_job",

@@ -315,13 +315,13 @@ pub const MAP: &[Register] = &[
         96,
         "shown_min",
         Get::U16(|i| scaled(i, |v| v.shown_min)),
-        "the least of it that was shown, in the same unit",
+        "the minimum that was shown, in the same unit",
     ),
     read(
         97,
         "shown_max",
         Get::U16(|i| scaled(i, |v| v.shown_max)),
-        "the most of it that was shown, in the same unit",
+        "the maximum that was shown, in the same unit",
     ),
     read(98, "sequence_measure", Get::U32(sequence), "the same as `sequence`"),
     write(
@@ -357,7 +357,7 @@ pub const MAP: &[Register] = &[
         "acknowledge_sequence",
         Get::U32(|i| i.control.acknowledge_sequence),
         Access::ReadWrite(|c, v| c.acknowledge_sequence = v as u32),
-        "the `sequence` of the result that `acknowledge` means; 0 whichever is offered",
+        "the `sequence` of the result that `acknowledge` refers to; 0 whichever is offered",
     ),
     write(
         125,

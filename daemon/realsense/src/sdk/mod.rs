@@ -20,7 +20,7 @@ pub use picture::Frame;
 
 /// A camera or a recording that frames come from.
 ///
-/// Where depth is captured, every frame has it: a colour picture without a depth picture of its moment ([`crate::pair`]) is no frame, and counts as
+/// Where depth is captured, every frame has it: a colour picture without a depth picture of its moment ([`crate::pair`]) is not a frame, and counts as
 /// dropped.
 ///
 /// A frame lies in one of the sensor's own buffers, of which there are few: write it out and drop it before the next wait.

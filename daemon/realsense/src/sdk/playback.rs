@@ -76,7 +76,7 @@ impl Playback {
         }
     }
 
-    /// Waits for one [`STEP`]. A slow disk or a busy machine is no fault of the recording: the wait can be repeated.
+    /// Waits for one [`STEP`]. A slow disk or a busy machine is not a fault of the recording: the wait can be repeated.
     fn fetch(&mut self) -> Result<Option<RawFrame>, String> {
         if let Ok(frame) = self.frames.recv_timeout(STEP) {
             return Ok(Some(frame));

@@ -7,7 +7,7 @@ use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// How the pictures are changed before they are looked at.
+/// How the pictures are changed before they are processed.
 pub(crate) struct Change {
     /// An ffmpeg filter that changes pixels and moves none.
     pub(crate) filter: Option<String>,

@@ -111,7 +111,7 @@ impl Station {
         }
     }
 
-    /// Sends verdicts and takes their results until the journal has ended, which it is asked to after so many results.
+    /// Sends verdicts and takes their results until the journal has ended, which it is asked to do after this number of results.
     fn work(&mut self, judge: &mut Sender<Verdict>, stop_after: Option<usize>) {
         let until = Instant::now() + PATIENCE;
         let (mut written, mut before, mut is_asked_to_stop) = (None, 0, false);

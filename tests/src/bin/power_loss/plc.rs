@@ -39,7 +39,7 @@ impl Plc {
         self.results.values().copied()
     }
 
-    /// One cycle: reads, and writes what follows from it. Returns what must not be. A line that does not answer is no fault.
+    /// One cycle: reads, and writes what follows from it. Returns what must not be. A line that does not answer is not a fault.
     pub(crate) fn look(&mut self, port: u16) -> Vec<String> {
         self.client = self.client.take().or_else(|| Modbus::connect(port).ok());
         let Some(mut client) = self.client.take() else { return Vec::new() };

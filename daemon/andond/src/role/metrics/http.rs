@@ -44,7 +44,7 @@ fn answer(mut stream: TcpStream, text: impl FnOnce() -> String) -> io::Result<()
         Request::Metrics => ("200 OK", OPEN_METRICS, text()),
         Request::OtherPath => ("404 Not Found", PLAIN, "the metrics are at /metrics\n".into()),
         Request::OtherMethod => ("405 Method Not Allowed", PLAIN, "only GET is served\n".into()),
-        Request::Bad => ("400 Bad Request", PLAIN, "this is no request of HTTP\n".into()),
+        Request::Bad => ("400 Bad Request", PLAIN, "this is not an HTTP request\n".into()),
     };
     let length = body.len();
     write!(

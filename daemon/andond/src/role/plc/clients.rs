@@ -106,8 +106,8 @@ fn log_refused((address, cause): (IpAddr, Cause), count: u64) {
         }
         Cause::TooMany => log!(
             code::PLC_CLIENT_REFUSED,
-            remedied: "{address} could not connect: as many connections are open as there may be ({count} tries). \
-                       Close those that nobody needs"
+            remedied: "{address} could not connect: the maximum number of connections is open ({count} tries). \
+                       Close those that are not needed"
         ),
         Cause::WritesOff => {
             log!(code::PLC_WRITE_REFUSED, { address = %address }, "{address} may not write: plc.writes is false ({count} tries)");

@@ -59,7 +59,7 @@ fn camera(config: &Config) -> Option<String> {
     match camera.source {
         Source::V4l2 => Some(camera.device.display().to_string()),
         Source::Realsense => {
-            Some(camera.serial.clone().unwrap_or_else(|| "the first RealSense camera that is found".into()))
+            Some(camera.serial.clone().unwrap_or_else(|| "the only RealSense camera".into()))
         }
         Source::Video | Source::Images | Source::Tracks | Source::Bag => None,
     }

@@ -13,7 +13,7 @@ pub(super) struct Row {
     clip: String,
     expected: Option<Outcome>,
     said: Option<Outcome>,
-    /// How many frames per second were looked at.
+    /// How many frames per second were processed.
     managed_hz: f32,
 }
 

@@ -19,7 +19,7 @@ const TRACK: f64 = 14.0;
 /// Letters in a line of a step, at about 6.5 pixels each.
 const LETTERS: usize = 36;
 
-/// So many names of runs fit below the picture.
+/// The number of names of runs that fit below the picture.
 const NAMES: usize = 3;
 
 /// Ends of arrows: they have no colour of their own, because a marker takes none from its line everywhere.

@@ -172,7 +172,7 @@ impl Trajectories {
         held.filter(|_| way.norm() > MOVED_M)
     }
 
-    /// The first frame so many seconds after this one or later.
+    /// The first frame that is at least this many seconds later.
     fn after(&self, frame: usize, seconds: f64) -> Option<usize> {
         // A millionth of a second clears the rounding of times.
         let at = self.times_s[frame] + seconds - 1e-6;

@@ -16,7 +16,7 @@ pub(super) enum Deed {
     Freeze,
     /// The same scene again and again, with new noise in every picture.
     Pause,
-    /// Only one of so many pictures is looked at.
+    /// Only every n-th picture is processed.
     Skip(usize),
     /// From the beginning no hand is looked for, and one would be wanted.
     HideHands,
