@@ -1,9 +1,11 @@
 //! The metrics of a running line, fetched as a monitoring system fetches them.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_ipc::{Node, Stop};
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, Watcher, status};
 use andon_tests::python::{all_output, python};
-use shm_schemas::{VerdictLevel, VerdictOutcome};
+use rustix::process::Signal;
+use shm_schemas::{Detections, RoleId, VerdictLevel, VerdictOutcome};
 use std::collections::BTreeMap;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -81,14 +83,20 @@ fn verdicts(found: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
 /// A live line whose metrics have begun before its judge.
 fn measured() -> (Line, Watcher, u16) {
     let mut line = Line::new(Settings::live());
+    let port = measure(&mut line);
+    let watcher = Watcher::join(&line.station);
+    line.start_all_but(&["steward"]);
+    (line, watcher, port)
+}
+
+/// Starts steward and metrics, which is before everything that they measure. Returns where the metrics are served.
+fn measure(line: &mut Line) -> u16 {
     let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     line.reconfigure("[plc]\n", &format!("[metrics]\nenable = true\nport = {port}\n\n[plc]\n"));
     line.start("steward");
-    let watcher = Watcher::join(&line.station);
     line.start("metrics");
     line.wait_for_log("metrics", "AND-617", "");
-    line.start_all_but(&["steward"]);
-    (line, watcher, port)
+    port
 }
 
 #[test]
@@ -128,6 +136,74 @@ fn verdicts_restarts_frames_latencies_and_readiness_are_counted_right() {
     for role in ["steward", "perceive", "encode", "journal", "plc"] {
         assert_eq!(found[&format!("andon_role_restarts_total{{role=\"{role}\"}}")], 0.0, "{role}");
     }
+}
+
+/// The verdicts that the journal has, by the columns of `andond history`, as the metrics must count them.
+fn journalled(line: &Line) -> BTreeMap<String, f64> {
+    let output = line.command("history", &["--csv"]);
+    assert!(output.status.success(), "{}", all_output(&output));
+    let text = String::from_utf8(output.stdout).unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| rows[0].iter().position(|column| *column == name).unwrap();
+    let [entry, level, outcome] = ["entry", "level", "outcome"].map(column);
+    let mut tally = BTreeMap::new();
+    for row in rows.iter().filter(|row| row[entry] == "verdict") {
+        let name = format!("andon_verdicts_total{{level=\"{}\",outcome=\"{}\"}}", row[level], row[outcome]);
+        *tally.entry(name).or_insert(0.0) += 1.0;
+    }
+    tally
+}
+
+/// Seconds of a film of 30 pictures a second.
+const SECONDS: u32 = 12;
+
+#[test]
+fn frames_are_counted_as_the_channel_numbers_them_and_verdicts_as_the_journal_has_them() {
+    let seconds = SECONDS.to_string();
+    let mut line = Line::with_film("speed = \"file\"", "", &["-i", "p1_J1_r1.mp4", "-t", &seconds]);
+    line.reconfigure("loop = true", "loop = false");
+    let port = measure(&mut line);
+    let mut watcher = Watcher::join(&line.station);
+    line.start_all_but(&["steward"]);
+    let node = Node::open(&line.station, RoleId::Tool, PATIENCE, &Stop::new().unwrap()).unwrap();
+    let mut detections = node.reader::<Detections>().unwrap();
+    line.start("capture");
+    // Frames go on while `perceive` stands still, and it goes on with the newest.
+    watcher.until("some frames", |watcher| {
+        watcher.health(RoleId::Perceive).is_some_and(|health| health.sent > 30)
+    });
+    line.role("perceive").signal(Signal::STOP);
+    let before = watcher.health(RoleId::Capture).unwrap().sent;
+    watcher.until("frames that nobody looks at", |watcher| {
+        watcher.health(RoleId::Capture).unwrap().sent > before + 30
+    });
+    line.role("perceive").signal(Signal::CONT);
+    watcher.until_judged();
+
+    // What was looked at last says how many were, and which frame of the film it was.
+    let mut newest = None;
+    while let Some(seen) = detections.take().unwrap() {
+        newest = Some(seen.stamp);
+    }
+    let newest = newest.unwrap();
+    // The end of a recording is told by a message of its own.
+    let frames = 30 * u64::from(SECONDS) + 1;
+    assert_eq!(newest.frame_seq, frames, "the film has one less");
+    let expected = [
+        ("andon_frames_captured_total", frames),
+        ("andon_frames_processed_total", newest.seq),
+        ("andon_frames_skipped_total", frames - newest.seq),
+    ];
+    assert!(frames - newest.seq >= 30, "{expected:?}");
+    let found = until(port, &mut watcher, "the numbers of the end", |found, watcher| {
+        let is = |(name, number): &(&str, u64)| found[*name] == *number as f64;
+        expected.iter().all(is) && verdicts(found) == tally(watcher)
+    });
+    assert!(!verdicts(&found).is_empty() && verdicts(&found) == journalled(&line), "{found:?}");
+    // They stay.
+    watcher.listen(Duration::from_secs(1));
+    let later = samples(&scrape(port));
+    assert!(expected.iter().all(|(name, number)| later[*name] == *number as f64), "{expected:?} {later:?}");
 }
 
 /// Reads the text as Prometheus's own library for Python does, which refuses what the standard does not allow.

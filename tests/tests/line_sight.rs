@@ -1,44 +1,11 @@
 //! What a line says of its own sight: in the log, in the health, to the PLC, by its tools and in the journal.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Line, PATIENCE, Watcher, andond};
+use andon_tests::line::{Line, PATIENCE, Watcher, andond, root};
 use shm_schemas::{RoleId, Sight};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..").canonicalize().unwrap()
-}
-
-/// A station that plays a film which is made by ffmpeg from these arguments.
-fn line_with_film(camera: &str, perception: &str, ffmpeg: &[&str]) -> Line {
-    let line = Line::configured(|folder, port| {
-        let shipped = std::fs::read_to_string(root().join("config/stations/film.toml")).unwrap();
-        let (_, objects) = shipped.split_once("[[objects]]").unwrap();
-        let (objects, _) = objects.split_once("[plc]").unwrap();
-        let models = root().join("target/runtime");
-        let job = root().join("config/jobs/polish-and-measure.toml");
-        format!(
-            "[station]\nname = \"line\"\nroot = {folder:?}\njob = {job:?}\n\n\
-             [camera]\nsource = \"video\"\npath = \"film.mkv\"\nloop = true\n{camera}\n\n\
-             [perception]\nhands = [\"right\"]\nmodels = {models:?}\n{perception}\n\n\
-             [journal]\npath = \"journal.sqlite\"\n\n\
-             [plc]\nenable = true\nport = {port}\n\n[[objects]]{objects}"
-        )
-    });
-    let lossless = ["-pix_fmt", "yuv420p", "-preset", "ultrafast", "-qp", "0"];
-    let status = Command::new("ffmpeg")
-        .args(["-v", "error"])
-        .args(ffmpeg)
-        .args(lossless)
-        .arg(line.path("film.mkv"))
-        .current_dir(root().join("tests/footage"))
-        .status()
-        .expect("ffmpeg is needed: run `make test-packages`, or apt install ffmpeg");
-    assert!(status.success());
-    line
-}
 
 /// As fast as it can be processed: nothing is dropped.
 const MAX: &str = "speed = \"max\"";
@@ -48,7 +15,7 @@ const NOISE: &str = "noise=alls=4:allf=t";
 /// A station that plays a shipped clip again and again; from its fourth second on this is done to it, until its ninth.
 fn line_that_shows(filter: &str) -> Line {
     let filter = format!("{filter},{NOISE}");
-    line_with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "12", "-vf", &filter])
+    Line::with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "12", "-vf", &filter])
 }
 
 /// Runs a command until it prints this; panics after [`PATIENCE`].
@@ -154,7 +121,7 @@ fn a_white_picture_is_said_everywhere_and_undone_when_it_is_over() {
 fn a_picture_that_stands_still_is_said_everywhere_and_undone_when_it_is_over() {
     // The noise comes first: a camera that has stopped repeats it as well.
     let film = format!("{NOISE},loop=loop=180:size=1:start=120");
-    let line = line_with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "14", "-vf", &film]);
+    let line = Line::with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "14", "-vf", &film]);
     said_and_undone(line, Sight::Frozen, &blind("AND-212", "the picture has stopped", "Unplug the camera"));
 }
 
@@ -203,7 +170,7 @@ fn parts_that_move_without_a_hand_are_said_everywhere_and_undone_when_they_lie_s
          [bench][brick]overlay=x='260+40*clip(t-2,0,5)':y=164,{NOISE}"
     );
     let still = ["-loop", "1", "-framerate", "30", "-t", "14", "-i", "picture.png"];
-    let line = line_with_film(MAX, "", &["-f", "lavfi", "-i", "color=s=640x480:d=0.1"]);
+    let line = Line::with_film(MAX, "", &["-f", "lavfi", "-i", "color=s=640x480:d=0.1"]);
     let picture = line.path("picture.png");
     let ffmpeg = |arguments: &[&str], out: &Path| {
         let status = Command::new("ffmpeg")
@@ -231,7 +198,7 @@ fn parts_that_move_without_a_hand_are_said_everywhere_and_undone_when_they_lie_s
 fn too_few_frames_are_said_everywhere_and_undone_when_there_are_enough() {
     // Of ten pictures a second, of 500, and of ten again: more than any machine looks at.
     let film = "setpts='if(lt(N,60),N/10,if(lt(N,2060),6+(N-60)/500,10+(N-2060)/10))/TB'";
-    let line = line_with_film(
+    let line = Line::with_film(
         "speed = \"file\"",
         "",
         &[
@@ -260,9 +227,9 @@ fn too_few_frames_are_said_everywhere_and_undone_when_there_are_enough() {
 fn markers_of_another_dictionary_and_other_ids_are_said_everywhere() {
     let words = blind("AND-219", "none of the station's markers", "Compare the printed markers");
     let clip = ["-i", "p1_none_r1.mp4", "-t", "8", "-vf", NOISE];
-    let mut line = line_with_film(MAX, "dictionary = \"DICT_5X5_50\"", &clip);
+    let mut line = Line::with_film(MAX, "dictionary = \"DICT_5X5_50\"", &clip);
     said(&mut line, Sight::NoMarkers, &words);
-    let mut line = line_with_film(MAX, "", &clip);
+    let mut line = Line::with_film(MAX, "", &clip);
     for (own, other) in [(5, 25), (6, 26), (3, 23)] {
         line.reconfigure(&format!("id = {own}\n"), &format!("id = {other}\n"));
     }

@@ -167,12 +167,12 @@ fn the_whole_work_is_right() {
     assert_eq!(jobs, [Outcome::Ok]);
 }
 
-/// Why IUs and activities are not judged when these stretches are deleted.
+/// Why IUs, activities and jobs are not judged when these stretches are deleted.
 fn unjudged_reasons(hidden: Hidden, stretches: &[(usize, usize)]) -> Vec<Reason> {
     let stretches: Vec<_> = stretches.iter().map(|(begin, count)| (hidden, *begin, *count)).collect();
     let verdicts = judged(&delete(work(), &stretches, 1, 0));
     let unjudged = verdicts.iter().filter(|verdict| verdict.outcome == Outcome::NotJudged);
-    unjudged.filter(|verdict| verdict.level != Level::Job).map(|verdict| verdict.reason).collect()
+    unjudged.map(|verdict| verdict.reason).collect()
 }
 
 proptest! {

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
-use andon_core::couple::{Couples, Encoder, Refused, Unusable};
+use andon_core::couple::{Context, Couples, Encoder, Refused, Unusable};
 use andon_core::input::{Frame, Object, Side};
 use andon_core::object::{Meeting, StartPlace};
 use andon_core::set::ActivitySet;
@@ -170,6 +170,20 @@ fn a_held_object_whose_marker_is_hidden_moves_with_the_hand() {
     );
     assert!(couples.iter().all(|couples| couples.hands[0].is_in_sight()));
     assert!((45..55).all(|frame| couples[frame].hands[0].motion.unwrap().0[3] == 1));
+}
+
+#[test]
+fn a_part_that_the_hand_was_seen_to_leave_behind_is_not_carried_off_when_it_is_hidden() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.1, 0.0], 20).rest(10);
+    bench.let_go(Side::Right).go([0.1, -0.2], 10).rest(25);
+    // In frame 51 the hand is on its way, and still so near that it could hold the part.
+    for frame in &mut bench.frames[52..70] {
+        frame.objects.clear();
+    }
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert_eq!(just_contexts(&couples, Side::Right), [[1, TOOL, 0, 0]]);
+    assert!(couples[65..].iter().all(|couples| couples.hands[0].context == Context::IDLE));
 }
 
 #[test]

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod client;
+mod film;
 mod journalled;
 mod process;
 mod shift;
@@ -12,6 +13,7 @@ mod stand_in;
 mod watcher;
 
 pub use client::{Modbus, control, status};
+pub use film::root;
 pub use journalled::Journalled;
 pub use process::{Process, andond, own_memory_kib};
 pub use shift::{Counted, Kept, Shift, Told, account, kept, told, told_last};

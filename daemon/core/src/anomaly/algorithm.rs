@@ -3,6 +3,7 @@
 use super::activity::{Against, OpenActivity, Step, context_reason};
 use super::comparison::{Extent, Memory};
 use super::hand::{Finding, HandJudge, OpenIu};
+use super::missed::Missed;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion};
@@ -31,11 +32,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
-    pub(super) fn observe(&mut self, couple: &Couple, progress: &mut Progress<'a>) {
+    pub(super) fn observe(&mut self, couple: &Couple, is_captured: bool, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
         self.missed.skip_to(couple.captured_ns);
         let hidden = self.watch.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
+        progress.count_missed(couple, is_captured, hidden > 0);
         if let Some(activity) = &mut self.activity {
             activity.add_hidden(self.watch.newly_hidden());
             // An IU that began in doubt is confirmed elsewhere.
@@ -229,7 +231,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_rest;
-        self.missed.count(couple, is_captured, is_forgotten);
+        if is_forgotten {
+            self.missed.forget();
+        } else {
+            self.missed.count(couple, is_captured);
+        }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
@@ -345,8 +351,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Why too little is known of the open IU or activity: most of the frames that would have shown it never came, or they did not show it.
     pub(super) fn unseen_reason(&self) -> Reason {
         let is_overloaded = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
-        let has_missed = self.missed.uncaptured > self.missed.captured;
-        if self.iu.is_some_and(is_overloaded) || has_missed { Reason::Overload } else { Reason::Blind }
+        if self.iu.is_some_and(is_overloaded) { Reason::Overload } else { Missed::reason(&[self.missed]) }
     }
 
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.

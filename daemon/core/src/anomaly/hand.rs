@@ -2,10 +2,11 @@
 
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Extent, Memory};
+use super::missed::Missed;
 use super::progress::Progress;
 use super::watch::Watch;
 use crate::config::Method;
-use crate::couple::{Context, Couple, Sight};
+use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
@@ -50,45 +51,8 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) comparisons: Comparisons<'a, M>,
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
+    /// Of the open activity, and of the doubt before it.
     pub(super) missed: Missed,
-}
-
-/// How many frames of the open activity, and of the doubt before it, did not show what the hand acts on.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Missed {
-    period_ns: u64,
-    newest_ns: u64,
-    /// The hand or an object was hidden in them.
-    pub(super) captured: u32,
-    /// They never came.
-    pub(super) uncaptured: u32,
-}
-
-impl Missed {
-    fn new(period_ns: u64) -> Self {
-        Self { period_ns, newest_ns: u64::MAX, captured: 0, uncaptured: 0 }
-    }
-
-    /// The next couple is of this time. Of a long gap, not all frames of the grid have a couple.
-    pub(super) fn skip_to(&mut self, captured_ns: u64) {
-        let elapsed_ns = captured_ns.saturating_sub(self.newest_ns).saturating_sub(self.period_ns / 2);
-        let missing = u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX);
-        self.uncaptured = self.uncaptured.saturating_add(missing);
-        self.newest_ns = captured_ns;
-    }
-
-    /// Takes that couple. `is_forgotten` if neither it nor anything before it matters.
-    pub(super) fn count(&mut self, couple: &Couple, is_captured: bool, is_forgotten: bool) {
-        // What is seen and not clear behind frames that never came is so because of them.
-        let is_hidden = couple.sight != [Sight::Seen; 3] || self.uncaptured == 0;
-        if is_forgotten {
-            *self = Self { newest_ns: self.newest_ns, ..Self::new(self.period_ns) };
-        } else if !is_captured {
-            self.uncaptured = self.uncaptured.saturating_add(1);
-        } else if !couple.is_clear && is_hidden {
-            self.captured = self.captured.saturating_add(1);
-        }
-    }
 }
 
 /// What was decided on an IU.

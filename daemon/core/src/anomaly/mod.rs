@@ -60,6 +60,7 @@ mod alignment;
 mod comparison;
 mod hand;
 mod measure;
+mod missed;
 mod places;
 mod progress;
 mod watch;
@@ -76,6 +77,7 @@ use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
 use hand::HandJudge;
+use missed::Missed;
 use progress::Progress;
 
 /// Why work cannot be judged against a job.
@@ -222,7 +224,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             segmenter,
             bench: Bench {
                 hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, &method)),
-                progress: Progress::new(job),
+                progress: Progress::new(job, [Missed::new(method.period_ns()); HANDS]),
             },
         })
     }
@@ -242,7 +244,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
-            hand.observe(couple, &mut bench.progress);
+            hand.observe(couple, couples.is_captured, &mut bench.progress);
         }
         bench.progress.set_undone(couples.undone);
         if couples.has_moved_unseen {

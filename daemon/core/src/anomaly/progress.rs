@@ -1,7 +1,8 @@
 //! The job level: which activities have come, which are missing, and in which order they came.
 
+use super::missed::Missed;
 use crate::capacity::HANDS;
-use crate::couple::Context;
+use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
@@ -57,6 +58,8 @@ pub(super) struct Progress<'a> {
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
     hidden_frames: u32,
+    /// For each hand, what has been missed since then.
+    missed: [Missed; HANDS],
     /// An activity was not seen well enough to say which one it is.
     is_doubtful: bool,
     fault: Option<Fault>,
@@ -69,7 +72,7 @@ pub(super) struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    pub(super) fn new(job: &'a Job<'a>) -> Self {
+    pub(super) fn new(job: &'a Job<'a>, missed: [Missed; HANDS]) -> Self {
         Self {
             job,
             now_ns: 0,
@@ -91,6 +94,7 @@ impl<'a> Progress<'a> {
             undone: ActivitySet::EMPTY,
             is_start_expected: false,
             hidden_frames: 0,
+            missed,
             is_doubtful: false,
             fault: None,
             unjudged_reason: None,
@@ -101,7 +105,9 @@ impl<'a> Progress<'a> {
 
     pub(super) fn begin(&mut self, began_ns: u64, is_start_seen: bool) {
         // Before a start that was seen, nothing of the job was hidden.
-        let hidden_frames = if is_start_seen { 0 } else { self.hidden_frames };
+        if is_start_seen {
+            self.forget_hidden();
+        }
         let (undone_first, undone) = (self.undone_first | self.seen_undone, self.seen_undone);
         let may_precede = self.all().without(undone_first | self.behind(undone_first));
         let is_start_seen = is_start_seen || self.is_start_expected || may_precede.is_empty();
@@ -114,16 +120,16 @@ impl<'a> Progress<'a> {
             seen_undone: undone,
             undone_first,
             undone,
-            hidden_frames,
+            hidden_frames: self.hidden_frames,
             is_open: true,
-            ..Self::new(self.job)
+            ..Self::new(self.job, self.missed)
         };
     }
 
     /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece.
     pub(super) fn set_moved_unseen(&mut self) {
         if self.is_open && self.activities > 0 && !self.is_matched() {
-            self.unjudged_reason = self.unjudged_reason.or(Some(Reason::Blind));
+            self.unjudged_reason = self.unjudged_reason.or(Some(Missed::reason(&self.missed)));
         }
     }
 
@@ -163,6 +169,21 @@ impl<'a> Progress<'a> {
     pub(super) fn set_hidden(&mut self, side: Side, frames: u32, is_hidden: bool) {
         self.hidden_frames = self.hidden_frames.max(frames);
         self.is_hidden[side.index()] = is_hidden;
+    }
+
+    /// Takes how well the next couple of a hand shows what it does. A hand that has never been seen is not hidden.
+    pub(super) fn count_missed(&mut self, couple: &Couple, is_captured: bool, is_hidden: bool) {
+        let missed = &mut self.missed[couple.side.index()];
+        missed.skip_to(couple.captured_ns);
+        if is_hidden || !is_captured {
+            missed.count(couple, is_captured);
+        }
+    }
+
+    /// What was hidden up to now does not matter any more.
+    fn forget_hidden(&mut self) {
+        self.hidden_frames = 0;
+        self.missed.iter_mut().for_each(Missed::forget);
     }
 
     /// An activity came that was not seen well enough to say which one it is.
@@ -467,7 +488,7 @@ impl<'a> Progress<'a> {
         let (outcome, fault) = self.outcome();
         self.undone_first = ActivitySet::EMPTY;
         self.is_start_expected = outcome == Outcome::Ok;
-        self.hidden_frames = 0;
+        self.forget_hidden();
         emit(Verdict {
             level: Level::Job,
             outcome,
@@ -511,7 +532,7 @@ impl<'a> Progress<'a> {
                 None if missing.is_empty() && self.is_start_seen => {
                     (Outcome::Ok, because(Reason::None, None))
                 }
-                None => (Outcome::NotJudged, because(Reason::Blind, None)),
+                None => (Outcome::NotJudged, because(Missed::reason(&self.missed), None)),
             },
         }
     }

@@ -139,8 +139,9 @@ impl Camera {
         if (now_ns.saturating_sub(place.since_ns) as f32) < REST_S * S {
             return None;
         }
-        let (from, _, left_ns) = place.lay.replace((place.at, place.since_ns, now_ns))?;
-        let (to, arrived_ns) = (place.at, place.since_ns);
+        // By now it has settled.
+        let (from, _, left_ns) = place.lay.replace((corners, place.since_ns, now_ns))?;
+        let (to, arrived_ns) = (corners, place.since_ns);
         // A hand that has just let go of the part moved it, and so did one that was there when it left.
         let is_handled = place.handled_ns > 0 && place.handled_ns + (AT_ONCE_S * S) as u64 >= left_ns;
         Some(Move { id, from, to, left_ns, arrived_ns, is_handled })
@@ -159,13 +160,21 @@ impl Camera {
         let last_ns = together.iter().map(|moved| moved.arrived_ns).max()?;
         let alone: Vec<Move> = together.iter().filter(|moved| !moved.is_handled).copied().collect();
         let shift = Shift::of(&alone)?;
-        // What lies in the middle of a turn is hardly moved by it.
-        let has_stayed =
-            self.places.iter().filter_map(|place| place.lay).any(|(lay, lay_since_ns, seen_ns)| {
-                lay_since_ns < since_ns && seen_ns > last_ns && !is_within(MOVED, &lay, &shift.takes(&lay))
-            });
-        // A part that a hand carries while the camera is pushed comes to lie somewhere later.
-        let must_fit = |moved: &Move| !moved.is_handled || moved.arrived_ns <= arrived_ns + at_once_ns;
+        // What lies in the middle of a turn is hardly moved by it, and what is on its way may pass by where it lay.
+        let has_stayed = self.places.iter().any(|place| {
+            place.lay.is_some_and(|(lay, lay_since_ns, seen_ns)| {
+                let is_there =
+                    lay_since_ns < since_ns && seen_ns > last_ns && is_within(MOVED, &lay, &place.at);
+                is_there && !is_within(MOVED, &lay, &shift.takes(&lay))
+            })
+        });
+        let pushed_ns = alone.iter().map(|moved| moved.left_ns).max()?;
+        // A part that was in a hand before the camera was pushed, or is in one for longer, has gone a way of its own as well.
+        let must_fit = |moved: &Move| {
+            let is_carried =
+                moved.left_ns + at_once_ns < pushed_ns || moved.arrived_ns > arrived_ns + at_once_ns;
+            !moved.is_handled || !is_carried
+        };
         if has_stayed || together.iter().any(|moved| must_fit(moved) && !shift.moves(moved)) {
             return None;
         }

@@ -1,7 +1,8 @@
 //! Follows the measures of the pictures, and what was seen in them.
 
 use super::camera::Camera;
-use super::look::Look;
+use super::look::{Look, distance};
+use crate::detections::OBJECTS;
 use crate::picture::{CELLS, Picture};
 use std::collections::VecDeque;
 
@@ -351,6 +352,9 @@ impl Rate {
     }
 }
 
+/// Where the markers of a look are, by their ids.
+type Places = heapless::Vec<(u16, [f32; 2]), OBJECTS>;
+
 /// Whether markers and hands come together.
 #[derive(Default)]
 struct Work {
@@ -358,8 +362,8 @@ struct Work {
     previous_ns: Option<u64>,
     /// Time with hands and without any marker so far, in seconds.
     hands_alone_s: f32,
-    /// Where each marker came to be some time ago, and when.
-    rest: Vec<(u16, [f32; 2], u64)>,
+    /// The newest looks: when, and where each marker was.
+    recent: VecDeque<(u64, Places)>,
     /// Time for which parts have moved since a hand was last seen, in seconds, and since when.
     moving_s: f32,
     moving_since_ns: Option<u64>,
@@ -402,23 +406,21 @@ impl Work {
         }
     }
 
-    /// Number of markers that have moved lately.
+    /// Number of markers that have moved lately. One that was out of sight for longer was moved when nobody saw.
     fn moving(&mut self, look: &Look) -> usize {
-        let mut moving = 0;
-        for marker in &look.markers {
-            let (id, place) = (marker.id, marker.place());
-            let Some((_, rest, since_ns)) = self.rest.iter_mut().find(|(known, ..)| *known == id) else {
-                self.rest.push((id, place, look.at_ns));
-                continue;
-            };
-            let is_away = (place[0] - rest[0]).hypot(place[1] - rest[1]) > MOVED;
-            let age_s = look.at_ns.saturating_sub(*since_ns) as f32 / S;
-            // One that was out of sight for long was moved when nobody saw.
-            moving += usize::from(is_away && age_s <= 2.0 * MOVE_S);
-            if age_s > MOVE_S {
-                (*rest, *since_ns) = (place, look.at_ns);
-            }
+        let age_s = |at_ns: u64| look.at_ns.saturating_sub(at_ns) as f32 / S;
+        // With few pictures per second, the one before is all there is to compare with.
+        let reach_s = |looks: usize| if looks > 1 { MOVE_S } else { 2.0 * MOVE_S };
+        while self.recent.front().is_some_and(|(at_ns, _)| age_s(*at_ns) > reach_s(self.recent.len())) {
+            self.recent.pop_front();
         }
+        let has_moved = |(id, place): &(u16, [f32; 2])| {
+            let mut before = self.recent.iter().flat_map(|(_, places)| places);
+            before.any(|(known, was)| known == id && distance(*place, *was) > MOVED)
+        };
+        let places: Places = look.markers.iter().map(|marker| (marker.id, marker.place())).collect();
+        let moving = places.iter().filter(|place| has_moved(place)).count();
+        self.recent.push_back((look.at_ns, places));
         moving
     }
 

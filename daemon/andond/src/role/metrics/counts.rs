@@ -82,7 +82,8 @@ impl Counts {
 
     fn register(&mut self) {
         let r = &mut self.registry;
-        r.register("frames_captured", "Frames from the camera or the recording", self.captured.clone());
+        let captured = "Frames from the camera or the recording, whose end counts as one";
+        r.register("frames_captured", captured, self.captured.clone());
         r.register(
             "frames_processed",
             "Frames in which hands and objects were looked for",

@@ -99,14 +99,18 @@ impl Scene {
         self.method.rest_speed_m_s * f32::from(self.method.persist_frames) / self.method.rate_hz
     }
 
-    /// Whether the hand moves away from the object, which does not follow, so that it is not at it any more when a change would be believed.
+    /// Whether the hand moves away from the object, so that it is not at it any more when a change would be believed.
     fn leaves(&self, hand: usize, object: usize, age: usize) -> bool {
-        let on_m = self.method.hand_contact.on_m;
+        let Some((newest, _)) = self.relative_path(hand, object, age) else { return false };
+        let is_away = self.distance_from_hand(hand, object, newest) > self.hand_contact(object).on_m;
+        is_away && self.moves_away(hand, object, age)
+    }
+
+    /// Whether the hand moves away from the object, which does not follow, while a change would be believed.
+    pub(super) fn moves_away(&self, hand: usize, object: usize, age: usize) -> bool {
         let Some((newest, path_m)) = self.relative_path(hand, object, age) else { return false };
-        let distance = self.distance_from_hand(hand, object, newest);
-        distance > self.hand_contact(object).on_m
-            && distance > self.distance_from_hand(hand, object, age)
-            && path_m > on_m / 2.0
+        self.distance_from_hand(hand, object, newest) > self.distance_from_hand(hand, object, age)
+            && path_m > self.method.hand_contact.on_m / 2.0
             && !self.follows(hand, object, age)
     }
 

@@ -185,6 +185,7 @@ impl Scene {
     /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand is out of sight. An object
     /// that was hidden before it was grasped is taken to lie where it was last seen. What a hand merely passes over it does not carry.
     fn update_grips(&mut self) {
+        let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
             if pose.source != Source::Seen
@@ -194,13 +195,19 @@ impl Scene {
                 node.grip = node.grip.filter(|_| !lost);
                 continue;
             }
-            let holds = |hand: &usize| {
-                self.hands[*hand].ago(0).source == Source::Seen
-                    && self.touches[*hand][index].is_near()
-                    && matches!(self.interactions[*hand], Interaction::Acts { j, .. } if j == index)
-            };
-            node.grip = (0..HANDS).find(holds).map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
+            let hand = held.iter().position(|held| *held == Some(index));
+            node.grip = hand.map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
         }
+    }
+
+    /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:
+    /// it takes longer to believe that the hand has let go.
+    fn gripped(&self, hand: usize) -> Option<usize> {
+        let Interaction::Acts { j, .. } = self.interactions[hand] else { return None };
+        let holds = self.hands[hand].ago(0).source == Source::Seen
+            && self.touches[hand][j].is_near()
+            && !self.moves_away(hand, j, self.method.persist_frames.into());
+        holds.then_some(j)
     }
 
     /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
