@@ -6,7 +6,7 @@
 
 use super::bounds::UNBOUNDED;
 use super::people::People;
-use crate::statistics::{deviation, mean, student_t};
+use crate::statistics::{deviation, mean, median, student_t};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
 use andon_core::job::{MeasureBounds, Shown};
@@ -128,9 +128,9 @@ impl Rates {
     }
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {
-        let counts: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
+        let counts: Vec<f64> = likely_reversals(shown).map(f64::from).collect();
         let (centre, apart) = self.interval(&counts, PRIOR_REVERSALS, self.reversals);
-        let most = shown.iter().map(|measures| measures.reversals).max().unwrap_or_default();
+        let most = likely_reversals(shown).max().unwrap_or_default();
         let stray = if is_repeated(shown) { 0 } else { STRAY_REVERSALS };
         Bounds {
             min: if is_repeated(shown) { (centre - apart).ceil().max(0.0) as u32 } else { 0 },
@@ -195,13 +195,21 @@ fn what_was_shown(shown: &[Measures], frames: &[u32], bounds: &MeasureBounds) ->
     let most = |distances: &mut dyn Iterator<Item = f32>| distances.fold(0.0, f32::max);
     Shown {
         frames: counts(frames.iter().copied()),
-        reversals: counts(shown.iter().map(|measures| measures.reversals)),
+        reversals: counts(likely_reversals(shown)),
         stroke_m: lengths(shown.iter().filter_map(|measures| measures.stroke_m)),
         path_m: lengths(shown.iter().map(|measures| measures.path_m)),
         detour_m: most(&mut shown.iter().map(|measures| measures.detour_m)),
         axis: most(&mut shown.iter().map(|measures| bounds.axis.distance(measures.axis))),
         place_m: most(&mut shown.iter().map(|measures| bounds.place_m.distance(measures.place_m))),
     }
+}
+
+/// The reversals of each demonstration. Where some may have been hidden, as many as bring it nearest to the others: a hand that was not seen for
+/// a moment made no fewer strokes.
+fn likely_reversals(shown: &[Measures]) -> impl Iterator<Item = u32> + Clone {
+    let seen: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
+    let usual = median(&seen) as u32;
+    shown.iter().map(move |of| usual.clamp(of.reversals, of.reversals.saturating_add(of.hidden_reversals)))
 }
 
 fn counts(values: impl Iterator<Item = u32> + Clone) -> Bounds {
@@ -246,4 +254,19 @@ pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, one_person
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
     // Half of them on each side.
     (mean(values), student_t(freedom, false_alarms / 2.0) * spread)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_demonstration_in_which_strokes_were_hidden_does_not_make_fewer_strokes_right() {
+        let shown =
+            |reversals, hidden_reversals| Measures { reversals, hidden_reversals, ..Measures::default() };
+        let likely = |shown: &[Measures]| likely_reversals(shown).collect::<Vec<_>>();
+        assert_eq!(likely(&[shown(13, 0), shown(9, 5), shown(13, 1), shown(12, 0)]), [13, 12, 13, 12]);
+        assert_eq!(likely(&[shown(13, 0), shown(9, 1), shown(13, 1)]), [13, 10, 13]);
+        assert_eq!(likely(&[shown(13, 0), shown(7, 0)]), [13, 7]);
+    }
 }

@@ -264,7 +264,7 @@ impl Teacher<'_> {
         );
         let taught = TaughtIu {
             context,
-            threshold: learned.threshold(*rule, f64::from(method.rate_hz), self.people.one_person) as f32,
+            threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people) as f32,
             frames: self.frames(context, &frames),
             reversals,
             measures,

@@ -20,7 +20,7 @@ pub(super) struct People {
     /// How probable it is that one person showed all the runs: as the names of the files say it (`p<person>_...`), or else as the runs agree
     /// in their pace and in the length of their strokes; both may be expected where nothing is known.
     pub(super) one_person: f64,
-    /// How many times as much as people in general they differ, at least: 1 or more.
+    /// How many times as much as people in general they differ: 1 unless it is sure that it is more.
     pub(super) variety: f64,
 }
 
@@ -39,12 +39,13 @@ impl People {
     }
 }
 
-/// The least variance that explains these deviations, as a multiple of that of people in general.
+/// The standard deviation of these deviations, as a multiple of that of people in general; 1 where chance may explain that it is more.
 fn variety(deviations: &[Vec<f64>]) -> f64 {
     let freedom: usize = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum();
     let squares: f64 = deviations.iter().flatten().map(|deviation| deviation.powi(2)).sum();
     let in_general = BETWEEN_RUNS.powi(2) + BETWEEN_PEOPLE.powi(2);
-    (squares / in_general / chi_squared(freedom as f64, SURE)).sqrt().max(1.0)
+    let ratio = squares / in_general;
+    if ratio > chi_squared(freedom as f64, SURE) { (ratio / freedom as f64).sqrt() } else { 1.0 }
 }
 
 /// The logarithm of how much more probable these deviations are for one person than for a different one in each run.

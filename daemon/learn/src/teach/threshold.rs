@@ -1,5 +1,6 @@
 //! From the demonstrations of an IU to its barycentre and threshold.
 
+use super::people::People;
 use crate::barycentre::Barycentres;
 use crate::rule::ThresholdRule;
 use crate::statistics::{deviation, mean};
@@ -65,9 +66,9 @@ pub(super) fn learn(
 }
 
 impl Learned {
-    /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `one_person` how probable it is that one person
-    /// showed all demonstrations.
-    pub(super) fn threshold(&self, rule: ThresholdRule, rate_hz: f64, one_person: f64) -> f64 {
+    /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `people` what the runs tell of those
+    /// who showed them.
+    pub(super) fn threshold(&self, rule: ThresholdRule, rate_hz: f64, people: &People) -> f64 {
         if self.own.len() == 1 {
             return SINGLE_DEMONSTRATION_PER_FRAME * (self.reference.len() as f64).sqrt();
         }
@@ -77,7 +78,7 @@ impl Learned {
                 let centre = mean(&self.left_out);
                 let spread = deviation(&self.left_out, 1).max(MIN_SPREAD * centre);
                 // Costs add up under the root.
-                let of_others = 1.0 + one_person * (OTHER_PEOPLE - 1.0);
+                let of_others = people.variety * (1.0 + people.one_person * (OTHER_PEOPLE - 1.0));
                 (of_others * (centre + sigmas * spread)).hypot((border_s * rate_hz * OPPOSITE).sqrt())
             }
             ThresholdRule::Conformal { false_alarms } => {

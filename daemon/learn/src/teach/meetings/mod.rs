@@ -24,7 +24,7 @@ pub use unsure::Unsure;
 const PRIOR_M: f64 = 0.004;
 
 /// How often one more execution may not come near enough.
-const MISSED: f64 = 0.01;
+const MISSED: f64 = 0.005;
 
 /// The objects of the runs, with where and how near they are met, and what is not sure of it.
 pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Unsure>) {
