@@ -78,6 +78,14 @@ impl Extent {
         self.measures.hidden_reversals.saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
     }
 
+    /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen, for at most half of the time. What
+    /// happened before it or after it is not known.
+    pub(super) fn assumed_reversals(&self) -> u32 {
+        let hidden = self.measures.hidden.min(0.5);
+        let assumed = self.measures.reversals as f32 * hidden / (1.0 - hidden);
+        (libm::roundf(assumed) as u32).min(self.measures.hidden_reversals)
+    }
+
     /// In how much of the IU something may have happened that was not seen, as a share of its frames; more than 1 if most of it lies in
     /// a gap.
     pub(super) fn hidden(&self) -> f32 {

@@ -22,7 +22,8 @@ impl Extent {
         let [min_frames, max_frames] = if may_be_hidden { self.possible_frames() } else { [self.frames; 2] };
         // With fewer frames contacts are believed later.
         let max_frames = max_frames as f32 * (1.0 + GIVES_WAY * hidden);
-        let hidden_reversals = if may_be_hidden { self.possible_reversals() } else { 0 };
+        let hidden_reversals =
+            if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.frames.min.max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;

@@ -28,6 +28,9 @@ const PRIOR_PLACE_M: f64 = 0.008;
 /// A motion with fewer reversals than this is not a repeated one.
 const MIN_REPEATED_REVERSALS: u32 = 3;
 
+/// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less.
+const BORDER_REVERSALS: u32 = 1;
+
 /// Somebody who corrects the place of a part goes back and forth once more.
 const STRAY_REVERSALS: u32 = 2;
 
@@ -130,11 +133,16 @@ impl Rates {
     fn reversals(&self, shown: &[Measures]) -> Bounds {
         let counts: Vec<f64> = likely_reversals(shown).map(f64::from).collect();
         let (centre, apart) = self.interval(&counts, PRIOR_REVERSALS, self.reversals);
+        let [min, max] = [(centre - apart).ceil().max(0.0) as u32, (centre + apart).floor() as u32];
         let most = likely_reversals(shown).max().unwrap_or_default();
-        let stray = if is_repeated(shown) { 0 } else { STRAY_REVERSALS };
-        Bounds {
-            min: if is_repeated(shown) { (centre - apart).ceil().max(0.0) as u32 } else { 0 },
-            max: ((centre + apart).floor() as u32).max(most + stray),
+        if is_repeated(shown) {
+            let usual = median(&counts) as u32;
+            Bounds {
+                min: min.min(usual - BORDER_REVERSALS),
+                max: max.max(most).max(usual + BORDER_REVERSALS),
+            }
+        } else {
+            Bounds { min: 0, max: max.max(most + STRAY_REVERSALS) }
         }
     }
 

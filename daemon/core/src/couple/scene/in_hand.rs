@@ -22,10 +22,6 @@ pub(super) enum InHand {
     Yes,
 }
 
-/// What comes to another part slows down: in the second half of the time in which a change is believed it moves less than this share of as far
-/// as in the first half.
-const ARRIVING: f32 = 0.85;
-
 impl Scene {
     /// Finds for the frame `age` frames before the newest which objects each hand acts on. Call it once for each frame, in order.
     pub(super) fn update_in_hand(&mut self, age: usize) {
@@ -59,7 +55,7 @@ impl Scene {
     }
 
     /// Finds for the same frame which objects touch. A part that is carried past another does not: while a change is believed, it moves
-    /// farther than the contact is long, or half as far without slowing down.
+    /// farther than the contact is long.
     pub(super) fn update_meets(&mut self, age: usize) {
         for i in 0..self.objects.len() {
             for j in i + 1..self.objects.len() {
@@ -77,23 +73,11 @@ impl Scene {
             let is_known = one.source.is_known() && other.source.is_known();
             is_known.then(|| subtract(one.position, other.position))
         };
-        let Some(((newest, to), from)) = self.newest_known(age, apart).zip(apart(age)) else { return false };
-        // How far it would move while a change is believed, as fast as it is between these two frames.
-        let path_m = |(from, begin): (Point, usize), (to, end): (Point, usize)| {
-            norm(subtract(to, from)) * f32::from(self.method.persist_frames) / (begin - end) as f32
-        };
-        let on_m = self.method.object_contact.on_m;
-        let middle = newest.midpoint(age);
-        let is_arriving = || {
-            let Some(halfway) = apart(middle).filter(|_| newest < middle && middle < age) else {
-                return true;
-            };
-            let [first_m, then_m] =
-                [path_m((from, age), (halfway, middle)), path_m((halfway, middle), (to, newest))];
-            then_m < ARRIVING * first_m
-        };
-        let path_m = path_m((from, age), (to, newest));
-        path_m > on_m || path_m > on_m / 2.0 && !is_arriving()
+        self.newest_known(age, apart).zip(apart(age)).is_some_and(|((newest, to), from)| {
+            let frames = (age - newest) as f32;
+            let path_m = norm(subtract(to, from)) * f32::from(self.method.persist_frames) / frames;
+            path_m > self.method.object_contact.on_m
+        })
     }
 
     /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a

@@ -23,7 +23,8 @@ pub use unsure::Unsure;
 /// How people in general differ in how near they come, in metres.
 const PRIOR_M: f64 = 0.004;
 
-/// How often one more execution may not come near enough.
+/// How often one more execution may not come near enough. Who does not is accused of having left the step out, so it is rare beside the stated
+/// rate of false alarms, of which every pair of parts would take its share.
 const MISSED: f64 = 0.005;
 
 /// The objects of the runs, with where and how near they are met, and what is not sure of it.
