@@ -42,7 +42,7 @@ impl LocalCost {
 pub struct Shown {
     /// How long they lasted, in frames of the grid.
     pub frames: Bounds,
-    /// How often the motion reversed.
+    /// How often the motion reversed; where some of it was hidden, as often as it most likely did.
     pub reversals: Bounds,
     /// Mean length of a stroke, in metres; 0 where there was no whole one.
     pub stroke_m: Range,

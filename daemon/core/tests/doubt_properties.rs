@@ -167,6 +167,14 @@ fn the_whole_work_is_right() {
     assert_eq!(jobs, [Outcome::Ok]);
 }
 
+/// The hand lets go of the polisher and takes the brick while nothing is seen; the brick is hidden for a moment longer than the polisher.
+#[test]
+fn a_hand_that_took_a_part_unseen_is_not_said_to_have_taken_it_late() {
+    let left = delete(work(), &[(Hidden::Objects, 208, 117), (Hidden::Object(6), 323, 3)], 1, 0);
+    let accused = judged(&left).into_iter().find(|verdict| verdict.outcome == Outcome::Anomaly);
+    assert_eq!(accused, None);
+}
+
 /// Why IUs, activities and jobs are not judged when these stretches are deleted.
 fn unjudged_reasons(hidden: Hidden, stretches: &[(usize, usize)]) -> Vec<Reason> {
     let stretches: Vec<_> = stretches.iter().map(|(begin, count)| (hidden, *begin, *count)).collect();

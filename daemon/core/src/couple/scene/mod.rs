@@ -86,6 +86,8 @@ pub(super) struct Scene {
     interactions: [Interaction; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
+    /// Whether each began when it was not seen how the one before ended.
+    began_unseen: [bool; HANDS],
 }
 
 impl Scene {
@@ -115,6 +117,7 @@ impl Scene {
             meets: [[false; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
             lasted: [u32::MAX; HANDS],
+            began_unseen: [false; HANDS],
         }
     }
 
@@ -227,8 +230,15 @@ impl Scene {
             let is_same = interaction == self.interactions[hand];
             self.lasted[hand] = if is_same { self.lasted[hand].saturating_add(1) } else { 1 };
             let before = core::mem::replace(&mut self.interactions[hand], interaction).held();
+            if !is_same {
+                let is_seen = |j: usize| self.objects[j].poses.ago(age + 1).source == Source::Seen;
+                self.began_unseen[hand] = !before.is_none_or(is_seen);
+            }
             self.update_rivals(hand, before, interaction.held(), age);
-            self.couple(hand, interaction, age)
+            let mut couple = self.couple(hand, interaction, age);
+            // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
+            couple.is_doubtful |= interaction != next && self.began_unseen[hand];
+            couple
         });
         Couples {
             captured_ns: *self.times_ns.ago(age),
