@@ -174,13 +174,13 @@ fn frames_are_counted_as_the_channel_numbers_them_and_verdicts_as_the_journal_ha
     });
     line.role("perceive").signal(Signal::STOP);
     let before = watcher.health(RoleId::Capture).unwrap().sent;
-    watcher.until("frames that nobody looks at", |watcher| {
+    watcher.until("frames that are not processed", |watcher| {
         watcher.health(RoleId::Capture).unwrap().sent > before + 30
     });
     line.role("perceive").signal(Signal::CONT);
     watcher.until_judged();
 
-    // What was looked at last says how many were, and which frame of the film it was.
+    // The newest detections say how many frames were processed, and which frame of the film it was.
     let mut newest = None;
     while let Some(seen) = detections.take().unwrap() {
         newest = Some(seen.stamp);

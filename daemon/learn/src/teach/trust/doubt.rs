@@ -78,7 +78,7 @@ impl Doubt {
         match self {
             Self::Twice { .. } => "give each recording once, and record more runs: 5 should be enough".to_owned(),
             Self::TooFewFrames { needed_hz, .. } => format!(
-                "record at {needed_hz:.0} frames a second or more: more light for a shorter exposure, a faster camera or machine"
+                "record at {needed_hz:.0} frames per second or more: more light for a shorter exposure, a faster camera or machine"
             ),
             Self::OtherOrder { run, .. } => format!(
                 "leave {run} out if it is not correct; if both orders are, say so with --order false or show more runs in that order"
