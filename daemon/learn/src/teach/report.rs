@@ -175,7 +175,10 @@ impl fmt::Display for TeachReport {
         if let Some(rejected) = &self.rejected {
             let used = self.order.runs;
             match rejected.len() {
-                0 => writeln!(f, "none of your {used} runs would have been rejected by a job taught from the others")?,
+                0 => writeln!(
+                    f,
+                    "none of your {used} runs would have been rejected by a job taught from the others"
+                )?,
                 count => writeln!(
                     f,
                     "of your {used} runs the others would have rejected {count} ({}); show {MORE_RUNS} more, from other people",

@@ -83,7 +83,8 @@ impl State {
     pub(super) fn send(&mut self, newest: MessageId, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         (self.now.verdict_epoch, self.now.verdict_seq) = (newest.epoch, newest.seq);
         let now = self.now;
-        let is_known = self.last_sent.is_some_and(|(sent, at)| sent == now && at.elapsed() < Heartbeat::PERIOD);
+        let is_known =
+            self.last_sent.is_some_and(|(sent, at)| sent == now && at.elapsed() < Heartbeat::PERIOD);
         if !is_known {
             self.writer.send(cycle, |message| {
                 *message = Judging { stamp: message.stamp, ..now };

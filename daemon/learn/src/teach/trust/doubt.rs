@@ -54,7 +54,7 @@ impl Doubt {
                 format!("{} shown before: there {} only", was(copies), count(*runs, "different run"))
             }
             Self::TooFewFrames { runs, rate_hz, needed_hz } => format!(
-                "{} too few frames ({rate_hz:.0} a second, {needed_hz:.0} are enough) to tell one motion from another",
+                "{} too few frames ({rate_hz:.0} per second, {needed_hz:.0} are enough) to tell one motion from another",
                 has(runs)
             ),
             Self::OtherOrder { run, others, place, had, usual } => format!(
