@@ -68,7 +68,7 @@ soak: line
 line: packages
 	cargo build --release --locked -p andond -p andon-video -p andon-tests --bins $(OBJDETECT)
 
-# Judges the shipped clips at fewer frames a second, with noise, in the dark and compressed: no correct one may be accused.
+# Judges the shipped clips at fewer frames per second, with noise, in the dark and compressed: no correct one may be accused.
 degraded-clips: setup test-packages line
 	target/release/degraded_clips tests/footage/p?_*.mp4
 

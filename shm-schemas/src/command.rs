@@ -44,7 +44,7 @@ wire! { "andon.Command", 96;
         model_hash: u64,
         /// The job, for `LoadJob`.
         job_id: u32,
-        /// A [`CommandKind`]. Zero is none: an empty message is no command.
+        /// A [`CommandKind`]. Zero is none: an empty message is not a command.
         kind: u8,
         /// A [`CommandSource`].
         source: u8,

@@ -67,7 +67,7 @@ codes! {
         NoMarkers = 9,
         /// Parts move, and no hand is found.
         NoHands = 10,
-        /// The camera looks elsewhere than it did.
+        /// The camera has been moved.
         CameraMoved = 11,
     }
 }

@@ -13,7 +13,7 @@ pub struct MeasuredWords {
     pub measure: VerdictMeasure,
     /// What was measured.
     pub value: f32,
-    /// The least that was shown.
+    /// The minimum that was shown.
     pub shown_min: f32,
     /// The most that was shown.
     pub shown_max: f32,

@@ -7,7 +7,7 @@ use crate::layout::Layout;
 /// Longest part id, in bytes.
 pub const PART_BYTES: usize = 32;
 
-/// A part or serial id: printable ASCII, filled up with zeros. Empty says that none was given.
+/// A part or serial id: printable ASCII, padded with zeros. Empty says that none was given.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct PartId([u8; PART_BYTES]);
@@ -64,7 +64,7 @@ impl PartId {
         *self == Self::NONE
     }
 
-    /// The bytes, filled up with zeros.
+    /// The bytes, padded with zeros.
     pub const fn bytes(&self) -> &[u8; PART_BYTES] {
         &self.0
     }

@@ -191,7 +191,7 @@ wire! { "andon.Verdict", 184;
         hand: u8,
         /// 1 when it was decided before the IU ended, else 0.
         early: u8,
-        /// Name of the station in ASCII, filled up with zeros.
+        /// Name of the station in ASCII, padded with zeros.
         station: [u8; STATION_BYTES],
         /// The part that was worked on: the id that was in force when its job began.
         part: PartId,

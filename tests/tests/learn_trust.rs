@@ -174,7 +174,10 @@ fn runs_with_too_few_frames_are_named_with_their_rate_and_teach_nothing() {
     let error = teach(&few(6), &options()).unwrap_err();
     assert!(error.is_of_runs());
     let text = error.to_string();
-    assert!(text.starts_with("p1, p2, p3, p4, p5 have too few frames (5 a second, 15 are enough)"), "{text}");
+    assert!(
+        text.starts_with("p1, p2, p3, p4, p5 have too few frames (5 per second, 15 are enough)"),
+        "{text}"
+    );
     assert!(taught(&few(2)).is_trusted());
 }
 

@@ -204,7 +204,7 @@ fn a_judge_or_a_plc_that_starts_again_goes_on_with_the_job_that_the_plc_has_load
 }
 
 #[test]
-fn another_job_that_is_loaded_in_the_midst_of_one_while_a_fault_is_latched_leaves_that_one_not_judged() {
+fn another_job_that_is_loaded_in_the_middle_of_one_while_a_fault_is_latched_leaves_that_one_not_judged() {
     let mut line = with_two_jobs();
     let (mut watcher, mut plc) = up(&mut line, true);
     let until = std::time::Instant::now() + PATIENCE;

@@ -147,7 +147,7 @@ fn noise_in_which_nothing_is_found_is_said_everywhere_and_undone_when_it_is_over
     said_and_undone(
         line,
         Sight::Noisy,
-        &blind("AND-217", "there is so much noise", "Light the bench better"),
+        &blind("AND-217", "the picture is so noisy", "Light the bench better"),
     );
 }
 

@@ -15,7 +15,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
         return std::fs::write(path, bytes);
     }
     let folder = folder_of(path);
-    // As readable as a file that is written in place: the user's mask applies. One that is there keeps its rights.
+    // As readable as a file that is written in place: the user's mask applies. An existing one keeps its rights.
     let rights =
         std::fs::metadata(path).map_or_else(|_| Permissions::from_mode(0o666), |meta| meta.permissions());
     let mut file = tempfile::Builder::new().prefix(".andon-").permissions(rights).tempfile_in(folder)?;

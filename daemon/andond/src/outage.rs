@@ -55,7 +55,7 @@ impl Outages {
     }
 
     /// Takes what a role says of itself; tells when an outage has ended, also one that was too short to be noticed before.
-    pub(crate) fn hear(&mut self, health: &Health) -> Option<Outage> {
+    pub(crate) fn receive(&mut self, health: &Health) -> Option<Outage> {
         let watched = self.roles.iter_mut().find(|watched| watched.role.code() == health.role)?;
         let works = matches!(
             RoleState::try_from(health.state),
@@ -108,13 +108,13 @@ mod tests {
     fn a_role_that_falls_silent_is_down_from_its_last_sign_of_life_until_it_works_again() {
         let mut outages = outages();
         assert_eq!(outages.look(at(100)), [], "nobody has come up yet");
-        assert_eq!(outages.hear(&health(RoleId::Encode, 1, RoleState::Running, 100)), None);
+        assert_eq!(outages.receive(&health(RoleId::Encode, 1, RoleState::Running, 100)), None);
         assert_eq!(outages.look(at(100)), []);
         let down = Outage { role: RoleId::Encode, began: at(100), ended: None };
         assert_eq!(outages.look(at(103)), [down]);
         assert_eq!(outages.look(at(104)), [], "it is told once");
-        assert_eq!(outages.hear(&health(RoleId::Encode, 2, RoleState::Starting, 127)), None);
-        let over = outages.hear(&health(RoleId::Encode, 2, RoleState::Running, 128)).unwrap();
+        assert_eq!(outages.receive(&health(RoleId::Encode, 2, RoleState::Starting, 127)), None);
+        let over = outages.receive(&health(RoleId::Encode, 2, RoleState::Running, 128)).unwrap();
         assert_eq!((over.began, over.ended), (at(100), Some(at(128))));
         assert_eq!(over.why(), "encode was down");
     }
@@ -122,15 +122,15 @@ mod tests {
     #[test]
     fn a_role_that_starts_again_unnoticed_was_down_all_the_same() {
         let mut outages = outages();
-        outages.hear(&health(RoleId::Judge, 1, RoleState::Running, 100));
-        let over = outages.hear(&health(RoleId::Judge, 2, RoleState::Running, 101)).unwrap();
+        outages.receive(&health(RoleId::Judge, 1, RoleState::Running, 100));
+        let over = outages.receive(&health(RoleId::Judge, 2, RoleState::Running, 101)).unwrap();
         assert_eq!((over.began, over.ended), (at(100), Some(at(101))));
     }
 
     #[test]
     fn who_watches_does_not_watch_itself() {
         let mut outages = outages();
-        outages.hear(&health(RoleId::Journal, 1, RoleState::Running, 100));
+        outages.receive(&health(RoleId::Journal, 1, RoleState::Running, 100));
         assert_eq!(outages.look(at(200)), []);
     }
 }

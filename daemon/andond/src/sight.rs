@@ -44,7 +44,7 @@ pub struct SightChange {
 
 impl SightChanges {
     /// Takes what a role says of itself.
-    pub fn hear(&mut self, health: &Health) -> Option<SightChange> {
+    pub fn receive(&mut self, health: &Health) -> Option<SightChange> {
         if health.role != RoleId::Perceive.code() || health.sight == 0 {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Every key of `[method]` does in a recording what it promises, and takes only what the method takes.
+//! Keys of `[method]` do in a recording what they promise, and the configuration allows only what the method takes.
 #![allow(clippy::unwrap_used)]
 
 use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
@@ -104,10 +104,9 @@ const TOOL_AT_PART: [u64; 4] = [1, TOOL as u64, TOOL as u64, PART as u64];
 
 #[test]
 fn a_hand_touches_what_it_rests_at_within_hand_contact_on_m() {
-    let keys = ["hand_contact_on_m = 0.03", "hand_contact_on_m = 0.06\nhand_contact_off_m = 0.06"];
+    let keys = ["hand_contact_on_m = 0.06\nhand_contact_off_m = 0.06", "hand_contact_on_m = 0.03"];
     // It comes from far away and rests at 5 cm.
-    let [near, far] =
-        each_gives([keys[1], keys[0]], "iu", 4.0, |t| (Some(0.3 - 0.25 * eased(t, 0.5)), 0.0, 1.0));
+    let [near, far] = each_gives(keys, "iu", 4.0, |t| (Some(0.3 - 0.25 * eased(t, 0.5)), 0.0, 1.0));
     assert_eq!((contexts(&near), contexts(&far)), (vec![AT_TOOL], vec![]));
 }
 

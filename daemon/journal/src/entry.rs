@@ -46,7 +46,7 @@ pub struct Record {
     pub measure: String,
     /// What it was, in seconds, strokes, metres or degrees.
     pub measured: Option<f32>,
-    /// The least and the most that were shown.
+    /// The minimum and the maximum that were shown.
     pub shown: [Option<f32>; 2],
     pub began_ns: u64,
     pub ended_ns: u64,

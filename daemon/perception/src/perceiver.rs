@@ -9,6 +9,7 @@ use crate::hands::{OnnxModels, Tracker};
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
 use crate::picture::Picture;
+use crate::points::PixelPoint;
 use std::time::Instant;
 
 /// Frames in, detections out.
@@ -85,13 +86,13 @@ impl Perceiver {
     ) -> Result<(), PerceptionError> {
         let Some(tracker) = &mut self.hands else { return Ok(()) };
         for found in tracker.step(image, detections.captured_ns, &mut detections.spent)? {
-            let landmarks_m = self.bench.hand(found.side as usize, &found.landmarks_px);
+            let landmarks_m = self.bench.hand(found.side as usize, &found.landmarks_px.map(PixelPoint::from));
             let hand = HandDetection {
                 side: found.side,
                 score: found.score,
                 landmarks_px: found.landmarks_px,
                 shape_m: found.shape_m,
-                landmarks_m: landmarks_m.unwrap_or([[f32::NAN; 2]; _]),
+                landmarks_m: landmarks_m.map_or([[f32::NAN; 2]; _], |points| points.map(Into::into)),
             };
             // There is room: the tracker follows no more hands than fit.
             let _ = detections.hands.push(hand);

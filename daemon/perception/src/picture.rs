@@ -11,7 +11,7 @@ pub(crate) const CELLS: usize = COLUMNS * ROWS;
 const PATCH_COLUMNS: usize = 4 * COLUMNS;
 const PATCH_ROWS: usize = 6 * ROWS;
 const PATCHES: usize = PATCH_COLUMNS * PATCH_ROWS;
-/// How many patches away a patch is compared: a shade or a vignette is even over so few.
+/// How many patches away a patch is compared: over this distance shade and vignetting are even.
 const ASIDE: usize = 2;
 
 /// Points per row that are examined. More would cost time and say the same.
@@ -23,7 +23,7 @@ const FAR: usize = 4;
 const BLACK_LEVEL: u8 = 16;
 /// From this grey level on a pixel is white: video keeps the last levels free.
 const WHITE_LEVEL: u8 = 250;
-/// The least step across an edge, in grey levels.
+/// Minimum step across an edge, in grey levels.
 const EDGE: f32 = 16.0;
 /// A step across an edge is over this many times the noise.
 const OVER_NOISE: f32 = 7.0;
@@ -79,7 +79,7 @@ fn fingerprint(gray: &ImageView<'_>) -> u64 {
         for word in row[..gray.width()].chunks_exact(8) {
             // The chunks have eight bytes.
             let word = word.iter().fold(0, |word, byte| word << 8 | u64::from(*byte));
-            // FNV's prime: any odd number with bits all over does.
+            // FNV's prime: any odd number with well-spread bits would do.
             sum = (sum.rotate_left(5) ^ word).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
@@ -94,7 +94,7 @@ struct Count {
     black: u32,
     white: u32,
     near: Histogram,
-    /// Answers to a mask that plain surfaces and straight edges leave at 0, by their size, four to a place.
+    /// Answers to a mask that plain surfaces and straight edges leave at 0, by their size, four sizes per bin.
     mask: Histogram,
     /// Near steps by far ones.
     far: Vec<[f32; 2]>,
@@ -194,11 +194,11 @@ impl Count {
     /// Estimation, 1996, with a median in place of the mean).
     fn noise(&self) -> f32 {
         let mut left = self.points / 2;
-        for (place, count) in self.mask.iter().enumerate() {
+        for (bin, count) in self.mask.iter().enumerate() {
             if *count > left {
-                // Where within the place the median lies; the mask's weights have the norm 6, and half of all normally distributed
+                // Where within the bin the median lies; the mask's weights have the norm 6, and half of all normally distributed
                 // numbers lie within 0.6745 standard deviations.
-                return 4.0 * (place as f32 + left as f32 / *count as f32) / (6.0 * 0.6745);
+                return 4.0 * (bin as f32 + left as f32 / *count as f32) / (6.0 * 0.6745);
             }
             left -= count;
         }

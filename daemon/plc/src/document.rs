@@ -95,9 +95,9 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 - Functions 3 (read holding registers) and 4 (read input registers) read the same registers. Functions 6 and 16 write the registers
   from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration. All of it, from 0 to 124, fits in one request, and 100 to
   124 fits in one write request: a controller may simply exchange both in every cycle.
-- Exception 1: the function is not served, or a client writes that may only read. Exception 2: the address is outside the map, or
-  the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning. What is not in
-  the table below address {CONTROL_BASE} is read as 0.
+- Exception 1: the function is not served, or a client that may only read tries to write. Exception 2: the address is outside the map, or
+  the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning. Addresses
+  below {CONTROL_BASE} that are not in the table read as 0.
 - The unit identifier is echoed and otherwise ignored.
 - Only the clients in `plc.allow` may connect, {connections} of them at once, and only those in `plc.commanders` may write:
   normally the one PLC. The log names the address of every other one that tries. A connection that sends no complete request for {idle_s} s is closed.
@@ -113,7 +113,7 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 
 1. Wait for `done`. One of `ok`, `nok`, `not-judged` is set with it. The journal has the result on disk by then.
 2. Read the result block, from `sequence` to `sequence_end`; `measure` to `sequence_measure` say which measure was out of its bounds.
-3. Write that `sequence` to `acknowledge_sequence` and set `acknowledge`, in one request. `done` drops once the journal keeps that.
+3. Write that `sequence` to `acknowledge_sequence` and set `acknowledge`, in one request. `done` drops once the journal has stored the acknowledgement.
 4. Clear `acknowledge`. If another result waits, `done` rises again with a higher `sequence`.
 
 A result stays until it is acknowledged, and {QUEUE} more can wait behind it. What comes then waits in the journal and is offered in its
@@ -124,7 +124,7 @@ turn: a controller that was away gets everything that was judged meanwhile. A re
 role `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
 a client that has already taken a result of this number acknowledges it again and does not count it twice. A client that writes in a
 cycle writes its old control block into the new start before it can know of it: that is why `acknowledge` names its result. One that
-names another than the offered one is refused, and nothing is lost.
+names any other result than the offered one is refused, and nothing is lost.
 
 Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. What comes
 when {QUEUE} wait is lost: such a client is to see what happens now. Watch `sequence`: a jump is a loss. `overrun` stays set once it is set.
@@ -147,7 +147,7 @@ stays offered.
 3. Clear the bit in `control`. Both answers clear with it.
 
 `carried_out` means that the judge has done it, and for `acknowledge` that the journal keeps it. A judge that does not answer within 2 s
-has refused. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request; `job_in_force` and `hash_in_force` say
+counts as having refused. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request; `job_in_force` and `hash_in_force` say
 which job the judge has. A job that is refused changes nothing.
 
 While a job runs `load_job` is refused, unless a fault is latched: then `busy` is not set, what runs has no result that counts, and a
@@ -164,7 +164,7 @@ write `control_set` and `control_clear` instead: a panel that resets an error se
    in the output of `andond tail --json` and in the struct for C.
 
 **It counts from the next job on.** A job begins with the first touch, or with `start`, and keeps the id that was in force then. An id
-that is set in the middle of a job is that of the next job: so a PLC can set it while the worker still ends the part before.
+that is set in the middle of a job is that of the next job: so a PLC can set it while the worker is still finishing the part before.
 
 **Never the wrong one.** An id with a byte that is not printable ASCII is refused, and the next job has none instead of the one before. A judge that
 starts again is given the id before `enable`; what the worker goes on with is a new job to it. After a restart of this role the client

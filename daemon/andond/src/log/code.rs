@@ -77,7 +77,7 @@ table! {
         "Clear the camera's view";
     ERROR 216 PICTURE_BLURRED: "the picture is blurred, and markers are lost because of it",
         "Clean the lens, let it dry, and focus it on the bench";
-    ERROR 217 PICTURE_NOISY: "there is so much noise in the picture that nothing is found",
+    ERROR 217 PICTURE_NOISY: "the picture is so noisy that nothing is found",
         "Light the bench better, or give the camera a longer camera.exposure_us";
     WARN 218 TOO_FEW_FRAMES: "too few of the camera's pictures are processed",
         "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz";
@@ -86,8 +86,8 @@ table! {
     ERROR 220 HANDS_NOT_FOUND: "parts move, and no hand is found",
         "Light the hands, take off gloves in the colour of the bench, and let the camera see the whole hand";
     INFO 221 SIGHT_BACK: "the line sees its bench again", "";
-    ERROR 222 CAMERA_MOVED: "the camera looks elsewhere than it did",
-        "Put the camera back; where bench.calibration is set, calibrate again with `andond calibrate` and restart perceive instead. Without a calibration the new view counts after ten seconds";
+    ERROR 222 CAMERA_MOVED: "the camera has been moved",
+        "Put the camera back; or, if bench.calibration is set, calibrate again with `andond calibrate` and restart perceive. Without a calibration the new view counts after ten seconds";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
     ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",
@@ -151,7 +151,7 @@ table! {
     ERROR 603 SHM_FULL: "there is not enough room in /dev/shm",
         "Enlarge it (`mount -o remount,size=512M /dev/shm`) or remove what else lies there";
     ERROR 604 STEWARD_TWICE: "another steward runs for this station",
-        "Stop it: `systemctl status andon-steward@NAME` shows it, unless a demo still runs";
+        "Stop it: `systemctl status andon-steward@NAME` shows it; it may also be a demo that is still running";
     ERROR 605 STEWARD_MISSING: "no steward runs for this station",
         "Start it with `systemctl start andon-steward@NAME` and look at its log; systemd starts this role again until it is there";
     ERROR 606 ROOT_DELETED: "the station's directory was removed while it was in use",
@@ -173,7 +173,7 @@ table! {
         "systemd starts it again; report it with this log";
     ERROR 615 ROLE_FAILED: "the role cannot continue",
         "systemd starts it again; the message says what failed";
-    WARN 616 CHANNEL_DEAF: "a role does not hear what the role before it sends; its connection is made again until it does",
+    WARN 616 CHANNEL_DEAF: "a role does not receive what the role before it sends; it reconnects until it does",
         "If it happens again and again, restart the station's target and report it with this log";
 
     INFO 617 METRICS_LISTENING: "the metrics can be fetched", "";
@@ -188,7 +188,7 @@ table! {
         "Correct what is listed; `andond check -c FILE` checks a file without starting anything";
     WARN 802 CONFIGURATION_CHANGED: "the configuration files have changed since the line started, and do not count yet",
         "Check them with `andond check -c FILE`, then restart the station's target when no job is running: `systemctl restart andon@NAME.target`";
-    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration cannot be kept: a role that starts again reads the files as they are then",
+    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration cannot be saved: a role that restarts will read the files as they are at that time",
         "Make room in the file system of station.root, and restart the station's target";
 }
 

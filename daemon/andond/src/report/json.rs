@@ -39,7 +39,7 @@ struct MeasureLine {
     measure: &'static str,
     unit: &'static str,
     value: Option<f64>,
-    /// The least and the most that were shown.
+    /// The minimum and the maximum that were shown.
     shown: [Option<f64>; 2],
 }
 

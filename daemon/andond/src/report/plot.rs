@@ -159,7 +159,7 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
 /// The colour and the word for what was seen of what the context rests on. A hand that touches nothing may be anywhere, and need not be in
 /// the picture; but then it is not known to be idle.
 fn sight(couple: &Couple) -> (&'static str, &'static str) {
-    match couple.least_sight() {
+    match couple.worst_sight() {
         Sight::Seen if is_out_of_picture(couple) => NO_HAND,
         Sight::Seen => SEEN,
         Sight::Assumed => ASSUMED,
@@ -215,8 +215,8 @@ fn draw_seconds(out: &mut String, axis: &Axis, y: f64) -> f64 {
 /// What the colours of the contexts say; a gap in a feature was not measured.
 fn draw_legend(out: &mut String, y: f64) -> f64 {
     text(out, LEFT - 10.0, y + 12.0, "end", "normal", "context:");
-    for (place, (colour, word)) in [SEEN, ASSUMED, UNSEEN, NO_HAND].into_iter().enumerate() {
-        let x = LEFT + 110.0 * place as f64;
+    for (index, (colour, word)) in [SEEN, ASSUMED, UNSEEN, NO_HAND].into_iter().enumerate() {
+        let x = LEFT + 110.0 * index as f64;
         rectangle(out, x, y + 4.0, 18.0, 8.0, colour, word);
         text(out, x + 24.0, y + 12.0, "start", "normal", word);
     }

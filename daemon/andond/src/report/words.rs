@@ -145,7 +145,7 @@ fn broken_words(BrokenOrder { fault, activity, runs }: BrokenOrder, names: &Name
 fn because(verdict: &Verdict, names: &Names) -> Option<String> {
     let measured = verdict.measured.map(|measured| measured_words(measured).to_string());
     match (verdict.outcome, rule(verdict, names), measured) {
-        (Outcome::NotJudged, Some(rule), Some(measured)) => Some(format!("{rule}; seen were {measured}")),
+        (Outcome::NotJudged, Some(rule), Some(measured)) => Some(format!("{rule}; measured: {measured}")),
         (_, rule, measured) => measured.or(rule),
     }
 }
@@ -154,7 +154,7 @@ fn because(verdict: &Verdict, names: &Names) -> Option<String> {
 fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
     let near =
         verdict.nearest.map(|nearest| format!(" of nominal activity {}", nearest + 1)).unwrap_or_default();
-    let instead = names.expected(verdict).map(|other| format!(", expected was {other}")).unwrap_or_default();
+    let instead = names.expected(verdict).map(|other| format!(", expected {other}")).unwrap_or_default();
     Some(match verdict.reason {
         Reason::None => return None,
         Reason::WrongObject => format!("this object does not belong here{instead}"),
@@ -164,9 +164,9 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
         },
         Reason::Motion => match (verdict.distance, verdict.threshold) {
             (Some(distance), Some(threshold)) => {
-                format!("not the motion{near}, distance {distance:.2} over {threshold:.2}")
+                format!("{}: distance {distance:.2} over {threshold:.2}", motion_words(&near))
             }
-            _ => format!("not the motion{near}"),
+            _ => motion_words(&near),
         },
         Reason::TooShort => format!("cut short against the demonstrations{near}"),
         Reason::TooLong => format!("longer than in any demonstration{near}"),
@@ -185,6 +185,11 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
             None => "fewer frames came than the job needs, or a step was too long".into(),
         },
     })
+}
+
+/// `near` names the activity that comes nearest, if there is one.
+fn motion_words(near: &str) -> String {
+    if near.is_empty() { "the motion differs".into() } else { format!("the motion differs from that{near}") }
 }
 
 #[cfg(test)]
@@ -217,7 +222,7 @@ mod tests {
         };
         assert_eq!(
             verdict_sentence(&verdict, &names),
-            "   1.25 s  right  ANOMALY     activity 1 IU 2 (polisher at brick): not the motion of nominal activity 1, \
+            "   1.25 s  right  ANOMALY     activity 1 IU 2 (polisher at brick): the motion differs from that of nominal activity 1: \
              distance 3.50 over 2.25, decided early"
         );
         let strokes = Measured { measure: Measure::Strokes, value: 4.0, shown_min: 6.0, shown_max: 6.0 };
@@ -228,7 +233,7 @@ mod tests {
         assert_eq!(
             verdict_sentence(&unjudged, &names),
             "   1.25 s  right  NOT JUDGED  activity 1 IU 2 (polisher at brick): the hand or the part was out of sight for too \
-             long; seen were 4 strokes, shown 6 to 6"
+             long; measured: 4 strokes, shown 6 to 6"
         );
         let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 0, runs: 6 };
         let contexts = vec![Context([2, 5, 0, 0]), Context([2, 5, 5, 6])];
@@ -248,7 +253,7 @@ mod tests {
         let elsewhere = Verdict { level: Level::Iu, reason: Reason::WrongObject, broken: None, ..order };
         assert_eq!(
             verdict_sentence(&Verdict { context: Context([1, 9, 0, 0]), ..elsewhere }, &names),
-            "   1.25 s  right  ANOMALY     activity 1 IU 2 (object 9 in hand): this object does not belong here, expected was \
+            "   1.25 s  right  ANOMALY     activity 1 IU 2 (object 9 in hand): this object does not belong here, expected \
              polisher at brick"
         );
         let ended = Verdict { level: Level::Job, reason: Reason::NotCompleted, iu: None, ..elsewhere };

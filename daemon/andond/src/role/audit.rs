@@ -23,7 +23,7 @@ impl Auditor {
     }
 
     /// Tells who has done what just now.
-    pub(super) fn tell(
+    pub(super) fn record(
         &mut self,
         cycle: &mut Cycle<'_>,
         kind: AuditKind,

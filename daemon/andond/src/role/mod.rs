@@ -49,7 +49,7 @@ pub use player::{Played, Player, Recording};
 /// How long a role waits for its steward: a station boots its units side by side.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// A role whose fault will meet its next start as well ends after this pause.
+/// A role whose fault will still be there at its next start waits this long before it ends.
 const LASTING: Duration = Duration::from_secs(2);
 
 /// Longest wait for a message: the heartbeat has to come around.

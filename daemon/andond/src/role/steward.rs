@@ -53,7 +53,7 @@ impl Role for Reaper<'_> {
         for death in deaths.iter().filter(|death| !self.unreaped.contains(*death)) {
             log_death(death);
             if let Some(member) = &death.member {
-                self.auditor.tell(cycle, AuditKind::Death, &member.to_string(), "died")?;
+                self.auditor.record(cycle, AuditKind::Death, &member.to_string(), "died")?;
             }
         }
         self.unreaped = deaths.into_iter().filter(|death| !death.removed).collect();

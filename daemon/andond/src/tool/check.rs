@@ -162,7 +162,7 @@ impl Checks<'_> {
     }
 }
 
-/// What is wrong with a database that is there.
+/// What is wrong with an existing database.
 fn unusable_journal(path: &Path) -> Option<String> {
     let mut begin = Vec::new();
     let read = File::open(path).and_then(|file| file.take(SQLITE.len() as u64).read_to_end(&mut begin));

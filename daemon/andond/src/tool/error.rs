@@ -75,7 +75,7 @@ pub enum ToolError {
         /// What the system said.
         source: io::Error,
     },
-    /// A result would replace a file that is there.
+    /// A result would replace an existing file.
     #[error("{}: it exists already; name another file, or replace it with --force", .0.display())]
     Exists(PathBuf),
     /// The job file that the command needs is not there.

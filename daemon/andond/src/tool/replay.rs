@@ -49,7 +49,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
         if rate_hz < file.min_rate_hz {
             let needed_hz = file.min_rate_hz;
             eprintln!(
-                "nothing was judged: {path} has {rate_hz:.1} frames a second, the job needs {needed_hz:.1}"
+                "nothing was judged: {path} has {rate_hz:.1} frames per second, the job needs {needed_hz:.1}"
             );
         } else {
             eprintln!("nothing was judged: in {path} no hand touched an object of the job");

@@ -43,10 +43,10 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
             _ => (),
         }
         while let Some(health) = health.take()? {
-            if let Some(change) = sight.hear(&health) {
+            if let Some(change) = sight.receive(&health) {
                 tell_sight(change);
             }
-            if let Some(outage) = outages.hear(&health) {
+            if let Some(outage) = outages.receive(&health) {
                 tell_outage(&outage);
             }
         }

@@ -29,9 +29,9 @@ pub enum Command {
     },
 }
 
-/// A message whose kind is no command.
+/// A message whose kind is not a command.
 #[derive(Debug, thiserror::Error)]
-#[error("a message of the kind {0} from {1} is no command")]
+#[error("a message of the kind {0} from {1} is not a command")]
 pub struct UnknownCommand(u8, u8);
 
 /// Reads a command from a message.

@@ -18,7 +18,7 @@ pub struct Sender {
     pub job_id: u32,
     /// Hash of its file.
     pub model_hash: u64,
-    /// Name of the station, filled up with zeros.
+    /// Name of the station, padded with zeros.
     pub station: [u8; STATION_BYTES],
     /// The part that the job is done to.
     pub part: PartId,

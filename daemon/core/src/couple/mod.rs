@@ -113,14 +113,14 @@ impl Couple {
     }
 
     /// The worst sight of what the context rests on; a hand that touches nothing may be anywhere.
-    pub fn least_sight(&self) -> Sight {
+    pub fn worst_sight(&self) -> Sight {
         let relevant = if self.context.is_touch() { &self.sight[..] } else { &self.sight[1..] };
         relevant.iter().copied().max().unwrap_or_default()
     }
 
     /// Whether nothing that the context rests on has been out of sight for longer than `blind_ms`.
     pub fn is_in_sight(&self) -> bool {
-        self.least_sight() != Sight::Unseen
+        self.worst_sight() != Sight::Unseen
     }
 }
 

@@ -117,7 +117,7 @@ impl TeachReport {
 
     fn one_person(&self) -> Option<String> {
         (self.used() > 1 && self.one_person > 0.5).then(|| {
-            "the runs are as alike as those of one person, so other people are given more room: show runs of others, and it becomes less"
+            "the runs are as alike as those of one person, so other people are given more room: runs of other people would narrow it"
                 .to_owned()
         })
     }
@@ -175,7 +175,10 @@ impl fmt::Display for TeachReport {
         if let Some(rejected) = &self.rejected {
             let used = self.order.runs;
             match rejected.len() {
-                0 => writeln!(f, "of your {used} runs the others would have rejected none")?,
+                0 => writeln!(
+                    f,
+                    "none of your {used} runs would have been rejected by a job taught from the others"
+                )?,
                 count => writeln!(
                     f,
                     "of your {used} runs the others would have rejected {count} ({}); show {MORE_RUNS} more, from other people",
@@ -186,7 +189,7 @@ impl fmt::Display for TeachReport {
         if self.min_rate_hz > 0.0 {
             writeln!(
                 f,
-                "the job needs {:.1} of {:.1} frames a second; a step with fewer is not judged (overload)",
+                "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
                 self.min_rate_hz, self.rate_hz
             )?;
         }

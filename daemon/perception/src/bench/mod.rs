@@ -180,10 +180,10 @@ impl Bench {
     pub(crate) fn hand(
         &mut self,
         hand: usize,
-        landmarks_px: &[[f32; 2]; LANDMARKS],
-    ) -> Option<[[f32; 2]; LANDMARKS]> {
+        landmarks_px: &[PixelPoint; LANDMARKS],
+    ) -> Option<[BenchPoint; LANDMARKS]> {
         let SizedPlane { plane, .. } = self.plane.as_ref()?;
-        let touch = PixelPoint::mean(TIPS.map(|tip| landmarks_px[tip].into()));
+        let touch = PixelPoint::mean(TIPS.map(|tip| landmarks_px[tip]));
         let nearness = match (self.nearness_at(touch), self.hands[hand]) {
             (Some(measured), Some(mut settled)) => {
                 settled.settle(measured);
@@ -194,7 +194,7 @@ impl Bench {
             (None, None) => Nearness::new(1.0),
         };
         self.hands[hand] = Some(nearness);
-        Some(landmarks_px.map(|landmark| plane.raised(landmark.into(), nearness.value()).into()))
+        Some(landmarks_px.map(|landmark| plane.raised(landmark, nearness.value())))
     }
 
     /// The nearness of the things around a pixel: the mean, weighted by the inverse square of their distance.

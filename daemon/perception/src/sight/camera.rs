@@ -69,7 +69,7 @@ pub(super) struct Camera {
     moved: Option<Moved>,
 }
 
-/// A camera that looks elsewhere than it did.
+/// A camera that has been moved.
 struct Moved {
     since_ns: u64,
     /// From the view that is known to the one now.
@@ -83,7 +83,7 @@ impl Camera {
         Self { is_calibrated, places: Vec::new(), moves: Vec::new(), moved: None }
     }
 
-    /// Since when the camera looks elsewhere than it did.
+    /// Since when the camera has been moved.
     pub(super) fn moved_since_ns(&self) -> Option<u64> {
         self.moved.as_ref().map(|moved| moved.since_ns)
     }

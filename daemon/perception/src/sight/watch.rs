@@ -24,7 +24,7 @@ pub enum Trouble {
     Blurred,
     /// There is so much noise that nothing is found any more.
     Noisy,
-    /// The camera looks elsewhere than it did.
+    /// The camera has been moved.
     CameraMoved,
     /// Too few of the camera's pictures are processed.
     TooFewFrames,
@@ -340,10 +340,10 @@ impl Rate {
         while self.recent.front().is_some_and(|(at_ns, _)| seconds(*at_ns) > RATE_OVER_S) {
             self.recent.pop_front();
         }
-        let looked_at = self.recent.len() as f32;
+        let processed = self.recent.len() as f32;
         let dropped: u32 = self.recent.iter().map(|(_, dropped)| dropped).sum();
-        let expected = rate_hz.map_or(0.0, |rate_hz| RATE_OVER_S * rate_hz).max(looked_at + dropped as f32);
-        let is_slow = seconds(began_ns) > SETTLING_S && looked_at < ENOUGH * expected;
+        let expected = rate_hz.map_or(0.0, |rate_hz| RATE_OVER_S * rate_hz).max(processed + dropped as f32);
+        let is_slow = seconds(began_ns) > SETTLING_S && processed < ENOUGH * expected;
         self.slow_since_ns = is_slow.then(|| self.slow_since_ns.unwrap_or(look.at_ns));
     }
 

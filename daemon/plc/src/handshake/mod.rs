@@ -387,7 +387,7 @@ impl Handshake {
     /// Why `ready` is not set, in words; `None` where it is.
     pub fn obstacle(&self, now_ns: u64) -> Option<&'static str> {
         if !self.is_online(now_ns) {
-            return Some("this role has stood still");
+            return Some("this role has stalled");
         }
         if self.ledger.boot() == 0 {
             return Some("the journal has not yet stored the start of this role");
@@ -396,12 +396,12 @@ impl Handshake {
             return Some("the PLC has not set `enable`, or has cleared it");
         }
         match (self.line, self.error) {
-            (Line::Starting, _) => return Some("a role starts, or the recording has ended"),
+            (Line::Starting, _) => return Some("a role is still starting, or the recording has ended"),
             (_, Some((fault, _))) => return Some(fault.meaning()),
             (Line::Fault { fault, .. }, None) => return Some(fault.meaning()),
             (Line::Ready, None) => {}
         }
-        let Some(judging) = self.heard(now_ns) else { return Some("the judge says nothing") };
+        let Some(judging) = self.heard(now_ns) else { return Some("the judge does not answer") };
         if judging.is_enabled == 0 {
             return Some("the judge is not enabled yet");
         }

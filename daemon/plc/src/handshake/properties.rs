@@ -5,7 +5,7 @@ use super::tests::{ENABLED, Journal, WRITES, judged, ready, set, watching};
 use super::*;
 use crate::registers::{self, WordOrder};
 use proptest::prelude::*;
-use shm_schemas::{Verdict, VerdictOutcome};
+use shm_schemas::{MessageId, Verdict, VerdictOutcome};
 
 /// One of the things that happen, in any order.
 #[derive(Clone, Debug)]
@@ -48,7 +48,7 @@ struct World {
     journal: Journal,
     line: Line,
     now_ns: u64,
-    key: (u64, u64),
+    id: MessageId,
     sent: Vec<Verdict>,
     /// How many of them are in the journal.
     written: usize,
@@ -66,7 +66,7 @@ impl World {
             journal,
             line: Line::Ready,
             now_ns: 0,
-            key: (100, 0),
+            id: MessageId { epoch: 100, seq: 0 },
             sent: vec![],
             written: 0,
             skipped: vec![],
@@ -77,14 +77,14 @@ impl World {
         match *step {
             Step::Verdict { skip, level, outcome, new_epoch } => {
                 if new_epoch {
-                    self.key = (self.key.0 + 1, 0);
+                    self.id = MessageId { epoch: self.id.epoch + 1, seq: 0 };
                 }
                 // Before the first verdict there is nothing to lose.
                 self.skipped.push(if self.sent.is_empty() { 0 } else { skip });
-                self.key.1 += skip + 1;
+                self.id.seq += skip + 1;
                 let mut verdict =
-                    Verdict { level, outcome, model_hash: fingerprint(self.key), ..Default::default() };
-                (verdict.stamp.epoch, verdict.stamp.seq) = self.key;
+                    Verdict { level, outcome, model_hash: fingerprint(self.id), ..Default::default() };
+                (verdict.stamp.epoch, verdict.stamp.seq) = (self.id.epoch, self.id.seq);
                 self.sent.push(verdict);
                 judged(&mut self.machine, &verdict, self.now_ns);
             }
@@ -132,9 +132,9 @@ impl World {
     }
 }
 
-/// A number that follows from the key and lies far from it in the block, so that a mix of two results is noticed.
-fn fingerprint((epoch, seq): (u64, u64)) -> u64 {
-    (epoch * 1000 + seq).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+/// A number that follows from the id and lies far from it in the block, so that a mix of two results is noticed.
+fn fingerprint(id: MessageId) -> u64 {
+    (id.epoch * 1000 + id.seq).wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
 
 proptest! {
@@ -213,9 +213,9 @@ proptest! {
             }
             let number = |at: usize, words: usize| block[at..at + words].iter().fold(0, |n, &word| n << 16 | u64::from(word));
             if number(0, 2) == number(35, 2) && number(0, 2) != 0 {
-                let key = (number(27, 4), number(31, 4));
-                prop_assert_eq!(number(5, 4), fingerprint(key), "model hash of another result");
-                let sent = world.sent.iter().find(|sent| (sent.stamp.epoch, sent.stamp.seq) == key);
+                let id = MessageId { epoch: number(27, 4), seq: number(31, 4) };
+                prop_assert_eq!(number(5, 4), fingerprint(id), "model hash of another result");
+                let sent = world.sent.iter().find(|sent| (sent.stamp.epoch, sent.stamp.seq) == (id.epoch, id.seq));
                 prop_assert_eq!(sent.map(|sent| u64::from(sent.level)), Some(number(9, 1)), "level of another result");
             }
             block.clear();

@@ -19,7 +19,7 @@ pub struct Write {
 }
 
 impl Write {
-    /// What it asks for, in words. An acknowledgement is no command: it comes with every result.
+    /// What it asks for, in words. An acknowledgement is not a command: it comes with every result.
     pub fn commands(&self) -> Vec<String> {
         let changed = self.before.word ^ self.after.word;
         let risen = changed & self.after.word;

@@ -46,18 +46,18 @@ impl Delivery {
         })
     }
 
-    /// The ports that must turn the loop at any time.
+    /// The ports that may turn the loop even while nothing can be written.
     pub(super) fn outputs(&mut self) -> [&mut dyn Port; 2] {
         [self.kept.port(), self.rows.port()]
     }
 
-    /// The ports that must not turn the loop while nothing can be written, and the others.
+    /// All ports.
     pub(super) fn ports(&mut self) -> [&mut dyn Port; 3] {
         [self.kept.port(), self.rows.port(), &mut self.updates]
     }
 
     /// Takes what plc has sent: only the newest counts.
-    pub(super) fn hear(&mut self, journal: &Journal) -> Result<(), Error> {
+    pub(super) fn receive(&mut self, journal: &Journal) -> Result<(), Error> {
         while let Some(update) = self.updates.take()? {
             // Rows of another database mean nothing in this one; the answer tells plc which this is.
             if update.account.journal == journal.identity() {

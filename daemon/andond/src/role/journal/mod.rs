@@ -139,7 +139,7 @@ impl Keeper {
     /// Takes what has come and fits. The rest stays on the channels.
     fn take(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         while let Some(health) = self.health.take()? {
-            self.watching.hear(&health);
+            self.watching.receive(&health);
         }
         self.watching.look();
         while self.deeds.len() < MAX_DEEDS {
@@ -150,7 +150,7 @@ impl Keeper {
             let Some(verdict) = cycle.take(&mut self.verdicts)? else { break };
             self.journal.push(&verdict);
         }
-        self.delivery.hear(&self.journal)?;
+        self.delivery.receive(&self.journal)?;
         Ok(())
     }
 

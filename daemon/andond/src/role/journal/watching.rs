@@ -14,7 +14,7 @@ use crate::sight::SightChanges;
 /// Changes that wait while nothing can be written: more than come in an hour of the worst line.
 const MAX_WAITING: usize = 1024;
 
-/// What does not watch: the eyes of the line, or a role.
+/// What was not watching: the line's sight, or a role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Cause {
     Sight,
@@ -30,7 +30,7 @@ enum Change {
 
 /// Collects begins and ends from the health of the roles.
 pub(super) struct Watching {
-    /// The role that watches, which nobody else watches for the journal.
+    /// The journal's own role, whose outages no other role reports.
     own: Alive,
     outages: Outages,
     sight: SightChanges,
@@ -54,8 +54,8 @@ impl Watching {
     }
 
     /// Takes what a role says of itself.
-    pub(super) fn hear(&mut self, health: &Health) {
-        if let Some(change) = self.sight.hear(health) {
+    pub(super) fn receive(&mut self, health: &Health) {
+        if let Some(change) = self.sight.receive(health) {
             let utc_ns = UtcTime::at(MonotonicTime::from_nanoseconds(health.sight_since_ns)).nanoseconds();
             if change.before.is_some() {
                 self.push(Change::Ended { cause: Cause::Sight, utc_ns });
@@ -65,7 +65,7 @@ impl Watching {
                 self.push(Change::Began { cause: Cause::Sight, utc_ns, why });
             }
         }
-        if let Some(outage) = self.outages.hear(health) {
+        if let Some(outage) = self.outages.receive(health) {
             self.note(&outage);
         }
     }

@@ -79,13 +79,13 @@ impl Ports {
         match (command, answer) {
             (Command::LoadJob { job_id, .. }, Err(refusal)) => {
                 let what = format!("job {job_id} refused: {}", refusal.name());
-                self.auditor.tell(cycle, AuditKind::Job, "plc", &what)
+                self.auditor.record(cycle, AuditKind::Job, "plc", &what)
             }
             _ => Ok(()),
         }
     }
 
-    /// The next command that has not come before, with its number. What is no command is counted and logged.
+    /// The next command that has not come before, with its number. What is not a command is counted and logged.
     fn take_command(&mut self, cycle: &mut Cycle<'_>) -> Result<Option<(u64, Command)>, RoleError> {
         while let Some(message) = self.commands.take()? {
             if !self.state.is_new(message.number) {
@@ -119,7 +119,7 @@ fn watch(
         format!("job {} {:?} of hash {:016x} ({})", file.id, file.name, file.model_hash(), path.display());
     log!(code::JOB_LOADED, { job = %path.display() }, "watching the {what}");
     let asked_by = ports.asked_by;
-    ports.auditor.tell(cycle, AuditKind::Job, asked_by, &format!("{what} loaded"))?;
+    ports.auditor.record(cycle, AuditKind::Job, asked_by, &format!("{what} loaded"))?;
     ports.state.job(file.id, file.model_hash());
     ports.state.phase(JudgePhase::Waiting);
     file.with_job(|job| {
@@ -156,7 +156,7 @@ impl Role for Session<'_, '_> {
             }
         }
         let turn = self.judge_next(cycle)?;
-        self.ports.state.tell(self.ports.verdicts.writer().newest(), cycle)?;
+        self.ports.state.send(self.ports.verdicts.writer().newest(), cycle)?;
         Ok(turn)
     }
 }

@@ -13,7 +13,7 @@ use super::super::output::Output;
 pub(super) struct State {
     writer: Output<Writer<Judging>>,
     now: Judging,
-    told: Option<(Judging, Instant)>,
+    last_sent: Option<(Judging, Instant)>,
 }
 
 impl State {
@@ -21,7 +21,7 @@ impl State {
     pub(super) fn new(node: &Node, is_enabled: bool) -> Result<Self, Error> {
         let now =
             Judging { phase: JudgePhase::NoJob.code(), is_enabled: is_enabled.into(), ..Judging::default() };
-        Ok(Self { writer: Output::beside(node.writer()?), now, told: None })
+        Ok(Self { writer: Output::beside(node.writer()?), now, last_sent: None })
     }
 
     pub(super) fn port(&mut self) -> &mut dyn Port {
@@ -76,19 +76,20 @@ impl State {
 
     /// An answer may have been lost: it is sent again.
     pub(super) fn repeat(&mut self) {
-        self.told = None;
+        self.last_sent = None;
     }
 
     /// Sends what has changed since the last message, and everything with every beat.
-    pub(super) fn tell(&mut self, newest: MessageId, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+    pub(super) fn send(&mut self, newest: MessageId, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         (self.now.verdict_epoch, self.now.verdict_seq) = (newest.epoch, newest.seq);
         let now = self.now;
-        let is_known = self.told.is_some_and(|(told, at)| told == now && at.elapsed() < Heartbeat::PERIOD);
+        let is_known =
+            self.last_sent.is_some_and(|(sent, at)| sent == now && at.elapsed() < Heartbeat::PERIOD);
         if !is_known {
             self.writer.send(cycle, |message| {
                 *message = Judging { stamp: message.stamp, ..now };
             })?;
-            self.told = Some((now, Instant::now()));
+            self.last_sent = Some((now, Instant::now()));
         }
         Ok(())
     }

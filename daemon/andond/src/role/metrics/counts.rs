@@ -82,7 +82,7 @@ impl Counts {
 
     fn register(&mut self) {
         let r = &mut self.registry;
-        let captured = "Frames from the camera or the recording, whose end counts as one";
+        let captured = "Frames from the camera or the recording";
         r.register("frames_captured", captured, self.captured.clone());
         r.register(
             "frames_processed",
@@ -128,7 +128,7 @@ impl Counts {
         self.refused.get_or_create(&label).inc_by(health.refused.saturating_sub(before.refused));
         let works = [RoleState::Running.code(), RoleState::Finished.code()].contains(&health.state);
         self.running.get_or_create(&label).set(works.into());
-        let sent = health.sent.saturating_sub(before.sent);
+        let sent = frames(health).saturating_sub(frames(&before));
         match role {
             RoleId::Capture => {
                 self.captured.inc_by(sent);
@@ -189,4 +189,9 @@ impl Counts {
         let _ = encode(&mut text, &self.registry);
         text
     }
+}
+
+/// The frames among the messages that a role has sent: the end of a recording is a message of its own.
+fn frames(health: &Health) -> u64 {
+    health.sent.saturating_sub((health.state == RoleState::Finished.code()).into())
 }

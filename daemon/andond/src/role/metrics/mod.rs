@@ -114,10 +114,14 @@ impl Metrics {
         }
         let is_new = |stamp: &Stamp| MonotonicTime::sent(stamp) >= self.began;
         while let Some(detections) = self.detections.take()? {
-            self.counts.latency(Stage::Detections, latency(&detections.stamp));
+            if is_new(&detections.stamp) {
+                self.counts.latency(Stage::Detections, latency(&detections.stamp));
+            }
         }
         while let Some(couples) = self.couples.take()? {
-            self.counts.latency(Stage::Couples, latency(&couples.stamp));
+            if is_new(&couples.stamp) {
+                self.counts.latency(Stage::Couples, latency(&couples.stamp));
+            }
         }
         while let Some(verdict) = self.verdicts.take()? {
             if is_new(&verdict.stamp) {

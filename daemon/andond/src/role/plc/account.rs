@@ -32,7 +32,11 @@ impl Account {
     }
 
     /// Tells the state machine what the journal has said: what it keeps, and at most one row.
-    pub(super) fn hear(&mut self, server: &ModbusServer, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    pub(super) fn receive(
+        &mut self,
+        server: &ModbusServer,
+        cycle: &mut Cycle<'_>,
+    ) -> Result<Turn, RoleError> {
         while let Some(kept) = self.kept.take()? {
             let known = self.journal_epoch.replace(kept.stamp.epoch);
             server.handshake(|handshake, now_ns| {
@@ -48,7 +52,7 @@ impl Account {
     }
 
     /// Sends the journal what it must keep.
-    pub(super) fn tell(&mut self, server: &ModbusServer, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+    pub(super) fn send(&mut self, server: &ModbusServer, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let Some(update) = server.handshake(|handshake, now_ns| handshake.update(now_ns)) else {
             return Ok(());
         };

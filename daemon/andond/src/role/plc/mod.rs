@@ -79,16 +79,16 @@ impl Role for Plc {
         self.clients.log(cycle.liveness());
         for write in self.server.writes() {
             for what in write.commands() {
-                self.auditor.tell(cycle, AuditKind::Command, &write.client.to_string(), &what)?;
+                self.auditor.record(cycle, AuditKind::Command, &write.client.to_string(), &what)?;
             }
         }
         self.watch_line()?;
         while let Some(judging) = self.judging.take()? {
             self.server.handshake(|handshake, now_ns| handshake.judging(&judging, now_ns));
         }
-        let turn = self.account.hear(&self.server, cycle)?;
+        let turn = self.account.receive(&self.server, cycle)?;
         self.server.handshake(|handshake, now_ns| handshake.tick(self.line, now_ns));
-        self.account.tell(&self.server, cycle)?;
+        self.account.send(&self.server, cycle)?;
         self.pass_command_on(cycle)?;
         let image = self.server.handshake(|handshake, now_ns| handshake.image(now_ns));
         self.log_changes(&image);

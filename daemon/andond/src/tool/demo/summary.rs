@@ -91,7 +91,7 @@ impl fmt::Display for Summary {
         if slowest < self.needed_hz {
             writeln!(
                 f,
-                "this machine manages {slowest:.1} of {:.0} frames a second, the job needs {:.1}: steps with fewer are not judged",
+                "this machine manages {slowest:.1} of {:.0} frames per second, the job needs {:.1}: steps with fewer are not judged",
                 self.rate_hz, self.needed_hz
             )?;
         }
@@ -135,7 +135,7 @@ mod tests {
                 "p2_wrong_object_r1.mp4 ANOMALY NOT JUDGED 7.5 not judged",
                 "mine.mp4 - ok 29.5 -",
                 "4 clips: 1 right, 1 wrong, 1 not judged",
-                "this machine manages 7.5 of 30 frames a second, the job needs 10.0: steps with fewer are not judged",
+                "this machine manages 7.5 of 30 frames per second, the job needs 10.0: steps with fewer are not judged",
             ]
         );
     }

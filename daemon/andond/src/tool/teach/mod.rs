@@ -35,7 +35,7 @@ const FALSE_ALARMS: f64 = 0.01;
 /// Runs the command.
 ///
 /// # Errors
-/// What is missing or damaged, a file that is there already, or why nothing can be learned.
+/// What is missing or damaged, an existing file, or why nothing can be learned.
 pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let config = load_config_to_learn(&arguments.config)?;
     let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty());
@@ -65,7 +65,7 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     Ok(Code::Stopped)
 }
 
-/// What to teach from: what was given, or what a job that is there was taught from, with the changes that are asked for.
+/// What to teach from: what was given, or what an existing job was taught from, with the changes that are asked for.
 fn recordings(arguments: &Teach, before: Option<&JobFile>) -> Result<Vec<PathBuf>, ToolError> {
     let Teach { out, recordings, add, without, .. } = arguments;
     Ok(match before {
@@ -74,7 +74,7 @@ fn recordings(arguments: &Teach, before: Option<&JobFile>) -> Result<Vec<PathBuf
     })
 }
 
-/// How to teach: as the job that is there was taught, and as the arguments say otherwise.
+/// How to teach: as the existing job was taught, and as the arguments say otherwise.
 fn options(
     arguments: &Teach,
     before: Option<&JobFile>,

@@ -65,7 +65,7 @@ pub enum SourceError {
     },
 }
 
-/// What was asked for: a job file that is there, recordings of it, and what is to be added and left out.
+/// What was asked for: an existing job file, recordings of it, and what is to be added and left out.
 pub(super) struct Wanted<'a> {
     pub(super) path: &'a Path,
     pub(super) job: &'a JobFile,

@@ -84,7 +84,7 @@ fn at_given_points(
     if contact.on_m > next_m { widened(default, next_m) } else { contact }
 }
 
-/// Where and how near an object comes if nobody says where the two are touched. A place that fewer than half of the runs show is none.
+/// Where and how near an object comes if nobody says where the two are touched. A place shown by fewer than half of the runs does not count.
 fn at_learnt_places(
     id: u16,
     places: &[(usize, Point3<f32>)],

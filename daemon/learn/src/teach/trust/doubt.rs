@@ -54,7 +54,7 @@ impl Doubt {
                 format!("{} shown before: there {} only", was(copies), count(*runs, "different run"))
             }
             Self::TooFewFrames { runs, rate_hz, needed_hz } => format!(
-                "{} too few frames ({rate_hz:.0} a second, {needed_hz:.0} are enough) to tell one motion from another",
+                "{} too few frames ({rate_hz:.0} per second, {needed_hz:.0} are enough) to tell one motion from another",
                 has(runs)
             ),
             Self::OtherOrder { run, others, place, had, usual } => format!(
@@ -78,7 +78,7 @@ impl Doubt {
         match self {
             Self::Twice { .. } => "give each recording once, and record more runs: 5 should be enough".to_owned(),
             Self::TooFewFrames { needed_hz, .. } => format!(
-                "record at {needed_hz:.0} frames a second or more: more light for a shorter exposure, a faster camera or machine"
+                "record at {needed_hz:.0} frames per second or more: more light for a shorter exposure, a faster camera or machine"
             ),
             Self::OtherOrder { run, .. } => format!(
                 "leave {run} out if it is not correct; if both orders are, say so with --order false or show more runs in that order"

@@ -42,7 +42,7 @@ impl Measure {
 
     /// A demonstration stands out if it is more than this many spreads away from the centre of the others. Cycles are counted and not
     /// measured, so that fewer are enough.
-    const fn most_spreads(self) -> f64 {
+    const fn max_spreads(self) -> f64 {
         match self {
             Self::Reversals => 3.2,
             _ => 5.0,
@@ -57,9 +57,9 @@ impl Measure {
         }
     }
 
-    /// The least spread of the logarithm: four demonstrations may be alike by chance. Durations and ways of simulated people differ by
+    /// The minimum spread of the logarithm: four demonstrations may be alike by chance. Durations and ways of simulated people differ by
     /// 0.05 to 0.2 (standard deviation), the reversals of six strokes by 0.03 and their DTW distances by 0.3.
-    const fn least_spread(self) -> f64 {
+    const fn min_spread(self) -> f64 {
         match self {
             Self::Duration | Self::Path => 0.15,
             Self::Reversals => 0.08,
@@ -95,7 +95,7 @@ impl Measure {
             Self::Distance => away < 0.0,
             _ => false,
         };
-        let allowed = self.most_spreads() * spread.hypot(self.least_spread());
+        let allowed = self.max_spreads() * spread.hypot(self.min_spread());
         if is_noise { 0.0 } else { away.abs() / allowed }
     }
 }
@@ -115,7 +115,7 @@ pub struct Outlier {
     pub measure: Measure,
     /// Its value, in the unit of the measure.
     pub value: f64,
-    /// The least and the greatest value of the others.
+    /// The minimum and the maximum of the others.
     pub others: [f64; 2],
 }
 
@@ -158,8 +158,8 @@ fn of_iu(
             let (value, others) = left_out(measure, &values, &distances, at);
             let share = measure.exceeds(value, &others);
             if share > 1.0 {
-                let least = others.iter().copied().fold(f64::INFINITY, f64::min);
-                let most = others.iter().copied().fold(0.0, f64::max);
+                let min = others.iter().copied().fold(f64::INFINITY, f64::min);
+                let max = others.iter().copied().fold(0.0, f64::max);
                 let outlier = Outlier {
                     run: runs[run].name.clone(),
                     activity: sequence.activity,
@@ -167,7 +167,7 @@ fn of_iu(
                     context: iu.context,
                     measure,
                     value,
-                    others: [least, most],
+                    others: [min, max],
                 };
                 found.push((run, share, outlier));
             }

@@ -3,7 +3,7 @@
 use super::{Bench, good, marker};
 use crate::sight::{Expected, Look, Sight, Trouble};
 
-/// A bench with three parts; the camera is turned by so much and shifted, in pixels.
+/// A bench with three parts; the camera is turned by `turn` radians and shifted by `shift` pixels.
 fn seen_from(turn: f32, shift: [f32; 2]) -> Look {
     let mut look = good();
     look.markers.push(marker(7, [400.0, 300.0])).unwrap();

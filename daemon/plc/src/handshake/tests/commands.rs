@@ -65,7 +65,7 @@ fn start_needs_ready_and_makes_busy_and_load_waits_for_the_end() {
 }
 
 #[test]
-fn while_a_fault_is_latched_nothing_is_busy_and_another_job_may_be_loaded_in_the_midst_of_one() {
+fn while_a_fault_is_latched_nothing_is_busy_and_another_job_may_be_loaded_in_the_middle_of_one() {
     let (mut machine, _) = ready_with_journal(WRITES);
     judged(&mut machine, &iu(1, 1, OK), 0);
     assert!(has(&machine, 0, status::BUSY));

@@ -65,7 +65,7 @@ fn a_journal_that_was_made_anew_goes_on_without_a_repeat() {
 }
 
 #[test]
-fn what_another_journal_cannot_give_back_is_lost_and_said() {
+fn what_another_journal_cannot_give_back_is_lost_and_reported() {
     let (mut machine, mut journal) = ready_with_journal(WRITES);
     for seq in 1..=3 {
         send(&mut machine, &mut journal, &iu(1, seq, OK), 0);
