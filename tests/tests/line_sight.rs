@@ -157,7 +157,7 @@ fn a_camera_that_was_moved_is_said_everywhere_and_undone_when_it_is_back() {
     said_and_undone(
         line,
         Sight::CameraMoved,
-        &blind("AND-222", "the camera looks elsewhere", "Put the camera back"),
+        &blind("AND-222", "the camera has been moved", "Put the camera back"),
     );
 }
 
