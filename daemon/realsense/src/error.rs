@@ -1,6 +1,6 @@
 //! What can go wrong, each with one sentence that says what to do.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Why no frames come, and what to do about it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -148,9 +148,10 @@ pub enum Error {
     },
 }
 
+#[cfg(feature = "realsense")]
 impl Error {
     /// What speaks against playing a file with the streams that are wanted.
-    pub(crate) fn recording(file: &Path, wants_depth: bool, detail: String) -> Self {
+    pub(crate) fn recording(file: &std::path::Path, wants_depth: bool, detail: String) -> Self {
         let wanted = if wants_depth { "colour and depth" } else { "colour" };
         Self::Recording { file: file.into(), wanted, detail }
     }
