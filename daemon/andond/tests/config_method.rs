@@ -99,6 +99,11 @@ fn eased(t: f32, begin_s: f32) -> f32 {
     part * part * (3.0 - 2.0 * part)
 }
 
+/// The hand holds the tool at this place.
+fn carried(x: f32, part: f32) -> Scene {
+    (Some(x), x, part)
+}
+
 const AT_TOOL: [u64; 4] = [1, TOOL as u64, 0, 0];
 const TOOL_AT_PART: [u64; 4] = [1, TOOL as u64, TOOL as u64, PART as u64];
 
@@ -125,11 +130,7 @@ fn a_hand_that_drifts_away_has_left_beyond_hand_contact_off_m() {
 fn two_objects_touch_within_object_contact_on_m() {
     let keys = ["object_contact_on_m = 0.03", "object_contact_on_m = 0.06\nobject_contact_off_m = 0.06"];
     // The tool is carried to within 5 cm of the part.
-    let carried = |t| {
-        let x = 0.25 * eased(t, 1.0);
-        (Some(x), x, 0.3)
-    };
-    let [apart, together] = each_gives(keys, "iu", 4.0, carried);
+    let [apart, together] = each_gives(keys, "iu", 4.0, |t| carried(0.25 * eased(t, 1.0), 0.3));
     assert_eq!((contexts(&apart), contexts(&together)), (vec![AT_TOOL], vec![AT_TOOL, TOOL_AT_PART]));
 }
 
@@ -137,11 +138,7 @@ fn two_objects_touch_within_object_contact_on_m() {
 fn two_objects_have_parted_beyond_object_contact_off_m() {
     let keys = ["object_contact_off_m = 0.045", "object_contact_off_m = 0.07"];
     // The tool is carried away from the part, to 6 cm.
-    let carried = |t| {
-        let x = 0.06 * eased(t, 1.0);
-        (Some(x), x, 0.0)
-    };
-    let [parted, together] = each_gives(keys, "iu", 4.0, carried);
+    let [parted, together] = each_gives(keys, "iu", 4.0, |t| carried(0.06 * eased(t, 1.0), 0.0));
     assert_eq!((contexts(&parted), contexts(&together)), (vec![TOOL_AT_PART, AT_TOOL], vec![TOOL_AT_PART]));
 }
 
@@ -149,11 +146,7 @@ fn two_objects_have_parted_beyond_object_contact_off_m() {
 fn what_is_slower_than_rest_speed_m_s_has_no_motion() {
     let keys = ["rest_speed_m_s = 0.03", "rest_speed_m_s = 0.2"];
     // The tool is carried at 10 cm/s.
-    let carried = |t: f32| {
-        let x = 0.1 * (t - 1.0).clamp(0.0, 2.0);
-        (Some(x), x, 1.0)
-    };
-    let [moves, rests] = each_gives(keys, "eru", 4.0, carried);
+    let [moves, rests] = each_gives(keys, "eru", 4.0, |t| carried(0.1 * (t - 1.0).clamp(0.0, 2.0), 1.0));
     assert!(moves.len() > 1, "{moves:?}");
     assert_eq!(rests.len(), 1, "{rests:?}");
 }
@@ -162,11 +155,7 @@ fn what_is_slower_than_rest_speed_m_s_has_no_motion() {
 fn what_accelerates_less_than_dead_band_m_s2_has_a_constant_speed() {
     let keys = ["dead_band_m_s2 = 0.25", "dead_band_m_s2 = 5"];
     // The tool is carried 30 cm within a second, which takes up to 1.8 m/s².
-    let carried = |t| {
-        let x = 0.3 * eased(t, 1.0);
-        (Some(x), x, 1.0)
-    };
-    let [accelerates, constant] = each_gives(keys, "eru", 4.0, carried);
+    let [accelerates, constant] = each_gives(keys, "eru", 4.0, |t| carried(0.3 * eased(t, 1.0), 1.0));
     // At rest, on its way, at rest.
     assert_eq!(constant.len(), 3, "{constant:?}");
     assert!(accelerates.len() > 3, "{accelerates:?}");
@@ -176,11 +165,9 @@ fn what_accelerates_less_than_dead_band_m_s2_has_a_constant_speed() {
 fn a_motion_that_is_shorter_than_half_of_filter_frames_is_filtered_out() {
     let keys = ["filter_frames = 1", "filter_frames = 31"];
     // The tool is carried to and fro, 9 frames each way.
-    let carried = |t: f32| {
-        let x = 0.05 * (t * std::f32::consts::TAU * RATE_HZ / 18.0).sin();
-        (Some(x), x, 1.0)
-    };
-    let [all, filtered] = each_gives(keys, "eru", 4.0, carried);
+    let [all, filtered] = each_gives(keys, "eru", 4.0, |t| {
+        carried(0.05 * (t * std::f32::consts::TAU * RATE_HZ / 18.0).sin(), 1.0)
+    });
     assert!(all.len() > 10 && filtered.len() < all.len() / 2, "{} and {}", all.len(), filtered.len());
 }
 

@@ -131,12 +131,12 @@ impl Rates {
     }
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {
-        let counts: Vec<f64> = likely_reversals(shown).map(f64::from).collect();
-        let (centre, apart) = self.interval(&counts, PRIOR_REVERSALS, self.reversals);
+        let likely: Vec<f64> = likely_reversals(shown).map(f64::from).collect();
+        let (centre, apart) = self.interval(&likely, PRIOR_REVERSALS, self.reversals);
         let [min, max] = [(centre - apart).ceil().max(0.0) as u32, (centre + apart).floor() as u32];
-        let most = likely_reversals(shown).max().unwrap_or_default();
+        let most = counts(likely_reversals(shown)).max;
         if is_repeated(shown) {
-            let usual = median(&counts) as u32;
+            let usual = median(&likely) as u32;
             Bounds {
                 min: min.min(usual - BORDER_REVERSALS),
                 max: max.max(most).max(usual + BORDER_REVERSALS),

@@ -101,17 +101,19 @@ impl Scene {
 
     /// Whether the hand moves away from the object, so that it is not at it any more when a change would be believed.
     fn leaves(&self, hand: usize, object: usize, age: usize) -> bool {
-        let Some((newest, _)) = self.relative_path(hand, object, age) else { return false };
-        let is_away = self.distance_from_hand(hand, object, newest) > self.hand_contact(object).on_m;
-        is_away && self.moves_away(hand, object, age)
+        self.moves_away(hand, object, age).is_some_and(|distance| distance > self.hand_contact(object).on_m)
     }
 
-    /// Whether the hand moves away from the object, which does not follow, while a change would be believed.
-    pub(super) fn moves_away(&self, hand: usize, object: usize, age: usize) -> bool {
-        let Some((newest, path_m)) = self.relative_path(hand, object, age) else { return false };
-        self.distance_from_hand(hand, object, newest) > self.distance_from_hand(hand, object, age)
-            && path_m > self.method.hand_contact.on_m / 2.0
-            && !self.follows(hand, object, age)
+    /// How far the hand is from the object when a change would be believed, in metres, if it moves away from it until then and the object does
+    /// not follow.
+    pub(super) fn moves_away(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
+        let (newest, _) = self
+            .relative_path(hand, object, age)
+            .filter(|(_, path_m)| *path_m > self.method.hand_contact.on_m / 2.0)?;
+        let distance = self.distance_from_hand(hand, object, newest);
+        let is_away =
+            distance > self.distance_from_hand(hand, object, age) && !self.follows(hand, object, age);
+        is_away.then_some(distance)
     }
 
     /// Whether the object moves with the hand: more than half as far as the two move apart. Two hands that carry a part together do not hold

@@ -209,7 +209,7 @@ impl Scene {
         let Interaction::Acts { j, .. } = self.interactions[hand] else { return None };
         let holds = self.hands[hand].ago(0).source == Source::Seen
             && self.touches[hand][j].is_near()
-            && !self.moves_away(hand, j, self.method.persist_frames.into());
+            && self.moves_away(hand, j, self.method.persist_frames.into()).is_none();
         holds.then_some(j)
     }
 
@@ -231,8 +231,8 @@ impl Scene {
             self.lasted[hand] = if is_same { self.lasted[hand].saturating_add(1) } else { 1 };
             let before = core::mem::replace(&mut self.interactions[hand], interaction).held();
             if !is_same {
-                let is_seen = |j: usize| self.objects[j].poses.ago(age + 1).source == Source::Seen;
-                self.began_unseen[hand] = !before.is_none_or(is_seen);
+                let is_hidden = |j: usize| self.objects[j].poses.ago(age + 1).source != Source::Seen;
+                self.began_unseen[hand] = before.is_some_and(is_hidden);
             }
             self.update_rivals(hand, before, interaction.held(), age);
             let mut couple = self.couple(hand, interaction, age);
