@@ -70,3 +70,11 @@ fn a_role_that_dies_is_reported_by_the_steward_and_by_its_neighbour_until_it_is_
     line.start("encode");
     line.wait_for_log("judge", "AND-611", "");
 }
+
+#[test]
+fn a_step_that_is_done_as_nobody_has_shown_it_is_noted() {
+    let mut line = Line::new(Settings { flaw: Flaw::WrongHand, ..Settings::default() });
+    line.launch().until_judged();
+    line.wait_for_log("judge", "AND-313", "if it was, teach the job again with such a run as well");
+    line.wait_for_log("judge", "AND-304", "");
+}

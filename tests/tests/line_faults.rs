@@ -6,7 +6,7 @@ use andon_tests::line::{Line, PATIENCE, ROLES, Settings, Watcher, andond, role_i
 use shm_schemas::{Layout, RoleId, RoleState, Verdict};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 /// A line that is up.
@@ -62,25 +62,42 @@ fn a_journal_whose_database_is_locked_waits_and_loses_nothing() {
     assert_eq!(rows.gaps(), 0);
 }
 
+/// A role on a disk that is nearly full. It is killed when this is dropped.
+struct Starved(Child);
+
+impl Drop for Starved {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// The longest file of a role that [`start_on_full_disk`] has started.
+const ROOM: usize = 400 * 512;
+
+/// Starts a role of which no file may grow over 400 blocks. The signal is ignored, so that the write fails as it does on a full disk.
+fn start_on_full_disk(line: &Line, role: &str) -> Starved {
+    let log = std::fs::File::create(line.path(&format!("{role}.log"))).unwrap();
+    let child = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 400; exec \"$0\" run \"$1\" -c \"$2\" 2>&1"])
+        .arg(andond())
+        .arg(role)
+        .arg(line.config())
+        .stdout(log)
+        .spawn();
+    Starved(child.unwrap())
+}
+
 #[test]
 fn a_disk_that_is_full_is_logged_and_what_was_confirmed_stays() {
     let mut line = Line::new(Settings::live());
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     line.start_all_but(&["steward", "journal"]);
-    // No file may grow over 400 blocks. The signal is ignored, so that the write fails as it does on a full disk.
-    let log = std::fs::File::create(line.path("journal.log")).unwrap();
-    let mut journal = Command::new("sh")
-        .args(["-c", "trap '' XFSZ; ulimit -f 400; exec \"$0\" run journal -c \"$1\" 2>&1"])
-        .arg(andond())
-        .arg(line.config())
-        .stdout(log)
-        .spawn()
-        .unwrap();
+    let journal = start_on_full_disk(&line, "journal");
     watcher.until("the journal's fault", |watcher| watcher.is(RoleId::Journal, RoleState::Fault));
     line.wait_for_log("journal", "AND-402", "Make room on the disk");
-    journal.kill().unwrap();
-    journal.wait().unwrap();
+    drop(journal);
     let rows = line.journal().verdicts();
     assert!(!rows.is_empty());
     // There is room again.
@@ -91,6 +108,19 @@ fn a_disk_that_is_full_is_logged_and_what_was_confirmed_stays() {
     watcher.listen(Duration::ZERO);
     assert_eq!(line.journal().unexplained(&[sent]), []);
     assert!(line.journal().verdicts().starts_with(&rows));
+}
+
+#[test]
+fn a_configuration_that_cannot_be_saved_is_logged_and_the_line_comes_up_all_the_same() {
+    let mut line = Line::new(Settings::live());
+    // Nothing is read from there, because no role of this line looks at pictures.
+    let models = "m".repeat(2 * ROOM);
+    line.reconfigure("[plc]\n", &format!("[perception]\nmodels = {models:?}\n\n[plc]\n"));
+    let _steward = start_on_full_disk(&line, "steward");
+    let mut watcher = Watcher::join(&line.station);
+    line.start_all_but(&["steward"]);
+    line.wait_for_log("steward", "AND-803", "Make room in the file system of station.root");
+    watcher.until("a verdict", |watcher| !watcher.verdicts.is_empty());
 }
 
 #[test]
