@@ -47,6 +47,25 @@ fn the_judge_logs_when_a_job_begins_and_how_it_ends() {
 }
 
 #[test]
+fn the_judge_logs_that_a_job_begins_also_after_one_that_it_could_not_judge() {
+    let mut line = Line::new(Settings::default());
+    line.work_in_turn(&[Flaw::OffPicture, Flaw::None], 5.0);
+    play(&mut line);
+    let log = line.log("judge");
+    let jobs: Vec<&str> = log.lines().filter_map(of_a_job).collect();
+    assert_eq!(jobs, ["has begun", "NOT JUDGED", "has begun", "ok"], "{log}");
+}
+
+/// What a message of the judge says of a whole job: that it has begun, or how it ended.
+fn of_a_job(message: &str) -> Option<&'static str> {
+    let outcome = |outcome: &&str| message.contains(&format!("{outcome:10}  job"));
+    if message.contains("AND-303") {
+        return Some("has begun");
+    }
+    ["ok", "ANOMALY", "NOT JUDGED"].into_iter().find(outcome)
+}
+
+#[test]
 fn history_shows_on_request_only_what_is_not_right() {
     let mut line = Line::new(Settings { flaw: Flaw::WrongOrder, ..Settings::default() });
     let watcher = play(&mut line);
