@@ -72,7 +72,7 @@ codes! {
     }
 }
 
-wire! { "andon.Health", 136;
+wire! { "andon.Health", 144;
     /// How a role is doing. Counts are since its start.
     struct Health {
         /// The stamp, with the newest frame that the role has processed.
@@ -84,6 +84,8 @@ wire! { "andon.Health", 136;
         sent_epoch: u64,
         /// Messages received on the role's data channel.
         received: u64,
+        /// Steps of its work: for `capture` and `perceive` one per frame. The message that ends a recording is none.
+        steps: u64,
         /// Messages that it did not get or skipped, by the gaps in `seq`, and frames that their source itself lost.
         losses: u64,
         /// Messages that it received and could not use.

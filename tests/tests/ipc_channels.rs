@@ -329,6 +329,7 @@ fn health_is_sent_when_the_state_changes_and_carries_the_counts() {
     let health = reader.take().unwrap().unwrap();
     assert_eq!((health.role, health.state), (RoleId::Encode.code(), RoleState::Running.code()));
     assert_eq!((health.received, health.sent, health.refused, health.losses), (1, 1, 1, 5));
+    assert_eq!(health.steps, 100);
     assert_eq!((health.stamp.frame_seq, health.stamp.captured_ns, health.stamp.seq), (9, 8, 2));
     assert_eq!(health.pid, std::process::id());
     // The histogram is accurate to 1 %.

@@ -64,6 +64,7 @@ impl Heartbeat {
 
     /// A step of the data loop is done; `took` is how long it took.
     pub fn stepped(&mut self, took: Duration) {
+        self.counts.steps += 1;
         let micros = u64::try_from(took.as_micros()).unwrap_or(MAX_STEP_US);
         self.steps.saturating_record(micros.clamp(1, MAX_STEP_US));
     }

@@ -142,9 +142,10 @@ impl<'n> Cycle<'n> {
         let turn = role.turn(self)?;
         if turn == Turn::Stepped {
             if self.is_at_end {
-                self.liveness.finished();
+                self.liveness.finished(self.worked_since(began));
+            } else {
+                self.stepped(began);
             }
-            self.stepped(began);
         }
         Ok(turn)
     }
@@ -152,7 +153,11 @@ impl<'n> Cycle<'n> {
     /// A step that began at this time has gone through. For what a role opens before its first turn: where no message may
     /// come for an hour, that is its first step.
     pub fn stepped(&mut self, began: Instant) {
-        self.liveness.stepped(began.elapsed().saturating_sub(self.waited));
+        self.liveness.stepped(self.worked_since(began));
+    }
+
+    fn worked_since(&self, began: Instant) -> Duration {
+        began.elapsed().saturating_sub(self.waited)
     }
 
     /// The process's place in the station.

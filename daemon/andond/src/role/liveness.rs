@@ -76,9 +76,11 @@ impl Liveness {
     /// A step has gone through. The first one makes the role ready.
     pub(super) fn stepped(&mut self, took: Duration) {
         self.heartbeat.stepped(took);
-        if !self.is_finished {
-            self.heartbeat.state(RoleState::Running);
-        }
+        self.heartbeat.state(RoleState::Running);
+        self.ready(took);
+    }
+
+    fn ready(&mut self, took: Duration) {
         if !self.is_ready {
             self.is_ready = true;
             // Without systemd there is nobody to notify.
@@ -97,10 +99,12 @@ impl Liveness {
         self.heartbeat.sight(sight, since_ns);
     }
 
-    /// Everything that follows from the source has been sent.
-    pub(super) fn finished(&mut self) {
+    /// The message that ends the source was taken, and everything that follows from it has been sent. It has no frame: it makes the
+    /// role ready as a step does, and does not count as one.
+    pub(super) fn finished(&mut self, took: Duration) {
         self.is_finished = true;
         self.heartbeat.state(RoleState::Finished);
+        self.ready(took);
     }
 
     /// Gives the signs of life that are due, and tells whether any were. Belongs after every wait.

@@ -128,13 +128,13 @@ impl Counts {
         self.refused.get_or_create(&label).inc_by(health.refused.saturating_sub(before.refused));
         let works = [RoleState::Running.code(), RoleState::Finished.code()].contains(&health.state);
         self.running.get_or_create(&label).set(works.into());
-        let sent = frames(health).saturating_sub(frames(&before));
+        let frames = health.steps.saturating_sub(before.steps);
         match role {
             RoleId::Capture => {
-                self.captured.inc_by(sent);
+                self.captured.inc_by(frames);
             }
             RoleId::Perceive => {
-                self.processed.inc_by(sent);
+                self.processed.inc_by(frames);
                 self.skipped.inc_by(health.losses.saturating_sub(before.losses));
             }
             _ => {}
@@ -189,9 +189,4 @@ impl Counts {
         let _ = encode(&mut text, &self.registry);
         text
     }
-}
-
-/// The frames among the messages that a role has sent: the end of a recording is a message of its own.
-fn frames(health: &Health) -> u64 {
-    health.sent.saturating_sub((health.state == RoleState::Finished.code()).into())
 }
