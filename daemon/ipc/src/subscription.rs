@@ -98,7 +98,7 @@ impl<P: Payload + ?Sized, H: Header> Subscription<P, H> {
 impl<P: Payload + ?Sized, H: Header> sealed::Poll for Subscription<P, H> {
     fn poll(&mut self) -> Result<Option<Wake>, Error> {
         // Events first: a message that is sent after this look raises another event.
-        self.inbound.hear()?;
+        self.inbound.handle_events()?;
         let pending = self.subscriber.as_ref().map_or(Ok(false), Subscriber::has_samples);
         let pending =
             pending.map_err(|e| Error::transport(self.inbound.channel, "looking for messages", e))?;
@@ -165,7 +165,7 @@ impl Inbound {
             owes_caught_up: true,
         };
         // A writer that came up while this reader was being made may have sent something before the reader was complete.
-        inbound.hear().map_err(Attempt::Failed)?;
+        inbound.handle_events().map_err(Attempt::Failed)?;
         inbound.writer_came_up = false;
         Ok(inbound)
     }
@@ -181,7 +181,7 @@ impl Inbound {
     }
 
     /// Handles every event that has come.
-    fn hear(&mut self) -> Result<(), Error> {
+    fn handle_events(&mut self) -> Result<(), Error> {
         let (gone, owes, came_up) = (&mut self.gone, &mut self.owes_caught_up, &mut self.writer_came_up);
         event::drain(&self.listener, self.channel, |id| match id {
             event::UP => {
@@ -216,7 +216,7 @@ impl Inbound {
         // With several writers nobody knows which of them came up.
         let one_writer = self.channel.qos().writers == 1;
         if one_writer && !self.losses.knows(stamp.epoch) {
-            self.hear()?;
+            self.handle_events()?;
         }
         let from_start = one_writer && (self.writer_came_up || self.losses.received > 0);
         Ok(self.losses.note(stamp, from_start) == Arrival::New)

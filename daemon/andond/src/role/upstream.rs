@@ -54,7 +54,7 @@ impl Upstream {
         node.wait(&mut [&mut self.health], Duration::ZERO)?;
         while let Some(health) = self.health.take()? {
             if health.role == self.role.code() {
-                self.sent.hear(&health, input.has_history());
+                self.sent.update(&health, input.has_history());
             }
         }
         let has = input.newest_of(self.sent.epoch);
@@ -75,7 +75,7 @@ struct Sent {
 }
 
 impl Sent {
-    fn hear(&mut self, health: &Health, has_history: bool) {
+    fn update(&mut self, health: &Health, has_history: bool) {
         self.said = MonotonicTime::sent(&health.stamp);
         if health.sent_epoch != self.epoch {
             self.epoch = health.sent_epoch;
@@ -128,13 +128,13 @@ mod tests {
     #[test]
     fn a_reader_that_hears_nothing_while_more_is_sent_is_deaf_and_one_that_hears_is_not() {
         let mut sent = Sent::default();
-        sent.hear(&health(7, 40, 10_000), true);
+        sent.update(&health(7, 40, 10_000), true);
         assert_eq!(sent.missing(0, at(10_000)), None);
         assert_eq!(sent.missing(0, at(10_900)), None, "it may be on its way");
         assert_eq!(sent.missing(0, at(11_000)), Some(40));
         assert_eq!(sent.missing(0, at(11_100)), None, "the new connection gets as long");
         assert_eq!(sent.missing(40, at(12_000)), None);
-        sent.hear(&health(7, 41, 12_500), true);
+        sent.update(&health(7, 41, 12_500), true);
         assert_eq!(sent.missing(40, at(12_500)), None);
         assert_eq!(sent.missing(41, at(13_600)), None);
     }
@@ -143,7 +143,7 @@ mod tests {
     fn what_comes_late_but_comes_is_not_deaf() {
         let mut sent = Sent::default();
         for n in 1..50 {
-            sent.hear(&health(7, 10 * n, 500 * n), true);
+            sent.update(&health(7, 10 * n, 500 * n), true);
             assert_eq!(sent.missing(10 * n - 9, at(500 * n + 10)), None);
         }
     }
@@ -151,11 +151,11 @@ mod tests {
     #[test]
     fn what_was_sent_before_this_reader_was_there_is_not_expected_of_a_writer_that_keeps_nothing() {
         let mut sent = Sent::default();
-        sent.hear(&health(7, 40, 10_000), false);
+        sent.update(&health(7, 40, 10_000), false);
         assert_eq!(sent.missing(0, at(10_000)), None);
-        sent.hear(&health(7, 40, 11_500), false);
+        sent.update(&health(7, 40, 11_500), false);
         assert_eq!(sent.missing(0, at(11_500)), None);
-        sent.hear(&health(7, 42, 11_600), false);
+        sent.update(&health(7, 42, 11_600), false);
         assert_eq!(sent.missing(0, at(11_600)), None);
         assert_eq!(sent.missing(0, at(12_600)), Some(2));
     }
@@ -163,10 +163,10 @@ mod tests {
     #[test]
     fn what_a_role_that_is_gone_had_sent_last_is_not_waited_for() {
         let mut sent = Sent::default();
-        sent.hear(&health(7, 40, 10_000), true);
+        sent.update(&health(7, 40, 10_000), true);
         assert_eq!(sent.missing(39, at(10_500)), None);
         assert_eq!(sent.missing(39, at(12_100)), None);
-        sent.hear(&health(8, 1, 12_200), true);
+        sent.update(&health(8, 1, 12_200), true);
         assert_eq!(sent.missing(1, at(13_500)), None);
     }
 }

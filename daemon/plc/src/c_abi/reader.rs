@@ -59,13 +59,13 @@ impl AndonReader {
                     return Ok(Next::WriterGone);
                 }
                 Wake::DeadlineMissed | Wake::Stop => return Ok(Next::Nothing),
-                Wake::Sample | Wake::Room | Wake::WriterGone { .. } => self.hear()?,
+                Wake::Sample | Wake::Room | Wake::WriterGone { .. } => self.update_line()?,
             }
         }
     }
 
     /// Takes what the judge and the roles say of themselves.
-    fn hear(&mut self) -> Result<(), Error> {
+    fn update_line(&mut self) -> Result<(), Error> {
         while let Some(judging) = self.judging.take()? {
             self.line.judging(&judging);
         }
@@ -76,7 +76,7 @@ impl AndonReader {
     }
 
     pub(super) fn status(&mut self) -> Result<AndonStatus, Error> {
-        self.hear()?;
+        self.update_line()?;
         Ok(AndonStatus {
             received: self.reader.received(),
             lost: self.reader.lost(),

@@ -63,7 +63,7 @@ impl Ledger {
     }
 
     /// The journal has said what it keeps.
-    pub(super) fn hear(&mut self, journal: u64, kept: &Account) -> News {
+    pub(super) fn account_kept(&mut self, journal: u64, kept: &Account) -> News {
         if !self.is_open() {
             (self.journal, self.boot) = (journal, kept.boot.wrapping_add(1).max(1));
             self.ask();

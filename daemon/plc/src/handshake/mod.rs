@@ -107,7 +107,7 @@ impl Handshake {
 
     /// The journal has said which account it keeps. The first one is where this start goes on.
     pub fn kept(&mut self, kept: &AccountKept, now_ns: u64) {
-        match self.ledger.hear(kept.journal, &kept.account) {
+        match self.ledger.account_kept(kept.journal, &kept.account) {
             News::Resume => self.resume(&kept.account, now_ns),
             News::OtherJournal => self.results.forget_rows(),
             News::Acknowledged => {
