@@ -38,7 +38,10 @@ impl JobFile {
             line!(text, "# recognised any more.");
             line!(text, "min_rate_hz = {:?}", self.min_rate_hz);
         }
-        line!(text, "# The objects at which a hand may rest or steady: the runs show it, and it is no step.");
+        line!(
+            text,
+            "# The objects that a hand rests on or steadies in the runs: such a touch is not a step."
+        );
         line!(text, "rests = {:?}", self.rests);
         self.provenance_text(&mut text);
         self.method_text(&mut text);
@@ -63,13 +66,16 @@ impl JobFile {
         );
         line!(
             text,
-            "# it, in metres, in the frame of the other part. `shown` is what the runs measured, from the least to the most, and how"
+            "# it, in metres, in the frame of the other part. `shown` is the minimum and maximum that the runs measured, and their"
         );
         line!(
             text,
-            "# far from the two centres: verdicts name it, and it decides nothing. A row of the reference has a number of frames,"
+            "# maximum distance from the two centres: verdicts name it, and it decides nothing. A row of the reference has a number"
         );
-        line!(text, "# and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl.");
+        line!(
+            text,
+            "# of frames, and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl."
+        );
         self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
         checksum::seal(&text)
     }
@@ -122,12 +128,13 @@ impl JobFile {
         );
         line!(
             text,
-            "# `once`: a second time has no place. `after`: the activities before it, in all of so many `runs`, with the mean"
+            "# `once`: it must not be repeated. `after`: the activities that come before it, each with the number of `runs` that"
         );
         line!(
             text,
-            "# time between the beginnings. `law`: the other one must have begun, must have ended, or usually came first."
+            "# have both and the mean time between the two beginnings. `law`: the other one must have begun (begin), must have"
         );
+        line!(text, "# ended (end), or came first without enough evidence for a law (usual).");
         for (number, step) in self.steps.iter().enumerate() {
             line!(text, "\n[[step]]\n# {number}: {}", self.step_name(number).replace(char::is_control, " "));
             line!(text, "required = {}\nonce = {}\nruns = {}", step.is_required, step.is_once, step.runs);

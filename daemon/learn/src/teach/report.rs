@@ -173,18 +173,7 @@ impl fmt::Display for TeachReport {
         }
         write!(f, "{}", self.order)?;
         if let Some(rejected) = &self.rejected {
-            let used = self.order.runs;
-            match rejected.len() {
-                0 => writeln!(
-                    f,
-                    "none of your {used} runs would have been rejected by a job taught from the others"
-                )?,
-                count => writeln!(
-                    f,
-                    "of your {used} runs the others would have rejected {count} ({}); show {MORE_RUNS} more, from other people",
-                    rejected.join(", ")
-                )?,
-            }
+            writeln!(f, "{}", rejected_words(self.order.runs, rejected))?;
         }
         if self.min_rate_hz > 0.0 {
             writeln!(
@@ -258,6 +247,19 @@ impl Disagreement {
             words(self.others)
         )
     }
+}
+
+/// Which of the runs that were learnt from a job taught without them would reject.
+fn rejected_words(used: usize, rejected: &[String]) -> String {
+    let (count, would) = match rejected.len() {
+        0 => return format!("none of your {used} runs would have been rejected by a job taught without it"),
+        1 => (1, "would"),
+        count => (count, "would each"),
+    };
+    let names = rejected.join(", ");
+    format!(
+        "{count} of your {used} runs {would} have been rejected by a job taught without it ({names}): show {MORE_RUNS} more, from other people"
+    )
 }
 
 fn range(bounds: Bounds) -> String {
