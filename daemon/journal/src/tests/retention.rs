@@ -1,0 +1,49 @@
+//! What is removed because it is too old or too much.
+
+use super::*;
+
+#[test]
+fn verdicts_that_are_too_old_are_removed_and_a_gap_names_them() {
+    let mut bench = Bench::keeping(Retention { keep_days: 2, ..KEEP });
+    for seq in 1..=10 {
+        let mut old = verdict(1, seq);
+        old.decided_utc_ns = seq * DAY_NS;
+        bench.append(&old).unwrap();
+    }
+    bench.journal = Journal::open(&bench.path(), Retention { keep_days: 2, ..KEEP }).unwrap();
+    assert_eq!(bench.lines(&Query::default()), ["retention 1 1-7", "v 1 8", "v 1 9", "v 1 10"]);
+    assert_eq!(bench.journal.removed(), 7);
+    bench.journal = Journal::open(&bench.path(), Retention { keep_days: 1, ..KEEP }).unwrap();
+    assert_eq!(bench.lines(&Query::default()), ["retention 1 1-8", "v 1 9", "v 1 10"]);
+}
+
+#[test]
+fn a_database_that_is_too_large_shrinks_and_keeps_its_newest() {
+    let mut bench = Bench::new();
+    bench.journal.connection.pragma_update(None, "synchronous", "OFF").unwrap();
+    bench.send(1, 1..=9000);
+    drop(bench.journal);
+    let size = || std::fs::metadata(bench.dir.path().join("j.sqlite")).unwrap().len();
+    let before = size();
+    assert!(before > 1 << 20, "{before}");
+    let path = bench.dir.path().join("j.sqlite");
+    let retention = Retention { keep_mb: 1, ..KEEP };
+    for _ in 0..4 {
+        drop(Journal::open(&path, retention).unwrap());
+    }
+    assert!(size() <= before / 2 + (1 << 20), "{} of {before}", size());
+    let journal = Journal::open(&path, retention).unwrap();
+    assert_eq!(journal.newest(), Some(MessageId { epoch: 1, seq: 9000 }));
+}
+
+#[test]
+fn a_clock_that_jumps_ahead_does_not_empty_the_journal_at_once() {
+    let mut bench = Bench::new();
+    bench.journal.connection.pragma_update(None, "synchronous", "OFF").unwrap();
+    bench.send(1, 1..=3000);
+    let mut future = verdict(1, 3001);
+    future.decided_utc_ns = 40_000 * DAY_NS;
+    bench.append(&future).unwrap();
+    bench.journal = Journal::open(&bench.path(), Retention { keep_days: 30, ..KEEP }).unwrap();
+    assert_eq!(bench.lines(&Query::default()).len(), 1 + 1001);
+}

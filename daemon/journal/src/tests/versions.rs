@@ -1,0 +1,92 @@
+//! Journals of other versions, and files that are no journal.
+
+use super::*;
+use shm_schemas::PartId;
+
+#[test]
+fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("j.sqlite");
+    let old = Connection::open(&path).unwrap();
+    old.execute_batch(schema::MIGRATIONS[0]).unwrap();
+    old.pragma_update(None, "user_version", 1).unwrap();
+    // A judged IU, an activity that was not judged, and a job that was not.
+    for (seq, kind, ok, activity, iu) in [
+        (1, "IuAnomaly", Some(false), Some(0), Some(2)),
+        (2, "NotJudged", None, Some(0), None),
+        (3, "NotJudged", None, None::<u16>, None),
+    ] {
+        old.execute(
+            "INSERT INTO verdict (epoch, seq, kind, reason, ok, hand, station, job_id, model_hash, activity, iu, x_c0,
+             x_c1, x_c2, x_c3, early, began_ns, ended_ns, decided_ns, decided_utc_ns, frame_seq, captured_ns, sent_ns)
+             VALUES (1, ?1, ?2, 'None', ?3, 'None', 'bench1', 3, '', ?4, ?5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)",
+            rusqlite::params![seq, kind, ok, activity, iu],
+        )
+        .unwrap();
+    }
+    drop(old);
+    let mut bench = Bench { journal: Journal::open(&path, KEEP).unwrap(), dir };
+    bench.append(&verdict(1, 4)).unwrap();
+    let words: Vec<String> = bench
+        .entries(&Query::default())
+        .iter()
+        .map(|entry| match entry {
+            Entry::Verdict(record) => format!("{} {} {}", record.kind(), record.level, record.outcome),
+            other => format!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(
+        words,
+        [
+            "IuAnomaly iu anomaly",
+            "NotJudged activity not_judged",
+            "NotJudged job not_judged",
+            "ActivityOk activity ok"
+        ]
+    );
+}
+
+#[test]
+fn a_journal_of_the_schema_without_parts_opens_and_its_verdicts_have_none() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("j.sqlite");
+    let old = Connection::open(&path).unwrap();
+    let before = schema::MIGRATIONS.iter().take_while(|migration| !migration.contains("COLUMN part"));
+    let mut version = 0;
+    for migration in before {
+        old.execute_batch(migration).unwrap();
+        version += 1;
+    }
+    old.pragma_update(None, "user_version", version).unwrap();
+    old.execute(
+        "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, x_c0, x_c1, x_c2,
+         x_c3, early, began_ns, ended_ns, decided_ns, decided_utc_ns, frame_seq, captured_ns, sent_ns)
+         VALUES (1, 1, 'job', 'ok', 'None', '', 'bench1', 3, '', 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0)",
+        [],
+    )
+    .unwrap();
+    drop(old);
+    let mut bench = Bench { journal: Journal::open(&path, KEEP).unwrap(), dir };
+    let part = PartId::new(b"A-17").unwrap();
+    bench.append(&Verdict { part, ..verdict(1, 2) }).unwrap();
+    let parts: Vec<PartId> =
+        bench.journal.rows_after(0, 10).unwrap().iter().map(|row| row.verdict.part).collect();
+    assert_eq!(parts, [PartId::NONE, part]);
+}
+
+#[test]
+fn a_journal_of_a_newer_andon_and_a_file_that_is_no_journal_are_refused_with_a_remedy() {
+    let bench = Bench::new();
+    bench.journal.connection.pragma_update(None, "user_version", 99).unwrap();
+    let error = Journal::open(&bench.path(), KEEP).unwrap_err().to_string();
+    assert!(error.contains("schema 99") && error.contains("install the newer Andon"), "{error}");
+
+    let other = bench.dir.path().join("other");
+    std::fs::write(&other, [b'x'; 5000]).unwrap();
+    let error = Journal::open(&other, KEEP).unwrap_err().to_string();
+    assert!(error.contains("no journal") && error.contains("sqlite3 .recover"), "{error}");
+    let error = Journal::open(&bench.dir.path().join("no/dir"), KEEP).unwrap_err().to_string();
+    assert!(error.contains("does its directory exist"), "{error}");
+    let error = History::open(&bench.dir.path().join("none")).unwrap_err();
+    assert!(matches!(error, JournalError::Open { .. }), "a reader makes no journal: {error}");
+}
