@@ -89,7 +89,7 @@ codes! {
         Again = 2,
         /// The other hand did it.
         OtherHand = 3,
-        /// No activity of the job is done so, and all its parts belong to the job.
+        /// It is no activity of the job, but all its parts belong to the job.
         Step = 4,
     }
 }

@@ -110,7 +110,7 @@ enum AndonNote {
    */
   ANDON_NOTE_OTHER_HAND = 3,
   /**
-   * No activity of the job is done so, and all its parts belong to the job.
+   * It is no activity of the job, but all its parts belong to the job.
    */
   ANDON_NOTE_STEP = 4,
 };

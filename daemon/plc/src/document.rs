@@ -93,14 +93,14 @@ Generated from `daemon/plc/src/registers` by `cargo run -p andon-plc --example r
 
 - Addresses are protocol addresses and count from 0. Add 1 where a tool counts from 40001 or 30001.
 - Functions 3 (read holding registers) and 4 (read input registers) read the same registers. Functions 6 and 16 write the registers
-  from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration. All of it, from 0 to 124, fits in one request, and 100 to
-  124 fits in one write request: a controller may simply exchange both in every cycle.
+  from {CONTROL_BASE} on; they need `plc.writes = true` in the configuration. Registers 0 to 124 fit in one read request, and 100 to
+  124 in one write request: a controller may simply exchange both in every cycle.
 - Exception 1: the function is not served, or a client that may only read tries to write. Exception 2: the address is outside the map, or
   the register is read-only. Exception 3: the request is malformed, or it sets a control bit that has no meaning. Addresses
   below {CONTROL_BASE} that are not in the table read as 0.
 - The unit identifier is echoed and otherwise ignored.
 - Only the clients in `plc.allow` may connect, {connections} of them at once, and only those in `plc.commanders` may write:
-  normally the one PLC. The log names the address of every other one that tries. A connection that sends no complete request for {idle_s} s is closed.
+  normally the one PLC. The log names the address of every other client that tries. A connection that sends no complete request for {idle_s} s is closed.
 - Inside a register Modbus is big-endian. A value of two or four registers has its most significant register first, which is
   `plc.word_order = \"big\"`, the default. With `\"little\"` the least significant register is first, so that a controller with a
   little-endian processor can lay the registers over a variable of 32 or 64 bits.
@@ -122,12 +122,12 @@ turn: a controller that was away gets everything that was judged meanwhile. A re
 
 **A restart loses nothing.** The journal keeps what was acknowledged, what waits, `lost`, `overrun` and `error`. After a restart of this
 role `boot` is higher, the control block is 0, and the result that was not acknowledged is offered again under its old `sequence`:
-a client that has already taken a result of this number acknowledges it again and does not count it twice. A client that writes in a
-cycle writes its old control block into the new start before it can know of it: that is why `acknowledge` names its result. One that
-names any other result than the offered one is refused, and nothing is lost.
+a client that has already taken a result of this number acknowledges it again and does not count it twice. A client that writes in
+every cycle may still write its old control block after the restart, before it can know of it: that is why `acknowledge` names its
+result. An acknowledgement that names any other result than the offered one is refused, and nothing is lost.
 
-Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. What comes
-when {QUEUE} wait is lost: such a client is to see what happens now. Watch `sequence`: a jump is a loss. `overrun` stays set once it is set.
+Without `plc.writes` nobody can acknowledge. A result then stays for at least {hold_ms} ms, and until another one takes its place. A result
+that comes while {QUEUE} wait is lost: such a client is meant to see what happens now. Watch `sequence`: a jump is a loss. `overrun` stays set once it is set.
 
 **No result is torn.** Each request is answered from one state, so a block that is read in one request belongs to one result. A client
 that needs several requests reads upwards from `sequence` to `sequence_end`, and discards what it has read unless the two are equal;
@@ -136,7 +136,7 @@ one that does not want the part may end at `sequence_copy`, and one that wants t
 halves of two sequences to look alike, 65,536 results would have to pass between two requests.
 
 **Silence is never OK.** Treat the line as not ready when `heartbeat` has not moved for 1 s or when `ready` is not set. `ready` drops within
-2 s when the camera or a process of the line fails, and within 4 s when the journal hangs, which a busy disk may make it do for a while;
+2 s when the camera or a process of the line fails, and within 4 s when the journal hangs, as it may for a while on a busy disk;
 `busy` drops with it. `error` then names the first fault and stays until `reset_error`; without `plc.writes` it stays until the line is ready again. A result that is offered at that time
 stays offered.
 
@@ -150,8 +150,8 @@ stays offered.
 counts as having refused. Write `load_job_id` and `load_model_hash` before `load_job`, or in the same request; `job_in_force` and `hash_in_force` say
 which job the judge has. A job that is refused changes nothing.
 
-While a job runs `load_job` is refused, unless a fault is latched: then `busy` is not set, what runs has no result that counts, and a
-fault that stays must not keep the cell from changing over. The judge breaks the job off as not judged, and accuses nobody.
+While a job runs `load_job` is refused, unless a fault is latched: then `busy` is not set, the running job will have no result that counts, and a
+lasting fault must not keep the cell from changing over. The judge breaks the job off as not judged, and nothing in it is accused.
 
 **Whose bit it is.** Each commander that writes `control` writes all of its bits. Where there are two, such as a PLC and a panel, both
 write `control_set` and `control_clear` instead: a panel that resets an error sets and clears `reset_error`, and `enable` stays the PLC's.
@@ -164,14 +164,14 @@ write `control_set` and `control_clear` instead: a panel that resets an error se
    in the output of `andond tail --json` and in the struct for C.
 
 **It counts from the next job on.** A job begins with the first touch, or with `start`, and keeps the id that was in force then. An id
-that is set in the middle of a job is that of the next job: so a PLC can set it while the worker is still finishing the part before.
+that is set in the middle of a job is for the next job: so a PLC can set it while the worker is still finishing the part before.
 
 **Never the wrong one.** An id with a byte that is not printable ASCII is refused, and the next job has none instead of the one before. A judge that
-starts again is given the id before `enable`; what the worker goes on with is a new job to it. After a restart of this role the client
+starts again is given the id before `enable`; to it, what the worker goes on with is a new job. After a restart of this role the client
 sets the id again, before it writes `enable`; the judge keeps the last one until then. Where nothing was ever written here, a scanner
 or a person gives the id by `andond part ID`; once `set_part` was used, that is refused.
 
-**The judge is reminded.** With `plc.writes` nothing is judged before `enable` is first written. A judge that starts again is given `enable` and the job
+**A judge that restarts is told again.** With `plc.writes` nothing is judged before `enable` is first written. A judge that starts again is given `enable` and the job
 that was loaded last, and until it has both, `ready` is not set. The journal keeps the loaded job over a restart of this role too; the
 control block is 0 then, and nothing is judged until the client writes `enable` again.
 

@@ -149,7 +149,7 @@ table! {
     INFO 601 ROLE_READY: "the role's first step has succeeded", "";
     INFO 602 ROLE_STOPPING: "the role was asked to stop", "";
     ERROR 603 SHM_FULL: "there is not enough room in /dev/shm",
-        "Enlarge it (`mount -o remount,size=512M /dev/shm`) or remove what else lies there";
+        "Enlarge it (`mount -o remount,size=512M /dev/shm`) or remove other files from it";
     ERROR 604 STEWARD_TWICE: "another steward runs for this station",
         "Stop it: `systemctl status andon-steward@NAME` shows it; it may also be a demo that is still running";
     ERROR 605 STEWARD_MISSING: "no steward runs for this station",
@@ -157,7 +157,7 @@ table! {
     ERROR 606 ROOT_DELETED: "the station's directory was removed while it was in use",
         "Keep cleaners of temporary files away from station.root, and restart the target: `systemctl restart andon@NAME.target`";
     ERROR 607 OTHER_VERSION: "a process of another version of Andon is on the same station",
-        "Stop everything of the station and start it again from one version";
+        "Stop all processes of the station and start them again from one version";
     WARN 608 ROLE_DIED: "a process has died and was cleaned up",
         "systemd starts it again; look at that role's own messages for the reason";
     WARN 609 LOSSES: "messages or frames were lost between two roles, or between the camera and Andon",
@@ -186,7 +186,7 @@ table! {
 
     ERROR 801 CONFIGURATION_REFUSED: "the configuration has faults",
         "Correct what is listed; `andond check -c FILE` checks a file without starting anything";
-    WARN 802 CONFIGURATION_CHANGED: "the configuration files have changed since the line started, and do not count yet",
+    WARN 802 CONFIGURATION_CHANGED: "the configuration files have changed since the line started, and the changes are not in force yet",
         "Check them with `andond check -c FILE`, then restart the station's target when no job is running: `systemctl restart andon@NAME.target`";
     WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration cannot be saved: a role that restarts will read the files as they are at that time",
         "Make room in the file system of station.root, and restart the station's target";

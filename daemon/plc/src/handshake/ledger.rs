@@ -39,7 +39,7 @@ struct Sent {
     at_ns: u64,
 }
 
-/// What the news from the journal mean.
+/// What the news from the journal means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum News {
     /// The first: go on from its account.

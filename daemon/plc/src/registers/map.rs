@@ -289,7 +289,7 @@ pub const MAP: &[Register] = &[
     read(51, "refusal", Get::U16(|i| i.refusal), "why the newest refused command was refused, see below"),
     read(52, "job_in_force", Get::U32(|i| i.job_in_force), "the job that the judge has; 0 none"),
     read(54, "hash_in_force", Get::U64(|i| i.hash_in_force), "hash of its job file"),
-    read(58, "phase", Get::U16(|i| i.phase), "where the judge is, see below; 0 before it was heard"),
+    read(58, "phase", Get::U16(|i| i.phase), "what the judge is doing, see below; 0 until it has reported"),
     read(59, "note", Get::U16(|i| of(i).note.into()), "what was not shown before, see below; 0 nothing"),
     read(60, "result_part", Get::Text(|i| *of(i).part.bytes()), "the part id of the result; all 0 none"),
     read(76, "sequence_end", Get::U32(sequence), "the same as `sequence`"),
@@ -309,7 +309,7 @@ pub const MAP: &[Register] = &[
         95,
         "measured",
         Get::U16(|i| scaled(i, |v| v.measured)),
-        "what it is, in the unit of `measure`, see below",
+        "its value, in the unit of `measure`, see below",
     ),
     read(
         96,
@@ -364,13 +364,13 @@ pub const MAP: &[Register] = &[
         "control_set",
         Get::U16(|_| 0),
         Access::Bits(|word, bits| word | bits),
-        "sets these bits of `control` and leaves the others; read as 0",
+        "sets these bits of `control` and leaves the others; reads as 0",
     ),
     write(
         126,
         "control_clear",
         Get::U16(|_| 0),
         Access::Bits(|word, bits| word & !bits),
-        "clears these bits of `control` and leaves the others; read as 0",
+        "clears these bits of `control` and leaves the others; reads as 0",
     ),
 ];
