@@ -137,6 +137,26 @@ fn a_hand_that_passes_by_touches_nothing() {
     assert!(just_contexts(&couples, Side::Right).is_empty());
 }
 
+/// A tool is carried from 20 cm away to this distance from the box, which is between the two of a contact, and on from there after a rest of
+/// some frames. Contexts of the hand.
+fn brought_near(distance_m: f32, rest: usize) -> Vec<[u16; 4]> {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.2, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).rest(10);
+    bench.go([0.2, distance_m], 30).rest(rest).go([0.4, 0.1], 30).rest(10);
+    just_contexts(&encode(&bench.ids(), &bench.frames), Side::Right)
+}
+
+#[test]
+fn a_part_that_is_brought_and_comes_to_rest_within_the_distance_at_which_a_contact_ends_touches() {
+    let Contact { on_m, off_m } = Method::default().object_contact;
+    let between_m = (on_m + off_m) / 2.0;
+    let touches = [[1, TOOL, 0, 0], [1, TOOL, TOOL, BOX], [1, TOOL, 0, 0]];
+    assert_eq!(brought_near(between_m, 20), touches);
+    assert_eq!(brought_near(1.5 * off_m, 20), [[1, TOOL, 0, 0]]);
+    // It only turns back there.
+    assert_eq!(brought_near(between_m, 0), [[1, TOOL, 0, 0]]);
+}
+
 #[test]
 fn the_object_in_the_hand_remains_o_j_although_another_comes_nearer() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.04, 0.0])]);

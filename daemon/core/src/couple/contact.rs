@@ -27,8 +27,8 @@ impl Edge {
     /// Takes the newest distance, in metres, of two ends that are known. Between the two distances an edge is what it was, so it is
     /// not known there if it was not known before: in fewer than half of the `persist` frames.
     pub(super) fn push(&mut self, distance: f32, contact: &Contact, persist: u8) {
-        let was_known = 2 * (self.known & window(persist, 0)).count_ones() + 1 >= persist.into();
-        if !was_known && (contact.on_m..=contact.off_m).contains(&distance) {
+        let was_known = || 2 * (self.known & window(persist, 0)).count_ones() + 1 >= persist.into();
+        if (contact.on_m..=contact.off_m).contains(&distance) && !was_known() {
             self.push_unknown();
             return;
         }
@@ -58,13 +58,14 @@ impl Edge {
     pub(super) fn believe(&mut self, age: usize, persist: u8) -> bool {
         if let Some(rest) = (age + 1).checked_sub(usize::from(persist)) {
             let [near, known] = [self.near >> rest, self.known >> rest];
-            // For how many frames up to the newest in the window it has been what it is there.
-            let lasted = if near & 1 == 1 { near.trailing_ones() } else { near.trailing_zeros() };
-            let is_lasting = lasted >= persist.into() && (near & 1 == 1) != self.believed;
-            let seen = (known & window(lasted as u8, 0)).count_ones();
+            let is_near = near & 1 == 1;
             // What was last seen before the end of the window may have been over before it.
-            if is_lasting && known & 1 == 1 && seen >= MIN_KNOWN.min(persist.into()) {
-                self.believed = !self.believed;
+            if is_near != self.believed && known & 1 == 1 {
+                // For how many frames up to the newest in the window it has been what it is there.
+                let lasted = if is_near { near.trailing_ones() } else { near.trailing_zeros() };
+                let seen = (known & window(lasted as u8, 0)).count_ones();
+                let is_seen = seen >= MIN_KNOWN.min(persist.into());
+                self.believed ^= lasted >= persist.into() && is_seen;
             }
         }
         self.believed

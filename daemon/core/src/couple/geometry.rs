@@ -114,6 +114,15 @@ impl Cloud {
         libm::sqrtf(squares.fold(0.0, f32::max))
     }
 
+    /// Whether a point of this cloud is within a distance of the given point.
+    pub(super) fn comes_within(&self, distance: f32, of: Point) -> bool {
+        let [x, y, z] = &self.coordinates;
+        (0..self.count).any(|i| {
+            let apart = subtract([x[i], y[i], z[i]], of);
+            dot(apart, apart) <= distance * distance
+        })
+    }
+
     /// Minimum distance between a point of this cloud and a point of the other.
     pub(super) fn distance(&self, other: &Self) -> f32 {
         let [ox, oy, oz] = &other.coordinates;

@@ -44,6 +44,11 @@ impl Interaction {
         }
     }
 
+    /// Whether the hand acts on the object.
+    pub(super) fn acts_on(self, object: usize) -> bool {
+        matches!(self, Self::Acts { j, .. } if j == object)
+    }
+
     /// Whether the object is `o_j` or `o_l`.
     pub(super) fn involves(self, object: usize) -> bool {
         match self {

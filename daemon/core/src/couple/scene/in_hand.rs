@@ -22,6 +22,28 @@ pub(super) enum InHand {
     Yes,
 }
 
+/// Whether two objects touch each other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Meets {
+    /// They do not, or one only passes the other.
+    #[default]
+    No,
+    /// They do not, and a hand brings one of them from where no contact reaches. Where it comes to rest within the distance at which a
+    /// contact ends, they do.
+    Brought,
+    /// They do: they have come to rest within the distance at which a contact ends.
+    Rests,
+    /// They do: they have come as near as a contact begins.
+    Yes,
+}
+
+impl Meets {
+    /// Whether they touch.
+    pub(super) fn touches(self) -> bool {
+        matches!(self, Self::Rests | Self::Yes)
+    }
+}
+
 impl Scene {
     /// Finds for the frame `age` frames before the newest which objects each hand acts on. Call it once for each frame, in order.
     pub(super) fn update_in_hand(&mut self, age: usize) {
@@ -59,25 +81,60 @@ impl Scene {
     pub(super) fn update_meets(&mut self, age: usize) {
         for i in 0..self.objects.len() {
             for j in i + 1..self.objects.len() {
-                let edge = self.adjacent[i][j];
-                // Two that came together unseen may touch already.
-                let has_come = || !edge.was_known(age, self.method.persist_frames) || !self.passes(i, j, age);
-                self.meets[i][j] = edge.is_believed() && (self.meets[i][j] || has_come());
+                self.meets[i][j] = self.next_meets(i, j, age);
             }
         }
     }
 
+    fn next_meets(&self, i: usize, j: usize, age: usize) -> Meets {
+        let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
+        if edge.is_believed() {
+            // Two that came together unseen may touch already.
+            let has_come = || !edge.was_known(age, self.method.persist_frames) || !self.passes(i, j, age);
+            return if before.touches() || has_come() { Meets::Yes } else { before };
+        }
+        let is_held = self.interactions.iter().any(|what| what.acts_on(i) || what.acts_on(j));
+        if !is_held && before != Meets::Rests {
+            return Meets::No;
+        }
+        let Some((newest, path_m)) = self.path_of_objects(i, j, age) else { return before };
+        let off_m = self.object_contact(i, j).off_m;
+        let is_near = |age: usize| self.distance_of_objects(i, j, age) <= off_m;
+        // A shorter time does not show that they rest, nor do places that are assumed.
+        let is_long = 2 * (age - newest) > self.method.persist_frames.into();
+        let rests = || {
+            is_long && path_m <= self.rest_m() && [age, newest].iter().all(|age| self.are_seen(i, j, *age))
+        };
+        match before {
+            Meets::Rests if is_near(age) || is_near(newest) => Meets::Rests,
+            Meets::Brought if is_near(age) && rests() => Meets::Rests,
+            Meets::Brought => Meets::Brought,
+            _ if is_held && !is_near(age) => Meets::Brought,
+            _ => Meets::No,
+        }
+    }
+
     fn passes(&self, i: usize, j: usize, age: usize) -> bool {
+        self.path_of_objects(i, j, age).is_some_and(|(newest, path_m)| {
+            let frames = (age - newest) as f32;
+            path_m * f32::from(self.method.persist_frames) / frames > self.method.object_contact.on_m
+        })
+    }
+
+    /// How far two objects have moved relative to each other from this frame to the newest known one of those in which a change is believed,
+    /// in metres, after the age of that frame.
+    fn path_of_objects(&self, i: usize, j: usize, age: usize) -> Option<(usize, f32)> {
         let apart = |age: usize| {
             let [one, other] = [i, j].map(|object| self.objects[object].poses.ago(age));
             let is_known = one.source.is_known() && other.source.is_known();
             is_known.then(|| subtract(one.position, other.position))
         };
-        self.newest_known(age, apart).zip(apart(age)).is_some_and(|((newest, to), from)| {
-            let frames = (age - newest) as f32;
-            let path_m = norm(subtract(to, from)) * f32::from(self.method.persist_frames) / frames;
-            path_m > self.method.object_contact.on_m
-        })
+        let (from, (newest, to)) = apart(age).zip(self.newest_known(age, apart))?;
+        Some((newest, norm(subtract(to, from))))
+    }
+
+    fn are_seen(&self, i: usize, j: usize, age: usize) -> bool {
+        [i, j].iter().all(|object| self.objects[*object].poses.ago(age).source == Source::Seen)
     }
 
     /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a

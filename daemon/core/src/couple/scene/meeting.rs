@@ -81,21 +81,26 @@ impl Scene {
             for (posed, edge) in posed.iter().zip(edges) {
                 match tips {
                     Some(tips) if is_known(posed.1) => {
-                        let distance = tips.distance(&met_by_hand(posed, planar));
-                        edge.push(distance, &posed.0.hand.contact, persist);
+                        let (shape, contact) = (posed.0, &posed.0.hand.contact);
+                        let is_in_reach = tips.comes_within(shape.radius_m + contact.off_m, posed.1.position);
+                        let distance = is_in_reach.then(|| tips.distance(&met_by_hand(posed, planar)));
+                        edge.push(distance.unwrap_or(f32::INFINITY), contact, persist);
                     }
                     _ => edge.push_unknown(),
                 }
             }
         }
+        let known: [bool; OBJECTS] =
+            core::array::from_fn(|index| posed.get(index).is_some_and(|(_, pose, _)| is_known(pose)));
         let contact = &self.method.object_contact;
         for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
-            for (other, edge) in posed.iter().zip(edges).skip(i + 1) {
-                let contact = place_of(one.0, other.0).map_or(contact, |(place, _)| &place.contact);
+            for ((other, edge), is_known) in posed.iter().zip(edges).zip(known).skip(i + 1) {
+                // No two that are farther apart meet: the radius holds what a learnt contact reaches beyond the usual one.
                 let reach = one.0.radius_m + other.0.radius_m + contact.off_m;
-                if !(is_known(one.1) && is_known(other.1)) {
+                if !(known[i] && is_known) {
                     edge.push_unknown();
                 } else if squared_distance(one.1.position, other.1.position) <= reach * reach {
+                    let contact = place_of(one.0, other.0).map_or(contact, |(place, _)| &place.contact);
                     edge.push(apart(one, other, planar), contact, persist);
                 } else {
                     edge.push(f32::INFINITY, contact, persist);
@@ -119,6 +124,11 @@ impl Scene {
 
     pub(super) fn hand_contact(&self, object: usize) -> Contact {
         self.objects[object].shape.hand.contact
+    }
+
+    pub(super) fn object_contact(&self, i: usize, j: usize) -> Contact {
+        let [one, other] = [i, j].map(|object| &self.objects[object].shape);
+        place_of(one, other).map_or(self.method.object_contact, |(place, _)| place.contact)
     }
 
     fn posed(&self, object: usize, age: usize) -> Posed<'_> {

@@ -16,7 +16,7 @@ use crate::config::Method;
 use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
 use heapless::Vec;
-use in_hand::InHand;
+use in_hand::{InHand, Meets};
 use meeting::Shape;
 use start::Start;
 
@@ -82,7 +82,7 @@ pub(super) struct Scene {
     /// Between each two objects, the lower index first.
     adjacent: [[Edge; OBJECTS]; OBJECTS],
     /// Whether the two touch, rather than pass each other.
-    meets: [[bool; OBJECTS]; OBJECTS],
+    meets: [[Meets; OBJECTS]; OBJECTS],
     interactions: [Interaction; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
@@ -114,7 +114,7 @@ impl Scene {
             touches: [[Edge::default(); OBJECTS]; HANDS],
             in_hand: [[InHand::No; OBJECTS]; HANDS],
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
-            meets: [[false; OBJECTS]; OBJECTS],
+            meets: [[Meets::No; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
             lasted: [u32::MAX; HANDS],
             began_unseen: [false; HANDS],
@@ -216,7 +216,10 @@ impl Scene {
     /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
     pub(super) fn couples(&mut self, age: usize, known_ns: u64) -> Couples {
         let persist = self.method.persist_frames;
-        for edge in self.touches.iter_mut().chain(&mut self.adjacent).flatten() {
+        let count = self.objects.len();
+        let touches = self.touches.iter_mut().flat_map(|edges| &mut edges[..count]);
+        let adjacent = self.adjacent[..count].iter_mut().enumerate();
+        for edge in touches.chain(adjacent.flat_map(|(i, edges)| &mut edges[i + 1..count])) {
             edge.believe(age, persist);
         }
         self.update_in_hand(age);
@@ -263,7 +266,7 @@ impl Scene {
 
     /// The edges from an object to the objects that it touches.
     fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = interaction::Edge> {
-        let meets = move |l: &usize| self.meets[j.min(*l)][j.max(*l)];
+        let meets = move |l: &usize| self.meets[j.min(*l)][j.max(*l)].touches();
         (0..self.objects.len()).filter(meets).map(move |l| (l, self.distance_of_objects(j, l, age)))
     }
 
