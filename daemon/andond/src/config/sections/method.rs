@@ -25,7 +25,7 @@ pub(in crate::config) fn keys(method: &mut Method, k: &mut impl Keys) {
     contact(
         &mut method.object_contact,
         ["object_contact_on_m", "object_contact_off_m"],
-        "Object and object: a contact begins when their interaction points come closer than this.",
+        "Object and object: a contact begins when their interaction points come closer than this, or when one that a hand brings comes to rest within the distance at which it ends.",
         k,
     );
     k.key(

@@ -1,5 +1,6 @@
 //! What is near and interacts. A hand that is near an object acts on it from the moment at which it rests at the object, or the
-//! object moves with it, until it leaves (the in-hand relation of paper III-A.2). An object touches another unless it passes by.
+//! object moves with it, until it leaves (the in-hand relation of paper III-A.2). An object touches another that it comes near or is brought
+//! to rest at, unless it passes by.
 //!
 //! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
