@@ -100,7 +100,8 @@ impl Scene {
         }
         let Some((newest, path_m)) = self.path_of_objects(i, j, age) else { return before };
         let off_m = self.object_contact(i, j).off_m;
-        let is_near = |age: usize| self.distance_of_objects(i, j, age) <= off_m;
+        let is_near =
+            |age: usize| self.are_in_reach(i, j, age) && self.distance_of_objects(i, j, age) <= off_m;
         // A shorter time does not show that they rest, nor do places that are assumed.
         let is_long = 2 * (age - newest) > self.method.persist_frames.into();
         let rests = || {

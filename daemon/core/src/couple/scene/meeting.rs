@@ -122,6 +122,13 @@ impl Scene {
         apart(&self.posed(i, age), &self.posed(j, age), self.is_planar())
     }
 
+    /// Whether two objects may meet: no two that are farther apart do, see [`Shape::radius_m`].
+    pub(super) fn are_in_reach(&self, i: usize, j: usize, age: usize) -> bool {
+        let [one, other] = [i, j].map(|object| &self.objects[object]);
+        let reach = one.shape.radius_m + other.shape.radius_m + self.method.object_contact.off_m;
+        squared_distance(one.poses.ago(age).position, other.poses.ago(age).position) <= reach * reach
+    }
+
     pub(super) fn hand_contact(&self, object: usize) -> Contact {
         self.objects[object].shape.hand.contact
     }
