@@ -135,7 +135,7 @@ impl Scene {
         Some((newest, norm(subtract(to, from))))
     }
 
-    fn are_seen(&self, i: usize, j: usize, age: usize) -> bool {
+    pub(super) fn are_seen(&self, i: usize, j: usize, age: usize) -> bool {
         [i, j].iter().all(|object| self.objects[*object].poses.ago(age).source == Source::Seen)
     }
 

@@ -6,7 +6,7 @@ use super::super::poses::{ObjectPose, Source};
 use super::{Scene, squared_distance};
 use crate::capacity::{MEETINGS, OBJECTS};
 use crate::config::{Contact, Method};
-use crate::input::Space;
+use crate::input::{Point, Space};
 use crate::object::{Meeting, ObjectShape};
 use heapless::Vec;
 
@@ -95,13 +95,10 @@ impl Scene {
         let contact = &self.method.object_contact;
         for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
             for ((other, edge), is_known) in posed.iter().zip(edges).zip(known).skip(i + 1) {
-                // No two that are farther apart meet: the radius holds what a learnt contact reaches beyond the usual one.
-                let reach = one.0.radius_m + other.0.radius_m + contact.off_m;
                 if !(known[i] && is_known) {
                     edge.push_unknown();
-                } else if squared_distance(one.1.position, other.1.position) <= reach * reach {
-                    let contact = place_of(one.0, other.0).map_or(contact, |(place, _)| &place.contact);
-                    edge.push(apart(one, other, planar), contact, persist);
+                } else if are_in_reach(extent(one), extent(other), contact) {
+                    edge.push(apart(one, other, planar), &contact_of(one.0, other.0, contact), persist);
                 } else {
                     edge.push(f32::INFINITY, contact, persist);
                 }
@@ -122,11 +119,13 @@ impl Scene {
         apart(&self.posed(i, age), &self.posed(j, age), self.is_planar())
     }
 
-    /// Whether two objects may meet: no two that are farther apart do, see [`Shape::radius_m`].
+    /// Whether two objects may meet, see [`are_in_reach`].
     pub(super) fn are_in_reach(&self, i: usize, j: usize, age: usize) -> bool {
-        let [one, other] = [i, j].map(|object| &self.objects[object]);
-        let reach = one.shape.radius_m + other.shape.radius_m + self.method.object_contact.off_m;
-        squared_distance(one.poses.ago(age).position, other.poses.ago(age).position) <= reach * reach
+        let extent = |object: usize| {
+            let node = &self.objects[object];
+            (node.poses.ago(age).position, node.shape.radius_m)
+        };
+        are_in_reach(extent(i), extent(j), &self.method.object_contact)
     }
 
     pub(super) fn hand_contact(&self, object: usize) -> Contact {
@@ -134,8 +133,7 @@ impl Scene {
     }
 
     pub(super) fn object_contact(&self, i: usize, j: usize) -> Contact {
-        let [one, other] = [i, j].map(|object| &self.objects[object].shape);
-        place_of(one, other).map_or(self.method.object_contact, |(place, _)| place.contact)
+        contact_of(&self.objects[i].shape, &self.objects[j].shape, &self.method.object_contact)
     }
 
     fn posed(&self, object: usize, age: usize) -> Posed<'_> {
@@ -158,6 +156,24 @@ fn met_by_hand((shape, pose, points): &Posed<'_>, planar: bool) -> Cloud {
 fn place_of<'a>(one: &'a Shape, other: &'a Shape) -> Option<(&'a Place, bool)> {
     let of_one = one.other(other.id).map(|place| (place, true));
     of_one.or_else(|| other.other(one.id).map(|place| (place, false)))
+}
+
+/// How near two objects were shown to meet, or as `usual`.
+fn contact_of(one: &Shape, other: &Shape, usual: &Contact) -> Contact {
+    place_of(one, other).map_or(*usual, |(place, _)| place.contact)
+}
+
+/// Where an object is, and its radius, in metres.
+type Extent = (Point, f32);
+
+fn extent((shape, pose, _): &Posed<'_>) -> Extent {
+    (pose.position, shape.radius_m)
+}
+
+/// Whether two objects may meet where this is the usual contact: the radius holds what a learnt one reaches beyond it.
+pub(super) fn are_in_reach(one: Extent, other: Extent, usual: &Contact) -> bool {
+    let reach = one.1 + other.1 + usual.off_m;
+    squared_distance(one.0, other.0) <= reach * reach
 }
 
 /// How far two objects are from meeting each other, in metres.

@@ -320,8 +320,7 @@ impl Scene {
             return (hand.source == Source::Seen).then(|| hand.grip());
         };
         let [of_j, of_l] = [j, l].map(|object| self.objects[object].poses.ago(age));
-        let is_seen = of_j.source == Source::Seen && of_l.source == Source::Seen;
-        is_seen.then(|| of_l.own(of_j.position))
+        self.are_seen(j, l, age).then(|| of_l.own(of_j.position))
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.

@@ -3,6 +3,7 @@
 use super::super::Sight;
 use super::super::contact;
 use super::super::poses::Source;
+use super::meeting::are_in_reach;
 use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
 
@@ -58,8 +59,8 @@ impl Scene {
                 let is_edge_unknown =
                     other.is_some_and(|(j, ..)| !self.adjacent[j.min(object)][j.max(object)].is_known());
                 let is_in_reach = other.is_some_and(|(_, position, radius_m)| {
-                    let reach = radius_m + node.shape.radius_m + self.method.object_contact.off_m;
-                    squared_distance(position, pose.position) <= reach * reach
+                    let [one, other] = [(position, radius_m), (pose.position, node.shape.radius_m)];
+                    are_in_reach(one, other, &self.method.object_contact)
                 });
                 let is_in_doubt = match pose.source {
                     Source::Never => false,
