@@ -12,7 +12,8 @@ use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::deletion::Deletion;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
 
-/// The part that is measured.
+/// The part that is rubbed with, and the part that is rubbed and measured.
+const POLISHER: u16 = 5;
 const BRICK: u16 = 6;
 
 /// A seed that played no part in the choice of the rules.
@@ -70,6 +71,36 @@ fn a_part_that_lies_turned_otherwise_in_each_run_and_goes_the_same_way_is_positi
         assert_eq!(report.to_string().contains("only its position counts"), is_position_only, "{report}");
         let read = JobFile::parse("job.toml", job.to_toml().as_bytes()).unwrap();
         assert_eq!(read.objects, job.objects);
+    }
+}
+
+fn position(frame: &Frame, id: u16) -> Option<[f32; 3]> {
+    frame.objects.iter().find(|object| object.id == id).map(|object| object.position)
+}
+
+#[test]
+fn a_part_that_is_put_down_beside_where_it_lay_is_not_moved_for_good() {
+    // From when it is put down the polisher lies this far from its first place.
+    let put_down = |person: u64, away_m: f32| {
+        let performance = Performance { seed: SEED, person, repetition: 1, noise: Noise::default() };
+        let (mut recording, _) = perform(&performance, Flaw::None);
+        let positions: Vec<_> = recording.frames.iter().map(|frame| position(frame, POLISHER)).collect();
+        let [first, last] = [positions.iter().flatten().next(), positions.iter().flatten().next_back()];
+        let ([x, y, _], last) = (*first.unwrap(), *last.unwrap());
+        let is_elsewhere =
+            |at: &Option<[f32; 3]>| at.is_some_and(|at| (at[0] - last[0]).hypot(at[1] - last[1]) > 0.01);
+        let put_down = positions.iter().rposition(is_elsewhere).unwrap();
+        for object in recording.frames[put_down..].iter_mut().flat_map(|frame| &mut frame.objects) {
+            if object.id == POLISHER {
+                object.position = [x - away_m, y, 0.0];
+            }
+        }
+        Run::new(&format!("{person}"), "", &recording, &Method::default()).unwrap()
+    };
+    for (away_m, is_for_good) in [(0.06, false), (0.3, true)] {
+        let (job, _) = taught(&[put_down(1, away_m), put_down(2, away_m)]);
+        let polisher = job.objects.iter().find(|object| object.shape.id == POLISHER).unwrap();
+        assert_eq!(polisher.shape.start.is_some(), is_for_good, "{away_m} m: {:?}", polisher.shape.start);
     }
 }
 

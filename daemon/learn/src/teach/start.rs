@@ -1,6 +1,7 @@
 //! Where parts lie before the job moves them for good. A part that still lies there shows that the activities which move it have not been
 //! done, whatever was not seen of the hands.
 
+use super::measures::interval;
 use super::sequence::Agreement;
 use crate::recording::NamedObject;
 use crate::run::{Activity, Run};
@@ -16,8 +17,11 @@ const STRAY_M: f32 = 0.01;
 /// A part that the runs do not put back to within this, in metres, has no place of its own.
 const MAX_M: f32 = 0.05;
 
-/// What the runs move for good lies at least this many times as far from its place afterwards as before.
-const AWAY: f32 = 2.0;
+/// How people in general differ in where they put a part down that has no place of its own, in metres.
+const PRIOR_PUT_DOWN_M: f64 = 0.02;
+
+/// How often a part that is moved for good may come to lie where it lay first: that ends a job, and begins the next one.
+const PUT_BACK: f64 = 0.005;
 
 /// The objects of the runs, each with where it lies first, if the runs show that.
 pub(super) fn found(runs: &[Run], agreement: &Agreement, space: Space) -> Vec<NamedObject> {
@@ -41,19 +45,23 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
     let place = place(shown_m + STRAY_M);
     let moves = |activity: &usize| -> bool {
         let of_runs = agreement.steps[*activity].iter().zip(&agreement.used);
-        let mut shown = of_runs.filter_map(|(index, run)| Some((&runs[*run], (*index)?))).peekable();
-        shown.peek().is_some()
-            && shown.all(|(run, index)| {
-                let activity = &run.activities[index];
-                let mut after =
-                    seen(id, run, space).filter(|(time_ns, _)| *time_ns >= activity.ended_ns()).peekable();
-                acts_on(activity, id)
-                    && after.peek().is_some()
-                    && after.all(|(_, position)| place.distance(position) > AWAY * place.max)
-            })
+        let shown = of_runs.filter_map(|(index, run)| Some((&runs[*run], (*index)?)));
+        let away: Option<Vec<f64>> =
+            shown.map(|(run, index)| away_m(id, run, &run.activities[index], &place, space)).collect();
+        away.filter(|away| !away.is_empty()).is_some_and(|away| {
+            let (centre, apart) = interval(&away, PRIOR_PUT_DOWN_M, 2.0 * PUT_BACK, 0.0);
+            centre - apart > f64::from(place.max)
+        })
     };
     let moved_by: ActivitySet = (0..agreement.steps.len()).filter(moves).collect();
     (place.max <= MAX_M && !moved_by.is_empty()).then_some(StartPlace { place, moved_by })
+}
+
+/// How near its place an object comes after this activity, in metres; `None` if that does not act on it, or it is not seen any more.
+fn away_m(id: u16, run: &Run, activity: &Activity, place: &Around<3>, space: Space) -> Option<f64> {
+    let after = seen(id, run, space).filter(|(time_ns, _)| *time_ns >= activity.ended_ns());
+    let nearest = after.map(|(_, position)| place.distance(position)).min_by(f32::total_cmp);
+    nearest.filter(|_| acts_on(activity, id)).map(f64::from)
 }
 
 /// Where an object lies before the first activity of the run that acts on it.
