@@ -64,7 +64,7 @@ impl fmt::Display for OrderReport {
             1 => writeln!(f, "one run shows no order: any order of the steps is accepted"),
             runs => writeln!(
                 f,
-                "two steps that have nothing to do with each other stand in one order in {runs} runs by chance: {:.0} %",
+                "chance that two unrelated steps come in the same order in all {runs} runs: {:.0} %",
                 100.0 * chance_of_one_order(runs)
             ),
         }

@@ -6,8 +6,7 @@
 //! few seconds of each other show nothing: a person does not mind which is first. What all runs agree on without that evidence is a usage:
 //! another order is a note.
 //!
-//! Two steps that have nothing to do with each other stand in one order in `n` runs by chance with a probability of `2^(1-n)`, so one run
-//! shows no order at all.
+//! Two unrelated steps come in the same order in all `n` runs with a probability of `2^(1-n)`, so one run shows no order at all.
 
 use super::options::TeachOptions;
 use super::sequence::Agreement;
@@ -25,7 +24,7 @@ const BETWEEN_HANDS_S: f64 = 3.0;
 /// But a hand that takes up what the other one has put down waits for it: this many seconds beyond the bound are enough.
 const AFTER_END_S: f64 = 0.1;
 
-/// The probability that two steps which have nothing to do with each other stand in one order in this number of runs.
+/// The probability that two unrelated steps come in the same order in all of this number of runs.
 pub(super) fn chance_of_one_order(runs: usize) -> f64 {
     0.5_f64.powi(runs as i32 - 1)
 }

@@ -65,7 +65,7 @@ struct Said {
 }
 
 impl Said {
-    fn hear(&mut self, spell: Option<Spell>, at_s: f64) {
+    fn note(&mut self, spell: Option<Spell>, at_s: f64) {
         if spell == self.newest {
             return;
         }

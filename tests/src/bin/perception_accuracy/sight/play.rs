@@ -45,7 +45,7 @@ pub(super) fn play(path: &Path, case: &Case, runtime: &Path) -> Result<Said, Err
             _ => &mut station,
         };
         let seen = perceiver.perceive(picture.image, picture.at_ns)?;
-        said.hear(sight.step(&Look::new(&seen, std::mem::take(&mut dropped))), picture.at_ns as f64 / 1e9);
+        said.note(sight.step(&Look::new(&seen, std::mem::take(&mut dropped))), picture.at_ns as f64 / 1e9);
     }
     Ok(said)
 }
