@@ -90,7 +90,9 @@ impl Scene {
     fn next_meets(&self, i: usize, j: usize, age: usize) -> Meets {
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
         if edge.is_believed() {
-            return if before.touches() || !self.passes(i, j, age) { Meets::Yes } else { before };
+            // Two that came together unseen may touch already.
+            let has_come = || !edge.was_known(age, self.method.persist_frames) || !self.passes(i, j, age);
+            return if before.touches() || has_come() { Meets::Yes } else { before };
         }
         let is_held = self.interactions.iter().any(|what| what.acts_on(i) || what.acts_on(j));
         if !is_held && before != Meets::Rests {
