@@ -12,8 +12,10 @@ use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::deletion::Deletion;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
 
-/// The part that is rubbed with, and the part that is rubbed and measured.
+/// The part that the brick is rubbed with.
 const POLISHER: u16 = 5;
+
+/// The part that is measured.
 const BRICK: u16 = 6;
 
 /// A seed that played no part in the choice of the rules.

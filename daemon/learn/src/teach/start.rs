@@ -59,9 +59,11 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
 
 /// How near its place an object comes after this activity, in metres; `None` if that does not act on it, or it is not seen any more.
 fn away_m(id: u16, run: &Run, activity: &Activity, place: &Around<3>, space: Space) -> Option<f64> {
+    if !acts_on(activity, id) {
+        return None;
+    }
     let after = seen(id, run, space).filter(|(time_ns, _)| *time_ns >= activity.ended_ns());
-    let nearest = after.map(|(_, position)| place.distance(position)).min_by(f32::total_cmp);
-    nearest.filter(|_| acts_on(activity, id)).map(f64::from)
+    after.map(|(_, position)| place.distance(position)).min_by(f32::total_cmp).map(f64::from)
 }
 
 /// Where an object lies before the first activity of the run that acts on it.
