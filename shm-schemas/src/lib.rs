@@ -81,6 +81,8 @@ pub mod flag {
     pub const DOUBTFUL: u8 = 1 << 2;
     /// Flag of a couple: the hand may have taken another object than `o_j`.
     pub const RIVALLED: u8 = 1 << 3;
+    /// Flag of a couple: the hand may have held `o_j` before that was first seen.
+    pub const OBJECT_NEW: u8 = 1 << 4;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
     /// The object was hidden, and its pose is held by the hand that carries it.

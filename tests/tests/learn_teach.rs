@@ -82,7 +82,7 @@ fn position(frame: &Frame, id: u16) -> Option<[f32; 3]> {
 
 #[test]
 fn a_part_that_is_put_down_beside_where_it_lay_is_not_moved_for_good() {
-    // From when it is put down the polisher lies this far from its first place.
+    // The hand puts the polisher down this far from its first place.
     let put_down = |person: u64, away_m: f32| {
         let performance = Performance { seed: SEED, person, repetition: 1, noise: Noise::default() };
         let (mut recording, _) = perform(&performance, Flaw::None);
@@ -92,9 +92,17 @@ fn a_part_that_is_put_down_beside_where_it_lay_is_not_moved_for_good() {
         let is_elsewhere =
             |at: &Option<[f32; 3]>| at.is_some_and(|at| (at[0] - last[0]).hypot(at[1] - last[1]) > 0.01);
         let put_down = positions.iter().rposition(is_elsewhere).unwrap();
-        for object in recording.frames[put_down..].iter_mut().flat_map(|frame| &mut frame.objects) {
-            if object.id == POLISHER {
-                object.position = [x - away_m, y, 0.0];
+        let shift = [x - away_m - last[0], y - last[1]];
+        for (index, frame) in recording.frames.iter_mut().enumerate().skip(put_down - 30) {
+            let share = ((index + 30 - put_down) as f32 / 30.0).min(1.0);
+            let shifted = |at: &mut [f32; 3]| (0..2).for_each(|axis| at[axis] += share * shift[axis]);
+            frame
+                .objects
+                .iter_mut()
+                .filter(|object| object.id == POLISHER)
+                .for_each(|object| shifted(&mut object.position));
+            for hand in &mut frame.hands {
+                hand.tips.iter_mut().chain([&mut hand.wrist, &mut hand.middle_knuckle]).for_each(shifted);
             }
         }
         Run::new(&format!("{person}"), "", &recording, &Method::default()).unwrap()

@@ -428,9 +428,13 @@ fn an_object_that_lies_where_the_job_begins_shows_what_has_not_been_done() {
     };
     let last = *undone_in(&bench.frames).last().unwrap();
     assert!((20..30).contains(&last), "{last}");
-    for frame in &mut bench.frames[5..80] {
-        frame.objects.clear();
-    }
+    let hide = |frames: &mut [Frame]| frames.iter_mut().for_each(|frame| frame.objects.clear());
+    hide(&mut bench.frames[5..80]);
+    // The hand acts on it.
+    assert_eq!(undone_in(&bench.frames), (0..5).collect::<Vec<_>>());
+    let mut away = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    away.hand(Side::Right, [0.5, 0.0]).rest(80);
+    hide(&mut away.frames[5..]);
     // It is not known for longer than 700 ms where the object lies.
-    assert_eq!(undone_in(&bench.frames), (0..26).collect::<Vec<_>>());
+    assert_eq!(undone_in(&away.frames), (0..26).collect::<Vec<_>>());
 }

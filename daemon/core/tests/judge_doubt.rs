@@ -281,3 +281,13 @@ fn a_bench_that_is_set_as_it_was_at_first_is_that_of_the_next_piece() {
     let jobs: Vec<_> = verdicts.iter().filter(|verdict| verdict.starts_with("Job")).collect();
     assert_eq!(jobs, ["JobAnomaly NotCompleted", "JobOk"], "{verdicts:?}");
 }
+
+#[test]
+fn the_piece_after_one_whose_end_was_hidden_is_right() {
+    let job = teach(&[&polish(6)]);
+    let [grasp, stroke, ..] = polish(6);
+    let hidden = [grasp, stroke, away(25), idle(30)];
+    let verdicts = judged(&job, &stream(&[&hidden[..], &polish(6)].concat(), &[]));
+    let jobs: Vec<_> = verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect();
+    assert_eq!(jobs, ["NotJudged Blind", "JobOk"]);
+}

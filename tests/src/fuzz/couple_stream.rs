@@ -180,7 +180,7 @@ impl Line<'_> {
                 .map(|()| [Sight::Seen, Sight::Assumed, Sight::Unseen][usize::from(input.below(24) / 11)]);
             let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
             let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
-            let is_rivalled = input.below(8) == 0;
+            let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
                 255 => 2100,
@@ -196,6 +196,7 @@ impl Line<'_> {
                     is_clear,
                     is_doubtful,
                     is_rivalled,
+                    is_object_new,
                     ..Couple::idle(side, captured_ns)
                 };
                 let mut hands = Side::ALL.map(hand);

@@ -21,7 +21,8 @@ pub fn write(couples: &Couples, message: &mut Message) {
             flags: bit(couple.motion.is_some(), flag::MEASURED)
                 | bit(couple.is_clear, flag::CLEAR)
                 | bit(couple.is_doubtful, flag::DOUBTFUL)
-                | bit(couple.is_rivalled, flag::RIVALLED),
+                | bit(couple.is_rivalled, flag::RIVALLED)
+                | bit(couple.is_object_new, flag::OBJECT_NEW),
             sight: couple.sight.map(|sight| sight as u8),
             reserved: 0,
         };
@@ -41,6 +42,7 @@ pub fn read(message: &Message) -> Couples {
         is_clear: place.flags & flag::CLEAR != 0,
         is_doubtful: place.flags & flag::DOUBTFUL != 0,
         is_rivalled: place.flags & flag::RIVALLED != 0,
+        is_object_new: place.flags & flag::OBJECT_NEW != 0,
     };
     Couples {
         captured_ns: message.described_ns,
@@ -81,6 +83,7 @@ mod tests {
             is_clear: true,
             is_doubtful: false,
             is_rivalled: true,
+            is_object_new: true,
             ..Couple::idle(Side::Right, 9)
         };
         let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };

@@ -209,6 +209,14 @@ impl OpenActivity {
         all.any(|(places, nominal)| places.may_be_complete(nominal.ius, hidden))
     }
 
+    /// Whether all of it has come, some of it unseen, if the hand is idle now.
+    pub(super) fn has_ended_if_idle(&self, job: &Job<'_>) -> bool {
+        let hidden = self.junction.hidden;
+        let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
+        let mut ended = all.map(|(places, nominal)| places.has_ended_if_idle(nominal.ius, hidden)).peekable();
+        ended.peek().is_some() && ended.all(|has_ended| has_ended)
+    }
+
     /// The contexts with which a nominal activity would go on that it may be.
     pub(super) fn possible_continuations(&self, job: &Job<'_>) -> Vec<Context, ACTIVITIES> {
         let all = self.places.iter().zip(job.activities);

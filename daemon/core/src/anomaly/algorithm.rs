@@ -24,6 +24,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
+        self.watch.may_be_rest |= before.0 == u32::MAX;
+        self.watch.forget_unjudged();
         let activity = OpenActivity::new(number, step, context, began_ns, before, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
@@ -62,7 +64,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let before = (self.watch.hidden_before(), was_idle);
         let number = activity.next_iu(job, activity.as_shown(context), before);
         let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
-        self.watch.may_be_rest = false;
+        // What was not shown may lie between the two parts of another activity.
+        self.watch.may_be_rest &= activity.step == Step::NotShown;
         self.iu = Some(OpenIu {
             number,
             context,
@@ -406,7 +409,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let job = progress.job;
         if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
-            segmenter.activity_matched(&self.by_this_hand(activity.possible_continuations(job)));
+            let mut continuations = activity.possible_continuations(job);
+            if progress.is_concluded() {
+                self.watch.may_be_rest |= !continuations.is_empty();
+                continuations.clear();
+            }
+            segmenter.activity_matched(&self.by_this_hand(continuations));
             if activity.is_astray() {
                 let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());
                 let nearest = activity.nearest;
@@ -414,7 +422,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 return;
             }
         }
-        let Some(nominal) = activity.matched(self.side, progress) else { return };
+        let Some(nominal) = activity.matched(self.side, progress) else {
+            // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
+            if self.watch.was_idle() && activity.has_ended_if_idle(job) {
+                segmenter.activity_matched(&[]);
+            }
+            return;
+        };
         let continuations: Vec<Context, ACTIVITIES> = activity
             .candidates()
             .iter()

@@ -1,5 +1,6 @@
 //! The comparisons of an open IU with nominal IUs.
 
+use super::measure::GIVES_WAY;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
@@ -73,9 +74,10 @@ impl Extent {
         [self.frames.saturating_sub(self.gap_after), self.frames.saturating_add(self.gap_before)]
     }
 
-    /// How often the motion may have reversed in addition, in frames that were not seen.
+    /// How often the motion may have reversed in addition, in frames that were not seen, in a row or one by one.
     pub(super) fn possible_reversals(&self) -> u32 {
-        self.measures.hidden_reversals.saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
+        let scattered = (self.measures.hidden * self.frames as f32) as u32 / FRAMES_PER_REVERSAL;
+        self.measures.hidden_reversals.max(scattered).saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
     }
 
     /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen, for at most half of the time. What
@@ -232,15 +234,16 @@ fn result(
     // An open IU may still become as slow as the bounds allow.
     let length = if extent.ended { extent.frames } else { frames.max };
     let threshold = threshold * slowdown_factor(length, reference.len(), max_slowdown);
-    let reason_of = |broken: Option<(Reason, Measure)>| match broken {
+    let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {
         Some((reason, _)) => reason,
         None if distance > f64::from(threshold) => Reason::Motion,
         None => Reason::None,
     };
     let broken = extent.broken(comparison.iu, false);
-    let reason = reason_of(broken);
-    // What is right only if something happened unseen is neither right nor wrong.
-    let is_doubtful = reason != reason_of(extent.broken(comparison.iu, true))
+    let reason = reason_of(broken, threshold);
+    // What is right only if something happened unseen is neither right nor wrong. Beside frames that were not seen, motion is measured worse.
+    let max = threshold * (1.0 + GIVES_WAY * extent.hidden());
+    let is_doubtful = reason != reason_of(extent.broken(comparison.iu, true), max)
         || extent.explains(reason, comparison.is_unique);
     let measured = broken.and_then(|(_, measure)| extent.measured(comparison.iu, measure, rate_hz));
     ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, measured, is_doubtful }

@@ -277,7 +277,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         match outcome {
             Outcome::Ok => {}
             Outcome::Anomaly => progress.set_wrong(nominal, reason, measured, broken),
-            Outcome::NotJudged => progress.set_unjudged(nominal, reason),
+            Outcome::NotJudged => {
+                self.watch.set_unjudged(activity.context);
+                progress.set_unjudged(nominal, reason);
+            }
         }
         emit(Verdict {
             level: Level::Activity,

@@ -8,7 +8,7 @@ use crate::verdict::{Measure, Measured, Reason};
 
 /// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
 /// the rest.
-const GIVES_WAY: f32 = 2.0;
+pub(super) const GIVES_WAY: f32 = 2.0;
 
 /// A stroke goes to and fro.
 const PER_STROKE: u32 = 2;

@@ -48,6 +48,9 @@
 //!   is not judged. But only as much fits into a gap as it is long: an IU that lasts at least twice as long was not overlooked in it.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen.
+//! - An activity that begins soon behind a doubt, or with an object that has not been seen before or of which an activity was not judged,
+//!   may be the rest of one, unless the hand was certainly idle before it.
+//! - What is still to come on the bench is missing only from a job that has certainly ended: another touch may be assumed to begin the next.
 //! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
 //!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
 //!
@@ -240,6 +243,28 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 
     /// Takes the next couples.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
+        self.observe(couples, emit);
+        let is_complete = self.is_job_complete(couples, emit);
+        let Self { segmenter, bench } = self;
+        segmenter.job_matched(is_complete);
+        segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
+        let Bench { hands, progress } = bench;
+        let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
+        for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
+            let measures = segmenter.hand(couple.side).measures();
+            hand.continue_iu(couple, couples.is_captured, measures, progress, emit_verdict);
+        }
+        for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
+            hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
+        }
+        hands.iter_mut().for_each(|hand| hand.check_order(progress, emit_verdict));
+        if hands.iter().all(|hand| hand.is_concluded()) {
+            progress.conclude(false, emit_verdict);
+        }
+    }
+
+    /// Takes note of how much the next couples show, and of what has happened without a hand.
+    fn observe(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench } = self;
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
@@ -261,29 +286,26 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         {
             segmenter.finish(&mut |event| bench.take(&event, None, emit));
         }
+    }
+
+    /// Whether the open job has come to its end, so that a touch in these couples begins another one.
+    fn is_job_complete(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) -> bool {
+        let Self { segmenter, bench } = self;
+        // A touch that begins an activity ends the one before it. What comes out wrong only now may be done again in this job.
+        let wrong = bench.progress.wrong();
+        for couple in &couples.hands {
+            if segmenter.begins_activity(couple) {
+                let hand = segmenter.hand(couple.side);
+                hand.finish(couples.captured_ns, &mut |event| bench.take(&event, Some(couples), emit));
+            }
+        }
+        let progress = &mut bench.progress;
         let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
-        let begins_next_job = couples.hands.iter().any(|couple| {
-            segmenter.begins_activity(couple)
-                && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed)
-        });
         let mut touches = couples.hands.iter().filter(|couple| segmenter.begins_activity(couple)).peekable();
         let goes_on = touches.peek().is_some()
-            && touches.all(|couple| bench.progress.goes_on_with(couple.context, is_disturbed));
-        segmenter.job_matched(bench.progress.is_matched() && !goes_on || begins_next_job);
-        segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
-        let Bench { hands, progress } = bench;
-        let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
-        for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
-            let measures = segmenter.hand(couple.side).measures();
-            hand.continue_iu(couple, couples.is_captured, measures, progress, emit_verdict);
-        }
-        for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
-            hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
-        }
-        hands.iter_mut().for_each(|hand| hand.check_order(progress, emit_verdict));
-        if hands.iter().all(|hand| hand.is_concluded()) {
-            progress.conclude(false, emit_verdict);
-        }
+            && touches.clone().all(|couple| progress.goes_on_with(couple.context, is_disturbed));
+        progress.is_matched_with(wrong) && !goes_on
+            || touches.any(|couple| progress.begins_next_job(couple.side, couple.context, is_disturbed))
     }
 
     /// Starts a job on command. The open job, if any, ends first, with its verdicts.

@@ -84,6 +84,11 @@ impl Places {
         places
     }
 
+    /// Whether all IUs must have come if the hand is idle, where some may have in as many hidden frames.
+    pub(super) fn has_ended_if_idle(self, nominal: &[NominalIu<'_>], hidden: u32) -> bool {
+        self.or_later(hidden, nominal).after_idle(nominal).is_certainly(nominal.len())
+    }
+
     pub(super) fn is_empty(self) -> bool {
         self.0 == 0
     }
@@ -170,6 +175,15 @@ mod tests {
         assert_eq!(after_idle(&nominal), 1 | 1 << 3 | 1 << 4);
         nominal[1].context = Context([0, 0, 1, 2]);
         assert_eq!(after_idle(&nominal), 1 | 1 << 2 | 1 << 3 | 1 << 4);
+    }
+
+    #[test]
+    fn a_hand_that_is_idle_has_done_all_of_it_unless_it_may_be_idle_in_the_middle() {
+        let mut nominal = nominal("gpr");
+        let has_ended = |nominal: &[NominalIu<'_>], hidden| Places(1 << 2).has_ended_if_idle(nominal, hidden);
+        assert!(has_ended(&nominal, u32::MAX) && !has_ended(&nominal, 0));
+        nominal[1].context = Context([0, 0, 1, 2]);
+        assert!(!has_ended(&nominal, u32::MAX));
     }
 
     #[test]

@@ -65,6 +65,8 @@ pub(super) struct Progress<'a> {
     fault: Option<Fault>,
     /// The first reason why something was not judged.
     unjudged_reason: Option<Reason>,
+    /// Another activity began with which a job begins, and it is only assumed that it is that of the next one.
+    is_end_assumed: bool,
     /// The first note.
     note: Option<Note>,
     /// A job has begun and has no verdict yet.
@@ -98,6 +100,7 @@ impl<'a> Progress<'a> {
             is_doubtful: false,
             fault: None,
             unjudged_reason: None,
+            is_end_assumed: false,
             note: None,
             is_open: false,
         }
@@ -261,7 +264,7 @@ impl<'a> Progress<'a> {
     /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose
     /// start was not seen ends wherever a first activity begins that may have come before. A job with a fault also ends where the bench is
     /// rearranged: there is no other sign of its end if something was done instead of an activity.
-    pub(super) fn begins_next_job(&self, side: Side, context: Context, is_disturbed: bool) -> bool {
+    pub(super) fn begins_next_job(&mut self, side: Side, context: Context, is_disturbed: bool) -> bool {
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
@@ -278,7 +281,9 @@ impl<'a> Progress<'a> {
         let first_came = opening.intersects(came) && (others_came || is_disturbed)
             || opening.intersects(self.wrong) && others_came;
         let may_have_come = !self.is_start_seen && !opening.intersects(self.undone);
-        !opening.is_empty() && (may_have_come || first_came && !is_left)
+        let begins = first_came && !is_left;
+        self.is_end_assumed = !begins && !opening.is_empty() && may_have_come;
+        begins || self.is_end_assumed
     }
 
     /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
@@ -347,6 +352,11 @@ impl<'a> Progress<'a> {
     /// The activities without which the job is not complete.
     fn required(&self) -> ActivitySet {
         self.all().iter().filter(|activity| self.job.law(*activity).is_required).collect()
+    }
+
+    /// The activities that were tried and done wrong.
+    pub(super) fn wrong(&self) -> ActivitySet {
+        self.wrong
     }
 
     /// The activities that were tried, with whatever outcome.
@@ -420,9 +430,8 @@ impl<'a> Progress<'a> {
 
     /// Whether an activity comes a second time. It may also be that of the next job, if all between them was hidden.
     fn is_repeated(&self, activity: usize) -> bool {
-        let others = self.required().without(self.tried());
-        self.done.contains(activity)
-            && (others.is_empty() || !others.iter().any(|other| self.may_be_unseen(other)))
+        let mut others = self.required().without(ActivitySet::of(activity)).iter();
+        self.done.contains(activity) && !others.any(|other| self.may_be_unseen(other))
     }
 
     /// What was not shown before in that a nominal activity comes now.
@@ -474,8 +483,18 @@ impl<'a> Progress<'a> {
 
     /// Whether all that the job requires has come, what waits because a longer candidate may go on included.
     pub(super) fn is_matched(&self) -> bool {
+        self.is_matched_with(self.wrong)
+    }
+
+    /// The same if of those that were done wrong only these had come.
+    pub(super) fn is_matched_with(&self, wrong: ActivitySet) -> bool {
         let waiting = self.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.required().without(self.tried() | waiting).is_empty()
+        self.required().without(self.done | self.unjudged | wrong | waiting).is_empty()
+    }
+
+    /// Whether the job has its verdict.
+    pub(super) fn is_concluded(&self) -> bool {
+        !self.is_open
     }
 
     /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`.
@@ -519,7 +538,7 @@ impl<'a> Progress<'a> {
         let missing = self.required().without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
         let certainly_missing = missing.lowest().filter(|_| !missing.iter().any(may_be_unseen));
-        let undone = (missing & self.undone).lowest();
+        let undone = (missing & self.undone).lowest().filter(|_| !self.is_end_assumed);
         match (self.fault.or(undone.map(not_completed)), self.unjudged_reason) {
             (Some(fault), _) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.

@@ -3,6 +3,9 @@
 use crate::config::Method;
 use crate::couple::{Context, Couple};
 
+/// It takes less than the time of as many changes to see that a hand holds something.
+const IDLE_CHANGES: u32 = 3;
+
 /// What was not seen of one hand, as far as a verdict may rest on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
@@ -27,6 +30,13 @@ pub(super) struct Watch {
     held: u16,
     /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
     is_held_doubtful: bool,
+    /// In how many frames something may have come and gone up to the newest doubtful couple.
+    lately_hidden: u32,
+    /// The hand may have held `o_j` before that was first seen, and the job may have begun before.
+    holds_new: bool,
+    may_hold_new: bool,
+    /// `o_j` of the newest activity that was not judged, or 0.
+    unjudged: u16,
     /// The hand has been seen.
     has_been_clear: bool,
     /// The next activity may be the rest of one that was not seen to begin.
@@ -49,6 +59,10 @@ impl Watch {
             idle_frames: 0,
             held: 0,
             is_held_doubtful: false,
+            lately_hidden: 0,
+            holds_new: false,
+            may_hold_new: true,
+            unjudged: 0,
             has_been_clear: false,
             may_be_rest: true,
         }
@@ -56,9 +70,9 @@ impl Watch {
 
     /// What follows is the beginning of a job, so nothing that was not seen before matters.
     pub(super) fn begin(&mut self) {
-        (self.hidden_frames, self.gap, self.since_doubt) = (0, 0, u32::MAX);
+        (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        (self.has_been_clear, self.may_be_rest) = (false, false);
+        (self.has_been_clear, self.may_be_rest, self.may_hold_new) = (false, false, false);
         self.is_held_doubtful = false;
     }
 
@@ -90,6 +104,10 @@ impl Watch {
         self.newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(1) };
         self.observe_held(couple);
+        self.holds_new = couple.is_object_new && self.may_hold_new;
+        if self.is_doubtful() {
+            self.lately_hidden = self.hidden_before();
+        }
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
@@ -127,7 +145,7 @@ impl Watch {
 
     /// The newest couple is not doubtful, and before it the hand was certainly idle, for longer than it takes to see that it holds something.
     pub(super) fn was_idle(&self) -> bool {
-        self.idle_frames > 3 * self.persist_frames && !self.is_doubtful()
+        self.idle_frames > IDLE_CHANGES * self.persist_frames && !self.is_doubtful() && !self.holds_new
     }
 
     /// In how many frames since the couple before the newest one something may have come and gone.
@@ -144,10 +162,31 @@ impl Watch {
         }
     }
 
-    /// The same for an activity: it may be the rest of one with the same object.
+    /// The same for an activity: it may be the rest of one with the same object, and may have begun before it was seen that the hand holds
+    /// something.
     pub(super) fn hidden_before_activity(&self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.0[2].max(certain.0[1]) == context.0[1]);
-        if self.may_be_rest || is_same && self.is_doubtful() { u32::MAX } else { self.hidden_before() }
+        if self.may_be_rest
+            || is_same && self.is_doubtful()
+            || self.holds_new
+            || self.unjudged == context.0[1]
+        {
+            u32::MAX
+        } else if self.since_doubt <= IDLE_CHANGES * self.persist_frames {
+            self.lately_hidden
+        } else {
+            self.hidden_before()
+        }
+    }
+
+    /// Another activity begins.
+    pub(super) fn forget_unjudged(&mut self) {
+        self.unjudged = 0;
+    }
+
+    /// An activity with this object was not judged.
+    pub(super) fn set_unjudged(&mut self, context: Context) {
+        self.unjudged = context.0[1];
     }
 
     /// Whether an IU that begins in doubt with this context may go on from before the doubt.

@@ -44,6 +44,15 @@ impl Interaction {
         }
     }
 
+    /// `o_j` and `o_l`.
+    pub(super) fn pair(self) -> Option<(usize, usize)> {
+        match self {
+            Self::Acts { j, l } => Some((j, l?)),
+            Self::Released { j, l } => Some((j, l)),
+            Self::Idle => None,
+        }
+    }
+
     /// Whether the hand acts on the object.
     pub(super) fn acts_on(self, object: usize) -> bool {
         matches!(self, Self::Acts { j, .. } if j == object)

@@ -88,6 +88,8 @@ pub struct Couple {
     pub is_doubtful: bool,
     /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
     pub is_rivalled: bool,
+    /// `o_j` was seen for the first time when the hand began to act on it, so the hand may have held it before.
+    pub is_object_new: bool,
 }
 
 impl Couple {
@@ -104,6 +106,7 @@ impl Couple {
             is_clear: false,
             is_doubtful: true,
             is_rivalled: false,
+            is_object_new: false,
         }
     }
 

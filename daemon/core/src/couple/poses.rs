@@ -164,12 +164,12 @@ impl ObjectPose {
     }
 
     /// The pose in the next frame if the object is not seen in it and no hand carries it. An object is `covered` by a hand only from
-    /// the frame on in which it vanished.
+    /// the frame on in which it vanished. Where a hand that carries it goes unseen, nothing is assumed.
     pub(super) fn held(self, covered: bool) -> Self {
         let source = match self.source {
             Source::Never => return self,
             Source::Held => Source::Held,
-            Source::Seen | Source::Carried | Source::Covered if covered => Source::Covered,
+            Source::Seen | Source::Covered if covered => Source::Covered,
             _ => Source::Held,
         };
         Self { source, unseen: self.unseen.saturating_add(1), ..self }

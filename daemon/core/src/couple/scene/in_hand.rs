@@ -5,7 +5,7 @@
 //! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
 
-use super::super::geometry::{norm, subtract};
+use super::super::geometry::{dot, norm, subtract};
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::HANDS;
@@ -32,6 +32,8 @@ pub(super) enum Meets {
     /// They do not, and a hand brings one of them from where no contact reaches. Where it comes to rest within the distance at which a
     /// contact ends, they do.
     Brought,
+    /// They have come near each other unseen, and one leaves the other: whether they touched was not seen.
+    Unknown,
     /// They do: they have come to rest within the distance at which a contact ends.
     Rests,
     /// They do: they have come as near as a contact begins.
@@ -39,9 +41,9 @@ pub(super) enum Meets {
 }
 
 impl Meets {
-    /// Whether they touch.
+    /// Whether they touch, or may.
     pub(super) fn touches(self) -> bool {
-        matches!(self, Self::Rests | Self::Yes)
+        matches!(self, Self::Unknown | Self::Rests | Self::Yes)
     }
 }
 
@@ -90,9 +92,13 @@ impl Scene {
     fn next_meets(&self, i: usize, j: usize, age: usize) -> Meets {
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
         if edge.is_believed() {
-            // Two that came together unseen may touch already.
-            let has_come = || !edge.was_known(age, self.method.persist_frames) || !self.passes(i, j, age);
-            return if before.touches() || has_come() { Meets::Yes } else { before };
+            return match before {
+                Meets::Rests | Meets::Yes => Meets::Yes,
+                _ if !self.passes(i, j, age) => Meets::Yes,
+                // Two that came together unseen may touch already.
+                _ if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,
+                _ => before,
+            };
         }
         let is_held = self.interactions.iter().any(|what| what.acts_on(i) || what.acts_on(j));
         if !is_held && before != Meets::Rests {
@@ -175,13 +181,15 @@ impl Scene {
         is_away.then_some(distance)
     }
 
-    /// Whether the object moves with the hand: more than half as far as the two move apart. Two hands that carry a part together do not hold
-    /// it as stiffly as one.
+    /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand goes at least a quarter of its way.
+    /// Two hands that carry a part together do not hold it as stiffly as one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {
-            let poses = &self.objects[object].poses;
-            let followed_m = norm(subtract(poses.ago(newest).position, poses.ago(age).position));
-            followed_m > f32::max(path_m / 2.0, self.rest_m())
+            let (hands, poses) = (&self.hands[hand], &self.objects[object].poses);
+            let followed = subtract(poses.ago(newest).position, poses.ago(age).position);
+            let led = subtract(hands.ago(newest).grip(), hands.ago(age).grip());
+            norm(followed) > f32::max(path_m / 2.0, self.rest_m())
+                && dot(led, followed) > dot(followed, followed) / 4.0
         })
     }
 

@@ -5,7 +5,7 @@ mod meeting;
 mod sight;
 mod start;
 
-use super::contact::Edge;
+use super::contact::{self, Edge};
 use super::geometry::{dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
@@ -25,10 +25,12 @@ use start::Start;
 struct Node {
     shape: Shape,
     poses: Recent<ObjectPose>,
+    /// In how many frames it has been known where it is.
+    known_frames: u32,
     /// How it lies in the hand that holds it; it moves by this while it is hidden.
     grip: Option<Grip>,
-    /// For each hand, whether it has been at the object or out of the picture since the object was last seen, and may have taken it.
-    may_be_taken: [bool; HANDS],
+    /// A hand has been at the object or out of the picture since the object was last seen, and may have taken it.
+    may_be_taken: bool,
     /// For each hand, whether it may have been near the object since that was last seen.
     may_be_touched: [bool; HANDS],
     /// For each hand, whether it may act on this object instead of its `o_j`.
@@ -43,8 +45,9 @@ impl Node {
         Self {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
+            known_frames: 0,
             grip: None,
-            may_be_taken: [false; HANDS],
+            may_be_taken: false,
             may_be_touched: [false; HANDS],
             is_rival: [false; HANDS],
             attended: None,
@@ -88,6 +91,8 @@ pub(super) struct Scene {
     lasted: [u32; HANDS],
     /// Whether each began when it was not seen how the one before ended.
     began_unseen: [bool; HANDS],
+    /// Whether each holds an object that had not been seen before.
+    holds_new: [bool; HANDS],
 }
 
 impl Scene {
@@ -118,6 +123,7 @@ impl Scene {
             interactions: [Interaction::Idle; HANDS],
             lasted: [u32::MAX; HANDS],
             began_unseen: [false; HANDS],
+            holds_new: [false; HANDS],
         }
     }
 
@@ -181,6 +187,7 @@ impl Scene {
             if node.shape.is_position_only {
                 pose.orientation = ObjectPose::NEVER.orientation;
             }
+            node.known_frames = node.known_frames.saturating_add((pose.source != Source::Never).into());
             node.poses.push(pose);
         }
     }
@@ -232,15 +239,20 @@ impl Scene {
             let interaction = if is_settled { next } else { self.interactions[hand] };
             let is_same = interaction == self.interactions[hand];
             self.lasted[hand] = if is_same { self.lasted[hand].saturating_add(1) } else { 1 };
-            let before = core::mem::replace(&mut self.interactions[hand], interaction).held();
+            let before = core::mem::replace(&mut self.interactions[hand], interaction);
             if !is_same {
-                let is_hidden = |j: usize| self.objects[j].poses.ago(age + 1).source != Source::Seen;
-                self.began_unseen[hand] = before.is_some_and(is_hidden);
+                let was_hidden = |object: usize| before.involves(object) && self.was_hidden(object, age);
+                self.began_unseen[hand] = (0..count).any(was_hidden) || self.may_not_touch(interaction);
             }
-            self.update_rivals(hand, before, interaction.held(), age);
+            self.update_rivals(hand, before.held(), interaction.held(), age);
+            if before.held() != interaction.held() {
+                let is_new = |j: usize| self.objects[j].known_frames <= 2 * u32::from(persist) + age as u32;
+                self.holds_new[hand] = interaction.held().is_some_and(is_new);
+            }
             let mut couple = self.couple(hand, interaction, age);
             // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
-            couple.is_doubtful |= interaction != next && self.began_unseen[hand];
+            let is_assumed = interaction != next || couple.context.is_release() && !couple.is_clear;
+            couple.is_doubtful |= is_assumed && self.began_unseen[hand];
             couple
         });
         Couples {
@@ -268,6 +280,25 @@ impl Scene {
     fn neighbours(&self, j: usize, age: usize) -> impl Iterator<Item = interaction::Edge> {
         let meets = move |l: &usize| self.meets[j.min(*l)][j.max(*l)].touches();
         (0..self.objects.len()).filter(meets).map(move |l| (l, self.distance_of_objects(j, l, age)))
+    }
+
+    /// Whether an object was hidden in most of the frames before this one in which a change would have been believed.
+    fn was_hidden(&self, object: usize, age: usize) -> bool {
+        let persist = usize::from(self.method.persist_frames);
+        let is_hidden = |age: &usize| self.objects[object].poses.ago(*age).source != Source::Seen;
+        2 * (age + 1..=age + persist).filter(is_hidden).count() > persist
+    }
+
+    /// Whether `o_j` and `o_l` may only have been near each other, because they came together unseen.
+    fn may_not_touch(&self, interaction: Interaction) -> bool {
+        interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
+    }
+
+    /// Whether the hand moves away from `o_j`, and more than a single one of the frames that would show whether it has left it was not clear.
+    fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
+        let ahead = contact::ahead(age, self.method.persist_frames);
+        let Interaction::Acts { j, .. } = interaction else { return false };
+        (ahead & !self.clear[hand]).count_ones() > 1 && self.moves_away(hand, j, age).is_some()
     }
 
     fn couple(&self, hand: usize, interaction: Interaction, age: usize) -> Couple {
@@ -304,8 +335,12 @@ impl Scene {
             ],
             sight: [self.sight(pose.unseen), sight(j), sight(l)],
             is_clear: self.clear[hand] >> age & 1 == 1,
-            is_doubtful: self.is_doubtful(hand, age) || self.in_hand[hand].contains(&InHand::Unknown),
+            is_doubtful: self.is_doubtful(hand, age)
+                || self.in_hand[hand].contains(&InHand::Unknown)
+                || self.may_not_touch(interaction)
+                || self.may_have_left(hand, interaction, age),
             is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
+            is_object_new: self.holds_new[hand],
         };
         // Only now it is known which objects the context rests on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];

@@ -2,7 +2,7 @@
 
 use super::super::Sight;
 use super::super::contact;
-use super::super::poses::Source;
+use super::super::poses::{HandPose, Recent, Source};
 use super::meeting::are_in_reach;
 use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
@@ -41,6 +41,7 @@ impl Scene {
     /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, what that may touch,
     /// and whether they touch.
     pub(super) fn push_clear(&mut self) {
+        self.update_taken();
         for (index, hand) in self.hands.iter().enumerate() {
             let hand = hand.ago(0);
             let (interaction, touches) = (self.interactions[index], &self.touches[index]);
@@ -48,13 +49,8 @@ impl Scene {
                 .held()
                 .map(|j| (j, self.objects[j].poses.ago(0).position, self.objects[j].shape.radius_m));
             let mut is_clear = hand.source == Source::Seen;
-            for (object, node) in self.objects.iter_mut().enumerate() {
+            for (object, node) in self.objects.iter().enumerate() {
                 let pose = node.poses.ago(0);
-                let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
-                let taken = &mut node.may_be_taken[index];
-                let may_have_come =
-                    hand.source != Source::Seen || hand.is_over(pose.position, node.shape.radius_m);
-                *taken = is_hidden && (*taken || may_have_come);
                 let other = held.filter(|(j, ..)| *j != object);
                 let is_edge_unknown =
                     other.is_some_and(|(j, ..)| !self.adjacent[j.min(object)][j.max(object)].is_known());
@@ -65,11 +61,25 @@ impl Scene {
                 let is_in_doubt = match pose.source {
                     Source::Never => false,
                     Source::Seen => !touches[object].is_known() || is_edge_unknown,
-                    _ => *taken || interaction.involves(object) || is_edge_unknown && is_in_reach,
+                    _ => node.may_be_taken || interaction.involves(object) || is_edge_unknown && is_in_reach,
                 };
                 is_clear &= !is_in_doubt;
             }
             self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
+        }
+    }
+
+    /// Finds out which of the hidden objects a hand may have taken, or been given by the other one.
+    fn update_taken(&mut self) {
+        for node in &mut self.objects {
+            let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
+            let may_have_come = |hand: &Recent<HandPose>| match hand.ago(0).source {
+                Source::Never => false,
+                Source::Seen => hand.ago(0).is_over(pose.position, radius_m),
+                _ => true,
+            };
+            let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
+            node.may_be_taken = is_hidden && (node.may_be_taken || self.hands.iter().any(may_have_come));
         }
     }
 
@@ -113,7 +123,7 @@ impl Scene {
                 Source::Never => false,
                 Source::Seen if held == Some(object) => !touch.is_known(),
                 Source::Seen => !touch.is_apart(age, persist),
-                _ => held == Some(object) || node.may_be_taken[hand],
+                _ => held == Some(object) || node.may_be_taken,
             };
             let is_new = is_taken && is_in_doubt;
             node.is_rival[hand] = held.is_some() && (node.is_rival[hand] || is_new);

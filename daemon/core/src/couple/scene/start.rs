@@ -28,16 +28,20 @@ impl Start {
 
 impl Scene {
     /// The activities that have not been done, as the frame `age` frames before the newest shows. Call it once for each frame, in order: an
-    /// object that is out of sight for no longer than `blind_ms` lies where it lay.
+    /// object that is out of sight for no longer than `blind_ms` lies where it lay, unless a hand acts on it.
     pub(super) fn undone(&mut self, age: usize) -> ActivitySet {
-        for node in &mut self.objects {
+        let mut undone = ActivitySet::EMPTY;
+        for (index, node) in self.objects.iter_mut().enumerate() {
             let (pose, start) = (node.poses.ago(age), &mut node.start);
             let lies_within = |start: StartPlace| start.place.distance(pose.position) <= start.place.max;
+            let mut hands = self.interactions.iter().zip(self.lasted);
+            let is_held = hands.any(|(interaction, lasted)| interaction.acts_on(index) && lasted > 1);
             start.is_there = match pose.source {
                 Source::Seen => start.place.is_some_and(lies_within),
-                _ => start.is_there && pose.unseen <= self.blind_frames,
+                _ => start.is_there && pose.unseen <= self.blind_frames && !is_held,
             };
+            undone = undone | start.undone();
         }
-        self.objects.iter().fold(ActivitySet::EMPTY, |undone, node| undone | node.start.undone())
+        undone
     }
 }

@@ -1,0 +1,93 @@
+//! What the encoder says is in doubt: contacts that began or ended unseen, from frames of a scripted worker.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use andon_core::couple::{Couple, Couples};
+use andon_core::input::Side;
+use common::bench::{Bench, encode};
+use std::ops::Range;
+
+const TOOL: u16 = 5;
+const BOX: u16 = 7;
+
+/// The couples of one hand.
+fn couples_of(bench: &Bench, side: Side) -> Vec<Couple> {
+    let couples: Vec<Couples> = encode(&bench.ids(), &bench.frames);
+    couples.iter().map(|couples| couples.hands[side.index()]).collect()
+}
+
+/// Nothing is seen in these frames.
+fn hide_all(bench: &mut Bench, frames: Range<usize>) {
+    for frame in &mut bench.frames[frames] {
+        frame.hands.clear();
+        frame.objects.clear();
+    }
+}
+
+#[test]
+fn two_that_are_seen_as_they_pass_each_other_may_touch_if_they_came_together_unseen() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.025]), (BOX, [0.3, 0.045])]);
+    bench.hand(Side::Right, [-0.3, -0.3]).rest(20).go([0.0, 0.0], 20);
+    bench.hold(Side::Right, TOOL).go([0.6, 0.0], 120).rest(20);
+    let at_box = |bench: &Bench| -> Vec<Couple> {
+        couples_of(bench, Side::Right).into_iter().filter(|couple| couple.context.0[3] == BOX).collect()
+    };
+    assert_eq!(at_box(&bench), []);
+    // The hand takes the tool unseen.
+    hide_all(&mut bench, 20..97);
+    let passing = at_box(&bench);
+    assert!(!passing.is_empty() && passing.iter().all(|couple| couple.is_doubtful), "{passing:?}");
+}
+
+#[test]
+fn a_part_that_is_let_go_where_the_other_one_was_hidden_may_not_touch_it_any_more() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.0, 0.02])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).rest(20);
+    // The box lies where it lay.
+    bench.hide(BOX).go([0.3, 0.0], 15).let_go(Side::Right).show(BOX).go([0.3, -0.3], 15).rest(20);
+    let couples = couples_of(&bench, Side::Right);
+    let released: Vec<&Couple> = couples.iter().filter(|couple| couple.context.is_release()).collect();
+    assert!(!released.is_empty() && released.iter().all(|couple| couple.is_doubtful), "{released:?}");
+}
+
+#[test]
+fn a_hand_at_rest_does_not_hold_what_the_other_one_takes_away() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Left, [-0.01, 0.0]).hand(Side::Right, [0.01, 0.0]).rest(20).hold(Side::Right, TOOL);
+    bench.carry([Some([0.4, 0.0]), Some([-0.01, 0.0])], 30).rest(20);
+    let last = couples_of(&bench, Side::Left).iter().rposition(|couple| couple.context.is_touch()).unwrap();
+    // It is 4.5 cm away in frame 26.
+    assert!(last <= 26, "{last}");
+}
+
+#[test]
+fn a_hand_keeps_a_hidden_part_that_the_other_one_carries_with_it_and_then_unseen() {
+    let mut bench = Bench::new(&[(BOX, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.02, 0.0]).hand(Side::Left, [-0.02, 0.0]).rest(20);
+    bench.hold(Side::Right, BOX).carry([Some([0.02, 0.1]), Some([-0.02, 0.1])], 10);
+    bench.hide(BOX).carry([Some([0.02, 0.15]), Some([-0.02, 0.15])], 5);
+    bench.leave(Side::Right).carry([None, Some([-0.02, 0.3])], 15);
+    let couples = couples_of(&bench, Side::Left);
+    assert!(couples[3..].iter().all(|couple| couple.context.is_touch()));
+}
+
+#[test]
+fn an_object_that_is_first_seen_in_the_hand_may_have_been_there_before() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.0])]);
+    bench.hide(TOOL).hand(Side::Right, [0.0, 0.0]).rest(20).show(TOOL).rest(20);
+    bench.go([0.3, 0.0], 20).rest(20);
+    for couple in couples_of(&bench, Side::Right) {
+        assert_eq!(couple.is_object_new, couple.context.0[1] == TOOL, "{couple:?}");
+    }
+}
+
+#[test]
+fn a_hand_that_was_last_seen_to_move_away_may_have_let_go_before() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(40).go([0.3, 0.0], 20);
+    // In frame 43 the hand is 2 cm away.
+    hide_all(&mut bench, 44..60);
+    let couples = couples_of(&bench, Side::Right);
+    assert!(couples[41].context.is_touch() && couples[41].is_doubtful && !couples[30].is_doubtful);
+}
