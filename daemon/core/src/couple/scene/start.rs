@@ -40,7 +40,7 @@ impl Scene {
                 Source::Seen => start.place.is_some_and(lies_within),
                 _ => start.is_there && pose.unseen <= self.blind_frames && !is_held,
             };
-            undone = undone | start.undone();
+            undone |= start.undone();
         }
         undone
     }
