@@ -291,3 +291,16 @@ fn the_piece_after_one_whose_end_was_hidden_is_right() {
     let jobs: Vec<_> = verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect();
     assert_eq!(jobs, ["NotJudged Blind", "JobOk"]);
 }
+
+#[test]
+fn a_part_that_passes_where_it_was_shown_to_rest_accuses_nobody_unless_it_is_left_there() {
+    let [carry, rest, left, end] = measure();
+    let at_meter = |motions| part(rest.context, 9, motions);
+    let jobs_of = |parts: &[Part]| -> Vec<String> {
+        let verdicts = judged(&polish_and_measure(), &stream(&[&polish(6)[..], parts].concat(), &[]));
+        verdicts.iter().map(short).filter(|verdict| !verdict.starts_with('r')).collect()
+    };
+    assert_eq!(jobs_of(&[carry, at_meter(Toward(5)), carry, rest, left, end]), ["NotJudged Unknown"]);
+    assert_eq!(jobs_of(&[carry, at_meter(Still), carry, rest, left, end]), ["JobAnomaly TooShort"]);
+    assert_eq!(jobs_of(&[carry, at_meter(Toward(5)), left, end]), ["JobAnomaly TooShort"]);
+}

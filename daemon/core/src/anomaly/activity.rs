@@ -295,6 +295,15 @@ impl OpenActivity {
         })
     }
 
+    /// Whether a candidate has this context after the IU at the current index.
+    pub(super) fn goes_on_with(&self, job: &Job<'_>, context: Context) -> bool {
+        let context = self.as_shown(context);
+        let goes_on = |nominal: usize| {
+            job.activities[nominal].ius.get(self.index + 1).is_some_and(|iu| iu.context == context)
+        };
+        self.candidates().iter().any(goes_on)
+    }
+
     /// The candidates whose IU at the current index has this context.
     pub(super) fn agreeing(&self, job: &Job<'_>, context: Context) -> ActivitySet {
         let agrees = |nominal: &usize| {

@@ -77,6 +77,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             },
             captured: 0,
             measured: None,
+            has_rested: !context.is_pair(),
             is_certain,
             is_concluded: false,
         });
@@ -243,6 +244,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         iu.extent.frames = iu.extent.frames.saturating_add(1);
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
         iu.extent.measures = measures;
+        iu.has_rested |= couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
         iu.captured = iu.captured.saturating_add(is_captured.into());
         iu.extent.is_doubtful |= couple.is_doubtful;
         // While the hand is hidden, the IU may have ended already.
@@ -271,8 +273,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             && self.comparisons.nearest(extent).is_none_or(|nearest| !nearest.is_doubtful)
     }
 
-    /// The IU has ended.
-    pub(super) fn end_iu(&mut self, iu: &Iu, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+    /// The IU has ended, and the hand goes on in the `next` context, if any comes.
+    pub(super) fn end_iu(
+        &mut self,
+        iu: &Iu,
+        next: Option<Context>,
+        progress: &mut Progress<'a>,
+        emit: &mut impl FnMut(Verdict),
+    ) {
         if let Some(activity) = &mut self.activity
             && iu.context.is_touch()
         {
@@ -295,9 +303,26 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if extent.gap_after > 0 {
                 self.comparisons.append_unknown();
             }
-            self.decide_by_motion(extent, progress, emit);
+            let has_passed = !open.has_rested && extent.measures.reversals == 0 && self.comparisons.rest();
+            let activity = self.activity.as_ref();
+            let is_out_of_order =
+                |next| activity.is_some_and(|activity| !activity.goes_on_with(progress.job, next));
+            if has_passed && next.is_some_and(is_out_of_order) {
+                self.conclude_passing(progress, emit);
+            } else {
+                self.decide_by_motion(extent, progress, emit);
+            }
         }
         self.iu = None;
+    }
+
+    /// The parts were shown to rest beside each other, only passed, and what comes next belongs to no contact: whether they touched is not
+    /// known.
+    fn conclude_passing(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+        if let Some(activity) = &mut self.activity {
+            activity.doubt_newest_iu();
+        }
+        self.conclude_unjudged(Reason::Unknown, progress, emit);
     }
 
     /// Gives the verdict on the IU by its motion and bounds.

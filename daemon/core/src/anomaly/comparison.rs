@@ -161,6 +161,12 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         self.comparisons.is_empty()
     }
 
+    /// Whether the two parts of the open IU were shown to be at rest beside each other.
+    pub(super) fn rest(&self) -> bool {
+        let rests = |comparison: &Comparison<'_>| comparison.iu.reference.iter().any(Motion::is_pair_at_rest);
+        !self.comparisons.is_empty() && self.comparisons.iter().all(rests)
+    }
+
     /// Adds a nominal IU that has the context of the open one. There is room for one of each nominal activity.
     pub(super) fn add(&mut self, job: &'a Job<'a>, nominal: usize, index: usize) {
         let ius = job.activities[nominal].ius;

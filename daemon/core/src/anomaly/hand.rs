@@ -24,6 +24,8 @@ pub(super) struct OpenIu {
     pub(super) captured: u32,
     /// The measure that is out of its bounds, once that was decided.
     pub(super) measured: Option<Measured>,
+    /// Its two parts were at rest beside each other in some frame, or too little was seen to say that they were not.
+    pub(super) has_rested: bool,
     /// It was seen well enough that it has happened.
     pub(super) is_certain: bool,
     /// It has its verdict.

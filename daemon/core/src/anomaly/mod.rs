@@ -50,6 +50,8 @@
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen.
 //! - An activity that begins soon behind a doubt, or with an object that has not been seen before or of which an activity was not judged,
 //!   may be the rest of one, unless the hand was certainly idle before it.
+//! - A part that only passes another one at which it was shown to rest may not have touched it. If what comes next belongs to no such contact,
+//!   it is not judged.
 //! - What is still to come on the bench is missing only from a job that has certainly ended: another touch may be assumed to begin the next.
 //! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
 //!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
@@ -359,7 +361,10 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
             }
             segment::Event::IuUnmeasured { side, .. } => hands[side.index()].skip_motion(),
             segment::Event::Eru { .. } => {}
-            segment::Event::IuEnded { side, iu } => hands[side.index()].end_iu(&iu, progress, emit_verdict),
+            segment::Event::IuEnded { side, iu } => {
+                let next = couples.map(|couples| couples.hands[side.index()].context);
+                hands[side.index()].end_iu(&iu, next, progress, emit_verdict);
+            }
             segment::Event::ActivityEnded { side, .. } => {
                 hands[side.index()].end_activity(progress, emit_verdict)
             }

@@ -22,6 +22,13 @@ use crate::set::ActivitySet;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Motion(pub [i8; 7]);
 
+impl Motion {
+    /// Whether `o_j` is at rest relative to `o_l`, where there is an `o_l`.
+    pub fn is_pair_at_rest(&self) -> bool {
+        self.0[4..6] == [0, 0]
+    }
+}
+
 /// Context features `x_c = [ID_h, ID_oj, ID_oj, ID_ol]` (paper III-A.3).
 ///
 /// `[h, j, 0, 0]`: the hand touches `o_j` alone. `[h, j, j, l]`: and `o_j` touches `o_l`.
@@ -36,6 +43,11 @@ impl Context {
     /// The hand touches something.
     pub fn is_touch(self) -> bool {
         self.0[0] != 0
+    }
+
+    /// The hand touches something that touches something else.
+    pub fn is_pair(self) -> bool {
+        self.is_touch() && self.0[3] != 0
     }
 
     /// The context if this hand touched what is touched.
