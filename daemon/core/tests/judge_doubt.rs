@@ -290,6 +290,14 @@ fn the_piece_after_one_whose_end_was_hidden_is_right() {
     let verdicts = judged(&job, &stream(&[&hidden[..], &polish(6)].concat(), &[]));
     let jobs: Vec<_> = verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect();
     assert_eq!(jobs, ["NotJudged Blind", "JobOk"]);
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
+    let mut unseen = measure();
+    unseen[0].sighted = false;
+    let pieces = [&polish(6)[..], &[unseen[0], idle(30)], &polish(6), &measure()].concat();
+    let verdicts = judged(&job, &stream(&pieces, &[]));
+    let jobs: Vec<_> = verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect();
+    assert_eq!(jobs.last().unwrap(), "JobOk", "{jobs:?}");
+    assert_eq!(jobs.len(), 2, "{jobs:?}");
 }
 
 #[test]

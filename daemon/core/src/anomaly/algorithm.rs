@@ -15,7 +15,7 @@ use heapless::Vec;
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
         if progress.begins_undone(context) {
-            self.watch.may_be_rest = false;
+            self.watch.forget_rest();
         }
         let before = (self.watch.hidden_before_activity(context), self.watch.was_idle());
         let step = match progress.shown_hand(self.side, context) {
@@ -64,7 +64,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let before = (self.watch.hidden_before(), was_idle);
         let number = activity.next_iu(job, activity.as_shown(context), before);
         let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
-        // What was not shown may lie between the two parts of another activity.
+        // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
         self.watch.may_be_rest &= activity.step == Step::NotShown;
         self.iu = Some(OpenIu {
             number,
@@ -270,7 +270,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_lost = self.comparisons.all_lost(extent);
         is_lost
             && is_place_certain
+            && !self.may_pass(extent)
             && self.comparisons.nearest(extent).is_none_or(|nearest| !nearest.is_doubtful)
+    }
+
+    /// Whether the two parts of the open IU were shown to rest beside each other, and have only moved so far.
+    fn may_pass(&self, extent: Extent) -> bool {
+        let has_rested = self.iu.is_none_or(|iu| iu.has_rested);
+        !has_rested && extent.measures.reversals == 0 && self.comparisons.were_shown_at_rest()
     }
 
     /// The IU has ended, and the hand goes on in the `next` context, if any comes.
@@ -303,7 +310,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if extent.gap_after > 0 {
                 self.comparisons.append_unknown();
             }
-            let has_passed = !open.has_rested && extent.measures.reversals == 0 && self.comparisons.rest();
+            let has_passed = self.may_pass(extent);
             let activity = self.activity.as_ref();
             let is_out_of_order =
                 |next| activity.is_some_and(|activity| !activity.goes_on_with(progress.job, next));
@@ -316,8 +323,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.iu = None;
     }
 
-    /// The parts were shown to rest beside each other, only passed, and what comes next belongs to no contact: whether they touched is not
-    /// known.
+    /// The two parts were shown to rest beside each other but only passed, and no candidate goes on with the next context: it is not known
+    /// whether they touched.
     fn conclude_passing(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         if let Some(activity) = &mut self.activity {
             activity.doubt_newest_iu();
@@ -435,6 +442,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
             let mut continuations = activity.possible_continuations(job);
+            // The job has its verdict, so a touch begins another activity, which may be the rest of this one.
             if progress.is_concluded() {
                 self.watch.may_be_rest |= !continuations.is_empty();
                 continuations.clear();
@@ -477,7 +485,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The activity has ended.
     pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         let Some(activity) = &self.activity else { return };
-        let nearest = activity.nearest;
+        let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_be_complete = !activity.is_concluded && activity.may_be_complete(progress.job);
         let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());
         match activity.matched(self.side, progress) {

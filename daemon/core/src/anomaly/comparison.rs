@@ -162,7 +162,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     }
 
     /// Whether the two parts of the open IU were shown to be at rest beside each other.
-    pub(super) fn rest(&self) -> bool {
+    pub(super) fn were_shown_at_rest(&self) -> bool {
         let rests = |comparison: &Comparison<'_>| comparison.iu.reference.iter().any(Motion::is_pair_at_rest);
         !self.comparisons.is_empty() && self.comparisons.iter().all(rests)
     }
@@ -248,7 +248,7 @@ fn result(
     let broken = extent.broken(comparison.iu, false);
     let reason = reason_of(broken, threshold);
     // What is right only if something happened unseen is neither right nor wrong. Beside frames that were not seen, motion is measured worse.
-    let max = threshold * (1.0 + GIVES_WAY * extent.hidden());
+    let max = threshold * (1.0 + GIVES_WAY * extent.measures.hidden);
     let is_doubtful = reason != reason_of(extent.broken(comparison.iu, true), max)
         || extent.explains(reason, comparison.is_unique);
     let measured = broken.and_then(|(_, measure)| extent.measured(comparison.iu, measure, rate_hz));

@@ -24,7 +24,7 @@ pub(super) struct OpenIu {
     pub(super) captured: u32,
     /// The measure that is out of its bounds, once that was decided.
     pub(super) measured: Option<Measured>,
-    /// Its two parts were at rest beside each other in some frame, or too little was seen to say that they were not.
+    /// Its first part was at rest in some frame; true where it has no two parts.
     pub(super) has_rested: bool,
     /// It was seen well enough that it has happened.
     pub(super) is_certain: bool,
@@ -178,7 +178,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (is_place_certain, number) = (activity.is_place_certain(), activity.number);
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
-            None if broken.is_none() && progress.is_behind_its_time(nominal) => {
+            None if broken.is_none() && progress.may_be_of_another_job(nominal) => {
                 (Outcome::NotJudged, unseen_reason, early)
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None, early),

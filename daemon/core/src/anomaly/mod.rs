@@ -48,11 +48,12 @@
 //!   is not judged. But only as much fits into a gap as it is long: an IU that lasts at least twice as long was not overlooked in it.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen.
-//! - An activity that begins soon behind a doubt, or with an object that has not been seen before or of which an activity was not judged,
-//!   may be the rest of one, unless the hand was certainly idle before it.
-//! - A part that only passes another one at which it was shown to rest may not have touched it. If what comes next belongs to no such contact,
-//!   it is not judged.
-//! - What is still to come on the bench is missing only from a job that has certainly ended: another touch may be assumed to begin the next.
+//! - An activity may be the rest of one if it begins soon after a doubt, or with the object of the hand's last activity where that was not
+//!   judged, unless the hand was certainly idle before it. So may one with an object that is first seen in the hand, where the start of
+//!   the job was not seen.
+//! - An IU in which a part only passes another one, at which it was shown to rest, is not judged if no candidate goes on with the next
+//!   context.
+//! - What the bench shows to be undone is not missing from a job whose end is only assumed, from a touch that may have begun the next one.
 //! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
 //!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
 //!
@@ -246,9 +247,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Takes the next couples.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         self.observe(couples, emit);
-        let is_complete = self.is_job_complete(couples, emit);
+        let ends_job = self.ends_job(couples, emit);
         let Self { segmenter, bench } = self;
-        segmenter.job_matched(is_complete);
+        segmenter.job_matched(ends_job);
         segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
         let Bench { hands, progress } = bench;
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
@@ -290,10 +291,16 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         }
     }
 
-    /// Whether the open job has come to its end, so that a touch in these couples begins another one.
-    fn is_job_complete(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) -> bool {
+    /// Whether the open job has come to its end, so that a touch in these couples begins another one. A touch that begins an activity ends
+    /// the one before it, which has its verdict then.
+    fn ends_job(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) -> bool {
         let Self { segmenter, bench } = self;
-        // A touch that begins an activity ends the one before it. What comes out wrong only now may be done again in this job.
+        let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
+        let begins_next = couples.hands.iter().any(|couple| {
+            segmenter.begins_activity(couple)
+                && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed)
+        });
+        // What comes out wrong only now may be done again in this job.
         let wrong = bench.progress.wrong();
         for couple in &couples.hands {
             if segmenter.begins_activity(couple) {
@@ -301,13 +308,11 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 hand.finish(couples.captured_ns, &mut |event| bench.take(&event, Some(couples), emit));
             }
         }
-        let progress = &mut bench.progress;
-        let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
+        let progress = &bench.progress;
         let mut touches = couples.hands.iter().filter(|couple| segmenter.begins_activity(couple)).peekable();
         let goes_on = touches.peek().is_some()
-            && touches.clone().all(|couple| progress.goes_on_with(couple.context, is_disturbed));
-        progress.is_matched_with(wrong) && !goes_on
-            || touches.any(|couple| progress.begins_next_job(couple.side, couple.context, is_disturbed))
+            && touches.all(|couple| progress.goes_on_with(couple.context, is_disturbed));
+        begins_next || progress.is_matched_with(wrong) && !goes_on
     }
 
     /// Starts a job on command. The open job, if any, ends first, with its verdicts.

@@ -65,7 +65,7 @@ pub(super) struct Progress<'a> {
     fault: Option<Fault>,
     /// The first reason why something was not judged.
     unjudged_reason: Option<Reason>,
-    /// Another activity began with which a job begins, and it is only assumed that it is that of the next one.
+    /// The job ended only because a touch may have begun the next one: that is assumed, not seen.
     is_end_assumed: bool,
     /// The first note.
     note: Option<Note>,
@@ -402,12 +402,14 @@ impl<'a> Progress<'a> {
         broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())
     }
 
-    /// Whether an activity was right that must come behind this one, because this one may have come unseen; and now it comes.
-    pub(super) fn is_behind_its_time(&self, nominal: usize) -> bool {
-        let activity = self.number(nominal).map(usize::from);
-        activity.filter(|activity| self.may_precede.contains(*activity)).is_some_and(|activity| {
+    /// Whether a nominal activity that is in order may belong to another job than the open one: it must not come again and comes again, or
+    /// one was right that must come behind it, because it may have come unseen.
+    pub(super) fn may_be_of_another_job(&self, nominal: usize) -> bool {
+        self.number(nominal).map(usize::from).is_some_and(|activity| {
             let mut right = self.done.without(self.wrong).iter();
-            right.any(|other| self.job.law(other).after().contains(activity))
+            let mut is_late = || right.any(|other| self.job.law(other).after().contains(activity));
+            let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
+            comes_again || self.may_precede.contains(activity) && is_late()
         })
     }
 
@@ -428,7 +430,8 @@ impl<'a> Progress<'a> {
         BrokenOrder { fault, activity: other as u16, runs }
     }
 
-    /// Whether an activity comes a second time. It may also be that of the next job, if all between them was hidden.
+    /// Whether an activity comes a second time. It may also be that of the next job, if
+    /// another activity of that has come unseen.
     fn is_repeated(&self, activity: usize) -> bool {
         let mut others = self.required().without(ActivitySet::of(activity)).iter();
         self.done.contains(activity) && !others.any(|other| self.may_be_unseen(other))
@@ -486,7 +489,7 @@ impl<'a> Progress<'a> {
         self.is_matched_with(self.wrong)
     }
 
-    /// The same if of those that were done wrong only these had come.
+    /// The same, but of the activities that were done wrong only these count.
     pub(super) fn is_matched_with(&self, wrong: ActivitySet) -> bool {
         let waiting = self.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
         self.required().without(self.done | self.unjudged | wrong | waiting).is_empty()

@@ -30,10 +30,11 @@ pub(super) struct Watch {
     held: u16,
     /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
     is_held_doubtful: bool,
-    /// In how many frames something may have come and gone up to the newest doubtful couple.
+    /// [`hidden_before`](Self::hidden_before) at the newest doubtful couple.
     lately_hidden: u32,
-    /// The hand may have held `o_j` before that was first seen, and the job may have begun before.
+    /// The hand may have held `o_j` before that was first seen.
     holds_new: bool,
+    /// The start of the job was not seen, so that this matters.
     may_hold_new: bool,
     /// `o_j` of the newest activity that was not judged, or 0.
     unjudged: u16,
@@ -72,13 +73,14 @@ impl Watch {
     pub(super) fn begin(&mut self) {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        (self.has_been_clear, self.may_be_rest, self.may_hold_new) = (false, false, false);
+        (self.has_been_clear, self.may_be_rest) = (false, false);
+        (self.holds_new, self.may_hold_new) = (false, false);
         self.is_held_doubtful = false;
     }
 
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose(&mut self) {
-        (self.since_doubt, self.certain) = (0, None);
+        (self.since_doubt, self.certain, self.may_hold_new) = (0, None, true);
     }
 
     /// Takes the next couple.
@@ -105,13 +107,13 @@ impl Watch {
         self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(1) };
         self.observe_held(couple);
         self.holds_new = couple.is_object_new && self.may_hold_new;
-        if self.is_doubtful() {
-            self.lately_hidden = self.hidden_before();
-        }
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
             self.since_certain = self.since_certain.saturating_add(frames);
+        }
+        if self.is_doubtful() {
+            self.lately_hidden = self.hidden_before();
         }
     }
 
@@ -177,6 +179,11 @@ impl Watch {
         } else {
             self.hidden_before()
         }
+    }
+
+    /// What begins now is not the rest of anything.
+    pub(super) fn forget_rest(&mut self) {
+        (self.may_be_rest, self.holds_new, self.unjudged) = (false, false, 0);
     }
 
     /// Another activity begins.

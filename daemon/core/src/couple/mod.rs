@@ -23,7 +23,7 @@ use crate::set::ActivitySet;
 pub struct Motion(pub [i8; 7]);
 
 impl Motion {
-    /// Whether `o_j` is at rest relative to `o_l`, where there is an `o_l`.
+    /// Whether `o_j` is at rest on the bench, where there is an `o_l`.
     pub fn is_pair_at_rest(&self) -> bool {
         self.0[4..6] == [0, 0]
     }
@@ -100,7 +100,7 @@ pub struct Couple {
     pub is_doubtful: bool,
     /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
     pub is_rivalled: bool,
-    /// `o_j` was seen for the first time when the hand began to act on it, so the hand may have held it before.
+    /// `o_j` had been seen only just before the hand began to act on it, so the hand may have held it before.
     pub is_object_new: bool,
 }
 

@@ -32,7 +32,7 @@ pub(super) enum Meets {
     /// They do not, and a hand brings one of them from where no contact reaches. Where it comes to rest within the distance at which a
     /// contact ends, they do.
     Brought,
-    /// They have come near each other unseen, and one leaves the other: whether they touched was not seen.
+    /// They have come near each other unseen, and one moves past the other: whether they touch was not seen.
     Unknown,
     /// They do: they have come to rest within the distance at which a contact ends.
     Rests,
@@ -92,11 +92,10 @@ impl Scene {
     fn next_meets(&self, i: usize, j: usize, age: usize) -> Meets {
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
         if edge.is_believed() {
-            return match before {
-                Meets::Rests | Meets::Yes => Meets::Yes,
-                _ if !self.passes(i, j, age) => Meets::Yes,
+            return match (before, self.passes(i, j, age)) {
+                (Meets::Rests | Meets::Yes, _) | (_, Some(false)) => Meets::Yes,
                 // Two that came together unseen may touch already.
-                _ if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,
+                (_, Some(true)) if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,
                 _ => before,
             };
         }
@@ -122,11 +121,11 @@ impl Scene {
         }
     }
 
-    fn passes(&self, i: usize, j: usize, age: usize) -> bool {
-        self.path_of_objects(i, j, age).is_some_and(|(newest, path_m)| {
-            let frames = (age - newest) as f32;
-            path_m * f32::from(self.method.persist_frames) / frames > self.method.object_contact.on_m
-        })
+    /// Whether one of two objects passes the other; `None` where their way was not measured.
+    fn passes(&self, i: usize, j: usize, age: usize) -> Option<bool> {
+        let (newest, path_m) = self.path_of_objects(i, j, age)?;
+        let frames = (age - newest) as f32;
+        Some(path_m * f32::from(self.method.persist_frames) / frames > self.method.object_contact.on_m)
     }
 
     /// How far two objects have moved relative to each other from this frame to the newest known one of those in which a change is believed,
@@ -181,7 +180,7 @@ impl Scene {
         is_away.then_some(distance)
     }
 
-    /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand goes at least a quarter of its way.
+    /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand more than a quarter of its way.
     /// Two hands that carry a part together do not hold it as stiffly as one.
     fn follows(&self, hand: usize, object: usize, age: usize) -> bool {
         self.relative_path(hand, object, age).is_some_and(|(newest, path_m)| {

@@ -25,12 +25,12 @@ use start::Start;
 struct Node {
     shape: Shape,
     poses: Recent<ObjectPose>,
-    /// In how many frames it has been known where it is.
+    /// For how many frames it has had a pose.
     known_frames: u32,
     /// How it lies in the hand that holds it; it moves by this while it is hidden.
     grip: Option<Grip>,
-    /// A hand has been at the object or out of the picture since the object was last seen, and may have taken it.
-    may_be_taken: bool,
+    /// For each hand, whether it has been at the object or out of the picture since the object was last seen, or may have been given it.
+    may_be_taken: [bool; HANDS],
     /// For each hand, whether it may have been near the object since that was last seen.
     may_be_touched: [bool; HANDS],
     /// For each hand, whether it may act on this object instead of its `o_j`.
@@ -47,7 +47,7 @@ impl Node {
             poses: Recent::new(ObjectPose::NEVER),
             known_frames: 0,
             grip: None,
-            may_be_taken: false,
+            may_be_taken: [false; HANDS],
             may_be_touched: [false; HANDS],
             is_rival: [false; HANDS],
             attended: None,
@@ -294,7 +294,7 @@ impl Scene {
         interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
     }
 
-    /// Whether the hand moves away from `o_j`, and more than a single one of the frames that would show whether it has left it was not clear.
+    /// Whether the hand moves away from `o_j`, and at least two of the frames that would show whether it has left it were not clear.
     fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
         let ahead = contact::ahead(age, self.method.persist_frames);
         let Interaction::Acts { j, .. } = interaction else { return false };

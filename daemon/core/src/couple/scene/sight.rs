@@ -2,7 +2,7 @@
 
 use super::super::Sight;
 use super::super::contact;
-use super::super::poses::{HandPose, Recent, Source};
+use super::super::poses::{HandPose, Source};
 use super::meeting::are_in_reach;
 use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
@@ -61,7 +61,11 @@ impl Scene {
                 let is_in_doubt = match pose.source {
                     Source::Never => false,
                     Source::Seen => !touches[object].is_known() || is_edge_unknown,
-                    _ => node.may_be_taken || interaction.involves(object) || is_edge_unknown && is_in_reach,
+                    _ => {
+                        node.may_be_taken[index]
+                            || interaction.involves(object)
+                            || is_edge_unknown && is_in_reach
+                    }
                 };
                 is_clear &= !is_in_doubt;
             }
@@ -69,17 +73,24 @@ impl Scene {
         }
     }
 
-    /// Finds out which of the hidden objects a hand may have taken, or been given by the other one.
+    /// Finds out which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the
+    /// other may have given it.
     fn update_taken(&mut self) {
+        let blind_frames = self.blind_frames;
         for node in &mut self.objects {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
-            let may_have_come = |hand: &Recent<HandPose>| match hand.ago(0).source {
-                Source::Never => false,
-                Source::Seen => hand.ago(0).is_over(pose.position, radius_m),
-                _ => true,
-            };
             let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
-            node.may_be_taken = is_hidden && (node.may_be_taken || self.hands.iter().any(may_have_come));
+            let [may_come, may_give] = [u32::MAX, blind_frames].map(|max_unseen| {
+                self.hands.each_ref().map(|hand| match hand.ago(0) {
+                    HandPose { source: Source::Never, .. } => false,
+                    hand @ HandPose { source: Source::Seen, .. } => hand.is_over(pose.position, radius_m),
+                    hand => hand.unseen <= max_unseen,
+                })
+            });
+            let is_given = may_give.contains(&true);
+            for (taken, may_come) in node.may_be_taken.iter_mut().zip(may_come) {
+                *taken = is_hidden && (*taken || may_come || is_given);
+            }
         }
     }
 
@@ -123,7 +134,7 @@ impl Scene {
                 Source::Never => false,
                 Source::Seen if held == Some(object) => !touch.is_known(),
                 Source::Seen => !touch.is_apart(age, persist),
-                _ => held == Some(object) || node.may_be_taken,
+                _ => held == Some(object) || node.may_be_taken[hand],
             };
             let is_new = is_taken && is_in_doubt;
             node.is_rival[hand] = held.is_some() && (node.is_rival[hand] || is_new);
