@@ -260,7 +260,10 @@ proptest! {
         for verdict in &verdicts {
             match verdict.outcome {
                 Outcome::Ok => prop_assert!(!unseen(verdict), "{:?}", verdict),
-                Outcome::NotJudged => prop_assert_eq!(verdict.reason, Reason::Blind, "{:?}", verdict),
+                // Of a part that only passed another one it is not known whether it touched that.
+                Outcome::NotJudged => {
+                    prop_assert!(matches!(verdict.reason, Reason::Blind | Reason::Unknown), "{:?}", verdict);
+                }
                 Outcome::Anomaly => {}
             }
         }
