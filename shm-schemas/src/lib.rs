@@ -81,7 +81,7 @@ pub mod flag {
     pub const DOUBTFUL: u8 = 1 << 2;
     /// Flag of a couple: the hand may have taken another object than `o_j`.
     pub const RIVALLED: u8 = 1 << 3;
-    /// Flag of a couple: the hand may have held `o_j` before that was first seen.
+    /// Flag of a couple: the hand may have acted on `o_j` and `o_l` before they were first seen.
     pub const OBJECT_NEW: u8 = 1 << 4;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;

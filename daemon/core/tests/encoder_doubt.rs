@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Couple, Couples};
+use andon_core::couple::Couple;
 use andon_core::input::{Frame, Side};
 use common::bench::{Bench, encode};
 
@@ -12,8 +12,7 @@ const BOX: u16 = 7;
 
 /// The couples of one hand.
 fn couples_of(bench: &Bench, side: Side) -> Vec<Couple> {
-    let couples: Vec<Couples> = encode(&bench.ids(), &bench.frames);
-    couples.iter().map(|couples| couples.hands[side.index()]).collect()
+    encode(&bench.ids(), &bench.frames).iter().map(|couples| couples.hands[side.index()]).collect()
 }
 
 /// Nothing is seen in these frames.
@@ -80,12 +79,47 @@ fn a_hand_keeps_a_hidden_part_that_the_other_one_carries_with_it_and_then_unseen
 }
 
 #[test]
+fn a_hand_keeps_a_part_that_moved_on_while_it_was_not_seen() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 30).rest(20);
+    let mut frames = bench.frames.clone();
+    // The tool is seen 6 cm farther than the hand was when it is hidden too.
+    frames[30..36].iter_mut().for_each(|frame| frame.hands.clear());
+    frames[34..46].iter_mut().for_each(|frame| frame.objects.clear());
+    let couples = encode(&bench.ids(), &frames);
+    assert!(couples[3..].iter().all(|couples| couples.hands[0].context.0 == [1, TOOL, 0, 0]));
+}
+
+#[test]
+fn a_part_that_is_seen_in_the_hand_is_so_from_then_on_wherever_it_was_assumed() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.08, 0.0]).rest(60);
+    // The hand is so near the tool that it may hide it.
+    bench.frames[20..30].iter_mut().for_each(|frame| frame.objects.clear());
+    bench.frames[30..].iter_mut().for_each(|frame| frame.objects[0].position[0] = 0.08);
+    let couples = couples_of(&bench, Side::Right);
+    // Whether it rests there is not known before.
+    assert_eq!(couples.iter().position(|couple| couple.context.is_touch()), Some(33));
+}
+
+#[test]
 fn an_object_that_is_first_seen_in_the_hand_may_have_been_there_before() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.0])]);
     bench.hide(TOOL).hand(Side::Right, [0.0, 0.0]).rest(20).show(TOOL).rest(20);
     bench.go([0.3, 0.0], 20).rest(20);
     for couple in couples_of(&bench, Side::Right) {
         assert_eq!(couple.is_object_new, couple.context.0[1] == TOOL, "{couple:?}");
+    }
+}
+
+#[test]
+fn an_object_that_is_first_seen_at_what_the_hand_holds_may_have_been_touched_before() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.01, 0.0])]);
+    bench.hide(BOX).hand(Side::Right, [0.3, 0.0]).rest(20).go([0.0, 0.0], 20).rest(20).show(BOX).rest(20);
+    let couples = couples_of(&bench, Side::Right);
+    assert!(couples.iter().any(|couple| couple.is_object_new));
+    for couple in couples {
+        assert_eq!(couple.is_object_new, couple.context.0[3] == BOX, "{couple:?}");
     }
 }
 

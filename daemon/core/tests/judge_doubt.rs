@@ -283,6 +283,19 @@ fn a_bench_that_is_set_as_it_was_at_first_is_that_of_the_next_piece() {
 }
 
 #[test]
+fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
+    let brick = [part([1, 6, 0, 0], 30, Toward(5)), idle(20)];
+    let job = teach(&[&polish(6), &brick]);
+    let unseen = Part { sighted: false, ..brick[0] };
+    let all = [&[idle(5), unseen, idle(20)], &brick[..], &polish(6)].concat();
+    // The polisher lies where it lay, and so does the brick, until it is seen to be taken.
+    let undone = |frame| if frame < 55 { ActivitySet::first(2) } else { ActivitySet::of(0) };
+    let verdicts = judged_cold(&job, &all, undone);
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
+    assert!(verdicts[0].contains("NotJudged"), "{verdicts:?}");
+}
+
+#[test]
 fn the_piece_after_one_whose_end_was_hidden_is_right() {
     let job = teach(&[&polish(6)]);
     let [grasp, stroke, ..] = polish(6);

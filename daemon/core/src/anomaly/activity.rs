@@ -213,8 +213,8 @@ impl OpenActivity {
     pub(super) fn has_ended_if_idle(&self, job: &Job<'_>) -> bool {
         let hidden = self.junction.hidden;
         let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
-        let mut ended = all.map(|(places, nominal)| places.has_ended_if_idle(nominal.ius, hidden)).peekable();
-        ended.peek().is_some() && ended.all(|has_ended| has_ended)
+        let ended = all.map(|(places, nominal)| places.has_ended_if_idle(nominal.ius, hidden));
+        ended.reduce(|one, other| one && other) == Some(true)
     }
 
     /// The contexts with which a nominal activity would go on that it may be.
@@ -295,20 +295,19 @@ impl OpenActivity {
         })
     }
 
-    /// Whether a candidate has this context after the IU at the current index.
-    pub(super) fn goes_on_with(&self, job: &Job<'_>, context: Context) -> bool {
-        let context = self.as_shown(context);
-        let goes_on = |nominal: usize| {
-            job.activities[nominal].ius.get(self.index + 1).is_some_and(|iu| iu.context == context)
-        };
-        self.candidates().iter().any(goes_on)
-    }
-
     /// The candidates whose IU at the current index has this context.
     pub(super) fn agreeing(&self, job: &Job<'_>, context: Context) -> ActivitySet {
-        let agrees = |nominal: &usize| {
-            job.activities[*nominal].ius.get(self.index).is_some_and(|iu| iu.context == context)
-        };
+        self.agreeing_at(self.index, job, context)
+    }
+
+    /// Whether a candidate has this context after the IU at the current index.
+    pub(super) fn goes_on_with(&self, job: &Job<'_>, context: Context) -> bool {
+        !self.agreeing_at(self.index + 1, job, self.as_shown(context)).is_empty()
+    }
+
+    fn agreeing_at(&self, index: usize, job: &Job<'_>, context: Context) -> ActivitySet {
+        let agrees =
+            |nominal: &usize| job.activities[*nominal].ius.get(index).is_some_and(|iu| iu.context == context);
         self.candidates().iter().filter(agrees).collect()
     }
 

@@ -17,15 +17,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if progress.begins_undone(context) {
             self.watch.forget_rest();
         }
-        let before = (self.watch.hidden_before_activity(context), self.watch.was_idle());
+        let before = (self.watch.begin_activity(context), self.watch.was_idle());
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
             None if progress.has_parts_of(context) => Step::NotShown,
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
-        self.watch.may_be_rest |= before.0 == u32::MAX;
-        self.watch.forget_unjudged();
         let activity = OpenActivity::new(number, step, context, began_ns, before, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
@@ -72,7 +70,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             began_ns: couple.captured_ns,
             extent: Extent {
                 gap_before: self.watch.gap(),
-                may_be_part: may_be_rest || !is_certain && self.watch.may_go_on(context),
+                may_be_part: may_be_rest || self.watch.may_go_on(context),
                 ..Extent::default()
             },
             captured: 0,
@@ -310,11 +308,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if extent.gap_after > 0 {
                 self.comparisons.append_unknown();
             }
-            let has_passed = self.may_pass(extent);
             let activity = self.activity.as_ref();
-            let is_out_of_order =
-                |next| activity.is_some_and(|activity| !activity.goes_on_with(progress.job, next));
-            if has_passed && next.is_some_and(is_out_of_order) {
+            let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
+            if self.may_pass(extent) && next.is_some_and(|next| !goes_on(next)) {
                 self.conclude_passing(progress, emit);
             } else {
                 self.decide_by_motion(extent, progress, emit);

@@ -248,7 +248,7 @@ fn result(
     let broken = extent.broken(comparison.iu, false);
     let reason = reason_of(broken, threshold);
     // What is right only if something happened unseen is neither right nor wrong. Beside frames that were not seen, motion is measured worse.
-    let max = threshold * (1.0 + GIVES_WAY * extent.measures.hidden);
+    let max = threshold * (1.0 + GIVES_WAY * extent.measures.unseen);
     let is_doubtful = reason != reason_of(extent.broken(comparison.iu, true), max)
         || extent.explains(reason, comparison.is_unique);
     let measured = broken.and_then(|(_, measure)| extent.measured(comparison.iu, measure, rate_hz));

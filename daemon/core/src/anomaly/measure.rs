@@ -3,7 +3,7 @@
 use super::comparison::Extent;
 use crate::bounds::{Around, Range};
 use crate::job::{MeasureBounds, NominalIu, Shown};
-use crate::segment::Measures;
+use crate::segment::{MOVED_M, Measures};
 use crate::verdict::{Measure, Measured, Reason};
 
 /// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
@@ -15,8 +15,8 @@ const PER_STROKE: u32 = 2;
 
 impl Extent {
     /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
-    /// `may_be_hidden` only if no motion in the frames that were not seen could have kept it. A path that was seen is never too long only
-    /// because something else was not.
+    /// `may_be_hidden` only if no motion in the frames that were not seen could have kept it. A path that was seen is not
+    /// too long only because something else was not.
     pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Option<(Reason, Measure)> {
         let hidden = if may_be_hidden { self.hidden() } else { 0.0 };
         let [min_frames, max_frames] = if may_be_hidden { self.possible_frames() } else { [self.frames; 2] };
@@ -28,10 +28,12 @@ impl Extent {
         let speed = path_m.max.min(f32::MAX) / iu.frames.min.max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, detour_m, .. } = self.measures;
+        // Which frames were seen decides where the last step of a path ends.
+        let step_m = if hidden > 0.0 { MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
-            detour_m > iu.measures.max_detour_m
+            detour_m > iu.measures.max_detour_m + step_m
         } else {
-            walked_m > path_m.max
+            walked_m > path_m.max + step_m
         };
         let first = |measures: [(bool, Measure); 3]| {
             measures.into_iter().find(|(is_broken, _)| *is_broken).map(|(_, measure)| measure)

@@ -49,11 +49,12 @@
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen.
 //! - An activity may be the rest of one if it begins soon after a doubt, or with the object of the hand's last activity where that was not
-//!   judged, unless the hand was certainly idle before it. So may one with an object that is first seen in the hand, where the start of
-//!   the job was not seen.
+//!   judged, unless the hand was certainly idle before it. So may an activity or an IU with an object that was first seen when it began,
+//!   where the start of the job was not seen.
 //! - An IU in which a part only passes another one, at which it was shown to rest, is not judged if no candidate goes on with the next
 //!   context.
-//! - What the bench shows to be undone is not missing from a job whose end is only assumed, from a touch that may have begun the next one.
+//! - What the bench shows to be undone is not missing from a job whose end is only assumed, from a touch that may have begun the next one
+//!   or may go on with what was not judged.
 //! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
 //!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
 //!

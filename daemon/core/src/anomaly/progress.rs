@@ -150,10 +150,10 @@ impl<'a> Progress<'a> {
         self.undone = ActivitySet::EMPTY;
     }
 
-    /// Whether the bench has been set for the next piece: what was moved lies where the job began, with all that lay there then.
+    /// Whether the bench has been set for the next piece: what was seen to be moved lies where the job began, with all that lay there then.
     pub(super) fn is_set_anew(&self) -> bool {
         self.is_open
-            && self.seen_undone.intersects(self.tried())
+            && self.seen_undone.intersects(self.done | self.wrong)
             && self.undone_first.without(self.seen_undone).is_empty()
     }
 
@@ -263,7 +263,7 @@ impl<'a> Progress<'a> {
     /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
     /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose
     /// start was not seen ends wherever a first activity begins that may have come before. A job with a fault also ends where the bench is
-    /// rearranged: there is no other sign of its end if something was done instead of an activity.
+    /// rearranged: there is no other sign of its end if something was done instead of an activity. Takes note of an end that is only assumed.
     pub(super) fn begins_next_job(&mut self, side: Side, context: Context, is_disturbed: bool) -> bool {
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
@@ -273,17 +273,20 @@ impl<'a> Progress<'a> {
         }
         let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
         let is_left = !opening.without(self.tried()).is_empty();
-        if !self.has_order() {
-            return opening.intersects(came) && !is_left;
-        }
-        let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
-        let opening = opening & first;
-        let first_came = opening.intersects(came) && (others_came || is_disturbed)
-            || opening.intersects(self.wrong) && others_came;
-        let may_have_come = !self.is_start_seen && !opening.intersects(self.undone);
-        let begins = first_came && !is_left;
-        self.is_end_assumed = !begins && !opening.is_empty() && may_have_come;
-        begins || self.is_end_assumed
+        let (begins, may_begin) = if self.has_order() {
+            let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
+            let opening = opening & first;
+            let first_came = opening.intersects(came) && (others_came || is_disturbed)
+                || opening.intersects(self.wrong) && others_came;
+            let may_have_come = !self.is_start_seen && !opening.intersects(self.undone);
+            (first_came && !is_left, !opening.is_empty() && may_have_come)
+        } else {
+            (opening.intersects(came) && !is_left, false)
+        };
+        // What was not judged may only go on now.
+        let is_certain = begins && opening.intersects(self.done | self.wrong);
+        self.is_end_assumed = (begins || may_begin) && !is_certain;
+        begins || may_begin
     }
 
     /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
@@ -406,10 +409,10 @@ impl<'a> Progress<'a> {
     /// one was right that must come behind it, because it may have come unseen.
     pub(super) fn may_be_of_another_job(&self, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
-            let mut right = self.done.without(self.wrong).iter();
-            let mut is_late = || right.any(|other| self.job.law(other).after().contains(activity));
             let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
-            comes_again || self.may_precede.contains(activity) && is_late()
+            let mut right = self.done.without(self.wrong).iter();
+            let may_precede = self.may_precede.contains(activity);
+            comes_again || may_precede && right.any(|other| self.job.law(other).after().contains(activity))
         })
     }
 
@@ -430,8 +433,8 @@ impl<'a> Progress<'a> {
         BrokenOrder { fault, activity: other as u16, runs }
     }
 
-    /// Whether an activity comes a second time. It may also be that of the next job, if
-    /// another activity of that has come unseen.
+    /// Whether an activity comes a second time. It may also be that of the next job, if another activity of that has
+    /// come unseen.
     fn is_repeated(&self, activity: usize) -> bool {
         let mut others = self.required().without(ActivitySet::of(activity)).iter();
         self.done.contains(activity) && !others.any(|other| self.may_be_unseen(other))

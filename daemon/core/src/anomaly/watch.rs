@@ -19,7 +19,7 @@ pub(super) struct Watch {
     gap: u32,
     /// In how many frames since the couple before something may have come and gone.
     newly_hidden: u32,
-    /// Frames since the newest doubtful couple.
+    /// Clear frames since the newest doubtful couple.
     since_doubt: u32,
     /// The newest context that was certain, and how many frames ago it was so last.
     certain: Option<Context>,
@@ -32,10 +32,10 @@ pub(super) struct Watch {
     is_held_doubtful: bool,
     /// [`hidden_before`](Self::hidden_before) at the newest doubtful couple.
     lately_hidden: u32,
-    /// The hand may have held `o_j` before that was first seen.
-    holds_new: bool,
+    /// The hand may have acted on `o_j` and `o_l` before they were first seen.
+    is_object_new: bool,
     /// The start of the job was not seen, so that this matters.
-    may_hold_new: bool,
+    may_be_new: bool,
     /// `o_j` of the newest activity that was not judged, or 0.
     unjudged: u16,
     /// The hand has been seen.
@@ -61,8 +61,8 @@ impl Watch {
             held: 0,
             is_held_doubtful: false,
             lately_hidden: 0,
-            holds_new: false,
-            may_hold_new: true,
+            is_object_new: false,
+            may_be_new: true,
             unjudged: 0,
             has_been_clear: false,
             may_be_rest: true,
@@ -74,13 +74,13 @@ impl Watch {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
         (self.has_been_clear, self.may_be_rest) = (false, false);
-        (self.holds_new, self.may_hold_new) = (false, false);
+        (self.is_object_new, self.may_be_new) = (false, false);
         self.is_held_doubtful = false;
     }
 
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose(&mut self) {
-        (self.since_doubt, self.certain, self.may_hold_new) = (0, None, true);
+        (self.since_doubt, self.certain, self.may_be_new) = (0, None, true);
     }
 
     /// Takes the next couple.
@@ -104,9 +104,11 @@ impl Watch {
         // What began before may have been overlooked for as long as a change takes to be believed.
         let before = self.since_doubt.min(self.persist_frames);
         self.newly_hidden = if is_doubtful { frames.saturating_add(before) } else { 0 };
-        self.since_doubt = if is_doubtful { 0 } else { self.since_doubt.saturating_add(1) };
+        // Only frames that show something make a change believable.
+        self.since_doubt =
+            if is_doubtful { 0 } else { self.since_doubt.saturating_add(couple.is_clear.into()) };
         self.observe_held(couple);
-        self.holds_new = couple.is_object_new && self.may_hold_new;
+        self.is_object_new = couple.is_object_new && self.may_be_new;
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
@@ -145,9 +147,10 @@ impl Watch {
         self.certain.is_some() && self.since_certain == 0
     }
 
-    /// The newest couple is not doubtful, and before it the hand was certainly idle, for longer than it takes to see that it holds something.
+    /// The newest couple is not doubtful, what the hand acts on is not new, and before it the hand was certainly idle, for longer than it takes
+    /// to see that it holds something.
     pub(super) fn was_idle(&self) -> bool {
-        self.idle_frames > IDLE_CHANGES * self.persist_frames && !self.is_doubtful() && !self.holds_new
+        self.idle_frames > IDLE_CHANGES * self.persist_frames && !self.is_doubtful() && !self.is_object_new
     }
 
     /// In how many frames since the couple before the newest one something may have come and gone.
@@ -158,37 +161,33 @@ impl Watch {
     /// In how many frames something may have come and gone before what begins with the newest couple.
     pub(super) fn hidden_before(&self) -> u32 {
         match self.certain {
+            _ if self.is_object_new => u32::MAX,
             _ if !self.is_doubtful() => 0,
             Some(_) => self.since_certain.saturating_add(self.persist_frames),
             None => u32::MAX,
         }
     }
 
-    /// The same for an activity: it may be the rest of one with the same object, and may have begun before it was seen that the hand holds
-    /// something.
-    pub(super) fn hidden_before_activity(&self, context: Context) -> u32 {
+    /// The same for an activity that begins with this context: it may be the rest of one with the same object, and may have begun before it
+    /// was seen that the hand holds something.
+    pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.0[2].max(certain.0[1]) == context.0[1]);
-        if self.may_be_rest
-            || is_same && self.is_doubtful()
-            || self.holds_new
-            || self.unjudged == context.0[1]
-        {
+        let is_rest = is_same && self.is_doubtful() || self.is_object_new || self.unjudged == context.0[1];
+        let hidden = if self.may_be_rest || is_rest {
             u32::MAX
         } else if self.since_doubt <= IDLE_CHANGES * self.persist_frames {
             self.lately_hidden
         } else {
             self.hidden_before()
-        }
+        };
+        self.may_be_rest |= hidden == u32::MAX;
+        self.unjudged = 0;
+        hidden
     }
 
     /// What begins now is not the rest of anything.
     pub(super) fn forget_rest(&mut self) {
-        (self.may_be_rest, self.holds_new, self.unjudged) = (false, false, 0);
-    }
-
-    /// Another activity begins.
-    pub(super) fn forget_unjudged(&mut self) {
-        self.unjudged = 0;
+        (self.may_be_rest, self.is_object_new, self.unjudged) = (false, false, 0);
     }
 
     /// An activity with this object was not judged.
@@ -196,9 +195,9 @@ impl Watch {
         self.unjudged = context.0[1];
     }
 
-    /// Whether an IU that begins in doubt with this context may go on from before the doubt.
+    /// Whether an IU that begins with this context may have begun before: it goes on from before a doubt, or an object was seen for the first time.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
-        self.certain.is_none_or(|certain| certain == context)
+        self.is_object_new || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
     }
 
     /// How long the hand has been hidden; 0 for a hand that has never been seen, because the bench may be worked at with one hand.

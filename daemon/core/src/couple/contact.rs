@@ -43,6 +43,11 @@ impl Edge {
         self.known <<= 1;
     }
 
+    /// What was assumed in the newest `frames` was wrong.
+    pub(super) fn forget(&mut self, frames: u32) {
+        self.known &= !window(frames.min(32) as u8, 0);
+    }
+
     /// Whether it is known to be near or not in the newest frame.
     pub(super) fn is_known(self) -> bool {
         self.known & 1 == 1

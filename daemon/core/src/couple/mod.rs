@@ -100,7 +100,7 @@ pub struct Couple {
     pub is_doubtful: bool,
     /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
     pub is_rivalled: bool,
-    /// `o_j` had been seen only just before the hand began to act on it, so the hand may have held it before.
+    /// `o_j` or `o_l` had been seen only just before this began, so the hand may have done before what it is seen to do now.
     pub is_object_new: bool,
 }
 

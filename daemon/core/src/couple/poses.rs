@@ -29,6 +29,13 @@ impl<T: Copy> Recent<T> {
         self.items[self.newest] = item;
     }
 
+    /// Changes the newest `count` items, or as many as are remembered.
+    pub(super) fn revise(&mut self, count: u32, mut change: impl FnMut(&mut T)) {
+        for age in 0..REMEMBERED.min(count as usize) {
+            change(&mut self.items[(self.newest + REMEMBERED - age) % REMEMBERED]);
+        }
+    }
+
     /// The item of `age` frames ago, or the oldest one if that is no longer remembered.
     pub(super) fn ago(&self, age: usize) -> &T {
         &self.items[(self.newest + REMEMBERED - age.min(REMEMBERED - 1)) % REMEMBERED]

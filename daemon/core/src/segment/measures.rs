@@ -4,7 +4,7 @@ use crate::couple::geometry::{norm, subtract};
 use crate::input::Point;
 
 /// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
-const MOVED_M: f32 = 0.015;
+pub(crate) const MOVED_M: f32 = 0.015;
 
 /// In as many frames in a row that were not seen, a motion may have reversed.
 pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;
@@ -35,6 +35,8 @@ pub struct Measures {
     pub hidden_reversals: u32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
+    /// The share of all frames that were not seen, 0 to 1.
+    pub unseen: f32,
 }
 
 /// Measures an IU frame by frame, in fixed memory.
@@ -124,7 +126,7 @@ impl Meter {
         let mut ended = *self;
         ended.end_gap();
         let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
-        let known = f64::from(self.known.max(1));
+        let (frames, known) = (self.frames.max(1) as f32, f64::from(self.known.max(1)));
         Measures {
             reversals: self.reversals,
             stroke_m: (self.reversals > 1).then(|| self.strokes_m / (self.reversals - 1) as f32),
@@ -133,7 +135,8 @@ impl Meter {
             axis: self.axis.map(per_path),
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,
-            hidden: (ended.hidden / self.frames.max(1) as f32).min(1.0),
+            hidden: (ended.hidden / frames).min(1.0),
+            unseen: (self.frames - self.known) as f32 / frames,
         }
     }
 }

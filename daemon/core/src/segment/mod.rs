@@ -7,8 +7,8 @@ mod measures;
 
 pub use hand::Segmenter;
 pub use job::JobSegmenter;
-pub(crate) use measures::FRAMES_PER_REVERSAL;
 pub use measures::Measures;
+pub(crate) use measures::{FRAMES_PER_REVERSAL, MOVED_M};
 
 use crate::couple::{Context, Motion};
 use crate::input::Side;

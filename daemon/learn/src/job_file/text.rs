@@ -303,7 +303,7 @@ pub(crate) fn sequence_words(contexts: &[Context], name: impl Fn(u16) -> String)
         None => return String::new(),
     };
     let mut others: Vec<u16> = Vec::new();
-    for Context([_, _, _, l]) in contexts.iter().filter(|context| context.is_touch() && context.0[3] != 0) {
+    for Context([_, _, _, l]) in contexts.iter().filter(|context| context.is_pair()) {
         if !others.contains(l) {
             words += if others.is_empty() { " at " } else { ", " };
             words += &name(*l);

@@ -92,10 +92,13 @@ impl Scene {
     fn next_meets(&self, i: usize, j: usize, age: usize) -> Meets {
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
         if edge.is_believed() {
-            return match (before, self.passes(i, j, age)) {
-                (Meets::Rests | Meets::Yes, _) | (_, Some(false)) => Meets::Yes,
+            if matches!(before, Meets::Rests | Meets::Yes) {
+                return Meets::Yes;
+            }
+            return match self.passes(i, j, age) {
+                Some(false) => Meets::Yes,
                 // Two that came together unseen may touch already.
-                (_, Some(true)) if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,
+                Some(true) if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,
                 _ => before,
             };
         }

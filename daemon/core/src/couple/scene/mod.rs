@@ -5,7 +5,7 @@ mod meeting;
 mod sight;
 mod start;
 
-use super::contact::{self, Edge};
+use super::contact::Edge;
 use super::geometry::{dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
@@ -89,10 +89,10 @@ pub(super) struct Scene {
     interactions: [Interaction; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
-    /// Whether each began when it was not seen how the one before ended.
+    /// Whether each began when it was not seen how the one before ended, or whether its two objects touch.
     began_unseen: [bool; HANDS],
-    /// Whether each holds an object that had not been seen before.
-    holds_new: [bool; HANDS],
+    /// Whether an object of each had not been seen before.
+    is_new: [bool; HANDS],
 }
 
 impl Scene {
@@ -123,7 +123,7 @@ impl Scene {
             interactions: [Interaction::Idle; HANDS],
             lasted: [u32::MAX; HANDS],
             began_unseen: [false; HANDS],
-            holds_new: [false; HANDS],
+            is_new: [false; HANDS],
         }
     }
 
@@ -175,6 +175,9 @@ impl Scene {
                 seen[index] = seen[index].or_else(|| ObjectPose::seen(object, self.method.space));
             }
         }
+        for (index, seen) in seen.iter().enumerate().filter_map(|(index, seen)| Some((index, (*seen)?))) {
+            self.correct_assumed(index, &seen);
+        }
         for (node, seen) in self.objects.iter_mut().zip(seen) {
             let before = node.poses.ago(0);
             let carrier = node.grip.map(|grip| (grip, self.hands[grip.hand].ago(0)));
@@ -193,20 +196,20 @@ impl Scene {
     }
 
     /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand is out of sight. An object
-    /// that was hidden before it was grasped is taken to lie where it was last seen. What a hand merely passes over it does not carry.
+    /// that was hidden before it was grasped is taken to lie where it was last seen. A hand that goes out of sight first still holds the object as
+    /// it did. What a hand merely passes over it does not carry.
     fn update_grips(&mut self) {
         let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
-            if pose.source != Source::Seen
-                && let Some(grip) = node.grip
-            {
-                let lost = self.hands[grip.hand].ago(0).unseen > self.blind_frames;
-                node.grip = node.grip.filter(|_| !lost);
-                continue;
-            }
+            let carrier = |grip: &Grip| self.hands[grip.hand].ago(0);
+            let before = node.grip.filter(|grip| carrier(grip).unseen <= self.blind_frames);
             let hand = held.iter().position(|held| *held == Some(index));
-            node.grip = hand.map(|hand| Grip::new(hand, self.hands[hand].ago(0), pose));
+            node.grip = match (before, hand) {
+                (Some(_), _) if pose.source != Source::Seen => before,
+                (_, Some(hand)) => Some(Grip::new(hand, self.hands[hand].ago(0), pose)),
+                _ => before.filter(|grip| carrier(grip).source != Source::Seen),
+            };
         }
     }
 
@@ -241,14 +244,12 @@ impl Scene {
             self.lasted[hand] = if is_same { self.lasted[hand].saturating_add(1) } else { 1 };
             let before = core::mem::replace(&mut self.interactions[hand], interaction);
             if !is_same {
-                let was_hidden = |object: usize| before.involves(object) && self.was_hidden(object, age);
-                self.began_unseen[hand] = (0..count).any(was_hidden) || self.may_not_touch(interaction);
+                self.began_unseen[hand] =
+                    self.was_hidden(hand, before, age) || self.may_not_touch(interaction);
+                self.is_new[hand] =
+                    (0..count).any(|object| interaction.involves(object) && self.is_new(object, age));
             }
             self.update_rivals(hand, before.held(), interaction.held(), age);
-            if before.held() != interaction.held() {
-                let is_new = |j: usize| self.objects[j].known_frames <= 2 * u32::from(persist) + age as u32;
-                self.holds_new[hand] = interaction.held().is_some_and(is_new);
-            }
             let mut couple = self.couple(hand, interaction, age);
             // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
             let is_assumed = interaction != next || couple.context.is_release() && !couple.is_clear;
@@ -282,25 +283,6 @@ impl Scene {
         (0..self.objects.len()).filter(meets).map(move |l| (l, self.distance_of_objects(j, l, age)))
     }
 
-    /// Whether an object was hidden in most of the frames before this one in which a change would have been believed.
-    fn was_hidden(&self, object: usize, age: usize) -> bool {
-        let persist = usize::from(self.method.persist_frames);
-        let is_hidden = |age: &usize| self.objects[object].poses.ago(*age).source != Source::Seen;
-        2 * (age + 1..=age + persist).filter(is_hidden).count() > persist
-    }
-
-    /// Whether `o_j` and `o_l` may only have been near each other, because they came together unseen.
-    fn may_not_touch(&self, interaction: Interaction) -> bool {
-        interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
-    }
-
-    /// Whether the hand moves away from `o_j`, and at least two of the frames that would show whether it has left it were not clear.
-    fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
-        let ahead = contact::ahead(age, self.method.persist_frames);
-        let Interaction::Acts { j, .. } = interaction else { return false };
-        (ahead & !self.clear[hand]).count_ones() > 1 && self.moves_away(hand, j, age).is_some()
-    }
-
     fn couple(&self, hand: usize, interaction: Interaction, age: usize) -> Couple {
         let pose = self.hands[hand].ago(age);
         let (acts, j, l) = match interaction {
@@ -321,7 +303,7 @@ impl Scene {
         let mut couple = Couple {
             side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
-            motion: self.motion(hand, from_hand, j.zip(l), age),
+            motion: self.motion(hand, from_hand, interaction.pair(), age),
             context: match (o_j, o_l) {
                 (Some(j), Some(l)) if acts => Context([h.unwrap_or(0), j, j, l]),
                 (Some(j), Some(l)) => Context([0, 0, j, l]),
@@ -331,7 +313,7 @@ impl Scene {
             position: from_hand.and_then(|j| self.position(hand, j, l, age)),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
-                j.zip(l).map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
+                interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
             ],
             sight: [self.sight(pose.unseen), sight(j), sight(l)],
             is_clear: self.clear[hand] >> age & 1 == 1,
@@ -340,7 +322,7 @@ impl Scene {
                 || self.may_not_touch(interaction)
                 || self.may_have_left(hand, interaction, age),
             is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
-            is_object_new: self.holds_new[hand],
+            is_object_new: self.is_new[hand],
         };
         // Only now it is known which objects the context rests on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];

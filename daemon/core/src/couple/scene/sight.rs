@@ -2,12 +2,33 @@
 
 use super::super::Sight;
 use super::super::contact;
-use super::super::poses::{HandPose, Source};
+use super::super::interaction::Interaction;
+use super::super::poses::{HandPose, ObjectPose, Recent, Source};
+use super::in_hand::Meets;
 use super::meeting::are_in_reach;
 use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
 
 impl Scene {
+    /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
+    pub(super) fn correct_assumed(&mut self, object: usize, seen: &ObjectPose) {
+        let assumed = *self.objects[object].poses.ago(0);
+        let max_m = match assumed.source {
+            Source::Covered => self.moved_m(),
+            // It may lie otherwise in the hand than it did.
+            Source::Carried => self.method.hand_contact.on_m,
+            _ => return,
+        };
+        if squared_distance(assumed.position, seen.position) <= max_m * max_m {
+            return;
+        }
+        self.objects[object].poses.revise(assumed.unseen, |pose| pose.source = Source::Held);
+        self.touches.iter_mut().for_each(|edges| edges[object].forget(assumed.unseen));
+        for other in 0..self.objects.len() {
+            self.adjacent[object.min(other)][object.max(other)].forget(assumed.unseen);
+        }
+    }
+
     /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand holds: none acted on it or was at it when it
     /// was last seen, the latter not longer ago than `blind_ms`.
     pub(super) fn push_moved_unseen(&mut self) {
@@ -76,20 +97,17 @@ impl Scene {
     /// Finds out which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the
     /// other may have given it.
     fn update_taken(&mut self) {
-        let blind_frames = self.blind_frames;
         for node in &mut self.objects {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
             let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
-            let [may_come, may_give] = [u32::MAX, blind_frames].map(|max_unseen| {
-                self.hands.each_ref().map(|hand| match hand.ago(0) {
-                    HandPose { source: Source::Never, .. } => false,
-                    hand @ HandPose { source: Source::Seen, .. } => hand.is_over(pose.position, radius_m),
-                    hand => hand.unseen <= max_unseen,
-                })
-            });
-            let is_given = may_give.contains(&true);
-            for (taken, may_come) in node.may_be_taken.iter_mut().zip(may_come) {
-                *taken = is_hidden && (*taken || may_come || is_given);
+            let may_have_come = |hand: &Recent<HandPose>, max_unseen: u32| match hand.ago(0).source {
+                Source::Never => false,
+                Source::Seen => hand.ago(0).is_over(pose.position, radius_m),
+                _ => hand.ago(0).unseen <= max_unseen,
+            };
+            let may_be_given = self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
+            for (taken, hand) in node.may_be_taken.iter_mut().zip(&self.hands) {
+                *taken = is_hidden && (*taken || may_be_given || may_have_come(hand, u32::MAX));
             }
         }
     }
@@ -140,6 +158,36 @@ impl Scene {
             node.is_rival[hand] = held.is_some() && (node.is_rival[hand] || is_new);
             node.may_be_touched[hand] |= is_new && node.poses.ago(0).source == Source::Seen;
         }
+    }
+
+    /// Whether the hand, or an object that it acted on before, was hidden in most of the frames before this one in which a change would have been
+    /// believed.
+    pub(super) fn was_hidden(&self, hand: usize, before: Interaction, age: usize) -> bool {
+        let persist = usize::from(self.method.persist_frames);
+        let most = |is_hidden: &dyn Fn(usize) -> bool| {
+            2 * (age + 1..=age + persist).filter(|age| is_hidden(*age)).count() > persist
+        };
+        let is_object_hidden =
+            |object: usize| most(&|age| self.objects[object].poses.ago(age).source != Source::Seen);
+        most(&|age| self.hands[hand].ago(age).source != Source::Seen)
+            || (0..self.objects.len()).any(|object| before.involves(object) && is_object_hidden(object))
+    }
+
+    /// Whether an object was first seen about when a hand began to act on it.
+    pub(super) fn is_new(&self, object: usize, age: usize) -> bool {
+        self.objects[object].known_frames <= 2 * u32::from(self.method.persist_frames) + age as u32
+    }
+
+    /// Whether `o_j` and `o_l` may only have been near each other, because they came together unseen.
+    pub(super) fn may_not_touch(&self, interaction: Interaction) -> bool {
+        interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
+    }
+
+    /// Whether the hand moves away from `o_j`, and at least two of the frames that would show whether it has left it were not clear.
+    pub(super) fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
+        let ahead = contact::ahead(age, self.method.persist_frames);
+        let Interaction::Acts { j, .. } = interaction else { return false };
+        (ahead & !self.clear[hand]).count_ones() > 1 && self.moves_away(hand, j, age).is_some()
     }
 
     /// Whether fewer than half of the frames in which a change would be believed were clear.

@@ -1,6 +1,7 @@
 //! What of a job has not been done, as the bench shows it: a part that an activity moves for good still lies where it did at the beginning.
 
 use super::Scene;
+use crate::couple::interaction::Interaction;
 use crate::couple::poses::Source;
 use crate::object::StartPlace;
 use crate::set::ActivitySet;
@@ -34,11 +35,12 @@ impl Scene {
         for (index, node) in self.objects.iter_mut().enumerate() {
             let (pose, start) = (node.poses.ago(age), &mut node.start);
             let lies_within = |start: StartPlace| start.place.distance(pose.position) <= start.place.max;
-            let mut hands = self.interactions.iter().zip(self.lasted);
-            let is_held = hands.any(|(interaction, lasted)| interaction.acts_on(index) && lasted > 1);
+            // A touch that begins in this frame finds the object where it lay.
+            let acts = |(what, lasted): (&Interaction, u32)| what.acts_on(index) && lasted > 1;
+            let is_held = || self.interactions.iter().zip(self.lasted).any(acts);
             start.is_there = match pose.source {
                 Source::Seen => start.place.is_some_and(lies_within),
-                _ => start.is_there && pose.unseen <= self.blind_frames && !is_held,
+                _ => start.is_there && pose.unseen <= self.blind_frames && !is_held(),
             };
             undone |= start.undone();
         }
