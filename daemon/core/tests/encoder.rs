@@ -437,4 +437,10 @@ fn an_object_that_lies_where_the_job_begins_shows_what_has_not_been_done() {
     hide(&mut away.frames[5..]);
     // It is not known for longer than 700 ms where the object lies.
     assert_eq!(undone_in(&away.frames), (0..26).collect::<Vec<_>>());
+    // What is only carried past the place does not lie there.
+    let mut past = Bench::new(&[(TOOL, [-0.3, 0.0])]);
+    past.hand(Side::Right, [-0.3, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.3, 0.0], 30).rest(20);
+    assert_eq!(undone_in(&past.frames), []);
+    hide(&mut past.frames[36..60]);
+    assert_eq!(undone_in(&past.frames), []);
 }

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::couple::Couple;
 use andon_core::input::{Frame, Side};
-use common::bench::{Bench, encode};
+use common::bench::{Bench, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -88,6 +88,54 @@ fn a_hand_keeps_a_part_that_moved_on_while_it_was_not_seen() {
     frames[34..46].iter_mut().for_each(|frame| frame.objects.clear());
     let couples = encode(&bench.ids(), &frames);
     assert!(couples[3..].iter().all(|couples| couples.hands[0].context.0 == [1, TOOL, 0, 0]));
+}
+
+#[test]
+fn a_part_in_two_hands_goes_on_with_the_one_that_is_seen() {
+    let mut bench = Bench::new(&[(BOX, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.02, 0.0]).hand(Side::Left, [-0.02, 0.0]).rest(20);
+    bench.hold(Side::Right, BOX).carry([Some([0.02, 0.1]), Some([-0.02, 0.1])], 10);
+    bench.leave(Side::Right).hide(BOX).carry([None, Some([-0.02, 0.3])], 15).rest(10);
+    let couples = couples_of(&bench, Side::Left);
+    assert!(couples[3..].iter().all(|couple| couple.context.is_touch()));
+}
+
+#[test]
+fn a_hand_that_takes_a_part_may_touch_what_is_hidden_at_its_other_end() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.29, 0.0])]);
+    bench.hand(Side::Right, [-0.3, 0.0]).rest(20).hide(BOX).go([0.0, 0.0], 20).rest(20);
+    let mut shapes = shapes(&bench.ids());
+    shapes[0].interaction_points.push([0.25, 0.0, 0.0]).unwrap();
+    let couples = encode_shapes(&shapes, &bench.frames);
+    let mut touches =
+        couples.iter().map(|couples| couples.hands[0]).filter(|couple| couple.context.is_touch());
+    assert!(touches.clone().count() > 10 && touches.all(|couple| !couple.is_clear));
+}
+
+#[test]
+fn a_frame_that_is_missing_hides_no_release() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    // In frame 45 alone the hand is farther away than a touch begins.
+    bench.hand(Side::Right, [0.0, 0.0]).rest(40).go([0.0405, 0.0], 6).go([0.03, 0.0], 5).rest(20);
+    let released = |frames: &[Frame]| {
+        let couples = encode(&bench.ids(), frames);
+        couples.iter().skip(20).position(|couples| !couples.hands[0].context.is_touch())
+    };
+    let mut frames = bench.frames.clone();
+    frames.remove(40);
+    assert_eq!((released(&bench.frames), released(&frames)), (Some(20), Some(20)));
+}
+
+#[test]
+fn a_part_that_vanishes_as_it_moves_may_have_been_given_by_a_hand_that_has_not_been_seen_for_long() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Left, [0.0, 0.0]).hand(Side::Right, [0.5, 0.0]).rest(20).hold(Side::Left, TOOL);
+    bench.carry([None, Some([0.4, 0.0])], 60).rest(20);
+    bench.frames[60..].iter_mut().for_each(|frame| frame.objects.clear());
+    bench.frames[20..].iter_mut().for_each(|frame| frame.hands.retain(|hand| hand.side == Side::Right));
+    let couples = couples_of(&bench, Side::Right);
+    assert!(couples[..60].iter().all(|couple| couple.is_clear));
+    assert!(couples[60..].iter().all(|couple| !couple.is_clear));
 }
 
 #[test]

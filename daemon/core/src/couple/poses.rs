@@ -189,19 +189,16 @@ fn is_near(point: Point) -> bool {
 }
 
 /// How an object lies in the hand that carries it: as a rigid body that rotates with the hand about z and keeps its tilt.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Grip {
-    /// Index of the carrying hand in the couples.
-    pub(super) hand: usize,
     offset: Point,
     rotation: Quaternion,
 }
 
 impl Grip {
-    pub(super) fn new(hand: usize, pose: &HandPose, object: &ObjectPose) -> Self {
+    pub(super) fn new(pose: &HandPose, object: &ObjectPose) -> Self {
         let back = inverse(about_z(pose.yaw));
         Self {
-            hand,
             offset: rotated(subtract(object.position, pose.grip()), back),
             rotation: rotation_after(back, object.orientation),
         }

@@ -153,6 +153,7 @@ impl Scene {
         if self.distance_from_hand(hand, object, age) > self.hand_contact(object).on_m {
             return Some(false);
         }
+        self.relative_positions(hand, object, age)?;
         if self.follows(hand, object, age) {
             return Some(true);
         }
@@ -162,7 +163,7 @@ impl Scene {
     }
 
     /// How far something may move while a change is believed and still be at rest, in metres.
-    fn rest_m(&self) -> f32 {
+    pub(super) fn rest_m(&self) -> f32 {
         self.method.rest_speed_m_s * f32::from(self.method.persist_frames) / self.method.rate_hz
     }
 
@@ -206,17 +207,23 @@ impl Scene {
         Some(f32::min(speed_in(0)?, speed_in(1)?))
     }
 
-    /// How far the finger tips have moved relative to the object from this frame to the newest known one of those in which a change is
-    /// believed, in metres, after the age of that frame; in the bench frame or in that of the object, whichever is less.
+    /// How far the finger tips have moved relative to the object from this frame, or the last known one before it, to the newest known one of
+    /// those in which a change is believed, in metres, after the age of that frame; in the bench frame or in that of the object, whichever is
+    /// less.
     fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<(usize, f32)> {
         let positions = |age: usize| self.relative_positions(hand, object, age);
-        let (from, (newest, to)) = positions(age).zip(self.newest_known(age, positions))?;
+        let from = (age..=age + usize::from(self.method.persist_frames)).find_map(positions);
+        let (from, (newest, to)) = from.zip(self.newest_known(age, positions))?;
         let moved = |frame: usize| norm(subtract(to[frame], from[frame]));
         Some((newest, f32::min(moved(0), moved(1))))
     }
 
     /// What is known in the newest frame up to `persist_frames` after this one, after the age of that frame.
-    fn newest_known<T>(&self, age: usize, known: impl Fn(usize) -> Option<T>) -> Option<(usize, T)> {
+    pub(super) fn newest_known<T>(
+        &self,
+        age: usize,
+        known: impl Fn(usize) -> Option<T>,
+    ) -> Option<(usize, T)> {
         let newest = age.saturating_sub(self.method.persist_frames.into());
         (newest..age).find_map(|newest| Some((newest, known(newest)?)))
     }

@@ -27,8 +27,8 @@ struct Node {
     poses: Recent<ObjectPose>,
     /// For how many frames it has had a pose.
     known_frames: u32,
-    /// How it lies in the hand that holds it; it moves by this while it is hidden.
-    grip: Option<Grip>,
+    /// How it lies in each hand that holds it; it moves by this while it is hidden.
+    grips: [Option<Grip>; HANDS],
     /// For each hand, whether it has been at the object or out of the picture since the object was last seen, or may have been given it.
     may_be_taken: [bool; HANDS],
     /// For each hand, whether it may have been near the object since that was last seen.
@@ -46,7 +46,7 @@ impl Node {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
             known_frames: 0,
-            grip: None,
+            grips: [None; HANDS],
             may_be_taken: [false; HANDS],
             may_be_touched: [false; HANDS],
             is_rival: [false; HANDS],
@@ -180,11 +180,13 @@ impl Scene {
         }
         for (node, seen) in self.objects.iter_mut().zip(seen) {
             let before = node.poses.ago(0);
-            let carrier = node.grip.map(|grip| (grip, self.hands[grip.hand].ago(0)));
+            let grips = node.grips.iter().zip(&self.hands);
+            let mut carriers = grips.filter_map(|(grip, hand)| Some(((*grip)?, hand.ago(0))));
+            let carrier = carriers.find(|(_, hand)| hand.source == Source::Seen);
             let covers = |hand: &Recent<HandPose>| hand.ago(0).covers(before.position);
             let mut pose = match (seen, carrier) {
                 (Some(pose), _) => pose,
-                (None, Some((grip, hand))) if hand.source == Source::Seen => grip.carried(hand, before),
+                (None, Some((grip, hand))) => grip.carried(hand, before),
                 _ => before.held(self.hands.iter().any(covers)),
             };
             if node.shape.is_position_only {
@@ -202,14 +204,17 @@ impl Scene {
         let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
-            let carrier = |grip: &Grip| self.hands[grip.hand].ago(0);
-            let before = node.grip.filter(|grip| carrier(grip).unseen <= self.blind_frames);
-            let hand = held.iter().position(|held| *held == Some(index));
-            node.grip = match (before, hand) {
-                (Some(_), _) if pose.source != Source::Seen => before,
-                (_, Some(hand)) => Some(Grip::new(hand, self.hands[hand].ago(0), pose)),
-                _ => before.filter(|grip| carrier(grip).source != Source::Seen),
-            };
+            let is_seen = pose.source == Source::Seen;
+            let is_free = node.grips == [None; HANDS];
+            for ((grip, hand), held) in node.grips.iter_mut().zip(&self.hands).zip(held) {
+                let hand = hand.ago(0);
+                let before = grip.filter(|_| hand.unseen <= self.blind_frames);
+                *grip = match before {
+                    Some(_) if !is_seen => before,
+                    _ if held == Some(index) && (is_seen || is_free) => Some(Grip::new(hand, pose)),
+                    _ => before.filter(|_| hand.source != Source::Seen),
+                };
+            }
         }
     }
 

@@ -7,7 +7,8 @@ use super::super::poses::{HandPose, ObjectPose, Recent, Source};
 use super::in_hand::Meets;
 use super::meeting::are_in_reach;
 use super::{Scene, squared_distance};
-use crate::capacity::HANDS;
+use crate::capacity::{HANDS, OBJECTS};
+use heapless::Vec;
 
 impl Scene {
     /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
@@ -66,27 +67,23 @@ impl Scene {
         for (index, hand) in self.hands.iter().enumerate() {
             let hand = hand.ago(0);
             let (interaction, touches) = (self.interactions[index], &self.touches[index]);
-            let held = interaction
-                .held()
-                .map(|j| (j, self.objects[j].poses.ago(0).position, self.objects[j].shape.radius_m));
+            // It takes a while to believe that the hand acts on what it is at.
+            let is_at = |j: &usize| interaction.held() == Some(*j) || touches[*j].is_near();
+            let at: Vec<usize, OBJECTS> = (0..self.objects.len()).filter(is_at).collect();
+            let extent = |object: usize| {
+                (self.objects[object].poses.ago(0).position, self.objects[object].shape.radius_m)
+            };
             let mut is_clear = hand.source == Source::Seen;
             for (object, node) in self.objects.iter().enumerate() {
-                let pose = node.poses.ago(0);
-                let other = held.filter(|(j, ..)| *j != object);
                 let is_edge_unknown =
-                    other.is_some_and(|(j, ..)| !self.adjacent[j.min(object)][j.max(object)].is_known());
-                let is_in_reach = other.is_some_and(|(_, position, radius_m)| {
-                    let [one, other] = [(position, radius_m), (pose.position, node.shape.radius_m)];
-                    are_in_reach(one, other, &self.method.object_contact)
-                });
-                let is_in_doubt = match pose.source {
+                    |j: &&usize| **j != object && !self.adjacent[object.min(**j)][object.max(**j)].is_known();
+                let is_in_reach =
+                    |j: &usize| are_in_reach(extent(*j), extent(object), &self.method.object_contact);
+                let mut unknown = at.iter().filter(is_edge_unknown);
+                let is_in_doubt = match node.poses.ago(0).source {
                     Source::Never => false,
-                    Source::Seen => !touches[object].is_known() || is_edge_unknown,
-                    _ => {
-                        node.may_be_taken[index]
-                            || interaction.involves(object)
-                            || is_edge_unknown && is_in_reach
-                    }
+                    Source::Seen => !touches[object].is_known() || unknown.next().is_some(),
+                    _ => node.may_be_taken[index] || interaction.involves(object) || unknown.any(is_in_reach),
                 };
                 is_clear &= !is_in_doubt;
             }
@@ -95,8 +92,9 @@ impl Scene {
     }
 
     /// Finds out which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the
-    /// other may have given it.
+    /// other may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
+        let (moved_m, persist) = (self.moved_m(), usize::from(self.method.persist_frames));
         for node in &mut self.objects {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
             let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
@@ -105,7 +103,11 @@ impl Scene {
                 Source::Seen => hand.ago(0).is_over(pose.position, radius_m),
                 _ => hand.ago(0).unseen <= max_unseen,
             };
-            let may_be_given = self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
+            let [vanished, before] = [1, persist].map(|age| node.poses.ago(age));
+            let has_moved = [vanished, before].iter().all(|pose| pose.source == Source::Seen)
+                && squared_distance(vanished.position, before.position) > moved_m * moved_m;
+            let may_be_given =
+                has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
             for (taken, hand) in node.may_be_taken.iter_mut().zip(&self.hands) {
                 *taken = is_hidden && (*taken || may_be_given || may_have_come(hand, u32::MAX));
             }

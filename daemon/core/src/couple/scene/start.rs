@@ -1,6 +1,7 @@
 //! What of a job has not been done, as the bench shows it: a part that an activity moves for good still lies where it did at the beginning.
 
 use super::Scene;
+use crate::couple::geometry::{norm, subtract};
 use crate::couple::interaction::Interaction;
 use crate::couple::poses::Source;
 use crate::object::StartPlace;
@@ -29,21 +30,38 @@ impl Start {
 
 impl Scene {
     /// The activities that have not been done, as the frame `age` frames before the newest shows. Call it once for each frame, in order: an
-    /// object that is out of sight for no longer than `blind_ms` lies where it lay, unless a hand acts on it.
+    /// object that is out of sight for no longer than `blind_ms` lies where it lay, unless a hand acts on it. One that moves, or was only
+    /// seen for a moment, lies nowhere.
     pub(super) fn undone(&mut self, age: usize) -> ActivitySet {
         let mut undone = ActivitySet::EMPTY;
-        for (index, node) in self.objects.iter_mut().enumerate() {
-            let (pose, start) = (node.poses.ago(age), &mut node.start);
+        for index in 0..self.objects.len() {
+            let node = &self.objects[index];
+            let (pose, start) = (node.poses.ago(age), node.start);
             let lies_within = |start: StartPlace| start.place.distance(pose.position) <= start.place.max;
             // A touch that begins in this frame finds the object where it lay.
             let acts = |(what, lasted): (&Interaction, u32)| what.acts_on(index) && lasted > 1;
             let is_held = || self.interactions.iter().zip(self.lasted).any(acts);
-            start.is_there = match pose.source {
-                Source::Seen => start.place.is_some_and(lies_within),
+            let is_there = match pose.source {
+                Source::Seen => {
+                    start.place.is_some_and(lies_within) && (start.is_there || self.lies(index, age))
+                }
                 _ => start.is_there && pose.unseen <= self.blind_frames && !is_held(),
             };
+            let start = &mut self.objects[index].start;
+            start.is_there = is_there;
             undone |= start.undone();
         }
         undone
+    }
+
+    /// Whether an object that is seen stays where it is for most of the time in which a change would be believed.
+    fn lies(&self, object: usize, age: usize) -> bool {
+        let seen = |age: usize| {
+            let pose = self.objects[object].poses.ago(age);
+            (pose.source == Source::Seen).then_some(pose.position)
+        };
+        let moved = seen(age).zip(self.newest_known(age, seen));
+        let is_long = |newest: usize| 2 * (age - newest) > self.method.persist_frames.into();
+        moved.is_some_and(|(from, (newest, to))| is_long(newest) && norm(subtract(to, from)) <= self.rest_m())
     }
 }
