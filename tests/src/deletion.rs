@@ -54,8 +54,8 @@ impl Deletion {
         }
     }
 
-    /// What is left of a recording. Its last second stays: the end of a recording is the end of the work, and what is missing then is
-    /// missing.
+    /// What is left of a recording. Its last second stays, or its last frame where frames are lost: the end of a recording is the end of the
+    /// work, and what is missing then is missing.
     #[must_use]
     pub fn of(self, recording: &Recording, random: &mut Random) -> Recording {
         let mut left = recording.clone();
@@ -71,7 +71,10 @@ impl Deletion {
                     (index - 1) % count == 0
                 });
             }
-            Self::Lost(share) => left.frames.retain(|_| random.uniform() >= share),
+            Self::Lost(share) => {
+                let newest_ns = left.frames.last().map(|frame| frame.captured_ns);
+                left.frames.retain(|frame| random.uniform() >= share || Some(frame.captured_ns) == newest_ns);
+            }
             Self::Late(seconds) => {
                 left.frames.retain(|frame| at_s(frame.captured_ns) >= seconds.min(end_s));
             }

@@ -9,6 +9,7 @@ use common::bench::{Bench, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
+const CUP: u16 = 9;
 
 /// The couples of one hand.
 fn couples_of(bench: &Bench, side: Side) -> Vec<Couple> {
@@ -92,12 +93,26 @@ fn a_hand_keeps_a_part_that_moved_on_while_it_was_not_seen() {
 
 #[test]
 fn a_part_in_two_hands_goes_on_with_the_one_that_is_seen() {
-    let mut bench = Bench::new(&[(BOX, [0.0, 0.0])]);
-    bench.hand(Side::Right, [0.02, 0.0]).hand(Side::Left, [-0.02, 0.0]).rest(20);
-    bench.hold(Side::Right, BOX).carry([Some([0.02, 0.1]), Some([-0.02, 0.1])], 10);
-    bench.leave(Side::Right).hide(BOX).carry([None, Some([-0.02, 0.3])], 15).rest(10);
-    let couples = couples_of(&bench, Side::Left);
-    assert!(couples[3..].iter().all(|couple| couple.context.is_touch()));
+    for stays in Side::ALL {
+        let away = |to: [f32; 2]| if stays == Side::Right { [Some(to), None] } else { [None, Some(to)] };
+        let mut bench = Bench::new(&[(BOX, [0.0, 0.0])]);
+        bench.hand(Side::Right, [0.0, 0.0]).hand(Side::Left, [0.0, 0.0]).rest(20);
+        bench.hold(Side::Right, BOX).carry([Some([0.0, 0.1]); 2], 10);
+        bench.leave(stays.other()).hide(BOX).carry(away([0.0, 0.3]), 15);
+        bench.hand(stays.other(), [0.5, 0.0]).carry(away([0.0, 0.4]), 10).rest(10);
+        let couples = encode(&bench.ids(), &bench.frames);
+        let touches =
+            |side: Side| couples[3..].iter().all(|couples| couples.hands[side.index()].context.is_touch());
+        assert!(touches(stays) && !touches(stays.other()), "{stays:?}");
+    }
+}
+
+#[test]
+fn a_hand_beside_parts_that_neither_touch_nor_are_apart_is_clear() {
+    // The box lies between the two distances of a contact.
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.038, 0.0]), (CUP, [-0.02, 0.0])]);
+    bench.hand(Side::Right, [-0.3, 0.0]).rest(20).go([-0.02, 0.0], 20).rest(60);
+    assert!(couples_of(&bench, Side::Right).iter().all(|couple| couple.is_clear && !couple.is_doubtful));
 }
 
 #[test]
@@ -132,10 +147,25 @@ fn a_part_that_vanishes_as_it_moves_may_have_been_given_by_a_hand_that_has_not_b
     bench.hand(Side::Left, [0.0, 0.0]).hand(Side::Right, [0.5, 0.0]).rest(20).hold(Side::Left, TOOL);
     bench.carry([None, Some([0.4, 0.0])], 60).rest(20);
     bench.frames[60..].iter_mut().for_each(|frame| frame.objects.clear());
+    let seen = bench.frames.clone();
     bench.frames[20..].iter_mut().for_each(|frame| frame.hands.retain(|hand| hand.side == Side::Right));
-    let couples = couples_of(&bench, Side::Right);
-    assert!(couples[..60].iter().all(|couple| couple.is_clear));
-    assert!(couples[60..].iter().all(|couple| !couple.is_clear));
+    for missing in [None, Some(54), Some(55), Some(56)] {
+        let mut frames = bench.frames.clone();
+        missing.into_iter().for_each(|missing: usize| frames[missing].objects.clear());
+        let clear: Vec<bool> =
+            encode(&bench.ids(), &frames).iter().map(|couples| couples.hands[0].is_clear).collect();
+        assert!(clear[..54].iter().all(|is_clear| *is_clear), "without frame {missing:?}");
+        assert!(clear[60..].iter().all(|is_clear| !is_clear), "without frame {missing:?}");
+    }
+    // What vanishes while both hands are seen elsewhere is in neither.
+    let mut slides = seen;
+    for frame in &mut slides {
+        frame.hands[1].tips.iter_mut().for_each(|tip| tip[1] -= 0.5);
+        frame.hands[1].middle_knuckle[1] -= 0.5;
+        frame.hands[1].wrist[1] -= 0.5;
+    }
+    let couples = encode(&bench.ids(), &slides);
+    assert!(couples.iter().all(|couples| couples.hands[0].is_clear));
 }
 
 #[test]

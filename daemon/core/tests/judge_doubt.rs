@@ -293,6 +293,31 @@ fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
     let verdicts = judged_cold(&job, &all, undone);
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
     assert!(verdicts[0].contains("NotJudged"), "{verdicts:?}");
+    // So it is where another step with the same part was right.
+    let [grasp, _, carry, _] = polish(6);
+    let other = [grasp, part([1, 5, 5, 7], 96, Still), carry, idle(20)];
+    let job = teach(&[&polish(6), &other, &brick]);
+    let unseen = other.map(|part| Part { sighted: false, ..part });
+    let all = [&[idle(5)], &polish(6)[..], &unseen, &other, &brick].concat();
+    let verdicts = judged_cold(&job, &all, |_| ActivitySet::of(2));
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
+}
+
+#[test]
+fn what_is_wrong_after_a_part_was_first_seen_is_found() {
+    let mut wrong = polish(6);
+    wrong[2] = wrong[0];
+    let mut couples = stream(&[&[idle(30)][..], &wrong].concat(), &[]);
+    for couples in &mut couples {
+        couples.hands[0].is_object_new = couples.hands[0].context.0[3] != 0;
+    }
+    let job = polish_and_measure();
+    let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+    let mut verdicts = Vec::new();
+    for couples in &couples {
+        judge.step(couples, &mut |event| verdicts.extend(event.verdict().as_ref().map(short)));
+    }
+    assert!(verdicts.contains(&"r0.2 IuAnomaly Motion!".to_owned()), "{verdicts:?}");
 }
 
 #[test]

@@ -28,8 +28,8 @@ impl Extent {
         let speed = path_m.max.min(f32::MAX) / iu.frames.min.max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, detour_m, .. } = self.measures;
-        // Which frames were seen decides where the last step of a path ends.
-        let step_m = if hidden > 0.0 { MOVED_M } else { 0.0 };
+        // Which frames were seen decides where the steps of a path end, at each reversal and at last.
+        let step_m = if hidden > 0.0 { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
             detour_m > iu.measures.max_detour_m + step_m
         } else {

@@ -150,7 +150,8 @@ impl<'a> Progress<'a> {
         self.undone = ActivitySet::EMPTY;
     }
 
-    /// Whether the bench has been set for the next piece: what was seen to be moved lies where the job began, with all that lay there then.
+    /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began,
+    /// with all that lay there then.
     pub(super) fn is_set_anew(&self) -> bool {
         self.is_open
             && self.seen_undone.intersects(self.done | self.wrong)
@@ -275,16 +276,16 @@ impl<'a> Progress<'a> {
         let is_left = !opening.without(self.tried()).is_empty();
         let (begins, may_begin) = if self.has_order() {
             let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
-            let opening = opening & first;
-            let first_came = opening.intersects(came) && (others_came || is_disturbed)
-                || opening.intersects(self.wrong) && others_came;
-            let may_have_come = !self.is_start_seen && !opening.intersects(self.undone);
-            (first_came && !is_left, !opening.is_empty() && may_have_come)
+            let first = opening & first;
+            let first_came = first.intersects(came) && (others_came || is_disturbed)
+                || first.intersects(self.wrong) && others_came;
+            let may_have_come = !self.is_start_seen && !first.intersects(self.undone);
+            (first_came && !is_left, !first.is_empty() && may_have_come)
         } else {
             (opening.intersects(came) && !is_left, false)
         };
         // What was not judged may only go on now.
-        let is_certain = begins && opening.intersects(self.done | self.wrong);
+        let is_certain = begins && !opening.intersects(self.unjudged);
         self.is_end_assumed = (begins || may_begin) && !is_certain;
         begins || may_begin
     }

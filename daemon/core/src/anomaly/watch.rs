@@ -168,8 +168,8 @@ impl Watch {
         }
     }
 
-    /// The same for an activity that begins with this context: it may be the rest of one with the same object, and may have begun before it
-    /// was seen that the hand holds something.
+    /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context: it may be the rest of one with the same object,
+    /// and may have begun before it was seen that the hand holds something. Takes note of whether it may be a rest.
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.0[2].max(certain.0[1]) == context.0[1]);
         let is_rest = is_same && self.is_doubtful() || self.is_object_new || self.unjudged == context.0[1];

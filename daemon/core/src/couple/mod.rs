@@ -93,8 +93,8 @@ pub struct Couple {
     pub distances: [f32; 2],
     /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
     pub sight: [Sight; 3],
-    /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at or may have
-    /// taken.
+    /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at, may have taken or may
+    /// touch with what it is at.
     pub is_clear: bool,
     /// So few frames here were clear that a context may have come and gone unseen, or may be another one.
     pub is_doubtful: bool,

@@ -189,7 +189,7 @@ fn is_near(point: Point) -> bool {
 }
 
 /// How an object lies in the hand that carries it: as a rigid body that rotates with the hand about z and keeps its tilt.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Grip {
     offset: Point,
     rotation: Quaternion,

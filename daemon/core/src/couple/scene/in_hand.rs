@@ -212,9 +212,12 @@ impl Scene {
     /// less.
     fn relative_path(&self, hand: usize, object: usize, age: usize) -> Option<(usize, f32)> {
         let positions = |age: usize| self.relative_positions(hand, object, age);
-        let from = (age..=age + usize::from(self.method.persist_frames)).find_map(positions);
-        let (from, (newest, to)) = from.zip(self.newest_known(age, positions))?;
-        let moved = |frame: usize| norm(subtract(to[frame], from[frame]));
+        let mut ages = age..=age + usize::from(self.method.persist_frames);
+        let (oldest, from) = ages.find_map(|age| Some((age, positions(age)?)))?;
+        let (newest, to) = self.newest_known(age, positions)?;
+        // What came before this frame does not count.
+        let share = (age - newest) as f32 / (oldest - newest) as f32;
+        let moved = |frame: usize| share * norm(subtract(to[frame], from[frame]));
         Some((newest, f32::min(moved(0), moved(1))))
     }
 

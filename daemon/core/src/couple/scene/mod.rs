@@ -89,7 +89,7 @@ pub(super) struct Scene {
     interactions: [Interaction; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
-    /// Whether each began when it was not seen how the one before ended, or whether its two objects touch.
+    /// Whether each began when it was not seen how the one before ended, or it is not known whether its two objects touch.
     began_unseen: [bool; HANDS],
     /// Whether an object of each had not been seen before.
     is_new: [bool; HANDS],
@@ -197,18 +197,20 @@ impl Scene {
         }
     }
 
-    /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand is out of sight. An object
-    /// that was hidden before it was grasped is taken to lie where it was last seen. A hand that goes out of sight first still holds the object as
-    /// it did. What a hand merely passes over it does not carry.
+    /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand has not been seen for `blind_ms`. A
+    /// hand that goes out of sight before the object still holds it as it did. An object that was hidden before it was grasped is taken to
+    /// lie where it was last seen. What a hand merely passes over it does not carry.
     fn update_grips(&mut self) {
         let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
             let is_seen = pose.source == Source::Seen;
-            let is_free = node.grips == [None; HANDS];
+            let is_free = node.grips.iter().all(Option::is_none);
             for ((grip, hand), held) in node.grips.iter_mut().zip(&self.hands).zip(held) {
                 let hand = hand.ago(0);
-                let before = grip.filter(|_| hand.unseen <= self.blind_frames);
+                // What the other hand carries on is not in a hand that is not seen.
+                let is_gone = pose.source == Source::Carried && hand.source != Source::Seen;
+                let before = grip.filter(|_| !is_gone && hand.unseen <= self.blind_frames);
                 *grip = match before {
                     Some(_) if !is_seen => before,
                     _ if held == Some(index) && (is_seen || is_free) => Some(Grip::new(hand, pose)),

@@ -82,7 +82,9 @@ impl Scene {
                 let mut unknown = at.iter().filter(is_edge_unknown);
                 let is_in_doubt = match node.poses.ago(0).source {
                     Source::Never => false,
-                    Source::Seen => !touches[object].is_known() || unknown.next().is_some(),
+                    Source::Seen => {
+                        !touches[object].is_known() || unknown.any(|j| interaction.held() == Some(*j))
+                    }
                     _ => node.may_be_taken[index] || interaction.involves(object) || unknown.any(is_in_reach),
                 };
                 is_clear &= !is_in_doubt;
@@ -103,9 +105,13 @@ impl Scene {
                 Source::Seen => hand.ago(0).is_over(pose.position, radius_m),
                 _ => hand.ago(0).unseen <= max_unseen,
             };
-            let [vanished, before] = [1, persist].map(|age| node.poses.ago(age));
-            let has_moved = [vanished, before].iter().all(|pose| pose.source == Source::Seen)
-                && squared_distance(vanished.position, before.position) > moved_m * moved_m;
+            let vanished = node.poses.ago(1);
+            let mut before = (persist + 1..=2 * persist).map(|age| node.poses.ago(age));
+            let has_moved = vanished.source == Source::Seen
+                && self.hands.iter().any(|hand| hand.ago(0).source != Source::Seen)
+                && before.find(|pose| pose.source == Source::Seen).is_some_and(|before| {
+                    squared_distance(vanished.position, before.position) > moved_m * moved_m
+                });
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
             for (taken, hand) in node.may_be_taken.iter_mut().zip(&self.hands) {

@@ -30,8 +30,8 @@ impl Start {
 
 impl Scene {
     /// The activities that have not been done, as the frame `age` frames before the newest shows. Call it once for each frame, in order: an
-    /// object that is out of sight for no longer than `blind_ms` lies where it lay, unless a hand acts on it. One that moves, or was only
-    /// seen for a moment, lies nowhere.
+    /// object that is out of sight for no longer than `blind_ms` lies where it lay, unless a hand acts on it. It lies there only once
+    /// it has been seen to rest there.
     pub(super) fn undone(&mut self, age: usize) -> ActivitySet {
         let mut undone = ActivitySet::EMPTY;
         for index in 0..self.objects.len() {
