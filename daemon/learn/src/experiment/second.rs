@@ -7,7 +7,7 @@ use super::variation::Variation;
 use crate::folder::{CORRECT, Labelled};
 use crate::job_file::JobFile;
 use crate::run::{Run, RunError};
-use crate::teach::{TeachOptions, teach};
+use crate::teach::{Memory, TeachOptions, teach_again};
 use andon_core::config::Method;
 use andon_core::verdict::{self, Level, Verdict};
 use oorandom::Rand64;
@@ -86,18 +86,28 @@ pub fn run(
     seed: u64,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Vec<Outcome>, ExperimentError> {
-    let mut outcomes = Vec::new();
-    let steps = (variations.len() * splits.len()) as f64;
+    let divided: Vec<(Split, Vec<Round>)> = splits
+        .iter()
+        .map(|split| Ok((*split, rounds(all, *split, seed)?)))
+        .collect::<Result<_, ExperimentError>>()?;
+    let steps = (variations.len() * divided.iter().map(|(_, rounds)| rounds.len()).sum::<usize>()) as f64;
     let unfiltered = Method { filter_frames: 1, ..*method };
     // Where no variation is without the filter, nothing is encoded again.
     let needs_both = variations.iter().any(|variation| !variation.is_filtered);
     let raw = if needs_both { encoded_again(all, &unfiltered)? } else { Vec::new() };
-    for &split in splits {
-        let rounds = rounds(all, split, seed)?;
-        for variation in variations {
-            let (all, method) = if variation.is_filtered { (all, method) } else { (&raw[..], &unfiltered) };
-            outcomes.push(outcome(all, method, variation, split, &rounds)?);
-            progress(outcomes.len() as f64 / steps);
+    let (mut outcomes, mut done) = (Vec::new(), 0);
+    for (split, rounds) in divided {
+        let first = outcomes.len();
+        outcomes.extend(variations.iter().map(|variation| Outcome::new(variation, split)));
+        for round in rounds {
+            let mut filtered = Executions::new(all, *method, &round);
+            let mut raw = needs_both.then(|| Executions::new(&raw, unfiltered, &round));
+            for outcome in &mut outcomes[first..] {
+                let raw = raw.as_mut().filter(|_| !outcome.variation.is_filtered);
+                raw.unwrap_or(&mut filtered).add_to(outcome)?;
+                done += 1;
+                progress(f64::from(done) / steps);
+            }
         }
     }
     Ok(outcomes)
@@ -155,52 +165,70 @@ fn people(all: &[Labelled]) -> BTreeSet<u32> {
     all.iter().map(|one| one.person).collect()
 }
 
-fn outcome(
-    all: &[Labelled],
-    method: &Method,
-    variation: &Variation,
-    split: Split,
-    rounds: &[Round],
-) -> Result<Outcome, ExperimentError> {
-    let options = TeachOptions {
-        cost: variation.cost,
-        max_slowdown: variation.max_slowdown,
-        rule: variation.rule,
-        bounds: variation.bounds,
-        // The experiment judges recordings with all their frames, and teaches hundreds of times.
-        measure_rate: false,
-        examine_runs: false,
-        // As in the paper, where hands and objects meet is given.
-        find_meetings: false,
-        ..TeachOptions::new("experiment 2", "", *method)
-    };
-    let mut outcome = Outcome {
-        variation: variation.clone(),
-        split,
-        ius: Rounds::default(),
-        activities: Rounds::default(),
-        accused_in_j2: 0,
-        correct_jobs: 0,
-        correct_jobs_ok: 0,
-        flawed_jobs: 0,
-        flawed_jobs_found: 0,
-        j1: 0,
-        j1_missed: 0,
-    };
-    for (training, test) in rounds {
-        let runs: Vec<Run> = training.iter().map(|&index| all[index].run.clone()).collect();
-        let (job, _) = teach(&runs, &options)?;
+/// The executions of one round.
+struct Executions {
+    method: Method,
+    training: Vec<Run>,
+    test: Vec<Labelled>,
+    memory: Memory,
+}
+
+impl Executions {
+    fn new(all: &[Labelled], method: Method, (training, test): &Round) -> Self {
+        Self {
+            method,
+            training: training.iter().map(|&index| all[index].run.clone()).collect(),
+            test: test.iter().map(|&index| all[index].clone()).collect(),
+            memory: Memory::default(),
+        }
+    }
+
+    /// Teaches with the rules of the outcome, where hands and objects meet as the paper gives it, and adds what the job says of the test executions.
+    fn add_to(&mut self, outcome: &mut Outcome) -> Result<(), ExperimentError> {
+        let Variation { cost, max_slowdown, rule, bounds, .. } = outcome.variation;
+        let options = TeachOptions {
+            cost,
+            max_slowdown,
+            rule,
+            bounds,
+            // The experiment judges recordings with all their frames, and teaches hundreds of times.
+            measure_rate: false,
+            examine_runs: false,
+            ..TeachOptions::new("experiment 2", "", self.method)
+        };
+        let job = teach_again(&self.training, &options, &mut self.memory)?;
         outcome.ius.0.push(Confusion::default());
         outcome.activities.0.push(Confusion::default());
-        for one in test.iter().map(|&index| &all[index]) {
+        for one in &mut self.test {
+            // The objects are the same under all rules, so this encodes once for all of them.
+            if one.run.objects != job.objects {
+                one.run = one.run.encoded_with_objects(&job.objects)?;
+            }
             let verdicts = one.run.judge(&job)?;
             outcome.count(one, &job, &verdicts);
         }
+        Ok(())
     }
-    Ok(outcome)
 }
 
 impl Outcome {
+    /// Before the first round.
+    fn new(variation: &Variation, split: Split) -> Self {
+        Self {
+            variation: variation.clone(),
+            split,
+            ius: Rounds::default(),
+            activities: Rounds::default(),
+            accused_in_j2: 0,
+            correct_jobs: 0,
+            correct_jobs_ok: 0,
+            flawed_jobs: 0,
+            flawed_jobs_found: 0,
+            j1: 0,
+            j1_missed: 0,
+        }
+    }
+
     /// Counts one execution in the newest round.
     fn count(&mut self, one: &Labelled, job: &JobFile, verdicts: &[Verdict]) {
         let job_is = |outcome| verdicts.iter().any(|one| one.level == Level::Job && one.outcome == outcome);

@@ -47,6 +47,7 @@ use report::Found;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use std::borrow::Cow;
+pub(crate) use threshold::Memory;
 use threshold::learn;
 use trust::{doubts_of, too_few_frames, without_copies};
 
@@ -80,14 +81,27 @@ fn teach_examined(
     twice: Option<Doubt>,
 ) -> Result<(JobFile, TeachReport), TeachError> {
     if !options.examine_runs {
-        return teach_different(runs, options, Vec::new());
+        return teach_different(runs, options, Vec::new(), &mut Memory::default());
     }
     let doubts: Vec<Doubt> = twice.into_iter().chain(too_few_frames(runs, &options.method)).collect();
     let sentences: Vec<String> = doubts.iter().map(|doubt| doubt_words(doubt, runs)).collect();
-    teach_different(runs, options, doubts).map_err(|nothing| match nothing {
+    teach_different(runs, options, doubts, &mut Memory::default()).map_err(|nothing| match nothing {
         nothing if sentences.is_empty() || !nothing.is_of_runs() => nothing,
         nothing => TeachError::Doubtful { doubts: sentences, nothing: Box::new(nothing) },
     })
+}
+
+/// Teaches runs as they are, where hands and parts meet as these say, with what was learned from the same runs before.
+///
+/// # Errors
+/// As for [`teach`].
+pub(crate) fn teach_again(
+    runs: &[Run],
+    options: &TeachOptions,
+    memory: &mut Memory,
+) -> Result<JobFile, TeachError> {
+    options.check()?;
+    Ok(teach_different(runs, options, Vec::new(), memory)?.0)
 }
 
 /// `doubts` is what speaks against the runs so far.
@@ -95,6 +109,7 @@ fn teach_different(
     runs: &[Run],
     options: &TeachOptions,
     mut doubts: Vec<Doubt>,
+    memory: &mut Memory,
 ) -> Result<(JobFile, TeachReport), TeachError> {
     let agreement = agree(runs);
     if agreement.sequences.is_empty() {
@@ -102,6 +117,7 @@ fn teach_different(
     }
     check_capacities(&agreement)?;
     let people = People::of(runs, &agreement);
+    memory.prepare(options.cost);
     let mut teacher = Teacher {
         runs,
         options,
@@ -109,11 +125,16 @@ fn teach_different(
         tables: Barycentres::new(options.cost, options.method.bins),
         rates: rates(runs, &agreement, options.bounds.false_alarms, people),
         people,
+        memory,
         ius: Vec::new(),
         blind: Vec::new(),
     };
-    let activities =
-        agreement.sequences.iter().map(|sequence| teacher.activity(sequence)).collect::<Result<_, _>>()?;
+    let activities = agreement
+        .sequences
+        .iter()
+        .enumerate()
+        .map(|(number, sequence)| teacher.activity(number, sequence))
+        .collect::<Result<_, _>>()?;
     let (ius, blind) = (teacher.ius, teacher.blind);
     let mut job = job_file(runs, options, &agreement, activities);
     let used = agreement.used_runs(runs);
@@ -230,18 +251,20 @@ struct Teacher<'a> {
     tables: Barycentres,
     rates: Rates,
     people: People,
+    memory: &'a mut Memory,
     ius: Vec<IuReport>,
     blind: Vec<Blind>,
 }
 
 impl Teacher<'_> {
-    fn activity(&mut self, sequence: &Sequence) -> Result<TaughtActivity, TeachError> {
-        let ius =
-            (0..sequence.contexts.len()).map(|index| self.iu(sequence, index)).collect::<Result<_, _>>()?;
+    fn activity(&mut self, number: usize, sequence: &Sequence) -> Result<TaughtActivity, TeachError> {
+        let ius = (0..sequence.contexts.len())
+            .map(|index| self.iu(number, sequence, index))
+            .collect::<Result<_, _>>()?;
         Ok(TaughtActivity { activity: sequence.activity, ius })
     }
 
-    fn iu(&mut self, sequence: &Sequence, index: usize) -> Result<TaughtIu, TeachError> {
+    fn iu(&mut self, number: usize, sequence: &Sequence, index: usize) -> Result<TaughtIu, TeachError> {
         self.blind.extend(sequence.blind(self.runs, index));
         let shown: Vec<(usize, &Iu)> = sequence.well_shown(self.runs, index).collect();
         if shown.is_empty() {
@@ -252,8 +275,11 @@ impl Teacher<'_> {
         let motions: Vec<&[Motion]> = shown.iter().map(|iu| iu.motion.as_slice()).collect();
         let TeachOptions { rule, max_slowdown, method, .. } = self.options;
         let leave_out = !matches!(rule, ThresholdRule::Paper { .. });
-        let learned = learn(&mut self.warp, &self.tables, &motions, leave_out, *max_slowdown)
-            .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?;
+        let learned = self
+            .memory
+            .recall((number, index), || learn(&mut self.warp, &self.tables, &motions))
+            .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?
+            .slowed(*max_slowdown, leave_out);
         let context = sequence.contexts[index];
         let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
         let (reversals, measures) = self.rates.bounds(

@@ -7,7 +7,9 @@ use crate::statistics::{deviation, mean};
 use crate::warp::Warp;
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
-use andon_core::job::slowdown_factor;
+use andon_core::job::{LocalCost, slowdown_factor};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// The root mean square, per frame, of the distance of a correct execution from its reference, used where a single demonstration gives no
 /// spread. On the simulated people of the development seeds 1 to 6, taught by one run, 0.9 finds 11 of 18 correct jobs of other people
@@ -30,15 +32,15 @@ const OPPOSITE: f64 = 4.0;
 pub(super) struct Learned {
     /// The DBA barycentre of all demonstrations.
     pub(super) reference: Vec<Motion>,
-    /// Distance of each demonstration to it, in their order, each divided by its [`slowdown_factor`].
+    /// The number of frames of each demonstration, in their order.
+    frames: Vec<u32>,
+    /// The DTW distance of each demonstration to the barycentre.
     pub(super) own: Vec<f64>,
-    /// The same distance of each demonstration to the barycentre of the others; empty if there is only one demonstration or if these
-    /// distances were not asked for.
+    /// The DTW distance of each demonstration to the barycentre of the others; empty if there is only one demonstration.
     pub(super) left_out: Vec<f64>,
 }
 
-/// Computes the barycentre and the distances. `leave_out` asks for the distances to the barycentres of the others; `max_slowdown` is the
-/// job's.
+/// Computes the barycentre and the distances.
 ///
 /// # Errors
 /// If there is no demonstration, or if one is empty or longer than an IU may be.
@@ -46,26 +48,70 @@ pub(super) fn learn(
     warp: &mut Warp,
     tables: &Barycentres,
     demonstrations: &[&[Motion]],
-    leave_out: bool,
-    max_slowdown: f32,
 ) -> Result<Learned, Refused> {
     let distances = warp.matrix(demonstrations)?;
     let all: Vec<usize> = (0..demonstrations.len()).collect();
-    let leave_out = leave_out && demonstrations.len() > 1;
+    let leave_out = demonstrations.len() > 1;
     let (reference, others) = tables.with_left_out(warp, demonstrations, &distances, &all, leave_out)?;
     let mut distances_to = |references: &[&[Motion]]| -> Result<Vec<f64>, Refused> {
-        let distance = |(motion, reference): (&&[Motion], &&[Motion])| {
-            let slowdown_factor = slowdown_factor(motion.len() as u32, reference.len(), max_slowdown);
-            Ok(warp.distance(motion, reference)? / f64::from(slowdown_factor))
-        };
-        demonstrations.iter().zip(references).map(distance).collect()
+        demonstrations
+            .iter()
+            .zip(references)
+            .map(|(motion, reference)| warp.distance(motion, reference))
+            .collect()
     };
     let own = distances_to(&vec![reference.as_slice(); demonstrations.len()])?;
     let left_out = distances_to(&others.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
-    Ok(Learned { reference, own, left_out })
+    let frames = demonstrations.iter().map(|motion| motion.len() as u32).collect();
+    Ok(Learned { reference, frames, own, left_out })
+}
+
+/// What was learned from the same runs under the same local cost, to teach them with other rules.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Memory {
+    cost: Option<LocalCost>,
+    /// By the number of the nominal sequence and that of the IU in it.
+    learned: BTreeMap<(usize, usize), Learned>,
+}
+
+impl Memory {
+    /// Forgets what was learned under another local cost.
+    pub(super) fn prepare(&mut self, cost: LocalCost) {
+        if self.cost.replace(cost) != Some(cost) {
+            self.learned.clear();
+        }
+    }
+
+    /// What was learned of this IU, or what is learned now.
+    ///
+    /// # Errors
+    /// What `learn` fails with.
+    pub(super) fn recall(
+        &mut self,
+        iu: (usize, usize),
+        learn: impl FnOnce() -> Result<Learned, Refused>,
+    ) -> Result<&Learned, Refused> {
+        Ok(match self.learned.entry(iu) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(unknown) => unknown.insert(learn()?),
+        })
+    }
 }
 
 impl Learned {
+    /// With each distance divided by its [`slowdown_factor`]. `max_slowdown` is the job's. Without `leave_out`, the distances to the barycentres
+    /// of the others are not used.
+    pub(super) fn slowed(&self, max_slowdown: f32, leave_out: bool) -> Self {
+        let slow = |distances: &[f64]| {
+            let slow = |(distance, frames): (&f64, &u32)| {
+                distance / f64::from(slowdown_factor(*frames, self.reference.len(), max_slowdown))
+            };
+            distances.iter().zip(&self.frames).map(slow).collect()
+        };
+        let left_out = if leave_out { slow(&self.left_out) } else { Vec::new() };
+        Self { own: slow(&self.own), left_out, ..self.clone() }
+    }
+
     /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `people` what the runs tell of those
     /// who showed them.
     pub(super) fn threshold(&self, rule: ThresholdRule, rate_hz: f64, people: &People) -> f64 {
