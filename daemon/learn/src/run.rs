@@ -12,6 +12,7 @@ use andon_core::object::ObjectShape;
 use andon_core::segment::{Event, JobSegmenter, Measures};
 use andon_core::verdict::Verdict;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// The share of an IU whose motion must have been measured for it to be learnt: a reference is the mean of a few, and what is missing
 /// in one of them weighs there more than in a piece that is judged.
@@ -67,11 +68,11 @@ pub struct Run {
     /// The objects that may appear in it.
     pub objects: Vec<NamedObject>,
     /// What was seen, frame by frame.
-    frames: Vec<Frame>,
+    frames: Arc<[Frame]>,
     /// The constants that it was encoded with.
     method: Method,
     /// The couples that the judge works on, in the order of time.
-    pub couples: Vec<Couples>,
+    couples: Arc<[Couples]>,
     /// The activities in the order in which they began, each with at least one IU.
     pub activities: Vec<Activity>,
 }
@@ -113,9 +114,9 @@ impl Run {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
             objects: recording.header.objects.clone(),
-            frames: recording.frames.clone(),
+            frames: recording.frames.as_slice().into(),
             method: *method,
-            couples: Vec::new(),
+            couples: Arc::default(),
             activities: Vec::new(),
         };
         unencoded.encoded()
@@ -150,7 +151,7 @@ impl Run {
         segmenter.finish(&mut |event| collector.take(event));
         let activities =
             collector.activities.into_iter().filter(|activity| !activity.ius.is_empty()).collect();
-        Ok(Self { couples, activities, ..self })
+        Ok(Self { couples: couples.into(), activities, ..self })
     }
 
     fn encode<'a>(
@@ -256,7 +257,10 @@ fn extent_m(mut positions: impl Iterator<Item = Point>) -> f32 {
 }
 
 /// The verdicts of a judge that knows that these couples begin with a job.
-fn verdicts(couples: &[Couples], job: &JobFile) -> Result<Vec<Verdict>, anomaly::Unusable> {
+///
+/// # Errors
+/// If the job cannot be judged.
+pub(crate) fn verdicts(couples: &[Couples], job: &JobFile) -> Result<Vec<Verdict>, anomaly::Unusable> {
     job.with_job(|lent| {
         let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method)?.at_start_of_job();
         let mut verdicts = Vec::new();

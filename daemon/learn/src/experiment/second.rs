@@ -6,9 +6,11 @@ use super::score::score;
 use super::variation::Variation;
 use crate::folder::{CORRECT, Labelled};
 use crate::job_file::JobFile;
-use crate::run::{Run, RunError};
-use crate::teach::{Memory, TeachOptions, teach_again};
+use crate::recording::NamedObject;
+use crate::run::{Run, RunError, verdicts};
+use crate::teach::{Memory, TeachError, TeachOptions, teach_again};
 use andon_core::config::Method;
+use andon_core::couple::Couples;
 use andon_core::verdict::{self, Level, Verdict};
 use oorandom::Rand64;
 use std::collections::BTreeSet;
@@ -99,12 +101,13 @@ pub fn run(
     for (split, rounds) in divided {
         let first = outcomes.len();
         outcomes.extend(variations.iter().map(|variation| Outcome::new(variation, split)));
-        for round in rounds {
-            let mut filtered = Executions::new(all, *method, &round);
-            let mut raw = needs_both.then(|| Executions::new(&raw, unfiltered, &round));
+        for (training, test) in rounds {
+            let mut filtered = Training::new(all, &training, *method);
+            let mut raw = needs_both.then(|| Training::new(&raw, &training, unfiltered));
+            let mut tested = Tested::new(all, &test);
             for outcome in &mut outcomes[first..] {
                 let raw = raw.as_mut().filter(|_| !outcome.variation.is_filtered);
-                raw.unwrap_or(&mut filtered).add_to(outcome)?;
+                tested.add_to(outcome, &raw.unwrap_or(&mut filtered).teach(&outcome.variation)?)?;
                 done += 1;
                 progress(f64::from(done) / steps);
             }
@@ -165,47 +168,62 @@ fn people(all: &[Labelled]) -> BTreeSet<u32> {
     all.iter().map(|one| one.person).collect()
 }
 
-/// The executions of one round.
-struct Executions {
+/// The training executions of one round.
+struct Training {
     method: Method,
-    training: Vec<Run>,
-    test: Vec<Labelled>,
+    runs: Vec<Run>,
     memory: Memory,
 }
 
-impl Executions {
-    fn new(all: &[Labelled], method: Method, (training, test): &Round) -> Self {
-        Self {
-            method,
-            training: training.iter().map(|&index| all[index].run.clone()).collect(),
-            test: test.iter().map(|&index| all[index].clone()).collect(),
-            memory: Memory::default(),
-        }
+impl Training {
+    fn new(all: &[Labelled], indices: &[usize], method: Method) -> Self {
+        let runs = indices.iter().map(|&index| all[index].run.clone()).collect();
+        Self { method, runs, memory: Memory::default() }
     }
 
-    /// Teaches with the rules of the outcome, where hands and objects meet as the paper gives it, and adds what the job says of the test executions.
-    fn add_to(&mut self, outcome: &mut Outcome) -> Result<(), ExperimentError> {
-        let Variation { cost, max_slowdown, rule, bounds, .. } = outcome.variation;
+    /// The job that these rules teach, where hands and objects meet as the paper gives it.
+    fn teach(&mut self, rules: &Variation) -> Result<JobFile, TeachError> {
         let options = TeachOptions {
-            cost,
-            max_slowdown,
-            rule,
-            bounds,
+            cost: rules.cost,
+            max_slowdown: rules.max_slowdown,
+            rule: rules.rule,
+            bounds: rules.bounds,
             // The experiment judges recordings with all their frames, and teaches hundreds of times.
             measure_rate: false,
             examine_runs: false,
             ..TeachOptions::new("experiment 2", "", self.method)
         };
-        let job = teach_again(&self.training, &options, &mut self.memory)?;
+        teach_again(&self.runs, &options, &mut self.memory)
+    }
+}
+
+/// The test executions of one round.
+struct Tested<'a> {
+    all: Vec<&'a Labelled>,
+    /// What a judge works on in each of them, if the job has these objects. The filter comes after it.
+    couples: Vec<Vec<Couples>>,
+    objects: Vec<NamedObject>,
+}
+
+impl<'a> Tested<'a> {
+    fn new(all: &'a [Labelled], indices: &[usize]) -> Self {
+        let all = indices.iter().map(|&index| &all[index]).collect();
+        Self { all, couples: Vec::new(), objects: Vec::new() }
+    }
+
+    /// Adds what a job says of the executions.
+    fn add_to(&mut self, outcome: &mut Outcome, job: &JobFile) -> Result<(), RunError> {
+        // The objects are the same under all rules, so this encodes once for all of them.
+        if self.objects != job.objects {
+            let couples = |one: &&Labelled| Ok(one.run.couples_for(job)?.into_owned());
+            self.couples = self.all.iter().map(couples).collect::<Result<_, RunError>>()?;
+            self.objects.clone_from(&job.objects);
+        }
         outcome.ius.0.push(Confusion::default());
         outcome.activities.0.push(Confusion::default());
-        for one in &mut self.test {
-            // The objects are the same under all rules, so this encodes once for all of them.
-            if one.run.objects != job.objects {
-                one.run = one.run.encoded_with_objects(&job.objects)?;
-            }
-            let verdicts = one.run.judge(&job)?;
-            outcome.count(one, &job, &verdicts);
+        for (one, couples) in self.all.iter().zip(&self.couples) {
+            let verdicts = verdicts(couples, job).map_err(RunError::Job)?;
+            outcome.count(one, job, &verdicts);
         }
         Ok(())
     }
