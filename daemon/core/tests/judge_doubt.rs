@@ -303,6 +303,31 @@ fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
 }
 
+/// The verdicts of a judge that sees the tool first in the hand, at a part that the job does not bring it to.
+fn elsewhere_at_first(is_object_new: bool) -> Vec<String> {
+    let job = polish_and_measure();
+    let parts = [idle(30), part([1, 5, 5, 3], 10, Still), idle(20)];
+    let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+    let mut verdicts = Vec::new();
+    for mut couples in stream(&parts, &[]) {
+        couples.hands[0].is_object_new = is_object_new && couples.hands[0].context.is_touch();
+        judge.step(&couples, &mut |event| verdicts.extend(event.verdict()));
+    }
+    judge.finish(&mut |event| verdicts.extend(event.verdict()));
+    verdicts.iter().map(short).collect()
+}
+
+#[test]
+fn where_a_part_is_when_it_is_first_seen_in_the_hand_accuses_nobody() {
+    let verdicts = elsewhere_at_first(true);
+    assert!(
+        !verdicts.is_empty() && verdicts.iter().all(|verdict| verdict.contains("NotJudged")),
+        "{verdicts:?}"
+    );
+    let verdicts = elsewhere_at_first(false);
+    assert!(verdicts[0].contains("IuAnomaly WrongObject"), "{verdicts:?}");
+}
+
 #[test]
 fn what_is_wrong_after_a_part_was_first_seen_is_found() {
     let mut wrong = polish(6);

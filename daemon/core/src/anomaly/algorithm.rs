@@ -195,7 +195,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let may_be_right = self.activity.as_ref().is_some_and(OpenActivity::may_be_right);
+        // What else lies there has not been seen for long enough either.
+        let may_be_right =
+            self.watch.is_object_new() || self.activity.as_ref().is_some_and(OpenActivity::may_be_right);
         if couple.is_in_sight() && !may_be_right {
             self.conclude_iu(
                 Finding { outcome: Outcome::Anomaly, reason, nominal, result: None, early: true },
@@ -485,12 +487,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest.or(activity.candidates().lowest());
-        let may_be_complete = !activity.is_concluded && activity.may_be_complete(progress.job);
+        let may_go_on = progress.is_end_assumed()
+            || activity.may_be_complete(progress.job)
+            || activity.is_astray() && activity.unjudged_reason.is_some();
         let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());
         match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
-            None if may_be_complete => {
+            None if may_go_on && !activity.is_concluded => {
                 self.watch.may_be_rest = true;
                 progress.set_doubtful();
                 self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);

@@ -290,6 +290,11 @@ impl<'a> Progress<'a> {
         begins || may_begin
     }
 
+    /// Whether the job has ended only because a touch may have begun the next one.
+    pub(super) fn is_end_assumed(&self) -> bool {
+        self.is_end_assumed
+    }
+
     /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
     /// come, or a step that is none of the job's.
     pub(super) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {

@@ -153,6 +153,11 @@ impl Watch {
         self.idle_frames > IDLE_CHANGES * self.persist_frames && !self.is_doubtful() && !self.is_object_new
     }
 
+    /// The hand may have acted on what it acts on before that was first seen.
+    pub(super) fn is_object_new(&self) -> bool {
+        self.is_object_new
+    }
+
     /// In how many frames since the couple before the newest one something may have come and gone.
     pub(super) fn newly_hidden(&self) -> u32 {
         self.newly_hidden
