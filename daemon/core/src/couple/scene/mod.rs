@@ -208,9 +208,7 @@ impl Scene {
             let is_free = node.grips.iter().all(Option::is_none);
             for ((grip, hand), held) in node.grips.iter_mut().zip(&self.hands).zip(held) {
                 let hand = hand.ago(0);
-                // What the other hand carries on is not in a hand that is not seen.
-                let is_gone = pose.source == Source::Carried && hand.source != Source::Seen;
-                let before = grip.filter(|_| !is_gone && hand.unseen <= self.blind_frames);
+                let before = grip.filter(|_| hand.unseen <= self.blind_frames);
                 *grip = match before {
                     Some(_) if !is_seen => before,
                     _ if held == Some(index) && (is_seen || is_free) => Some(Grip::new(hand, pose)),
