@@ -244,11 +244,17 @@ fn what_is_done_with_an_object_that_may_be_another_one_accuses_nobody() {
 
 /// The verdicts of a judge that did not see what came before, on a bench that shows these activities not to have been done.
 fn judged_cold(job: &Job<'_>, parts: &[Part], undone: impl Fn(usize) -> ActivitySet) -> Vec<String> {
+    let couples = stream(parts, &[]).into_iter().enumerate();
+    let couples = couples.map(|(frame, couples)| Couples { undone: undone(frame), ..couples }).collect();
+    judged_cold_by(job, couples)
+}
+
+/// The verdicts of a judge that did not see what came before these couples.
+fn judged_cold_by(job: &Job<'_>, couples: Vec<Couples>) -> Vec<String> {
     let mut judge = Judge::<Vec<_>>::with_memory(job, Method::default()).unwrap();
     let mut verdicts = Vec::new();
-    for (frame, couples) in stream(parts, &[]).into_iter().enumerate() {
-        let couples = Couples { undone: undone(frame), ..couples };
-        judge.step(&couples, &mut |event| verdicts.extend(event.verdict()));
+    for couples in &couples {
+        judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
     }
     judge.finish(&mut |event| verdicts.extend(event.verdict()));
     verdicts.iter().map(short).collect()
@@ -305,16 +311,11 @@ fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
 
 /// The verdicts of a judge that sees the tool first in the hand, at a part that the job does not bring it to.
 fn elsewhere_at_first(is_object_new: bool) -> Vec<String> {
-    let job = polish_and_measure();
-    let parts = [idle(30), part([1, 5, 5, 3], 10, Still), idle(20)];
-    let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
-    let mut verdicts = Vec::new();
-    for mut couples in stream(&parts, &[]) {
+    let mut couples = stream(&[idle(30), part([1, 5, 5, 3], 10, Still), idle(20)], &[]);
+    for couples in &mut couples {
         couples.hands[0].is_object_new = is_object_new && couples.hands[0].context.is_touch();
-        judge.step(&couples, &mut |event| verdicts.extend(event.verdict()));
     }
-    judge.finish(&mut |event| verdicts.extend(event.verdict()));
-    verdicts.iter().map(short).collect()
+    judged_cold_by(&polish_and_measure(), couples)
 }
 
 #[test]
@@ -336,12 +337,7 @@ fn what_is_wrong_after_a_part_was_first_seen_is_found() {
     for couples in &mut couples {
         couples.hands[0].is_object_new = couples.hands[0].context.0[3] != 0;
     }
-    let job = polish_and_measure();
-    let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
-    let mut verdicts = Vec::new();
-    for couples in &couples {
-        judge.step(couples, &mut |event| verdicts.extend(event.verdict().as_ref().map(short)));
-    }
+    let verdicts = judged_cold_by(&polish_and_measure(), couples);
     assert!(verdicts.contains(&"r0.2 IuAnomaly Motion!".to_owned()), "{verdicts:?}");
 }
 

@@ -60,10 +60,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_certain = !self.watch.is_doubtful();
         let was_idle = self.watch.was_idle();
         let before = (self.watch.hidden_before(), was_idle);
-        let number = activity.next_iu(job, activity.as_shown(context), before);
-        if is_certain {
-            activity.confirm_iu(job);
-        }
+        let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
         let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
         self.watch.may_be_rest &= activity.step == Step::NotShown;

@@ -110,10 +110,9 @@ impl Scene {
         let off_m = self.object_contact(i, j).off_m;
         let is_near =
             |age: usize| self.are_in_reach(i, j, age) && self.distance_of_objects(i, j, age) <= off_m;
-        // A shorter time does not show that they rest, nor do places that are assumed.
-        let is_long = 2 * (age - newest) > self.method.persist_frames.into();
+        // Places that are assumed do not show that they rest.
         let rests = || {
-            is_long && path_m <= self.rest_m() && [age, newest].iter().all(|age| self.are_seen(i, j, *age))
+            self.shows_rest(age, newest, path_m) && [age, newest].iter().all(|age| self.are_seen(i, j, *age))
         };
         match before {
             Meets::Rests if is_near(age) || is_near(newest) => Meets::Rests,
@@ -162,8 +161,14 @@ impl Scene {
         Some(speed < self.method.rest_speed_m_s && path_m <= self.rest_m())
     }
 
+    /// Whether what has moved so far in metres from one frame to another rests: for most of the time in which a change is believed, because a
+    /// shorter time does not show it.
+    pub(super) fn shows_rest(&self, age: usize, newest: usize, path_m: f32) -> bool {
+        2 * (age - newest) > self.method.persist_frames.into() && path_m <= self.rest_m()
+    }
+
     /// How far something may move while a change is believed and still be at rest, in metres.
-    pub(super) fn rest_m(&self) -> f32 {
+    fn rest_m(&self) -> f32 {
         self.method.rest_speed_m_s * f32::from(self.method.persist_frames) / self.method.rate_hz
     }
 

@@ -175,8 +175,10 @@ impl Scene {
                 seen[index] = seen[index].or_else(|| ObjectPose::seen(object, self.method.space));
             }
         }
-        for (index, seen) in seen.iter().enumerate().filter_map(|(index, seen)| Some((index, (*seen)?))) {
-            self.correct_assumed(index, &seen);
+        for (index, seen) in seen.iter().enumerate() {
+            if let Some(seen) = seen {
+                self.correct_assumed(index, seen);
+            }
         }
         for (node, seen) in self.objects.iter_mut().zip(seen) {
             let before = node.poses.ago(0);

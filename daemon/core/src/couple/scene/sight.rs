@@ -6,9 +6,8 @@ use super::super::interaction::Interaction;
 use super::super::poses::{HandPose, ObjectPose, Recent, Source};
 use super::in_hand::Meets;
 use super::meeting::are_in_reach;
-use super::{Scene, squared_distance};
-use crate::capacity::{HANDS, OBJECTS};
-use heapless::Vec;
+use super::{Node, Scene, squared_distance};
+use crate::capacity::HANDS;
 
 impl Scene {
     /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
@@ -69,23 +68,26 @@ impl Scene {
             let (interaction, touches) = (self.interactions[index], &self.touches[index]);
             // It takes a while to believe that the hand acts on what it is at.
             let is_at = |j: &usize| interaction.held() == Some(*j) || touches[*j].is_near();
-            let at: Vec<usize, OBJECTS> = (0..self.objects.len()).filter(is_at).collect();
             let extent = |object: usize| {
                 (self.objects[object].poses.ago(0).position, self.objects[object].shape.radius_m)
             };
             let mut is_clear = hand.source == Source::Seen;
             for (object, node) in self.objects.iter().enumerate() {
                 let is_edge_unknown =
-                    |j: &&usize| **j != object && !self.adjacent[object.min(**j)][object.max(**j)].is_known();
-                let is_in_reach =
-                    |j: &usize| are_in_reach(extent(*j), extent(object), &self.method.object_contact);
-                let mut unknown = at.iter().filter(is_edge_unknown);
+                    |j: usize| j != object && !self.adjacent[object.min(j)][object.max(j)].is_known();
+                let may_touch = |j: usize| {
+                    is_edge_unknown(j) && are_in_reach(extent(j), extent(object), &self.method.object_contact)
+                };
                 let is_in_doubt = match node.poses.ago(0).source {
                     Source::Never => false,
                     Source::Seen => {
-                        !touches[object].is_known() || unknown.any(|j| interaction.held() == Some(*j))
+                        !touches[object].is_known() || interaction.held().is_some_and(is_edge_unknown)
                     }
-                    _ => node.may_be_taken[index] || interaction.involves(object) || unknown.any(is_in_reach),
+                    _ => {
+                        node.may_be_taken[index]
+                            || interaction.involves(object)
+                            || (0..self.objects.len()).filter(is_at).any(may_touch)
+                    }
                 };
                 is_clear &= !is_in_doubt;
             }
@@ -99,7 +101,10 @@ impl Scene {
         let (moved_m, persist) = (self.moved_m(), usize::from(self.method.persist_frames));
         for node in &mut self.objects {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
-            let is_hidden = pose.source != Source::Seen && pose.source != Source::Never;
+            if matches!(pose.source, Source::Seen | Source::Never) {
+                node.may_be_taken = [false; HANDS];
+                continue;
+            }
             let may_have_come = |hand: &Recent<HandPose>, max_unseen: u32| match hand.ago(0).source {
                 Source::Never => false,
                 Source::Seen => hand.ago(0).is_over(pose.position, radius_m),
@@ -115,7 +120,7 @@ impl Scene {
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
             for (taken, hand) in node.may_be_taken.iter_mut().zip(&self.hands) {
-                *taken = is_hidden && (*taken || may_be_given || may_have_come(hand, u32::MAX));
+                *taken |= may_be_given || may_have_come(hand, u32::MAX);
             }
         }
     }
@@ -168,17 +173,17 @@ impl Scene {
         }
     }
 
-    /// Whether the hand, or an object that it acted on before, was hidden in most of the frames before this one in which a change would have been
-    /// believed.
+    /// Whether the hand, or an object that it acted on before, was hidden in most of the frames before this one in which a change would have
+    /// been believed.
     pub(super) fn was_hidden(&self, hand: usize, before: Interaction, age: usize) -> bool {
-        let persist = usize::from(self.method.persist_frames);
-        let most = |is_hidden: &dyn Fn(usize) -> bool| {
-            2 * (age + 1..=age + persist).filter(|age| is_hidden(*age)).count() > persist
+        let frames = age + 1..=age + usize::from(self.method.persist_frames);
+        let is_most = |hidden: usize| 2 * hidden > self.method.persist_frames.into();
+        let hand = frames.clone().filter(|age| self.hands[hand].ago(*age).source != Source::Seen);
+        let is_object_hidden = |node: &Node| {
+            is_most(frames.clone().filter(|age| node.poses.ago(*age).source != Source::Seen).count())
         };
-        let is_object_hidden =
-            |object: usize| most(&|age| self.objects[object].poses.ago(age).source != Source::Seen);
-        most(&|age| self.hands[hand].ago(age).source != Source::Seen)
-            || (0..self.objects.len()).any(|object| before.involves(object) && is_object_hidden(object))
+        let mut objects = self.objects.iter().enumerate().filter(|(object, _)| before.involves(*object));
+        is_most(hand.count()) || objects.any(|(_, node)| is_object_hidden(node))
     }
 
     /// Whether an object was first seen about when a hand began to act on it.

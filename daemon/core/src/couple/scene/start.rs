@@ -61,7 +61,6 @@ impl Scene {
             (pose.source == Source::Seen).then_some(pose.position)
         };
         let moved = seen(age).zip(self.newest_known(age, seen));
-        let is_long = |newest: usize| 2 * (age - newest) > self.method.persist_frames.into();
-        moved.is_some_and(|(from, (newest, to))| is_long(newest) && norm(subtract(to, from)) <= self.rest_m())
+        moved.is_some_and(|(from, (newest, to))| self.shows_rest(age, newest, norm(subtract(to, from))))
     }
 }
