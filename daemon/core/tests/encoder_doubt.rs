@@ -207,3 +207,16 @@ fn a_hand_that_was_last_seen_to_move_away_may_have_let_go_before() {
     let couples = couples_of(&bench, Side::Right);
     assert!(couples[41].context.is_touch() && couples[41].is_doubtful && !couples[30].is_doubtful);
 }
+
+#[test]
+fn a_hand_that_was_last_seen_to_move_along_a_part_may_have_let_go_of_it() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(40).go([0.3, 0.0], 20);
+    // In frame 43 the hand is at the other end of the tool.
+    hide_all(&mut bench.frames[44..60]);
+    let mut shapes = shapes(&bench.ids());
+    shapes[0].interaction_points.push([0.02, 0.0, 0.0]).unwrap();
+    let couples = encode_shapes(&shapes, &bench.frames);
+    let is_doubtful = |frame: usize| couples[frame].hands[0].is_doubtful;
+    assert!(couples[41].hands[0].context.is_touch() && is_doubtful(41) && !is_doubtful(30));
+}

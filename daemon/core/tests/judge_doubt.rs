@@ -371,3 +371,63 @@ fn a_part_that_passes_where_it_was_shown_to_rest_accuses_nobody_unless_it_is_lef
     assert_eq!(jobs_of(&[carry, at_meter(Still), carry, rest, left, end]), ["JobAnomaly TooShort"]);
     assert_eq!(jobs_of(&[carry, at_meter(Toward(5)), left, end]), ["JobAnomaly TooShort"]);
 }
+
+/// The verdicts on the measuring alone by a judge that began with a job, then saw nobody and parts move or not.
+fn measured_after_a_pause(has_moved_unseen: bool) -> Vec<String> {
+    let mut couples = stream(&[&[idle(5), away(300)][..], &measure()].concat(), &[]);
+    couples[100].has_moved_unseen = has_moved_unseen;
+    judged_cold_by(&Job { laws: &IN_ORDER, ..polish_and_measure() }, couples)
+}
+
+#[test]
+fn after_a_pause_in_which_parts_moved_unseen_the_job_may_have_begun_before() {
+    assert_eq!(measured_after_a_pause(false).last().unwrap(), "JobAnomaly WrongOrder");
+    let verdicts = measured_after_a_pause(true);
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
+}
+
+#[test]
+fn what_a_hand_goes_on_with_from_the_job_before_may_belong_to_this_one() {
+    let left = [part([2, 6, 6, 5], 60, Still), part([0, 0, 6, 5], 20, Still), idle(20)];
+    let job = teach(&[&polish(6), &left]);
+    let [grasp, stroke, carry, end] = polish(6);
+    // Little was seen of the first piece, and the right hand is busy with the second one when the left hand comes to that.
+    let unseen = |part: Part| Part { sighted: false, ..part };
+    let right = [idle(5), unseen(stroke), unseen(carry), idle(40), grasp, stroke, carry, end];
+    let steadies = part([2, 5, 5, 6], 10, Still);
+    let left_work = [&[idle(45), unseen(left[0]), idle(110), steadies, idle(30)][..], &left].concat();
+    let verdicts = judged_cold_by(&job, stream(&right, &left_work));
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
+}
+
+/// The last verdict on an IU that is one frame too short, if as many of its frames were not seen.
+fn one_frame_too_short(assumed: usize) -> String {
+    let [grasp, ..] = polish(6);
+    let job = teach(&[&[grasp, idle(20)]]);
+    let mut couples = stream(&[idle(30), Part { frames: 14, ..grasp }, idle(20)], &[]);
+    for couples in &mut couples[35..35 + assumed] {
+        couples.hands[0].sight[0] = Sight::Assumed;
+        couples.hands[0].is_clear = false;
+    }
+    short(judged(&job, &couples).last().unwrap())
+}
+
+#[test]
+fn a_frame_that_was_not_seen_may_shift_an_end() {
+    assert_eq!(one_frame_too_short(0), "JobAnomaly TooShort");
+    assert_eq!(one_frame_too_short(1), "NotJudged Blind");
+}
+
+#[test]
+fn motion_that_was_assumed_accuses_nobody() {
+    let [grasp, ..] = polish(6);
+    let job = teach(&[&[grasp, idle(20)]]);
+    let bent = [idle(30), Part { frames: 26, ..grasp }, part(grasp.context, 4, Toward(7)), idle(20)];
+    let mut couples = stream(&bent, &[]);
+    assert_eq!(short(judged(&job, &couples).last().unwrap()), "JobAnomaly Motion");
+    for couples in &mut couples[45..60] {
+        couples.hands[0].sight[1] = Sight::Assumed;
+        couples.hands[0].is_clear = false;
+    }
+    assert_eq!(short(judged(&job, &couples).last().unwrap()), "NotJudged Blind");
+}

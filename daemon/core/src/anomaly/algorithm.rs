@@ -6,7 +6,7 @@ use super::hand::{Finding, HandJudge, OpenIu};
 use super::missed::Missed;
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
-use crate::couple::{Context, Couple, Motion};
+use crate::couple::{Context, Couple, Motion, Sight};
 use crate::segment::{Iu, Measures, Segmenter};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason, Verdict};
@@ -243,6 +243,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
+        iu.extent.assumed = iu.extent.assumed.saturating_add((couple.worst_sight() != Sight::Seen).into());
         iu.extent.measures = measures;
         iu.has_rested |= couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
         iu.captured = iu.captured.saturating_add(is_captured.into());
@@ -435,7 +436,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if !self.is_resting() {
             return;
         }
-        let Some(activity) = &self.activity else { return };
+        let Some(activity) = &self.activity else {
+            // What it goes on with began in the job before, and may be a part of this one.
+            if self.watch.holds_unjudged() {
+                progress.set_doubtful();
+            }
+            return;
+        };
         let job = progress.job;
         if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.

@@ -55,6 +55,8 @@ pub(super) struct Extent {
     pub(super) frames: u32,
     /// In how many frames its motion was measured.
     pub(super) measured: u32,
+    /// In how many frames a part of it was not seen, even where it was assumed.
+    pub(super) assumed: u32,
     pub(super) measures: Measures,
     /// Whether the IU has ended.
     pub(super) ended: bool,
@@ -68,10 +70,17 @@ pub(super) struct Extent {
     pub(super) is_doubtful: bool,
 }
 
+/// An IU has two.
+const ENDS: u32 = 2;
+
 impl Extent {
-    /// The minimum and the maximum number of frames that the IU may have.
+    /// The minimum and the maximum number of frames that the IU may have. A frame that is missing beside a change shifts that.
     pub(super) fn possible_frames(&self) -> [u32; 2] {
-        [self.frames.saturating_sub(self.gap_after), self.frames.saturating_add(self.gap_before)]
+        let shift = self.assumed.min(ENDS);
+        [
+            self.frames.saturating_sub(self.gap_after.saturating_add(shift)),
+            self.frames.saturating_add(self.gap_before).saturating_add(shift),
+        ]
     }
 
     /// How often the motion may have reversed in addition, in frames that were not seen, in a row or one by one.
@@ -247,8 +256,10 @@ fn result(
     };
     let broken = extent.broken(comparison.iu, false);
     let reason = reason_of(broken, threshold);
-    // What is right only if something happened unseen is neither right nor wrong. Beside frames that were not seen, motion is measured worse.
-    let max = threshold * (1.0 + GIVES_WAY * extent.measures.unseen);
+    // What is right only if something happened unseen is neither right nor wrong. In frames that were not seen, and beside them, motion is
+    // measured worse.
+    let assumed = extent.assumed as f32 / extent.frames.max(1) as f32;
+    let max = threshold * (1.0 + GIVES_WAY * assumed);
     let is_doubtful = reason != reason_of(extent.broken(comparison.iu, true), max)
         || extent.explains(reason, comparison.is_unique);
     let measured = broken.and_then(|(_, measure)| extent.measured(comparison.iu, measure, rate_hz));

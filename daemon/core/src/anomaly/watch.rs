@@ -200,6 +200,11 @@ impl Watch {
         self.unjudged = context.0[1];
     }
 
+    /// Whether the hand is still at the object of its newest activity, which was not judged.
+    pub(super) fn holds_unjudged(&self) -> bool {
+        self.held != 0 && self.held == self.unjudged
+    }
+
     /// Whether an IU that begins with this context may have begun before: it goes on from before a doubt, or an object was seen for the first time.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
         self.is_object_new || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)

@@ -33,7 +33,7 @@ pub struct JobSegmenter {
     newest_ns: u64,
     /// For how long no hand has been seen and nothing has moved, in frames that were captured.
     handless_ns: u64,
-    /// There has been a pause since the last job, and nothing has moved.
+    /// There has been a pause since the last job, and nothing has moved unseen since a hand last acted.
     has_paused: bool,
     /// Objects have moved unseen since a hand last acted.
     is_disturbed: bool,
@@ -94,7 +94,7 @@ impl JobSegmenter {
             self.handless_ns = self.handless_ns.saturating_add(elapsed_ns.min(2 * self.period_ns));
         }
         self.is_disturbed |= couples.has_moved_unseen;
-        self.has_paused |= self.job.is_none() && self.handless_ns >= self.idle_end_ns;
+        self.has_paused |= self.job.is_none() && self.handless_ns >= self.idle_end_ns && !self.is_disturbed;
         self.has_paused &= !couples.has_moved_unseen;
     }
 

@@ -35,8 +35,6 @@ pub struct Measures {
     pub hidden_reversals: u32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
-    /// The share of all frames that were not seen, 0 to 1.
-    pub unseen: f32,
 }
 
 /// Measures an IU frame by frame, in fixed memory.
@@ -60,6 +58,9 @@ pub(super) struct Meter {
     /// Where the motion last reversed, and the position since then that is farthest from there.
     reversed: Point,
     farthest: Point,
+    /// How far the motion has come back from the farthest position so far, and whether a frame was missing since just before that.
+    returned_m: f32,
+    has_gap: bool,
     reversals: u32,
     /// The sum of the lengths of whole strokes.
     strokes_m: f32,
@@ -73,6 +74,7 @@ impl Meter {
             self.unknown = self.unknown.saturating_add(1);
             return;
         };
+        let is_behind_gap = self.unknown > 0;
         self.end_gap();
         self.known = self.known.saturating_add(1);
         for (sum, value) in self.sum.iter_mut().zip(position) {
@@ -85,7 +87,7 @@ impl Meter {
             }
             Some(from) => self.walk(from, position),
         }
-        self.turn(position);
+        self.turn(position, is_behind_gap);
     }
 
     fn end_gap(&mut self) {
@@ -109,21 +111,35 @@ impl Meter {
     }
 
     /// The motion has reversed at the farthest position once it has come back from there.
-    fn turn(&mut self, position: Point) {
+    fn turn(&mut self, position: Point, is_behind_gap: bool) {
+        self.has_gap |= is_behind_gap;
         let length_m = distance(self.reversed, self.farthest);
         if distance(self.reversed, position) > length_m {
+            // To and fro.
+            self.hidden_reversals =
+                self.hidden_reversals.saturating_add(2 * u32::from(self.may_have_reversed()));
             self.farthest = position;
         } else if length_m > MOVED_M && distance(self.farthest, position) > MOVED_M {
             // What comes before the first reversal is the way to the first stroke.
             self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
             self.reversals = self.reversals.saturating_add(1);
             (self.reversed, self.farthest) = (self.farthest, position);
+        } else {
+            self.returned_m = self.returned_m.max(distance(self.farthest, position));
+            return;
         }
+        (self.returned_m, self.has_gap) = (0.0, is_behind_gap);
+    }
+
+    /// Whether the motion came back too little to count only because the frame in which it was farthest is missing.
+    fn may_have_reversed(&self) -> bool {
+        self.has_gap && self.returned_m > MOVED_M / 2.0
     }
 
     /// The measures so far.
     pub(super) fn measures(&self) -> Measures {
         let mut ended = *self;
+        ended.hidden_reversals = ended.hidden_reversals.saturating_add(self.may_have_reversed().into());
         ended.end_gap();
         let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
         let (frames, known) = (self.frames.max(1) as f32, f64::from(self.known.max(1)));
@@ -136,7 +152,6 @@ impl Meter {
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,
             hidden: (ended.hidden / frames).min(1.0),
-            unseen: (self.frames - self.known) as f32 / frames,
         }
     }
 }
@@ -212,5 +227,20 @@ mod tests {
         assert_eq!(gap.hidden_reversals, 10);
         assert!(gap.reversals < 12 && gap.reversals + gap.hidden_reversals >= 12, "{gap:?}");
         assert!((gap.hidden - 40.0 / 145.0).abs() < 0.01, "{gap:?}");
+    }
+
+    #[test]
+    fn a_stroke_that_is_small_only_because_a_frame_is_missing_may_have_been_one() {
+        // To and fro by 17 mm, of which the last 3 mm are in the frame that goes missing.
+        let far = [0.0, 0.02, 0.04, 0.06, 0.046, 0.043, 0.046, 0.06, 0.08];
+        let positions = || far.iter().map(|x| Some([*x, 0.0, 0.0]));
+        assert_eq!((measure(positions()).reversals, measure(positions()).hidden_reversals), (2, 0));
+        let missing =
+            measure(positions().enumerate().map(|(frame, position)| position.filter(|_| frame != 5)));
+        assert_eq!((missing.reversals, missing.hidden_reversals), (0, 2));
+        // Without a frame elsewhere it is one, or none.
+        let elsewhere =
+            measure(positions().enumerate().map(|(frame, position)| position.filter(|_| frame != 1)));
+        assert_eq!((elsewhere.reversals, elsewhere.hidden_reversals), (2, 0));
     }
 }

@@ -180,13 +180,16 @@ impl Scene {
     /// How far the hand is from the object when a change would be believed, in metres, if it moves away from it until then and the object does
     /// not follow.
     pub(super) fn moves_away(&self, hand: usize, object: usize, age: usize) -> Option<f32> {
-        let (newest, _) = self
-            .relative_path(hand, object, age)
-            .filter(|(_, path_m)| *path_m > self.method.hand_contact.on_m / 2.0)?;
-        let distance = self.distance_from_hand(hand, object, newest);
-        let is_away =
-            distance > self.distance_from_hand(hand, object, age) && !self.follows(hand, object, age);
-        is_away.then_some(distance)
+        let distance = self.distance_from_hand(hand, object, self.slips_until(hand, object, age)?);
+        (distance > self.distance_from_hand(hand, object, age)).then_some(distance)
+    }
+
+    /// The age of the newest known frame of those in which a change is believed, if the hand moves along the object or away from it until then
+    /// and the object does not follow.
+    pub(super) fn slips_until(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
+        let (newest, path_m) = self.relative_path(hand, object, age)?;
+        let slips = path_m > self.method.hand_contact.on_m / 2.0 && !self.follows(hand, object, age);
+        slips.then_some(newest)
     }
 
     /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand more than a quarter of its way.
