@@ -6,7 +6,7 @@ mod common;
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::{Couples, Sight};
-use andon_core::job::Job;
+use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
@@ -372,7 +372,7 @@ fn a_part_that_passes_where_it_was_shown_to_rest_accuses_nobody_unless_it_is_lef
     assert_eq!(jobs_of(&[carry, at_meter(Toward(5)), left, end]), ["JobAnomaly TooShort"]);
 }
 
-/// The verdicts on the measuring alone by a judge that began with a job, then saw nobody and parts move or not.
+/// The verdicts on measuring alone by a judge that first saw an idle hand and then nobody, while parts moved or did not.
 fn measured_after_a_pause(has_moved_unseen: bool) -> Vec<String> {
     let mut couples = stream(&[&[idle(5), away(300)][..], &measure()].concat(), &[]);
     couples[100].has_moved_unseen = has_moved_unseen;
@@ -400,7 +400,24 @@ fn what_a_hand_goes_on_with_from_the_job_before_may_belong_to_this_one() {
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
 }
 
-/// The last verdict on an IU that is one frame too short, if as many of its frames were not seen.
+#[test]
+fn a_part_that_a_hand_has_let_go_of_unjudged_excuses_nothing_in_the_next_job() {
+    let left = [part([2, 6, 6, 3], 60, Still), part([0, 0, 6, 3], 20, Still), idle(20)];
+    let brick = [part([1, 7, 0, 0], 30, Toward(5)), idle(20)];
+    let once = Law { is_once: true, runs: 6, ..Law::FREE };
+    let later = Law { after_begin: ActivitySet::of(0), ..once };
+    let job = Job { laws: &[once, later, later], ..teach(&[&polish(6), &left, &brick]) };
+    let frames: usize = polish(6).iter().map(|part| part.frames).sum();
+    // The brick and the part of the left hand are left out.
+    let right =
+        [&[idle(5)][..], &polish(6), &brick, &[idle(80)], &polish(6), &polish(6), &polish(6)].concat();
+    let unseen = Part { sighted: false, ..left[0] };
+    let left = [idle(frames + 65), unseen, Part { frames: 3 * frames + 100, ..left[1] }];
+    let verdicts = judged_cold_by(&job, stream(&right, &left));
+    assert!(verdicts.contains(&"JobAnomaly WrongOrder".to_owned()), "{verdicts:?}");
+}
+
+/// The last verdict on an IU that is one frame too short, if this many of its frames were not seen.
 fn one_frame_too_short(assumed: usize) -> String {
     let [grasp, ..] = polish(6);
     let job = teach(&[&[grasp, idle(20)]]);

@@ -438,8 +438,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(activity) = &self.activity else {
             // What it goes on with began in the job before, and may be a part of this one.
-            if self.watch.holds_unjudged() {
-                progress.set_doubtful();
+            if let Some(object) = self.watch.unjudged_in_hand() {
+                progress.set_carried_on(object);
             }
             return;
         };

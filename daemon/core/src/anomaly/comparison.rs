@@ -70,11 +70,12 @@ pub(super) struct Extent {
     pub(super) is_doubtful: bool,
 }
 
-/// An IU has two.
+/// The ends of an IU: its beginning and its end.
 const ENDS: u32 = 2;
 
 impl Extent {
-    /// The minimum and the maximum number of frames that the IU may have. A frame that is missing beside a change shifts that.
+    /// The minimum and the maximum number of frames that the IU may have. A frame that was not seen may shift
+    /// either end by one.
     pub(super) fn possible_frames(&self) -> [u32; 2] {
         let shift = self.assumed.min(ENDS);
         [
@@ -86,7 +87,8 @@ impl Extent {
     /// How often the motion may have reversed in addition, in frames that were not seen, in a row or one by one.
     pub(super) fn possible_reversals(&self) -> u32 {
         let scattered = (self.measures.hidden * self.frames as f32) as u32 / FRAMES_PER_REVERSAL;
-        self.measures.hidden_reversals.max(scattered).saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
+        let hidden = self.measures.hidden_reversals.max(scattered);
+        hidden.max(self.measures.cut_reversals).saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
     }
 
     /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen, for at most half of the time. What

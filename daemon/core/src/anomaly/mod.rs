@@ -46,11 +46,12 @@
 //! - An IU of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //! - An IU that may have begun or ended unseen may be a part of one: it is not too short. What would be right only with what was not seen
 //!   is not judged. But only as much fits into a gap as it is long: an IU that lasts at least twice as long was not overlooked in it.
-//! - Frames that were not seen make measures worse, even where what was hidden is assumed: they shift the ends of an IU, may be those in which
-//!   a stroke was longest, and add to the distance.
+//! - Frames that were not seen make measures less exact, even where what was hidden is assumed: the ends of an IU may shift, a stroke may not
+//!   show that it is one, and the distance may grow.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen, and no hand
-//!   goes on with what was not judged in the job before. A pause shows the start of a job only if nothing has moved unseen.
+//!   goes on with what was not judged in the job before and belongs to it. A pause shows the start of a job only if nothing has moved unseen
+//!   since a hand last acted.
 //! - An activity may be the rest of one if it begins soon after a doubt, or with the object of the hand's last activity where that was not
 //!   judged, unless the hand was certainly idle before it. So may an activity or an IU with an object that was first seen when it began,
 //!   where the start of the job was not seen.

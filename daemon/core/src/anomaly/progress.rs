@@ -4,7 +4,7 @@ use super::missed::Missed;
 use crate::capacity::HANDS;
 use crate::couple::{Context, Couple};
 use crate::input::Side;
-use crate::job::{Job, NominalIu};
+use crate::job::{Job, NominalActivity, NominalIu};
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Level, Measured, Note, OrderFault, Outcome, Reason, Verdict};
 
@@ -62,6 +62,8 @@ pub(super) struct Progress<'a> {
     missed: [Missed; HANDS],
     /// An activity was not seen well enough to say which one it is.
     is_doubtful: bool,
+    /// The activities that a hand may have gone on with when the job before ended.
+    carried_on: ActivitySet,
     fault: Option<Fault>,
     /// The first reason why something was not judged.
     unjudged_reason: Option<Reason>,
@@ -98,6 +100,7 @@ impl<'a> Progress<'a> {
             hidden_frames: 0,
             missed,
             is_doubtful: false,
+            carried_on: ActivitySet::EMPTY,
             fault: None,
             unjudged_reason: None,
             is_end_assumed: false,
@@ -193,6 +196,13 @@ impl<'a> Progress<'a> {
     /// An activity came that was not seen well enough to say which one it is.
     pub(super) fn set_doubtful(&mut self) {
         self.is_doubtful = true;
+    }
+
+    /// A hand goes on with this object, with which it began in the job before.
+    pub(super) fn set_carried_on(&mut self, object: u16) {
+        let has = |nominal: &&NominalActivity<'_>| nominal.ius.iter().any(|iu| iu.context.0[1] == object);
+        let all = self.job.activities.iter().filter(has);
+        self.carried_on |= all.map(|nominal| usize::from(nominal.activity)).collect();
     }
 
     /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is one of the job's first.
@@ -331,7 +341,8 @@ impl<'a> Progress<'a> {
             self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
         let is_before = !self.is_start_seen && self.may_precede.contains(activity);
         let is_hidden = variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2);
-        !self.undone.contains(activity) && (is_before || self.is_doubtful || is_hidden)
+        let is_doubtful = self.is_doubtful || self.carried_on.contains(activity);
+        !self.undone.contains(activity) && (is_before || is_doubtful || is_hidden)
     }
 
     /// The number in this job of an activity that this hand begins; whether it is a step of the job.

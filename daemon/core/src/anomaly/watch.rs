@@ -26,8 +26,9 @@ pub(super) struct Watch {
     since_certain: u32,
     /// For how many frames in a row up to the couple before the newest the hand was certainly idle.
     idle_frames: u32,
-    /// `o_j`, or 0.
+    /// `o_j`, or 0, and whether the hand touches it.
     held: u16,
+    is_touch: bool,
     /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
     is_held_doubtful: bool,
     /// [`hidden_before`](Self::hidden_before) at the newest doubtful couple.
@@ -59,6 +60,7 @@ impl Watch {
             since_certain: 0,
             idle_frames: 0,
             held: 0,
+            is_touch: false,
             is_held_doubtful: false,
             lately_hidden: 0,
             is_object_new: false,
@@ -124,6 +126,7 @@ impl Watch {
         // A hand that has let go may still be reported at the same object.
         let held = if context.is_release() { context.0[2] } else { context.0[1] };
         let before = core::mem::replace(&mut self.held, held);
+        self.is_touch = context.is_touch();
         if held != before && held != 0 {
             self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
         }
@@ -200,9 +203,9 @@ impl Watch {
         self.unjudged = context.0[1];
     }
 
-    /// Whether the hand is still at the object of its newest activity, which was not judged.
-    pub(super) fn holds_unjudged(&self) -> bool {
-        self.held != 0 && self.held == self.unjudged
+    /// The object of the hand's newest activity, if that was not judged and the hand still touches the object.
+    pub(super) fn unjudged_in_hand(&self) -> Option<u16> {
+        (self.is_touch && self.held == self.unjudged).then_some(self.held)
     }
 
     /// Whether an IU that begins with this context may have begun before: it goes on from before a doubt, or an object was seen for the first time.

@@ -22,7 +22,8 @@ struct OpenJob {
 ///
 /// A job begins with the first touch or on command. It ends on command; once [`job_matched`](Self::job_matched) was set, with the touch
 /// that begins the next job; and after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have
-/// moved meanwhile. A pause in which every object stays where it is does not end a job: it goes on when the worker is back. Frames
+/// moved meanwhile. The next job begins with the next touch; nothing of it can have come before if there was a pause since the last job and
+/// nothing has moved unseen since a hand last acted: an unseen hand may have begun with it. A pause in which every object stays where it is does not end a job: it goes on when the worker is back. Frames
 /// that are missing are no pause.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {

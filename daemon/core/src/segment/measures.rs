@@ -33,6 +33,8 @@ pub struct Measures {
     pub place_m: Point,
     /// How often the motion may have reversed in addition, in frames that were not seen.
     pub hidden_reversals: u32,
+    /// How often it may have reversed in addition because it was seen to come back, and how far was in a frame that is missing.
+    pub cut_reversals: u32,
     /// The share of the frames that were not seen, where what happened in them cannot be known; 0 to 1.
     pub hidden: f32,
 }
@@ -48,6 +50,7 @@ pub(super) struct Meter {
     /// Frames without a position, weighted by what may have happened in them.
     hidden: f32,
     hidden_reversals: u32,
+    cut_reversals: u32,
     sum: [f64; 3],
     /// Where the first step began and the newest one ended.
     began: Point,
@@ -84,6 +87,8 @@ impl Meter {
             None => {
                 (self.began, self.step) = (position, Some(position));
                 (self.reversed, self.farthest) = (position, position);
+                // What comes before it may have been the other way.
+                self.cut_reversals = is_behind_gap.into();
             }
             Some(from) => self.walk(from, position),
         }
@@ -116,8 +121,7 @@ impl Meter {
         let length_m = distance(self.reversed, self.farthest);
         if distance(self.reversed, position) > length_m {
             // To and fro.
-            self.hidden_reversals =
-                self.hidden_reversals.saturating_add(2 * u32::from(self.may_have_reversed()));
+            self.cut_reversals = self.cut_reversals.saturating_add(2 * u32::from(self.may_have_reversed()));
             self.farthest = position;
         } else if length_m > MOVED_M && distance(self.farthest, position) > MOVED_M {
             // What comes before the first reversal is the way to the first stroke.
@@ -131,7 +135,7 @@ impl Meter {
         (self.returned_m, self.has_gap) = (0.0, is_behind_gap);
     }
 
-    /// Whether the motion came back too little to count only because the frame in which it was farthest is missing.
+    /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
     fn may_have_reversed(&self) -> bool {
         self.has_gap && self.returned_m > MOVED_M / 2.0
     }
@@ -139,7 +143,7 @@ impl Meter {
     /// The measures so far.
     pub(super) fn measures(&self) -> Measures {
         let mut ended = *self;
-        ended.hidden_reversals = ended.hidden_reversals.saturating_add(self.may_have_reversed().into());
+        ended.has_gap |= self.unknown > 0;
         ended.end_gap();
         let per_path = |sum: f32| if self.path_m > 0.0 { sum / self.path_m } else { 0.0 };
         let (frames, known) = (self.frames.max(1) as f32, f64::from(self.known.max(1)));
@@ -151,6 +155,7 @@ impl Meter {
             axis: self.axis.map(per_path),
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,
+            cut_reversals: ended.cut_reversals.saturating_add(ended.may_have_reversed().into()),
             hidden: (ended.hidden / frames).min(1.0),
         }
     }
@@ -234,13 +239,26 @@ mod tests {
         // To and fro by 17 mm, of which the last 3 mm are in the frame that goes missing.
         let far = [0.0, 0.02, 0.04, 0.06, 0.046, 0.043, 0.046, 0.06, 0.08];
         let positions = || far.iter().map(|x| Some([*x, 0.0, 0.0]));
-        assert_eq!((measure(positions()).reversals, measure(positions()).hidden_reversals), (2, 0));
+        assert_eq!((measure(positions()).reversals, measure(positions()).cut_reversals), (2, 0));
         let missing =
             measure(positions().enumerate().map(|(frame, position)| position.filter(|_| frame != 5)));
-        assert_eq!((missing.reversals, missing.hidden_reversals), (0, 2));
-        // Without a frame elsewhere it is one, or none.
+        assert_eq!((missing.reversals, missing.cut_reversals), (0, 2));
+        // A frame that is missing elsewhere changes nothing.
         let elsewhere =
             measure(positions().enumerate().map(|(frame, position)| position.filter(|_| frame != 1)));
-        assert_eq!((elsewhere.reversals, elsewhere.hidden_reversals), (2, 0));
+        assert_eq!((elsewhere.reversals, elsewhere.cut_reversals), (2, 0));
+    }
+
+    #[test]
+    fn a_frame_that_is_missing_at_an_end_may_have_shown_a_reversal() {
+        let last = [0.0, 0.02, 0.04, 0.036, 0.032, 0.028, 0.024];
+        let first = [0.0165, 0.009, 0.0, -0.01, -0.02];
+        for (way, missing) in [(&last[..], 6), (&first[..], 0)] {
+            let positions =
+                way.iter().enumerate().map(|(frame, x)| (frame != missing).then_some([*x, 0.0, 0.0]));
+            let cut = measure(positions);
+            // What is right only with these is not right.
+            assert_eq!((cut.reversals, cut.cut_reversals, cut.hidden_reversals), (0, 1, 0), "{way:?}");
+        }
     }
 }
