@@ -194,6 +194,14 @@ impl Run {
         &self.frames[index(began_ns)..index(ended_ns)]
     }
 
+    /// How far the two parts of an IU were apart at most, in metres.
+    pub(crate) fn reach_m(&self, iu: &Iu) -> f32 {
+        let couples = self.couples.iter().flat_map(|couples| couples.hands);
+        let shown = couples.filter(|couple| (iu.began_ns..iu.ended_ns).contains(&couple.captured_ns));
+        let apart = shown.filter(|couple| couple.context == iu.context).map(|couple| couple.distances[1]);
+        apart.fold(0.0, f32::max)
+    }
+
     /// How far an activity moves the object that it begins with, in metres: no farther than that is seen away from where it is seen first,
     /// nor than the hand is, in the middle half of the time. A hand that rests at an object which the other one moves does not move it.
     pub(crate) fn moved_m(&self, activity: &Activity) -> f32 {

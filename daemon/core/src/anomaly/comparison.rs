@@ -256,14 +256,16 @@ fn result(
         None if distance > f64::from(threshold) => Reason::Motion,
         None => Reason::None,
     };
-    let broken = extent.broken(comparison.iu, false);
-    let reason = reason_of(broken, threshold);
-    // What is right only if something happened unseen is neither right nor wrong. In frames that were not seen, and beside them, motion is
-    // measured worse.
+    // In frames that were not seen, and beside them, motion is measured worse.
     let assumed = extent.assumed as f32 / extent.frames.max(1) as f32;
     let max = threshold * (1.0 + GIVES_WAY * assumed);
-    let is_doubtful = reason != reason_of(extent.broken(comparison.iu, true), max)
-        || extent.explains(reason, comparison.is_unique);
+    let possible = extent.broken(comparison.iu, true);
+    // What is right only if something happened unseen is neither right nor wrong.
+    let is_certain = reason_of(possible, max) != Reason::None;
+    let (broken, max) =
+        if is_certain { (possible, max) } else { (extent.broken(comparison.iu, false), threshold) };
+    let reason = reason_of(broken, max);
+    let is_doubtful = !is_certain && reason != Reason::None || extent.explains(reason, comparison.is_unique);
     let measured = broken.and_then(|(_, measure)| extent.measured(comparison.iu, measure, rate_hz));
     ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, measured, is_doubtful }
 }

@@ -146,6 +146,11 @@ impl Rates {
         }
     }
 
+    /// The maximum length of a stroke, in metres, of an IU with these demonstrations; `None` where the motion is not a repeated one.
+    pub(super) fn longest_stroke_m(&self, shown: &[Measures]) -> Option<f32> {
+        (self.stroke > 0.0 && is_repeated(shown)).then(|| self.stroke_m(shown).max)
+    }
+
     fn stroke_m(&self, shown: &[Measures]) -> Range {
         let lengths: Vec<f64> = shown
             .iter()

@@ -13,6 +13,7 @@ mod noticed;
 mod options;
 mod order;
 mod people;
+mod reach;
 mod relation;
 mod report;
 mod sampling;
@@ -31,7 +32,7 @@ pub use trust::{Blind, Doubt, Measure, Outlier};
 
 use crate::barycentre::Barycentres;
 use crate::job_file::{JobFile, Provenance, Source, TaughtActivity, TaughtIu, context_words};
-use crate::recording::object_name;
+use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
 use crate::run::{Iu, Run};
 use crate::warp::Warp;
@@ -65,13 +66,36 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
         return teach_examined(&runs, options, twice);
     }
     let (objects, unsure) = meetings::learn(&runs, &options.method);
-    // The points and distances that are learnt are finite, so it is only their number that may be refused.
-    let too_many = |_| TeachError::Full { what: "objects", needed: objects.len(), max: OBJECTS };
-    let met = runs.iter().map(|run| run.encoded_with_objects(&objects)).collect::<Result<Vec<_>, _>>();
-    let met = met.map_err(too_many)?;
+    let mut met = encoded_with(&objects, &runs)?;
+    let agreement = agree(&met);
+    let people = People::of(&met, &agreement);
+    if people.variety > 1.0 {
+        let objects = reach::objects(&met, &agreement, options, people);
+        let reaching = encoded_with(&objects, &runs)?;
+        // Where parts lie so near each other that they would seem to touch for longer, it stays as it was.
+        if are_alike(&agree(&reaching), &agreement) {
+            met = reaching;
+        }
+    }
     let (job, mut report) = teach_examined(&met, options, twice)?;
     report.unsure = unsure;
     Ok((job, report))
+}
+
+/// The runs as they are where hands and objects meet so.
+fn encoded_with(objects: &[NamedObject], runs: &[Run]) -> Result<Vec<Run>, TeachError> {
+    // The points and distances that are learnt are finite, so it is only their number that may be refused.
+    let too_many = |_| TeachError::Full { what: "objects", needed: objects.len(), max: OBJECTS };
+    let met = runs.iter().map(|run| run.encoded_with_objects(objects)).collect::<Result<_, _>>();
+    met.map_err(too_many)
+}
+
+/// Whether the steps of both have the same contexts.
+fn are_alike(one: &Agreement, other: &Agreement) -> bool {
+    let contexts = |of: &Agreement| -> Vec<_> {
+        of.sequences.iter().map(|sequence| (sequence.activity, sequence.contexts.clone())).collect()
+    };
+    contexts(one) == contexts(other)
 }
 
 /// Teaches a job from runs that are different. `twice` is what speaks against those that were given.
