@@ -132,7 +132,9 @@ impl Rates {
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {
         let likely: Vec<f64> = likely_reversals(shown).map(f64::from).collect();
-        let (centre, apart) = self.interval(&likely, PRIOR_REVERSALS, self.reversals);
+        // How many strokes are right is the same for people who are slow or quick, or make long ones.
+        let people = People { variety: 1.0, ..self.people };
+        let (centre, apart) = interval(&likely, PRIOR_REVERSALS, self.reversals, people);
         let [min, max] = [(centre - apart).ceil().max(0.0) as u32, (centre + apart).floor() as u32];
         let most = counts(likely_reversals(shown)).max;
         if is_repeated(shown) {
@@ -189,7 +191,7 @@ impl Rates {
     }
 
     fn interval(&self, values: &[f64], prior: f64, false_alarms: f64) -> (f64, f64) {
-        interval(values, self.people.variety * prior, false_alarms, self.people.one_person)
+        interval(values, prior, false_alarms, self.people)
     }
 
     /// The same in the plane or in space: the spread is that of one axis.
@@ -256,17 +258,21 @@ pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) ->
     1.0 - width(runs + more) / width(runs)
 }
 
-/// The centre of these values, and how far from it one more may lie at this rate of false alarms.
-pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, one_person: f64) -> (f64, f64) {
+/// The centre of these values, and how far from it one more may lie at this rate of false alarms. `prior` is the spread of people in general.
+pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: People) -> (f64, f64) {
+    let People { one_person, variety } = people;
     let count = values.len() as f64;
+    let prior = variety * prior;
     let freedom = PRIOR_FREEDOM + count - 1.0;
     let squares = PRIOR_FREEDOM * prior.powi(2) + (count - 1.0) * deviation(values, 1).powi(2);
     let of_many = squares / freedom * (1.0 + 1.0 / count);
     // The mean is that person's, from whom another one differs, and both do from time to time.
     let of_one = 2.0 * prior.powi(2) + deviation(values, 1).powi(2) * (1.0 + 1.0 / count);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
+    // That these people differ more than others is known from the same runs, so it adds nothing to what they tell.
+    let known = if variety > 1.0 { PRIOR_FREEDOM.max(count - 1.0) } else { freedom };
     // Half of them on each side.
-    (mean(values), student_t(freedom, false_alarms / 2.0) * spread)
+    (mean(values), student_t(known, false_alarms / 2.0) * spread)
 }
 
 #[cfg(test)]
@@ -281,5 +287,15 @@ mod tests {
         assert_eq!(likely(&[shown(13, 0), shown(9, 5), shown(13, 1), shown(12, 0)]), [13, 12, 13, 12]);
         assert_eq!(likely(&[shown(13, 0), shown(9, 1), shown(13, 1)]), [13, 10, 13]);
         assert_eq!(likely(&[shown(13, 0), shown(7, 0)]), [13, 7]);
+    }
+
+    #[test]
+    fn what_people_differ_in_more_than_others_rests_on_these_runs_alone() {
+        let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
+        let apart = |prior, people| interval(&values, prior, 0.01, people).1;
+        let much = People { variety: 3.0, ..People::IN_GENERAL };
+        // The spread is the same, and 6 degrees of freedom instead of 12.
+        let ratio = apart(0.1, much) / apart(0.3, People::IN_GENERAL);
+        assert!((ratio - student_t(6.0, 0.005) / student_t(12.0, 0.005)).abs() < 1e-9, "{ratio}");
     }
 }

@@ -70,11 +70,14 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     let agreement = agree(&met);
     let people = People::of(&met, &agreement);
     if people.variety > 1.0 {
-        let objects = reach::objects(&met, &agreement, options, people);
-        let reaching = encoded_with(&objects, &runs)?;
-        // Where parts lie so near each other that they would seem to touch for longer, it stays as it was.
-        if are_alike(&agree(&reaching), &agreement) {
-            met = reaching;
+        for share in reach::SHARES {
+            let objects = reach::objects(&met, &agreement, options, people, share);
+            let reaching = encoded_with(&objects, &runs)?;
+            // Where parts lie near each other, they would seem to touch for longer.
+            if are_alike(&agree(&reaching), &agreement) {
+                met = reaching;
+                break;
+            }
         }
     }
     let (job, mut report) = teach_examined(&met, options, twice)?;

@@ -25,6 +25,9 @@ pub(super) struct People {
 }
 
 impl People {
+    /// Different ones, who differ as people in general do.
+    pub(super) const IN_GENERAL: Self = Self { one_person: 0.0, variety: 1.0 };
+
     pub(super) fn of(runs: &[Run], agreement: &Agreement) -> Self {
         let pace = |iu: &Iu| Some(f64::from(iu.frames));
         let stroke = |iu: &Iu| iu.measures.stroke_m.map(f64::from);

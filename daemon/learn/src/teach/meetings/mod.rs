@@ -10,6 +10,7 @@ mod trajectory;
 mod unsure;
 
 use super::measures::interval;
+use super::people::People;
 use crate::recording::NamedObject;
 use crate::run::Run;
 use crate::statistics::median_point;
@@ -86,7 +87,7 @@ fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
     if distances_m.is_empty() {
         return default;
     }
-    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * MISSED, 0.0);
+    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * MISSED, People::IN_GENERAL);
     widened(default, (centre + apart) as f32)
 }
 

@@ -1,0 +1,95 @@
+//! How far apart two objects may go before their contact has ended, where people differ more than they do in general: who makes strokes as long
+//! as may be right does not leave the other part.
+
+use super::people::People;
+use super::sequence::{Agreement, Sequence};
+use super::{TeachOptions, measures_of, rates};
+use crate::recording::NamedObject;
+use crate::run::{Iu, Run};
+use andon_core::config::Contact;
+use andon_core::couple::Context;
+use andon_core::object::Meeting;
+
+/// The shares of the missing reach that are tried, one after the other.
+pub(super) const SHARES: [f32; 3] = [1.0, 0.5, 0.25];
+
+/// The objects of the runs, with contacts that last for strokes of any right length.
+pub(super) fn objects(
+    runs: &[Run],
+    agreement: &Agreement,
+    options: &TeachOptions,
+    people: People,
+    share: f32,
+) -> Vec<NamedObject> {
+    let mut objects = runs[0].objects.clone();
+    let rates = rates(runs, agreement, options.bounds.false_alarms, people);
+    for sequence in &agreement.sequences {
+        for (index, context) in sequence.contexts.iter().enumerate() {
+            let longest_m = rates.longest_stroke_m(&measures_of(runs, sequence, index));
+            let reach_m = longest_m.and_then(|longest_m| reach_m(runs, sequence, index, longest_m));
+            if let Some(reach_m) = reach_m {
+                widen(&mut objects, *context, reach_m, share, options.method.object_contact);
+            }
+        }
+    }
+    objects
+}
+
+/// How far the two parts of an IU are apart at most in strokes of this length, as far as the demonstrations tell: at either end of a stroke
+/// that is longer by some way, they are farther apart by no more than half of that. In metres.
+fn reach_m(runs: &[Run], sequence: &Sequence, index: usize, longest_m: f32) -> Option<f32> {
+    let of_one =
+        |(run, iu): (usize, &Iu)| Some(runs[run].reach_m(iu) + (longest_m - iu.measures.stroke_m?) / 2.0);
+    sequence.well_shown(runs, index).filter_map(of_one).reduce(f32::min)
+}
+
+/// Lets the contact of the two parts end no nearer than this, in metres.
+fn widen(
+    objects: &mut [NamedObject],
+    Context([_, _, j, l]): Context,
+    reach_m: f32,
+    share: f32,
+    default: Contact,
+) {
+    for (at, with) in [(l, j), (j, l)] {
+        let Some(object) = objects.iter_mut().find(|object| object.shape.id == at) else { continue };
+        if let Some(met) = object.shape.meetings.iter_mut().find(|met| met.with == with) {
+            met.contact.off_m += share * (reach_m - met.contact.off_m).max(0.0);
+            return;
+        }
+    }
+    if reach_m > default.off_m
+        && let Some(object) = objects.iter_mut().find(|object| object.shape.id == l)
+    {
+        let contact = Contact { off_m: default.off_m + share * (reach_m - default.off_m), ..default };
+        // What exceeds the capacity is met as the station says.
+        let _ = object.shape.meetings.push(Meeting { with: j, points: heapless::Vec::new(), contact });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use andon_core::object::ObjectShape;
+
+    #[test]
+    fn a_contact_is_widened_where_it_was_learnt_or_else_at_the_second_part() {
+        let object =
+            |id| NamedObject { name: String::new(), shape: ObjectShape { id, ..ObjectShape::default() } };
+        let (mut objects, default) = (vec![object(5), object(6)], Contact { on_m: 0.03, off_m: 0.045 });
+        let off_m = |objects: &[NamedObject]| -> Vec<Vec<f32>> {
+            let of =
+                |object: &NamedObject| object.shape.meetings.iter().map(|met| met.contact.off_m).collect();
+            objects.iter().map(of).collect()
+        };
+        let polishing = Context([1, 5, 5, 6]);
+        widen(&mut objects, polishing, 0.04, 1.0, default);
+        assert!(off_m(&objects).iter().all(Vec::is_empty), "it is wide enough");
+        widen(&mut objects, polishing, 0.065, 0.5, default);
+        assert_eq!(off_m(&objects), [vec![], vec![0.055]]);
+        widen(&mut objects, Context([1, 6, 6, 5]), 0.075, 1.0, default);
+        assert_eq!(off_m(&objects), [vec![], vec![0.075]]);
+        widen(&mut objects, polishing, 0.06, 1.0, default);
+        assert_eq!(off_m(&objects), [vec![], vec![0.075]]);
+    }
+}
