@@ -146,9 +146,9 @@ impl Barycentres {
             let sum = |costs: &Vec<f64>| {
                 costs.iter().zip(counts).map(|(cost, count)| cost * f64::from(*count)).sum::<f64>()
             };
-            let choice =
-                (0..table.len()).min_by(|&a, &b| sum(&table[a]).total_cmp(&sum(&table[b])).then(a.cmp(&b)));
-            *best = choice.unwrap_or_default() as i8 + min as i8;
+            // The first of equal ones.
+            let choice = table.iter().map(sum).enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
+            *best = choice.map_or(0, |(value, _)| value) as i8 + min as i8;
         }
         motion
     }
