@@ -137,6 +137,25 @@ fn the_same_recordings_teach_the_same_job_whichever_way_they_came_to_it() {
 }
 
 #[test]
+fn track_files_need_no_station_and_films_do() {
+    let folder = Folder::new();
+    let andond = |arguments: &[&str]| {
+        let mut command = Command::new(andond());
+        command.args(arguments).current_dir(&folder.path).env_remove("ANDON_CONFIG").output().unwrap()
+    };
+    let job = folder.path.join("job.toml");
+    let runs = [1, 2, 3].map(|number| folder.run(number));
+    stdout(&andond(&[&["teach", "--force", "--out", text(&job)], &runs[..]].concat()));
+    for command in [&["replay", "--job", text(&job)][..], &["segment"]] {
+        let said = stdout(&andond(&[command, &[folder.run(4)]].concat()));
+        assert!(said.contains("brick"), "{said}");
+    }
+    let film = andond(&["teach", "--out", "none.toml", "film.mp4"]);
+    let said = String::from_utf8_lossy(&film.stderr);
+    assert!(film.status.code() == Some(78) && said.contains("only track files need none"), "{said}");
+}
+
+#[test]
 fn a_recording_that_is_added_twice_is_noticed() {
     let folder = Folder::new();
     folder.taught("job.toml", &[folder.run(1), folder.run(2)]);

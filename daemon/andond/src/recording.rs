@@ -84,8 +84,12 @@ impl Recording {
     /// # Errors
     /// What is missing or damaged, and where.
     pub fn open(path: &Path, config: &Config) -> Result<Self, RecordingError> {
-        let is_tracks = path.extension().is_some_and(|ending| ending == "jsonl");
-        if is_tracks { Self::tracks(path) } else { Self::film(path, config) }
+        if Self::is_tracks(path) { Self::tracks(path) } else { Self::film(path, config) }
+    }
+
+    /// Whether this is the name of a track file.
+    pub fn is_tracks(path: &Path) -> bool {
+        path.extension().is_some_and(|ending| ending == "jsonl")
     }
 
     fn tracks(path: &Path) -> Result<Self, RecordingError> {

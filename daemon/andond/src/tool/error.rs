@@ -37,7 +37,7 @@ pub enum ToolError {
     Configuration(#[from] Faults),
     /// No configuration was named, and none lies where one is looked for.
     #[error(
-        "no configuration: name a station with --config FILE or $ANDON_CONFIG; there is none at {}",
+        "no configuration: name a station with --config FILE or $ANDON_CONFIG; there is none at {}, and only track files need none",
         DEFAULT_CONFIGS.join(" and ")
     )]
     NoConfiguration,

@@ -12,7 +12,7 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use shm_schemas::PartId;
 
-use super::{ToolError, job, load_config, progress};
+use super::{ToolError, job, load_config_for, progress};
 use crate::cli::Replay;
 use crate::compatibility;
 use crate::picture::Annotator;
@@ -30,7 +30,7 @@ const NOT_JUDGED: u8 = 2;
 /// What is missing or damaged.
 pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let file = job::load(&arguments.job)?;
-    let config = load_config(&arguments.config)?;
+    let config = load_config_for(&arguments.config, &arguments.recording)?;
     let mut recording = Recording::open(&arguments.recording, &config)?;
     compatibility::recording(&file, recording.header())
         .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;

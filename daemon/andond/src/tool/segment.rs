@@ -6,7 +6,7 @@ use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
 
-use super::{ToolError, cannot_write, check_writable, each_frame, load_config};
+use super::{ToolError, cannot_write, check_writable, each_frame, load_config_for};
 use crate::cli::Segment;
 use crate::config::Config;
 use crate::exit::Code;
@@ -19,7 +19,7 @@ use crate::report::{EventLine, Names};
 /// # Errors
 /// What is missing or damaged.
 pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
-    let config = load_config(&arguments.config)?;
+    let config = load_config_for(&arguments.config, &arguments.recording)?;
     if let Some(file) = &arguments.plot {
         check_writable(file)?;
     }

@@ -37,7 +37,6 @@ const FALSE_ALARMS: f64 = 0.01;
 /// # Errors
 /// What is missing or damaged, an existing file, or why nothing can be learned.
 pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
-    let config = load_config_to_learn(&arguments.config)?;
     let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty());
     if arguments.out.exists() && !is_changed && !arguments.force {
         return Err(ToolError::Exists(arguments.out.clone()));
@@ -47,6 +46,7 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
         check_writable(file)?;
     }
     let recordings = recordings(arguments, before.as_ref())?;
+    let config = load_config_to_learn(&arguments.config, &recordings)?;
     let options = options(arguments, before.as_ref(), &recordings, &config)?;
     let runs = read_runs(&recordings, &config, &options.method)?;
     let (job, report) = teach(&runs, &options)?;
