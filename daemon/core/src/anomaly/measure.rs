@@ -55,7 +55,7 @@ impl Extent {
         } else if !self.ended {
             return None;
         }
-        let elsewhere = first(self.elsewhere_broken(&iu.measures, GIVES_WAY * hidden));
+        let elsewhere = first(self.elsewhere_broken(&iu.measures, GIVES_WAY * hidden, hidden_m));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
             (Some(Measure::Strokes), Some(other))
@@ -68,8 +68,9 @@ impl Extent {
         }
     }
 
-    /// Whether size, direction and place of the motion are wrong, if they may differ by `slack`, a share.
-    fn elsewhere_broken(&self, bounds: &MeasureBounds, slack: f32) -> [(bool, Measure); 3] {
+    /// Whether size, direction and place of the motion are wrong, if they may differ by `slack`, a share, and the motion may have gone on for
+    /// `hidden_m`, in metres.
+    fn elsewhere_broken(&self, bounds: &MeasureBounds, slack: f32, hidden_m: f32) -> [(bool, Measure); 3] {
         let measures = &self.measures;
         let is_in = |range: Range, value: f32| {
             value * (1.0 + slack) >= range.min && value <= range.max * (1.0 + slack)
@@ -78,7 +79,7 @@ impl Extent {
         [
             (!is_stroke_right, Measure::StrokeLength),
             (!bounds.axis.has(measures.axis, slack), Measure::Direction),
-            (!bounds.place_m.has(measures.place_m, slack * measures.path_m), Measure::Place),
+            (!bounds.place_m.has(measures.place_m, slack * measures.path_m + hidden_m), Measure::Place),
         ]
     }
 
