@@ -125,7 +125,7 @@ impl OpenActivity {
     }
 
     /// Takes the context of the next IU and returns the number of that IU. Whether it is certain that it has happened; something may have come
-    /// and gone in some `hidden` frames before it; with `was_idle` the hand was certainly idle before it.
+    /// and gone in some `hidden` frames before it; with `was_idle` the hand was certainly idle since the IU before it.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
@@ -236,12 +236,13 @@ impl OpenActivity {
     /// Whether it is certain which IUs of its candidates have come; after a fault, whether all before was judged.
     pub(super) fn is_place_certain(&self) -> bool {
         let ius = usize::from(self.ius);
-        match self.against {
+        let is_certain = match self.against {
             Against::Candidates(candidates) => {
                 candidates.iter().all(|nominal| self.places[nominal].is_certainly(ius))
             }
             Against::Following(_) => self.unjudged_reason.is_none(),
-        }
+        };
+        is_certain && !self.may_have_ended
     }
 
     /// Something did not fit, and was not judged because something else may have happened unseen.

@@ -59,7 +59,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.comparisons.clear();
         let is_certain = !self.watch.is_doubtful();
         let was_idle = self.watch.was_idle();
-        let before = (self.watch.hidden_before(), was_idle);
+        let before = (self.watch.hidden_before(), self.watch.has_been_idle());
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
         let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.

@@ -24,8 +24,10 @@ pub(super) struct Watch {
     /// The newest context that was certain, and how many frames ago it was so last.
     certain: Option<Context>,
     since_certain: u32,
-    /// For how many frames in a row up to the couple before the newest the hand was certainly idle.
+    /// In how many frames without a doubtful one between them, up to the couple before the newest, the hand was certainly idle.
     idle_frames: u32,
+    /// It was so for long enough since it last acted.
+    has_been_idle: bool,
     /// `o_j`, or 0, and whether the hand touches it.
     held: u16,
     is_touch: bool,
@@ -59,6 +61,7 @@ impl Watch {
             certain: None,
             since_certain: 0,
             idle_frames: 0,
+            has_been_idle: false,
             held: 0,
             is_touch: false,
             is_held_doubtful: false,
@@ -87,8 +90,12 @@ impl Watch {
 
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
-        let was_idle = self.is_certain() && self.certain == Some(Context::IDLE);
-        self.idle_frames = if was_idle { self.idle_frames.saturating_add(1) } else { 0 };
+        let is_idle_last = self.certain == Some(Context::IDLE);
+        let (was_idle, was_acting) = (self.is_certain() && is_idle_last, self.is_certain() && !is_idle_last);
+        // A frame in which nothing can have come and gone interrupts nothing.
+        let goes_on = is_idle_last && !self.is_doubtful();
+        self.idle_frames = if goes_on { self.idle_frames.saturating_add(was_idle.into()) } else { 0 };
+        self.has_been_idle = !was_acting && (self.has_been_idle || self.is_idle_for_long());
         // Of a long gap, not all frames of the grid have a couple.
         let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
         let frames = u32::try_from(frames / self.period_ns).unwrap_or(u32::MAX).max(1);
@@ -153,7 +160,16 @@ impl Watch {
     /// The newest couple is not doubtful, what the hand acts on is not new, and before it the hand was certainly idle, for longer than it takes
     /// to see that it holds something.
     pub(super) fn was_idle(&self) -> bool {
-        self.idle_frames > IDLE_CHANGES * self.persist_frames && !self.is_doubtful() && !self.is_object_new
+        self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new
+    }
+
+    /// The hand was certainly idle for as long at some time since it last acted, up to the couple before the newest.
+    pub(super) fn has_been_idle(&self) -> bool {
+        self.has_been_idle
+    }
+
+    fn is_idle_for_long(&self) -> bool {
+        self.idle_frames > IDLE_CHANGES * self.persist_frames
     }
 
     /// The hand may have acted on what it acts on before that was first seen.
