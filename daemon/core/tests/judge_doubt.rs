@@ -360,6 +360,25 @@ fn the_piece_after_one_whose_end_was_hidden_is_right() {
 }
 
 #[test]
+fn a_hand_that_was_idle_before_a_doubt_may_have_ended_what_was_hidden() {
+    let job = teach(&[&polish(6), &measure()]);
+    let [grasp, stroke, ..] = polish(6);
+    // The tool is put back while it is hidden.
+    let hidden =
+        [idle(5), grasp, stroke, Part { sighted: false, ..part(stroke.context, 60, Still) }, idle(60)];
+    let mut couples = stream(&[&hidden[..], &polish(6), &measure()].concat(), &[]);
+    let ended: usize = hidden[..4].iter().map(|part| part.frames).sum();
+    for (frame, couples) in couples[ended + 10..ended + 55].iter_mut().enumerate() {
+        // Single frames in the first half second, and then many.
+        let is_missing = frame % 10 == 9 || frame > 30;
+        couples.hands[0].is_clear &= !is_missing;
+        couples.hands[0].is_doubtful |= frame > 30;
+    }
+    let verdicts = judged_cold_by(&job, couples);
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
+}
+
+#[test]
 fn a_part_that_passes_where_it_was_shown_to_rest_accuses_nobody_unless_it_is_left_there() {
     let [carry, rest, left, end] = measure();
     let at_meter = |motions| part(rest.context, 9, motions);
