@@ -391,20 +391,6 @@ fn a_part_that_passes_where_it_was_shown_to_rest_accuses_nobody_unless_it_is_lef
     assert_eq!(jobs_of(&[carry, at_meter(Toward(5)), left, end]), ["JobAnomaly TooShort"]);
 }
 
-/// The verdicts on measuring alone by a judge that first saw an idle hand and then nobody, while parts moved or did not.
-fn measured_after_a_pause(has_moved_unseen: bool) -> Vec<String> {
-    let mut couples = stream(&[&[idle(5), away(300)][..], &measure()].concat(), &[]);
-    couples[100].has_moved_unseen = has_moved_unseen;
-    judged_cold_by(&Job { laws: &IN_ORDER, ..polish_and_measure() }, couples)
-}
-
-#[test]
-fn after_a_pause_in_which_parts_moved_unseen_the_job_may_have_begun_before() {
-    assert_eq!(measured_after_a_pause(false).last().unwrap(), "JobAnomaly WrongOrder");
-    let verdicts = measured_after_a_pause(true);
-    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
-}
-
 #[test]
 fn what_a_hand_goes_on_with_from_the_job_before_may_belong_to_this_one() {
     let left = [part([2, 6, 6, 5], 60, Still), part([0, 0, 6, 5], 20, Still), idle(20)];

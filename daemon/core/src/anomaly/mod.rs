@@ -50,8 +50,7 @@
 //!   show that it is one, and the distance may grow.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen, and no hand
-//!   goes on with what was not judged in the job before and belongs to it. A pause shows the start of a job only if nothing has moved unseen
-//!   since a hand last acted.
+//!   goes on with what was not judged in the job before and belongs to it.
 //! - An activity may be the rest of one if it begins soon after a doubt, or with the object of the hand's last activity where that was not
 //!   judged, unless the hand was certainly idle before it. So may an activity or an IU with an object that was first seen when it began,
 //!   where the start of the job was not seen.

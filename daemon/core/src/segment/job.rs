@@ -22,8 +22,7 @@ struct OpenJob {
 ///
 /// A job begins with the first touch or on command. It ends on command; once [`job_matched`](Self::job_matched) was set, with the touch
 /// that begins the next job; and after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have
-/// moved meanwhile. The next job begins with the next touch; nothing of it can have come before if there was a pause since the last job and
-/// nothing has moved unseen since a hand last acted: an unseen hand may have begun with it. A pause in which every object stays where it is does not end a job: it goes on when the worker is back. Frames
+/// moved meanwhile. A pause in which every object stays where it is does not end a job: it goes on when the worker is back. Frames
 /// that are missing are no pause.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
@@ -34,7 +33,7 @@ pub struct JobSegmenter {
     newest_ns: u64,
     /// For how long no hand has been seen and nothing has moved, in frames that were captured.
     handless_ns: u64,
-    /// There has been a pause since the last job, and nothing has moved unseen since a hand last acted.
+    /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
     /// Objects have moved unseen since a hand last acted.
     is_disturbed: bool,
@@ -95,7 +94,7 @@ impl JobSegmenter {
             self.handless_ns = self.handless_ns.saturating_add(elapsed_ns.min(2 * self.period_ns));
         }
         self.is_disturbed |= couples.has_moved_unseen;
-        self.has_paused |= self.job.is_none() && self.handless_ns >= self.idle_end_ns && !self.is_disturbed;
+        self.has_paused |= self.job.is_none() && self.handless_ns >= self.idle_end_ns;
         self.has_paused &= !couples.has_moved_unseen;
     }
 

@@ -39,8 +39,7 @@ pub enum Event {
     JobBegan {
         /// When, in nanoseconds.
         began_ns: u64,
-        /// Whether nothing of it can have happened before: it began on command, or after a pause,
-        /// and nothing has moved unseen since a hand last acted.
+        /// Whether nothing of it can have happened before: it began on command, or after a pause in which nothing moved.
         is_start_seen: bool,
     },
     /// An activity began: the hand touches another object.
