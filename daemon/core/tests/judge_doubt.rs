@@ -212,15 +212,22 @@ fn a_job_that_breaks_off_anywhere_accuses_nobody() {
     }
 }
 
+/// Lets the right hand (0) or its `o_j` (1) be assumed.
+fn assume(couples: &mut [Couples], what: usize) {
+    for couples in couples {
+        couples.hands[0].sight[what] = Sight::Assumed;
+        couples.hands[0].is_clear = false;
+    }
+}
+
 /// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden; `is_rivalled` is whether the hand
 /// may have taken that instead, for as long as it holds what it took.
 fn taken_in_doubt(is_rivalled: bool) -> Vec<String> {
     let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
     let mut couples = stream(&right, &[]);
+    assume(&mut couples[15..25], 1);
     for couples in &mut couples[15..25] {
-        couples.hands[0].is_clear = false;
         couples.hands[0].is_doubtful = true;
-        couples.hands[0].sight[1] = Sight::Assumed;
     }
     for couples in &mut couples[20..128] {
         couples.hands[0].is_rivalled = is_rivalled;
@@ -427,10 +434,7 @@ fn one_frame_too_short(assumed: usize) -> String {
     let [grasp, ..] = polish(6);
     let job = teach(&[&[grasp, idle(20)]]);
     let mut couples = stream(&[idle(30), Part { frames: 14, ..grasp }, idle(20)], &[]);
-    for couples in &mut couples[35..35 + assumed] {
-        couples.hands[0].sight[0] = Sight::Assumed;
-        couples.hands[0].is_clear = false;
-    }
+    assume(&mut couples[35..35 + assumed], 0);
     short(judged(&job, &couples).last().unwrap())
 }
 
@@ -447,9 +451,6 @@ fn motion_that_was_assumed_accuses_nobody() {
     let bent = [idle(30), Part { frames: 26, ..grasp }, part(grasp.context, 4, Toward(7)), idle(20)];
     let mut couples = stream(&bent, &[]);
     assert_eq!(short(judged(&job, &couples).last().unwrap()), "JobAnomaly Motion");
-    for couples in &mut couples[45..60] {
-        couples.hands[0].sight[1] = Sight::Assumed;
-        couples.hands[0].is_clear = false;
-    }
+    assume(&mut couples[45..60], 1);
     assert_eq!(short(judged(&job, &couples).last().unwrap()), "NotJudged Blind");
 }

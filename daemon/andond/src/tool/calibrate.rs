@@ -13,7 +13,7 @@ use crate::video::Film;
 /// # Errors
 /// A position that cannot be read, a picture that shows too little, or markers that do not fit their positions.
 pub fn run(arguments: &Calibrate) -> Result<Code, ToolError> {
-    let config = load_config_to_learn(&arguments.config, &[])?;
+    let config = load_config_to_learn(&arguments.config)?;
     check_writable(&arguments.out)?;
     let side_m = f64::from(arguments.side);
     let markers = arguments.markers.iter().map(|text| marker(text, side_m)).collect::<Result<Vec<_>, _>>()?;

@@ -30,7 +30,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::atomic::folder_of;
 use crate::cli::{self, ConfigArgs};
-use crate::config::Config;
+use crate::config::{Config, Faults};
 use crate::recording::Recording;
 use crate::taken::{self, Taken};
 
@@ -66,15 +66,21 @@ pub fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
     Ok(Config::load(&existing_config_files(arguments)?)?)
 }
 
-/// The same, for a command that reads this recording.
+/// The configuration for a command that reads these recordings, by the loader of that command. Track files say themselves what they show: for
+/// them the defaults do, where no configuration is named and none lies where it is looked for.
 ///
 /// # Errors
 /// Every fault in it.
-fn load_config_for(arguments: &ConfigArgs, recording: &Path) -> Result<Config, ToolError> {
-    if need_no_station(arguments, &[recording.to_owned()]) {
-        return Ok(Config::default());
+fn load_config_for(
+    arguments: &ConfigArgs,
+    recordings: &[PathBuf],
+    load: fn(&[PathBuf]) -> Result<Config, Faults>,
+) -> Result<Config, ToolError> {
+    let are_tracks = !recordings.is_empty() && recordings.iter().all(|path| Recording::is_tracks(path));
+    match existing_config_files(arguments) {
+        Err(ToolError::NoConfiguration) if are_tracks => Ok(Config::default()),
+        files => Ok(load(&files?)?),
     }
-    load_config(arguments)
 }
 
 /// The configuration that a role runs with: what the line has taken when it started, or what the files say.
@@ -98,21 +104,12 @@ fn running_config(arguments: &ConfigArgs) -> Result<Taken, ToolError> {
     Ok(taken::running(&existing_config_files(arguments)?)?)
 }
 
-/// As [`load_config`], for the commands that make the job, from these recordings, or the calibration: neither needs to exist yet.
+/// As [`load_config`], for the command that makes the calibration: it does not need to exist yet.
 ///
 /// # Errors
 /// Every fault in it.
-fn load_config_to_learn(arguments: &ConfigArgs, recordings: &[PathBuf]) -> Result<Config, ToolError> {
-    if !recordings.is_empty() && need_no_station(arguments, recordings) {
-        return Ok(Config::default());
-    }
+fn load_config_to_learn(arguments: &ConfigArgs) -> Result<Config, ToolError> {
     Ok(Config::load_to_learn(&existing_config_files(arguments)?)?)
-}
-
-/// Whether these recordings can be read without a station, and none is named or lies where one is looked for: track files say themselves what
-/// they show. The defaults do then.
-fn need_no_station(arguments: &ConfigArgs, recordings: &[PathBuf]) -> bool {
-    config_files(arguments).is_empty() && recordings.iter().all(|path| Recording::is_tracks(path))
 }
 
 fn existing_config_files(arguments: &ConfigArgs) -> Result<Vec<PathBuf>, ToolError> {

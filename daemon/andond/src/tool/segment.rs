@@ -1,6 +1,7 @@
 //! `andond segment`: the ERUs, IUs, activities and the job of a recording (paper III-B).
 
 use std::io::{Write, stdout};
+use std::slice::from_ref;
 
 use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
@@ -19,7 +20,7 @@ use crate::report::{EventLine, Names};
 /// # Errors
 /// What is missing or damaged.
 pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
-    let config = load_config_for(&arguments.config, &arguments.recording)?;
+    let config = load_config_for(&arguments.config, from_ref(&arguments.recording), Config::load)?;
     if let Some(file) = &arguments.plot {
         check_writable(file)?;
     }

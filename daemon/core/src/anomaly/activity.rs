@@ -125,17 +125,17 @@ impl OpenActivity {
     }
 
     /// Takes the context of the next IU and returns the number of that IU. Whether it is certain that it has happened; something may have come
-    /// and gone in some `hidden` frames before it; with `was_idle` the hand was certainly idle since the IU before it.
+    /// and gone in some `hidden` frames before it; with `has_been_idle` the hand was certainly idle since the IU before it.
     pub(super) fn next_iu(
         &mut self,
         job: &Job<'_>,
         context: Context,
         is_certain: bool,
-        (hidden, was_idle): (u32, bool),
+        (hidden, has_been_idle): (u32, bool),
     ) -> u16 {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        self.may_have_ended |= was_idle && self.unjudged_reason.is_some() && self.may_be_complete(job);
+        self.may_have_ended |= has_been_idle && self.unjudged_reason.is_some() && self.may_be_complete(job);
         self.places_before = self.places;
         self.newest = (context, junction);
         for (places, nominal) in self.places.iter_mut().zip(job.activities) {

@@ -74,8 +74,7 @@ pub(super) struct Extent {
 const ENDS: u32 = 2;
 
 impl Extent {
-    /// The minimum and the maximum number of frames that the IU may have. A frame that was not seen may shift
-    /// either end by one.
+    /// The minimum and the maximum number of frames that the IU may have. A frame that was not seen may shift either end by one.
     pub(super) fn possible_frames(&self) -> [u32; 2] {
         let shift = self.assumed.min(ENDS);
         [

@@ -4,7 +4,7 @@ use super::missed::Missed;
 use crate::capacity::HANDS;
 use crate::couple::{Context, Couple};
 use crate::input::Side;
-use crate::job::{Job, NominalActivity, NominalIu};
+use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Level, Measured, Note, OrderFault, Outcome, Reason, Verdict};
 
@@ -200,9 +200,7 @@ impl<'a> Progress<'a> {
 
     /// A hand goes on with this object, with which it began in the job before.
     pub(super) fn set_carried_on(&mut self, object: u16) {
-        let has = |nominal: &&NominalActivity<'_>| nominal.ius.iter().any(|iu| iu.context.0[1] == object);
-        let all = self.job.activities.iter().filter(has);
-        self.carried_on |= all.map(|nominal| usize::from(nominal.activity)).collect();
+        self.carried_on |= self.activities_with(|ius| ius.iter().any(|iu| iu.context.0[1] == object));
     }
 
     /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is one of the job's first.
@@ -221,9 +219,12 @@ impl<'a> Progress<'a> {
     /// The activities that begin with the hand and object of this context.
     fn opening(&self, context: Context) -> ActivitySet {
         let opening = |context: Context| [context.0[0], context.0[1]];
-        let opens =
-            |ius: &[NominalIu<'_>]| ius.first().map(|iu| opening(iu.context)) == Some(opening(context));
-        let all = self.job.activities.iter().filter(|nominal| opens(nominal.ius));
+        self.activities_with(|ius| ius.first().map(|iu| opening(iu.context)) == Some(opening(context)))
+    }
+
+    /// The activities of which a nominal one has such IUs.
+    fn activities_with(&self, has: impl Fn(&[NominalIu<'_>]) -> bool) -> ActivitySet {
+        let all = self.job.activities.iter().filter(|nominal| has(nominal.ius));
         all.map(|nominal| usize::from(nominal.activity)).collect()
     }
 

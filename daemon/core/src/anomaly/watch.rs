@@ -90,12 +90,11 @@ impl Watch {
 
     /// Takes the next couple.
     pub(super) fn observe(&mut self, couple: &Couple) {
-        let is_idle_last = self.certain == Some(Context::IDLE);
-        let (was_idle, was_acting) = (self.is_certain() && is_idle_last, self.is_certain() && !is_idle_last);
+        let (is_idle, is_certain) = (self.certain == Some(Context::IDLE), self.is_certain());
         // A frame in which nothing can have come and gone interrupts nothing.
-        let goes_on = is_idle_last && !self.is_doubtful();
-        self.idle_frames = if goes_on { self.idle_frames.saturating_add(was_idle.into()) } else { 0 };
-        self.has_been_idle = !was_acting && (self.has_been_idle || self.is_idle_for_long());
+        let goes_on = is_idle && !self.is_doubtful();
+        self.idle_frames = if goes_on { self.idle_frames.saturating_add(is_certain.into()) } else { 0 };
+        self.has_been_idle = (is_idle || !is_certain) && (self.has_been_idle || self.is_idle_for_long());
         // Of a long gap, not all frames of the grid have a couple.
         let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
         let frames = u32::try_from(frames / self.period_ns).unwrap_or(u32::MAX).max(1);

@@ -63,24 +63,11 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     }
     let (runs, twice) = if options.examine_runs { without_copies(runs) } else { (Cow::Borrowed(runs), None) };
     if !options.find_meetings {
-        return teach_examined(&runs, options, twice);
+        return teach_examined(&runs, agree(&runs), options, twice);
     }
     let (objects, unsure) = meetings::learn(&runs, &options.method);
-    let mut met = encoded_with(&objects, &runs)?;
-    let agreement = agree(&met);
-    let people = People::of(&met, &agreement);
-    if people.variety > 1.0 {
-        for share in reach::SHARES {
-            let objects = reach::objects(&met, &agreement, options, people, share);
-            let reaching = encoded_with(&objects, &runs)?;
-            // Where parts lie near each other, they would seem to touch for longer.
-            if are_alike(&agree(&reaching), &agreement) {
-                met = reaching;
-                break;
-            }
-        }
-    }
-    let (job, mut report) = teach_examined(&met, options, twice)?;
+    let (met, agreement) = reach::widened(encoded_with(&objects, &runs)?, options)?;
+    let (job, mut report) = teach_examined(&met, agreement, options, twice)?;
     report.unsure = unsure;
     Ok((job, report))
 }
@@ -93,26 +80,20 @@ fn encoded_with(objects: &[NamedObject], runs: &[Run]) -> Result<Vec<Run>, Teach
     met.map_err(too_many)
 }
 
-/// Whether the steps of both have the same contexts.
-fn are_alike(one: &Agreement, other: &Agreement) -> bool {
-    let contexts = |of: &Agreement| -> Vec<_> {
-        of.sequences.iter().map(|sequence| (sequence.activity, sequence.contexts.clone())).collect()
-    };
-    contexts(one) == contexts(other)
-}
-
 /// Teaches a job from runs that are different. `twice` is what speaks against those that were given.
 fn teach_examined(
     runs: &[Run],
+    agreement: Agreement,
     options: &TeachOptions,
     twice: Option<Doubt>,
 ) -> Result<(JobFile, TeachReport), TeachError> {
     if !options.examine_runs {
-        return teach_different(runs, options, Vec::new(), &mut Memory::default());
+        return teach_different(runs, agreement, options, Vec::new(), &mut Memory::default());
     }
     let doubts: Vec<Doubt> = twice.into_iter().chain(too_few_frames(runs, &options.method)).collect();
     let sentences: Vec<String> = doubts.iter().map(|doubt| doubt_words(doubt, runs)).collect();
-    teach_different(runs, options, doubts, &mut Memory::default()).map_err(|nothing| match nothing {
+    teach_different(runs, agreement, options, doubts, &mut Memory::default()).map_err(|nothing| match nothing
+    {
         nothing if sentences.is_empty() || !nothing.is_of_runs() => nothing,
         nothing => TeachError::Doubtful { doubts: sentences, nothing: Box::new(nothing) },
     })
@@ -128,17 +109,17 @@ pub(crate) fn teach_again(
     memory: &mut Memory,
 ) -> Result<JobFile, TeachError> {
     options.check()?;
-    Ok(teach_different(runs, options, Vec::new(), memory)?.0)
+    Ok(teach_different(runs, agree(runs), options, Vec::new(), memory)?.0)
 }
 
-/// `doubts` is what speaks against the runs so far.
+/// `agreement` is what these runs have in common, `doubts` what speaks against them so far.
 fn teach_different(
     runs: &[Run],
+    agreement: Agreement,
     options: &TeachOptions,
     mut doubts: Vec<Doubt>,
     memory: &mut Memory,
 ) -> Result<(JobFile, TeachReport), TeachError> {
-    let agreement = agree(runs);
     if agreement.sequences.is_empty() {
         return Err(nothing_agrees(runs, &agreement));
     }

@@ -2,8 +2,8 @@
 //! as may be right does not leave the other part.
 
 use super::people::People;
-use super::sequence::{Agreement, Sequence};
-use super::{TeachOptions, measures_of, rates};
+use super::sequence::{Agreement, Sequence, agree};
+use super::{TeachError, TeachOptions, encoded_with, measures_of, rates};
 use crate::recording::NamedObject;
 use crate::run::{Iu, Run};
 use andon_core::config::Contact;
@@ -11,28 +11,59 @@ use andon_core::couple::Context;
 use andon_core::object::Meeting;
 
 /// The shares of the missing reach that are tried, one after the other.
-pub(super) const SHARES: [f32; 3] = [1.0, 0.5, 0.25];
+const SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 
-/// The objects of the runs, with contacts that last for strokes of any right length.
-pub(super) fn objects(
+/// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general, and what they have
+/// in common.
+///
+/// # Errors
+/// If the objects cannot be used.
+pub(super) fn widened(runs: Vec<Run>, options: &TeachOptions) -> Result<(Vec<Run>, Agreement), TeachError> {
+    let agreement = agree(&runs);
+    let people = People::of(&runs, &agreement);
+    if people.variety > 1.0 {
+        let reaches = reaches(&runs, &agreement, options, people);
+        for share in SHARES {
+            let mut objects = runs[0].objects.clone();
+            for (context, reach_m) in &reaches {
+                widen(&mut objects, *context, *reach_m, share, options.method.object_contact);
+            }
+            if objects == runs[0].objects {
+                break;
+            }
+            let widened = encoded_with(&objects, &runs)?;
+            let agreed = agree(&widened);
+            // Where parts lie near each other, they would seem to touch for longer.
+            if steps(&agreed).eq(steps(&agreement)) {
+                return Ok((widened, agreed));
+            }
+        }
+    }
+    Ok((runs, agreement))
+}
+
+/// The activity and the contexts of each step.
+fn steps(agreement: &Agreement) -> impl Iterator<Item = (u16, &[Context])> {
+    agreement.sequences.iter().map(|step| (step.activity, step.contexts.as_slice()))
+}
+
+/// How far apart the two parts of each IU may go in strokes of any right length, in metres.
+fn reaches(
     runs: &[Run],
     agreement: &Agreement,
     options: &TeachOptions,
     people: People,
-    share: f32,
-) -> Vec<NamedObject> {
-    let mut objects = runs[0].objects.clone();
+) -> Vec<(Context, f32)> {
     let rates = rates(runs, agreement, options.bounds.false_alarms, people);
+    let mut reaches = Vec::new();
     for sequence in &agreement.sequences {
         for (index, context) in sequence.contexts.iter().enumerate() {
             let longest_m = rates.longest_stroke_m(&measures_of(runs, sequence, index));
             let reach_m = longest_m.and_then(|longest_m| reach_m(runs, sequence, index, longest_m));
-            if let Some(reach_m) = reach_m {
-                widen(&mut objects, *context, reach_m, share, options.method.object_contact);
-            }
+            reaches.extend(reach_m.map(|reach_m| (*context, reach_m)));
         }
     }
-    objects
+    reaches
 }
 
 /// How far the two parts of an IU are apart at most in strokes of this length, as far as the demonstrations tell: at either end of a stroke

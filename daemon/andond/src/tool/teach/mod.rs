@@ -20,7 +20,7 @@ use andon_learn::run::Run;
 use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachOptions, teach};
 
-use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_to_learn};
+use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_for};
 use crate::atomic;
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
@@ -46,7 +46,7 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
         check_writable(file)?;
     }
     let recordings = recordings(arguments, before.as_ref())?;
-    let config = load_config_to_learn(&arguments.config, &recordings)?;
+    let config = load_config_for(&arguments.config, &recordings, Config::load_to_learn)?;
     let options = options(arguments, before.as_ref(), &recordings, &config)?;
     let runs = read_runs(&recordings, &config, &options.method)?;
     let (job, report) = teach(&runs, &options)?;
