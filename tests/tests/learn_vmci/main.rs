@@ -9,6 +9,8 @@ use andon_core::couple::Context;
 use andon_core::input::{Side, Space};
 use andon_core::object::Meeting;
 use andon_core::verdict::{Level, Outcome};
+use andon_learn::experiment::{Ladder, Split, Variation, experiment_2};
+use andon_learn::folder::Labelled;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
@@ -119,6 +121,32 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
             assert_eq!(judged(wrong(Capture::read(number))), Some(Outcome::Anomaly), "run {number}");
         }
     }
+}
+
+#[test]
+fn without_points_the_ladder_of_rules_begins_with_meetings_from_the_runs() {
+    let method = Method { space: Space::Metric, ..Method::default() };
+    let all: Vec<Labelled> = RUNS
+        .flat_map(|number| {
+            let labelled = |what: &str, capture: Capture| Labelled {
+                person: 1,
+                what: what.to_owned(),
+                repetition: number,
+                run: Run::new("run", "", &without_points(&capture), &method).unwrap(),
+            };
+            let capture = Capture::read(number);
+            [labelled("none", capture.clone()), labelled("swapped", capture.halves_swapped())]
+        })
+        .collect();
+    let rules = Variation::ladder_with_meetings(method.bins);
+    let outcomes = experiment_2(&all, &method, &rules, &[Split::Random], 1, &mut |_| {}).unwrap();
+    let untaught: Vec<u32> = outcomes.iter().map(|outcome| outcome.untaught).collect();
+    assert_eq!(untaught, [[10; 2].as_slice(), &[0; 9]].concat());
+    let default = outcomes.last().unwrap();
+    assert!(default.correct_jobs_ok >= 27, "{} of 30", default.correct_jobs_ok);
+    assert_eq!(default.flawed_jobs_found, 90);
+    let table = Ladder(vec![("motion capture".to_owned(), outcomes)]).to_string();
+    assert_eq!(table.matches(" | nothing").count(), 2, "{table}");
 }
 
 #[test]

@@ -23,7 +23,8 @@ pub fn run(arguments: &Experiment) -> Result<Code, ToolError> {
     let text = match (arguments.number, arguments.ladder, arguments.recordings.as_slice()) {
         (1, false, [folder]) => first(folder, arguments.cost)?,
         (2, false, [folder]) => {
-            Table(second(folder, arguments.cost, &[Split::Random, Split::LeavePersonOut])?).to_string()
+            let splits = [Split::Random, Split::LeavePersonOut];
+            Table(second(folder, arguments.cost, Variation::ladder, &splits)?).to_string()
         }
         (2, true, folders) => ladder(folders, arguments.cost)?,
         (_, ladder, _) => {
@@ -47,10 +48,15 @@ fn first(folder: &Path, cost: Option<Cost>) -> Result<String, ToolError> {
     Ok(result.to_string())
 }
 
-fn second(folder: &Path, cost: Option<Cost>, splits: &[Split]) -> Result<Vec<Outcome>, ToolError> {
+fn second(
+    folder: &Path,
+    cost: Option<Cost>,
+    variations: fn(u8) -> Vec<Variation>,
+    splits: &[Split],
+) -> Result<Vec<Outcome>, ToolError> {
     let method = method(folder)?;
     let all = read(folder, &method)?;
-    let mut variations = Variation::ladder(method.bins);
+    let mut variations = variations(method.bins);
     if let Some(cost) = cost {
         variations = Variation::with_cost(variations, cost.local(method.bins));
     }
@@ -64,7 +70,7 @@ fn second(folder: &Path, cost: Option<Cost>, splits: &[Split]) -> Result<Vec<Out
 fn ladder(folders: &[PathBuf], cost: Option<Cost>) -> Result<String, ToolError> {
     let outcomes = |folder: &PathBuf| {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
-        Ok((name, second(folder, cost, &[Split::Random])?))
+        Ok((name, second(folder, cost, Variation::ladder_with_meetings, &[Split::Random])?))
     };
     let folders = folders.iter().map(outcomes).collect::<Result<_, ToolError>>()?;
     Ok(Ladder(folders).to_string())

@@ -9,7 +9,8 @@ pub struct Ladder(pub Vec<(String, Vec<Outcome>)>);
 
 /// How to read the table.
 const LEGEND: &str = "IU: accuracy of the IUs by the paper's protocol (two thirds of the correct executions at random, 10 rounds); right: correct jobs \
-     that are OK; found: flawed jobs with an anomaly; J1: those whose polishing stops halfway, missed of all.";
+     that are OK; found: flawed jobs with an anomaly; J1: those whose polishing stops halfway, missed of all; nothing: the \
+     correct executions have nothing in common.";
 
 impl fmt::Display for Ladder {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -43,7 +44,11 @@ fn write_cells(f: &mut fmt::Formatter<'_>, outcome: &Outcome) -> fmt::Result {
     write!(
         f,
         " | {:>7} {:>7} {:>7} {:>10}",
-        format!("{:.1} %", 100.0 * outcome.ius.accuracy().0),
+        if outcome.ius.0.is_empty() {
+            "nothing".to_owned()
+        } else {
+            format!("{:.1} %", 100.0 * outcome.ius.accuracy().0)
+        },
         percent(outcome.correct_jobs_ok, outcome.correct_jobs),
         percent(outcome.flawed_jobs_found, outcome.flawed_jobs),
         if outcome.j1 == 0 { "none".to_owned() } else { format!("{} of {}", outcome.j1_missed, outcome.j1) }

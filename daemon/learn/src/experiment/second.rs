@@ -8,7 +8,7 @@ use crate::folder::{CORRECT, Labelled};
 use crate::job_file::JobFile;
 use crate::recording::NamedObject;
 use crate::run::{Run, RunError, verdicts};
-use crate::teach::{Memory, TeachError, TeachOptions, teach_again};
+use crate::teach::{Memory, TeachError, TeachOptions, as_shown_to_meet, teach_again};
 use andon_core::config::Method;
 use andon_core::couple::Couples;
 use andon_core::verdict::{self, Level, Verdict};
@@ -73,13 +73,16 @@ pub struct Outcome {
     pub j1: u32,
     /// The number of `J1` in which the IU that stopped halfway was judged correct.
     pub j1_missed: u32,
+    /// The number of rounds in which the training executions had nothing in common.
+    pub untaught: u32,
 }
 
 /// Runs the experiment with each variation under each split; the outcomes are in the order of splits, then variations. `seed` is that of the
 /// random split. `progress` is called with the share that is done, 0 to 1.
 ///
 /// # Errors
-/// If there are too few executions, or a job cannot be taught or used by the judge.
+/// If there are too few executions, or a job cannot be taught or used by the judge. Where a variation finds where hands and objects meet,
+/// another one may find nothing in common.
 pub fn run(
     all: &[Labelled],
     method: &Method,
@@ -97,6 +100,7 @@ pub fn run(
     // Where no variation is without the filter, nothing is encoded again.
     let needs_both = variations.iter().any(|variation| !variation.is_filtered);
     let raw = if needs_both { encoded_again(all, &unfiltered)? } else { Vec::new() };
+    let finds_meetings = variations.iter().any(|variation| variation.finds_meetings);
     let (mut outcomes, mut done) = (Vec::new(), 0);
     for (split, rounds) in divided {
         let first = outcomes.len();
@@ -104,10 +108,15 @@ pub fn run(
         for (training, test) in rounds {
             let mut filtered = Training::new(all, &training, *method);
             let mut raw = needs_both.then(|| Training::new(&raw, &training, unfiltered));
+            let mut met = finds_meetings.then(|| filtered.as_shown_to_meet()).transpose()?;
             let mut tested = Tested::new(all, &test);
             for outcome in &mut outcomes[first..] {
                 let raw = raw.as_mut().filter(|_| !outcome.variation.is_filtered);
-                tested.add_to(outcome, &raw.unwrap_or(&mut filtered).teach(&outcome.variation)?)?;
+                let met = met.as_mut().filter(|_| outcome.variation.finds_meetings);
+                match raw.or(met).unwrap_or(&mut filtered).teach(&outcome.variation) {
+                    Err(nothing) if finds_meetings && nothing.is_of_runs() => outcome.untaught += 1,
+                    job => tested.add_to(outcome, &job?)?,
+                }
                 done += 1;
                 progress(f64::from(done) / steps);
             }
@@ -181,19 +190,26 @@ impl Training {
         Self { method, runs, memory: Memory::default() }
     }
 
-    /// The job that these rules teach, where hands and objects meet as the paper gives it.
+    /// The same executions where hands and objects meet as these show it.
+    fn as_shown_to_meet(&self) -> Result<Self, TeachError> {
+        let runs = as_shown_to_meet(&self.runs, &self.options())?;
+        Ok(Self { method: self.method, runs, memory: Memory::default() })
+    }
+
+    /// The job that these rules teach, where hands and objects meet as the runs are encoded.
     fn teach(&mut self, rules: &Variation) -> Result<JobFile, TeachError> {
-        let options = TeachOptions {
-            cost: rules.cost,
-            max_slowdown: rules.max_slowdown,
-            rule: rules.rule,
-            bounds: rules.bounds,
+        let Variation { cost, max_slowdown, rule, bounds, .. } = *rules;
+        let options = TeachOptions { cost, max_slowdown, rule, bounds, ..self.options() };
+        teach_again(&self.runs, &options, &mut self.memory)
+    }
+
+    fn options(&self) -> TeachOptions {
+        TeachOptions {
             // The experiment judges recordings with all their frames, and teaches hundreds of times.
             measure_rate: false,
             examine_runs: false,
             ..TeachOptions::new("experiment 2", "", self.method)
-        };
-        teach_again(&self.runs, &options, &mut self.memory)
+        }
     }
 }
 
@@ -244,6 +260,7 @@ impl Outcome {
             flawed_jobs_found: 0,
             j1: 0,
             j1_missed: 0,
+            untaught: 0,
         }
     }
 

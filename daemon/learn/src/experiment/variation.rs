@@ -11,6 +11,8 @@ pub struct Variation {
     pub name: &'static str,
     /// Whether `x_m` passes through the opening-closing filter.
     pub(super) is_filtered: bool,
+    /// Whether the runs show where and how near hands and objects meet. Otherwise they meet at the points that the recordings give.
+    pub(super) finds_meetings: bool,
     /// How motions are compared.
     pub(super) cost: LocalCost,
     /// The job's [`max_slowdown`](andon_core::job::Job::max_slowdown).
@@ -28,6 +30,7 @@ impl Variation {
         Self {
             name: "paper",
             is_filtered: true,
+            finds_meetings: false,
             cost: LocalCost::Normalised { bins },
             max_slowdown: 1.0,
             rule: ThresholdRule::PAPER,
@@ -67,6 +70,17 @@ impl Variation {
             ..duration.clone()
         };
         vec![unfiltered, paper, ordinal, left_out, circular, wider, borders, measures, duration, default]
+    }
+
+    /// The same [`ladder`](Self::ladder) with one more step behind the paper's rules: hands and objects meet where the runs show it.
+    pub fn ladder_with_meetings(bins: u8) -> Vec<Self> {
+        let paper = Self::paper(bins);
+        let found = Self { name: "+ meetings from the runs", finds_meetings: true, ..paper.clone() };
+        let mut all = Self::ladder(bins);
+        let behind = 1 + all.iter().position(|one| *one == paper).unwrap_or_default();
+        all[behind..].iter_mut().for_each(|one| one.finds_meetings = true);
+        all.insert(behind, found);
+        all
     }
 
     /// The same variations with this cost in each; those that differ in nothing else are left out.

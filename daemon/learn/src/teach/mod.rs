@@ -65,11 +65,17 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
     if !options.find_meetings {
         return teach_examined(&runs, agree(&runs), options, twice);
     }
-    let (objects, unsure) = meetings::learn(&runs, &options.method);
-    let (met, agreement) = reach::widened(encoded_with(&objects, &runs)?, options)?;
+    let (met, agreement, unsure) = meet(&runs, options)?;
     let (job, mut report) = teach_examined(&met, agreement, options, twice)?;
     report.unsure = unsure;
     Ok((job, report))
+}
+
+/// The runs as they are where hands and objects meet as these runs show it, what they then have in common, and what is not sure of it.
+fn meet(runs: &[Run], options: &TeachOptions) -> Result<(Vec<Run>, Agreement, Vec<Unsure>), TeachError> {
+    let (objects, unsure) = meetings::learn(runs, &options.method);
+    let (met, agreement) = reach::widened(encoded_with(&objects, runs)?, options)?;
+    Ok((met, agreement, unsure))
 }
 
 /// The runs as they are where hands and objects meet so.
@@ -97,6 +103,14 @@ fn teach_examined(
         nothing if sentences.is_empty() || !nothing.is_of_runs() => nothing,
         nothing => TeachError::Doubtful { doubts: sentences, nothing: Box::new(nothing) },
     })
+}
+
+/// The runs as they are where hands and objects meet as these runs show it.
+///
+/// # Errors
+/// If the objects cannot be used.
+pub(crate) fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>, TeachError> {
+    Ok(meet(runs, options)?.0)
 }
 
 /// Teaches runs as they are, where hands and parts meet as these say, with what was learned from the same runs before.
