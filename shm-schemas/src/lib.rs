@@ -73,6 +73,8 @@ pub mod flag {
     pub const CAPTURED: u32 = 1 << 2;
     /// An object lies elsewhere than before, and no hand was seen at it.
     pub const MOVED_UNSEEN: u32 = 1 << 3;
+    /// An object moves that a hand was at when it was last seen.
+    pub const CARRIED_UNSEEN: u32 = 1 << 4;
     /// The motion was measured.
     pub const MEASURED: u8 = 1;
     /// The frame itself shows the context.

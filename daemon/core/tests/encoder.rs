@@ -258,6 +258,29 @@ fn an_object_that_moves_without_any_hand_has_moved_unseen() {
 }
 
 #[test]
+fn what_a_hand_carries_that_is_not_seen_is_not_what_is_exchanged_between_two_frames() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 60).rest(40);
+    let is_carried = |frames: &[Frame]| {
+        encode(&bench.ids(), frames).iter().map(|couples| couples.is_carried_unseen).collect::<Vec<bool>>()
+    };
+    assert!(is_carried(&bench.frames).iter().all(|is_carried| !is_carried), "the hand is seen");
+    let mut frames = bench.frames.clone();
+    frames[10..].iter_mut().for_each(|frame| frame.hands.clear());
+    let carried = is_carried(&frames);
+    assert!(carried[40..70].iter().all(|is_carried| *is_carried));
+    assert!(carried[..20].iter().chain(&carried[95..]).all(|is_carried| !is_carried), "it lies there");
+    // What the hand had left before it went out of sight is not in it.
+    frames[..10].iter_mut().for_each(|frame| frame.hands[0].tips = [[0.0, -0.2, 0.0]; 3]);
+    assert!(is_carried(&frames).iter().all(|is_carried| !is_carried));
+    let mut exchanged = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.0])]);
+    exchanged.hand(Side::Right, [0.0, 0.0]).rest(80);
+    exchanged.frames[20..].iter_mut().for_each(|frame| frame.hands.clear());
+    exchanged.frames[50..].iter_mut().for_each(|frame| frame.objects[0].position[0] += 0.3);
+    assert!(is_carried(&exchanged.frames).iter().all(|is_carried| !is_carried));
+}
+
+#[test]
 fn what_was_not_measured_is_unknown_and_not_rest() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 40).rest(20);

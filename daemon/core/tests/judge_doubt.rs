@@ -55,6 +55,24 @@ fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearran
     assert_eq!(job.ended_ns, (250 + 121) * PERIOD_NS);
 }
 
+/// After a pause in which the bench is empty, the piece is measured and never polished. Before the pause something is moved.
+fn measured_after_a_pause(moved: impl Fn(&mut Couples)) -> String {
+    let mut couples = stream(&[&[away(300)][..], &measure(), &[idle(20)]].concat(), &[]);
+    couples[20..60].iter_mut().for_each(moved);
+    short(judged(&polish_and_measure(), &couples).last().unwrap())
+}
+
+#[test]
+fn a_pause_shows_the_start_of_a_job_unless_a_hand_that_was_not_seen_has_carried_something_before() {
+    assert_eq!(measured_after_a_pause(|_| ()), "JobAnomaly NotCompleted");
+    assert_eq!(
+        measured_after_a_pause(|couples| couples.has_moved_unseen = true),
+        "JobAnomaly NotCompleted",
+        "the next piece is put in place"
+    );
+    assert_eq!(measured_after_a_pause(|couples| couples.is_carried_unseen = true), "NotJudged Blind");
+}
+
 #[test]
 fn a_job_in_which_objects_moved_without_a_hand_is_not_right() {
     let right = [polish(6), measure()].concat();

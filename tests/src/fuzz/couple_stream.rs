@@ -180,6 +180,7 @@ impl Line<'_> {
                 .map(|()| [Sight::Seen, Sight::Assumed, Sight::Unseen][usize::from(input.below(24) / 11)]);
             let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
             let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
+            let is_carried_unseen = input.below(8) == 0;
             let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
@@ -208,6 +209,7 @@ impl Line<'_> {
                     known_ns: captured_ns,
                     is_captured,
                     has_moved_unseen,
+                    is_carried_unseen,
                     undone: ActivitySet::from_bits(u32::from(input.byte())),
                     hands,
                 });

@@ -193,6 +193,7 @@ mod tests {
             known_ns: at_ns,
             is_captured: true,
             has_moved_unseen: false,
+            is_carried_unseen: false,
             undone: ActivitySet::EMPTY,
             hands: [Couple::idle(Side::Right, at_ns), left],
         }

@@ -10,8 +10,9 @@ pub fn write(couples: &Couples, message: &mut Message) {
     message.described_ns = couples.captured_ns;
     message.known_ns = couples.known_ns;
     message.undone = couples.undone.bits();
-    message.flags |=
-        bit(couples.is_captured, flag::CAPTURED) | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN);
+    message.flags |= bit(couples.is_captured, flag::CAPTURED)
+        | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN)
+        | bit(couples.is_carried_unseen, flag::CARRIED_UNSEEN);
     for (couple, place) in couples.hands.iter().zip(message.hands.iter_mut()) {
         *place = HandCouple {
             x_c: couple.context.0,
@@ -49,6 +50,7 @@ pub fn read(message: &Message) -> Couples {
         known_ns: message.known_ns,
         is_captured: message.flags & flag::CAPTURED != 0,
         has_moved_unseen: message.flags & flag::MOVED_UNSEEN != 0,
+        is_carried_unseen: message.flags & flag::CARRIED_UNSEEN != 0,
         undone: ActivitySet::from_bits(message.undone),
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
@@ -94,6 +96,7 @@ mod tests {
             known_ns: 11,
             is_captured: true,
             has_moved_unseen: true,
+            is_carried_unseen: true,
             undone,
             hands,
         };

@@ -150,6 +150,8 @@ pub struct Couples {
     pub is_captured: bool,
     /// An object lies elsewhere than before, and no hand was seen at it: a hand was overlooked, or somebody rearranged the bench.
     pub has_moved_unseen: bool,
+    /// An object moves that a hand was at when it was last seen: that hand carries it, unseen.
+    pub is_carried_unseen: bool,
     /// The activities that have not been done: an object that they move for good lies where it does at the beginning of the job.
     pub undone: ActivitySet,
     /// Right hand, then left hand.

@@ -35,6 +35,8 @@ pub struct JobSegmenter {
     handless_ns: u64,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
+    /// A hand that was not seen has carried something since the last job: the next one may have begun.
+    may_have_begun: bool,
     /// Objects have moved unseen since a hand last acted.
     is_disturbed: bool,
     job: Option<OpenJob>,
@@ -53,6 +55,7 @@ impl JobSegmenter {
             newest_ns: 0,
             handless_ns: 0,
             has_paused: false,
+            may_have_begun: false,
             is_disturbed: false,
             job: None,
         })
@@ -94,8 +97,9 @@ impl JobSegmenter {
             self.handless_ns = self.handless_ns.saturating_add(elapsed_ns.min(2 * self.period_ns));
         }
         self.is_disturbed |= couples.has_moved_unseen;
+        self.may_have_begun |= self.job.is_none() && couples.is_carried_unseen;
         self.has_paused |= self.job.is_none() && self.handless_ns >= self.idle_end_ns;
-        self.has_paused &= !couples.has_moved_unseen;
+        self.has_paused &= !couples.has_moved_unseen && !self.may_have_begun;
     }
 
     /// Whether an activity would begin with this couple, if it were the next one.
@@ -134,7 +138,7 @@ impl JobSegmenter {
 
     fn begin(&mut self, began_ns: u64, is_start_seen: bool, emit: &mut impl FnMut(Event)) {
         self.job = Some(OpenJob { began_ns, ended_ns: began_ns, touched: false, matched: false });
-        self.has_paused = false;
+        (self.has_paused, self.may_have_begun) = (false, false);
         emit(Event::JobBegan { began_ns, is_start_seen });
     }
 

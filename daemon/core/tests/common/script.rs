@@ -110,6 +110,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 known_ns: captured_ns + 5 * PERIOD_NS,
                 is_captured: true,
                 has_moved_unseen: false,
+                is_carried_unseen: false,
                 undone: ActivitySet::EMPTY,
                 hands,
             }

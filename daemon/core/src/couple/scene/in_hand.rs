@@ -168,7 +168,7 @@ impl Scene {
     }
 
     /// How far something may move while a change is believed and still be at rest, in metres.
-    fn rest_m(&self) -> f32 {
+    pub(super) fn rest_m(&self) -> f32 {
         self.method.rest_speed_m_s * f32::from(self.method.persist_frames) / self.method.rate_hz
     }
 

@@ -73,6 +73,8 @@ pub(super) struct Scene {
     clear: [u32; HANDS],
     /// Bit k: something had moved unseen k frames before the newest.
     moved_unseen: u32,
+    /// Bit k: something was carried by a hand that was not seen k frames before the newest.
+    carried_unseen: u32,
     /// For how many frames no hand has been seen.
     handless_frames: u32,
     hands: [Recent<HandPose>; HANDS],
@@ -113,6 +115,7 @@ impl Scene {
             captured: 0,
             clear: [0; HANDS],
             moved_unseen: 0,
+            carried_unseen: 0,
             handless_frames: 0,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             objects,
@@ -153,6 +156,7 @@ impl Scene {
         self.push_edges();
         self.update_grips();
         self.push_moved_unseen();
+        self.push_carried_unseen();
         self.push_clear();
         self.push_rivals();
     }
@@ -268,6 +272,7 @@ impl Scene {
             known_ns,
             is_captured: self.captured >> age & 1 == 1,
             has_moved_unseen: self.moved_unseen >> age & 1 == 1,
+            is_carried_unseen: self.carried_unseen >> age & 1 == 1,
             undone: self.undone(age),
             hands,
         }
