@@ -447,6 +447,24 @@ fn a_part_that_a_hand_has_let_go_of_unjudged_excuses_nothing_in_the_next_job() {
     assert!(verdicts.contains(&"JobAnomaly WrongOrder".to_owned()), "{verdicts:?}");
 }
 
+/// The polisher is taken, and put down again. From before it is taken until this frame, something is hidden that it may have been used on.
+fn used_unseen_until(frame: usize) -> Vec<String> {
+    let taken = Part { frames: 30 + 96 + 30, ..polish(6)[0] };
+    let all = [vec![idle(20), taken, idle(20)], measure().to_vec()].concat();
+    let mut couples = stream(&all, &[]);
+    for couples in &mut couples[15..frame] {
+        (couples.hands[0].is_clear, couples.hands[0].is_doubtful) = (false, true);
+    }
+    judged(&polish_and_measure(), &couples).iter().map(short).collect()
+}
+
+#[test]
+fn what_was_hidden_since_an_iu_began_in_doubt_may_lie_between_it_and_its_like() {
+    let is_wrong = |verdicts: Vec<String>| verdicts.iter().any(|verdict| verdict.contains("Anomaly"));
+    assert!(!is_wrong(used_unseen_until(150)));
+    assert!(is_wrong(used_unseen_until(25)), "too short a time to polish");
+}
+
 /// The last verdict on an IU that is one frame too short, if this many of its frames were not seen.
 fn one_frame_too_short(assumed: usize) -> String {
     let [grasp, ..] = polish(6);

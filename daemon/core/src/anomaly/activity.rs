@@ -155,15 +155,17 @@ impl OpenActivity {
     /// The newest IU began in doubt, and it is certain now that it has happened.
     pub(super) fn confirm_iu(&mut self, job: &Job<'_>) {
         let (context, junction) = self.newest;
-        let junction = Junction { is_doubtful: false, ..junction };
+        // What was not seen so far lies before it, or between two IUs in this context.
+        let hidden = core::mem::take(&mut self.junction).hidden;
+        let before_it = junction.hidden.saturating_add(hidden);
+        let junction = Junction { is_doubtful: false, hidden: before_it, ..junction };
         for ((places, before), nominal) in self.places.iter_mut().zip(self.places_before).zip(job.activities)
         {
             if !places.is_empty() {
-                *places = before.step(nominal.ius, context, junction);
+                let places_of_it = before.step(nominal.ius, context, junction);
+                *places = places_of_it.resume(hidden, nominal.ius, context);
             }
         }
-        // What was not seen so far lies before it.
-        self.junction = Junction::default();
     }
 
     /// The newest IU may not have happened.
