@@ -1,0 +1,150 @@
+//! Commands that learn a job, judge recordings by it, and look into both.
+
+use std::path::PathBuf;
+
+use andon_core::job::LocalCost;
+use clap::{Args, ValueEnum};
+
+use super::ConfigArgs;
+
+/// `andond teach`
+#[derive(Debug, Args)]
+pub struct Teach {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Correct runs of the whole job: films, folders of pictures or track files; with --add and --without those that the job was taught
+    /// from and that are neither beside the job file nor in the current folder
+    #[arg(required_unless_present_any = ["add", "without"])]
+    pub recordings: Vec<PathBuf>,
+    /// The job file to write; with --add and --without the one to change
+    #[arg(short, long)]
+    pub out: PathBuf,
+    /// One more correct run for an existing job; can be repeated
+    #[arg(long, value_name = "RECORDING")]
+    pub add: Vec<PathBuf>,
+    /// The name of a recording that the existing job should no longer be taught from; can be repeated
+    #[arg(long, value_name = "NAME")]
+    pub without: Vec<String>,
+    /// How strict the job is, 1 to 5: at 1 its measures accuse one right job in 133, then one in 67, 33 and 17, at 5 one in 8, and less
+    /// evidence makes the order of two steps a law [default: 3]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
+    pub strictness: Option<u8>,
+    /// Draw the steps of the job and their order into this file
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+    /// The number by which a PLC selects the job [default: 1]
+    #[arg(long)]
+    pub id: Option<u32>,
+    /// Name of the job [default: the name of the job file]
+    #[arg(long)]
+    pub name: Option<String>,
+    /// Rule for the thresholds [default: leave-one-out]
+    #[arg(long, value_enum)]
+    pub rule: Option<ThresholdRule>,
+    /// How motions are compared [default: circular]
+    #[arg(long, value_enum)]
+    pub cost: Option<Cost>,
+    /// Whether the steps must come in the order in which most runs have them, or may come in any [default: what all runs show is law where
+    /// the evidence is enough]
+    #[arg(long)]
+    pub order: Option<bool>,
+    /// Write the job even if the report says that the runs cannot be trusted, and even over an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// How thresholds are taught.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ThresholdRule {
+    /// The paper's: mean + 2 sigma of the runs' distances to their barycentre.
+    Paper,
+    /// The distance of each run to the barycentre of the others.
+    LeaveOneOut,
+    /// Leave-one-out distances, at a stated rate of false alarms.
+    Conformal,
+}
+
+/// How motions are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Cost {
+    /// The paper's: features are numbers, each divided by the length of its range.
+    Normalised,
+    /// Features are numbers, each in its own unit.
+    Ordinal,
+    /// Directions are points on a circle.
+    Circular,
+}
+
+impl Cost {
+    /// The cost with this number of direction bins.
+    pub fn local(self, bins: u8) -> LocalCost {
+        match self {
+            Self::Normalised => LocalCost::Normalised { bins },
+            Self::Ordinal => LocalCost::Ordinal,
+            Self::Circular => LocalCost::Circular { bins },
+        }
+    }
+}
+
+/// `andond replay`
+#[derive(Debug, Args)]
+pub struct Replay {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The taught job
+    #[arg(short, long)]
+    pub job: PathBuf,
+    /// A film, a folder of pictures or a track file
+    pub recording: PathBuf,
+    /// Print one JSON object per verdict
+    #[arg(long)]
+    pub json: bool,
+    /// Write a copy of the film, with what was seen and judged drawn on it
+    #[arg(long, value_name = "FILE.mp4")]
+    pub annotate: Option<PathBuf>,
+}
+
+/// `andond segment`
+#[derive(Debug, Args)]
+pub struct Segment {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// A film, a folder of pictures or a track file
+    pub recording: PathBuf,
+    /// Print one JSON object per event
+    #[arg(long)]
+    pub json: bool,
+    /// Draw the features and contexts over time, one lane each, with the IUs and activities as bands
+    #[arg(long, value_name = "FILE.svg")]
+    pub plot: Option<PathBuf>,
+}
+
+/// `andond analyze`
+#[derive(Debug, Args)]
+pub struct Analyze {
+    /// Folder of recordings (track files)
+    pub recordings: PathBuf,
+    /// Folder to write the report into
+    #[arg(short, long)]
+    pub out: PathBuf,
+}
+
+/// `andond experiment`
+#[derive(Debug, Args)]
+pub struct Experiment {
+    /// Which experiment of the paper: 1 or 2
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+    pub number: u8,
+    /// Folder of recordings (track files); several with --ladder
+    #[arg(required = true)]
+    pub recordings: Vec<PathBuf>,
+    /// How motions are compared [default: circular in experiment 1, each rule's own in experiment 2]
+    #[arg(long, value_enum)]
+    pub cost: Option<Cost>,
+    /// What each rule gains in experiment 2, all folders side by side in one table
+    #[arg(long)]
+    pub ladder: bool,
+}

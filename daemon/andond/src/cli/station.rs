@@ -1,0 +1,202 @@
+//! Commands that run a station, and those that look at one that runs or has run.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use super::ConfigArgs;
+
+/// `andond demo`
+#[derive(Debug, Args)]
+pub struct Demo {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Folder with the clips
+    #[arg(long, default_value = "tests/footage")]
+    pub clips: PathBuf,
+    /// Job to watch
+    #[arg(long, default_value = "config/jobs/polish-and-measure.toml")]
+    pub job: PathBuf,
+    /// Play at the clips' own rate (file), or as fast as the line can (max)
+    #[arg(long, value_enum, default_value_t = Speed::File)]
+    pub speed: Speed,
+    /// Write a copy of each clip into this folder, with what was seen and judged drawn on it
+    #[arg(long, value_name = "FOLDER")]
+    pub annotate: Option<PathBuf>,
+}
+
+/// How fast a recording is played.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Speed {
+    /// At its own rate.
+    File,
+    /// As fast as the readers can; nothing is dropped.
+    Max,
+}
+
+/// `andond run`
+#[derive(Debug, Args)]
+pub struct Run {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Use the files as they are, even if the running line uses others
+    #[arg(long)]
+    pub as_given: bool,
+    /// The role
+    #[arg(value_enum)]
+    pub role: Role,
+}
+
+/// A role of the line, one process each, in the order of the data path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Role {
+    /// Owns every channel and removes what dead processes leave behind
+    Steward,
+    /// Takes frames from the camera or the recording
+    Capture,
+    /// Turns frames into detections
+    Perceive,
+    /// Turns detections into feature couples
+    Encode,
+    /// Turns feature couples into verdicts
+    Judge,
+    /// Writes verdicts to the database
+    Journal,
+    /// Passes verdicts to the PLC, and its commands to the judge
+    Plc,
+    /// Counts what the line does, for a monitoring system
+    Metrics,
+}
+
+/// `andond check`
+#[derive(Debug, Args)]
+pub struct Check {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+}
+
+/// `andond config`
+#[derive(Debug, Args)]
+pub struct ConfigCommand {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Print the annotated reference: every key with its meaning, unit, range and default
+    #[arg(long)]
+    pub default: bool,
+}
+
+/// `andond tail`
+#[derive(Debug, Args)]
+pub struct Tail {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Print one JSON object per verdict
+    #[arg(long)]
+    pub json: bool,
+    /// Show only anomalies and what could not be judged
+    #[arg(long)]
+    pub nok: bool,
+    /// Show only this level
+    #[arg(long, value_enum)]
+    pub level: Option<Level>,
+}
+
+/// The level of a verdict.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Level {
+    /// Interaction Units.
+    Iu,
+    /// Activities.
+    Activity,
+    /// Jobs.
+    Job,
+}
+
+/// `andond status`
+#[derive(Debug, Args)]
+pub struct Status {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `andond history`
+#[derive(Debug, Args)]
+pub struct History {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Show only what was decided after this time (RFC 3339) or within this span before now (`90m`, `8h`, `7d`)
+    #[arg(long)]
+    pub since: Option<String>,
+    /// Show only the job with this number
+    #[arg(long)]
+    pub job: Option<u32>,
+    /// Show only the part with this id; an empty one shows what was judged without an id
+    #[arg(long, value_name = "ID")]
+    pub part: Option<String>,
+    /// Show only anomalies and what could not be judged
+    #[arg(long)]
+    pub nok: bool,
+    /// Show who has changed what instead: commands, job loads, configuration, program
+    #[arg(long, conflicts_with_all = ["job", "part", "nok"])]
+    pub audit: bool,
+    /// Print comma-separated values instead of a table
+    #[arg(long)]
+    pub csv: bool,
+}
+
+/// `andond backup`
+#[derive(Debug, Args)]
+pub struct Backup {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The archive to write (tar)
+    pub archive: PathBuf,
+}
+
+/// `andond restore`
+#[derive(Debug, Args)]
+pub struct Restore {
+    /// The archive that `andond backup` wrote
+    pub archive: PathBuf,
+    /// Only show what is in it, and check it
+    #[arg(long)]
+    pub list: bool,
+    /// Replace existing files that differ
+    #[arg(long)]
+    pub replace: bool,
+    /// Put the files under this folder instead of where they were
+    #[arg(long, value_name = "FOLDER")]
+    pub into: Option<PathBuf>,
+}
+
+/// `andond idle`
+#[derive(Debug, Args)]
+pub struct Idle {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// How long to wait, in seconds
+    #[arg(long, default_value_t = 300)]
+    pub timeout: u32,
+}
+
+/// `andond part`
+#[derive(Debug, Args)]
+pub struct Part {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The part or serial id, printable ASCII, at most 32 characters; "" for none
+    pub id: String,
+}
