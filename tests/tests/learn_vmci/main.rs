@@ -175,6 +175,19 @@ fn halves_in_reverse_order_are_an_anomaly() {
 }
 
 #[test]
+fn halves_in_reverse_order_are_an_anomaly_where_it_is_not_known_that_the_recording_begins_with_the_job() {
+    for (number, job) in TAUGHT_BY_OTHERS.iter() {
+        for swap in [Capture::halves_swapped, Capture::halves_swapped_without_a_jump] {
+            let verdicts = judged(job, &swap(Capture::read(*number)).recording());
+            // The first half of the first job may have come before. The second half of the second one did not come.
+            assert_eq!(jobs(&verdicts), [Outcome::NotJudged, Outcome::Anomaly], "run {number}");
+        }
+        let verdicts = judged(job, &Capture::read(*number).recording());
+        assert_eq!(jobs(&verdicts), [Outcome::Ok], "run {number}");
+    }
+}
+
+#[test]
 fn a_way_back_that_is_cut_short_is_an_anomaly() {
     assert_eq!(judged_ok(Capture::cut_short), none());
 }
