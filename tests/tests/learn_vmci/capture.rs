@@ -17,6 +17,9 @@ const HAND_MARKERS: usize = 6;
 /// Half a second.
 const BRIDGE_FRAMES: usize = RATE_HZ as usize / 2;
 
+/// So many frames before the label says that the box has come, it is in the hand and at the table.
+const HOLD_BEFORE_FRAMES: i64 = 3;
+
 /// Id of the box, which is moved from the shelf to the table and back.
 pub(crate) const BOX: u16 = 1;
 /// Id of the table.
@@ -148,6 +151,16 @@ impl Capture {
         let pairs = self.instants.windows(2).flat_map(|pair| [pair[0].clone(), halfway(&pair[0], &pair[1])]);
         let instants = pairs.chain(self.instants.last().cloned()).collect();
         Self { instants, ..self }
+    }
+
+    /// Stops for so many seconds where the box has come to the table.
+    pub(crate) fn held_at_the_table(self, seconds: f32) -> Self {
+        let arrival = self.label("move_obj_table").1 - HOLD_BEFORE_FRAMES;
+        let repeated = |instant: Instant| {
+            let is_held = instant.number == arrival;
+            vec![instant; if is_held { (seconds * RATE_HZ) as usize } else { 1 }]
+        };
+        Self { instants: self.instants.into_iter().flat_map(repeated).collect(), ..self }
     }
 
     /// Has the whole bench turned by 30 degrees about the vertical axis.
