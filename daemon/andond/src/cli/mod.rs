@@ -9,8 +9,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-pub use bench::{Calibrate, Record};
-pub use jobs::{Analyze, Cost, Experiment, Replay, Segment, Teach, ThresholdRule};
+pub use bench::{Calibrate, Record, Tracks};
+pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use};
 pub use station::{
     Backup, Check, ConfigCommand, Demo, History, Idle, Level, Part, Restore, Role, Run, Speed, Status, Tail,
 };
@@ -46,8 +46,14 @@ pub enum Command {
     Segment(Segment),
     /// Find the bench in a picture of four markers at known positions
     Calibrate(Calibrate),
-    /// Write what a running station sees, or a film shows, to a track file
+    /// Write what a running station sees to a track file
     Record(Record),
+    /// Write what a film shows to a track file
+    Tracks(Tracks),
+    /// List the jobs of a station, with the one in force
+    Jobs(Jobs),
+    /// Load a job into a running station; exit 0: it is in force, 1: the judge has refused it
+    Use(Use),
     /// Run one role of a station in this process
     Run(Run),
     /// Read the configuration and report every fault in it

@@ -16,7 +16,6 @@ use shm_schemas::PartId;
 use super::{ToolError, job, load_config_for, progress};
 use crate::cli::Replay;
 use crate::compatibility;
-use crate::config::Config;
 use crate::picture::Annotator;
 use crate::recording::Recording;
 use crate::report::{Names, VerdictLine, verdict_sentence};
@@ -32,7 +31,7 @@ const NOT_JUDGED: u8 = 2;
 /// What is missing or damaged.
 pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let file = job::load(&arguments.job)?;
-    let config = load_config_for(&arguments.config, from_ref(&arguments.recording), Config::load)?;
+    let config = load_config_for(&arguments.config, from_ref(&arguments.recording))?;
     let mut recording = Recording::open(&arguments.recording, &config)?;
     compatibility::recording(&file, recording.header())
         .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;

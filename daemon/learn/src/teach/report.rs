@@ -158,50 +158,77 @@ impl TeachReport {
         })
     }
 
-    fn words(&self, context: Context) -> String {
+    /// A context in words, with the names of the objects.
+    pub(super) fn words(&self, context: Context) -> String {
         context_words(context, |id| object_name(&self.objects, id))
     }
 }
 
 impl fmt::Display for TeachReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for line in summary(self.used(), self.runs, &self.doubts, &|context| self.words(context)) {
+        for line in self.summary() {
             writeln!(f, "{line}")?;
         }
         for warning in self.warnings() {
             writeln!(f, "note: {warning}")?;
         }
         write!(f, "{}", self.order)?;
-        if let Some(rejected) = &self.rejected {
-            writeln!(f, "{}", rejected_words(self.order.runs, rejected))?;
-        }
-        if self.min_rate_hz > 0.0 {
-            writeln!(
-                f,
-                "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
-                self.min_rate_hz, self.rate_hz
-            )?;
+        for line in self.findings() {
+            writeln!(f, "{line}")?;
         }
         self.write_table(f)?;
-        self.write_promise(f)
+        if self.has_measures() {
+            write!(f, "{}", self.noticed())?;
+        }
+        for line in self.promise() {
+            writeln!(f, "{line}")?;
+        }
+        Ok(())
     }
 }
 
 impl TeachReport {
-    /// What the bounds promise, and what they notice for it.
-    fn write_promise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let number = self.strictness.number();
-        if self.false_alarms <= 0.0 {
-            return Ok(());
+    /// Whether the job can be used and why, in one sentence; then, for each doubt, what to do about it.
+    pub(super) fn summary(&self) -> Vec<String> {
+        summary(self.used(), self.runs, &self.doubts, &|context| self.words(context))
+    }
+
+    /// Which runs the others would have rejected, and how many frames the job needs.
+    pub(super) fn findings(&self) -> Vec<String> {
+        let rejected = self.rejected.as_ref().map(|rejected| rejected_words(self.order.runs, rejected));
+        let rate = (self.min_rate_hz > 0.0).then(|| {
+            format!(
+                "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
+                self.min_rate_hz, self.rate_hz
+            )
+        });
+        rejected.into_iter().chain(rate).collect()
+    }
+
+    /// Whether what was measured in metres and seconds has bounds.
+    pub(super) fn has_measures(&self) -> bool {
+        self.false_alarms > 0.0
+    }
+
+    /// What the bounds notice.
+    pub(super) fn noticed(&self) -> Noticed<'_> {
+        Noticed { ius: &self.ius, rate_hz: self.rate_hz }
+    }
+
+    /// What the bounds promise.
+    pub(super) fn promise(&self) -> Vec<String> {
+        if !self.has_measures() {
+            return Vec::new();
         }
-        write!(f, "{}", Noticed { ius: &self.ius, rate_hz: self.rate_hz })?;
-        writeln!(
-            f,
-            "strictness {number} of {}: of {:.0} right jobs these measures accuse one; --strictness changes it",
-            Strictness::MAX,
-            1.0 / self.false_alarms
-        )?;
-        writeln!(f, "{}", what_more_would_bring(self.order.runs, self.false_alarms))
+        vec![
+            format!(
+                "strictness {} of {}: of {:.0} right jobs these measures accuse one; --strictness changes it",
+                self.strictness.number(),
+                Strictness::MAX,
+                1.0 / self.false_alarms
+            ),
+            what_more_would_bring(self.order.runs, self.false_alarms),
+        ]
     }
 
     fn write_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
