@@ -105,6 +105,8 @@ pub(super) fn in_folder(folder: &Path) -> Result<FoundJobs, ToolError> {
 
 impl FoundJobs {
     fn add(&mut self, path: PathBuf) {
+        // As a person would name it: a configuration has its paths from its own folder.
+        let path = std::fs::canonicalize(&path).unwrap_or(path);
         match role::read_job(&path) {
             Ok(file) => self.jobs.push(FoundJob::new(path, file)),
             Err(fault) => self.faults.push(fault.to_string()),

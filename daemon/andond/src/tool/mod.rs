@@ -14,6 +14,7 @@ mod job;
 pub mod jobs;
 mod join;
 mod labelled;
+pub mod pages;
 pub mod part;
 pub mod record;
 mod recorder;

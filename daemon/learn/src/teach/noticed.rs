@@ -22,10 +22,7 @@ pub(super) struct Noticed<'a> {
 impl fmt::Display for Noticed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "what would be noticed: the smallest difference from what was shown, less and more")?;
-        writeln!(
-            f,
-            "activity  IU  strokes       seconds        path cm      stroke cm      place cm  degrees"
-        )?;
+        writeln!(f, "step  IU  strokes       seconds        path cm      stroke cm      place cm  degrees")?;
         self.ius.iter().try_for_each(|iu| self.line(iu, f))
     }
 }
@@ -36,7 +33,7 @@ impl Noticed<'_> {
         let [strokes, seconds, path, stroke, place, degrees] = cells;
         writeln!(
             f,
-            "{:>8}  {:>2}  {strokes:<12}  {seconds:<13}  {path:<11}  {stroke:<13}  {place:<8}  {degrees}",
+            "{:>4}  {:>2}  {strokes:<12}  {seconds:<13}  {path:<11}  {stroke:<13}  {place:<8}  {degrees}",
             iu.activity + 1,
             iu.iu + 1,
         )

@@ -1,10 +1,9 @@
 //! The report as a page.
 
 use super::iu_report::IuReport;
-use super::report::TeachReport;
+use super::report::{TeachReport, range};
 use crate::html::{document, escaped};
 use crate::job_file::JobFile;
-use andon_core::bounds::Bounds;
 
 /// The report of a job as one self-contained HTML page. `picture` is the drawing of its steps and their order, as SVG.
 pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
@@ -47,8 +46,7 @@ fn learned(job: &JobFile, report: &TeachReport) -> String {
     let cells = |iu: &IuReport| {
         let [name, number] = place(job, iu);
         let context = escaped(&report.words(iu.context));
-        let seconds =
-            range(iu.frames, |frames| format!("{:.1}", f64::from(frames) / f64::from(report.rate_hz)));
+        let seconds = range(iu.frames, |frames| report.seconds(frames));
         let reversals = range(iu.reversals, |count| count.to_string());
         let distance = format!("{:.2} ± {:.2}", iu.mean_distance, iu.distance_deviation);
         let threshold = format!("{:.2}", iu.threshold);
@@ -74,7 +72,7 @@ fn noticed(job: &JobFile, report: &TeachReport) -> String {
     let table = table(
         &head,
         rows,
-        "How to read it: the smallest difference from what was shown that would be noticed: by how much less, and by how much more. A dash is a \
+        "How to read it: the smallest difference from what was shown that would be noticed: by how much less, and by how much more. Any is a \
          difference that is not looked for.",
     );
     format!("{table}{}", list("ul", report.promise().iter().map(|line| escaped(line))))
@@ -96,14 +94,6 @@ fn recordings(job: &JobFile) -> String {
 fn place(job: &JobFile, iu: &IuReport) -> [String; 2] {
     let step = format!("{}. {}", iu.activity + 1, job.step_name(usize::from(iu.activity)));
     [escaped(&step), (iu.iu + 1).to_string()]
-}
-
-/// Bounds in words.
-fn range(bounds: Bounds, value: impl Fn(u32) -> String) -> String {
-    match bounds.max {
-        u32::MAX => format!("{} or more", value(bounds.min)),
-        max => format!("{} to {}", value(bounds.min), value(max)),
-    }
 }
 
 /// A table of cells that are HTML already, with how to read it.

@@ -232,32 +232,36 @@ impl TeachReport {
     }
 
     fn write_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "activity  IU  shown  frames          reversals   distance         threshold  context")?;
+        writeln!(f)?;
+        writeln!(
+            f,
+            "step  IU  shown  seconds       reversals   distance         threshold  what touches what"
+        )?;
         for iu in &self.ius {
             writeln!(
                 f,
-                "{:>8}  {:>2}  {:>5}  {:<14}  {:<10}  {:>6.2} +- {:<5.2}  {:>9.2}  {}",
+                "{:>4}  {:>2}  {:>5}  {:<12}  {:<10}  {:>6.2} +- {:<5.2}  {:>9.2}  {}",
                 iu.activity + 1,
                 iu.iu + 1,
                 iu.demonstrations,
-                range(iu.frames),
-                range(iu.reversals),
+                range(iu.frames, |frames| self.seconds(frames)),
+                range(iu.reversals, |count| count.to_string()),
                 iu.mean_distance,
                 iu.distance_deviation,
                 iu.threshold,
                 self.words(iu.context)
             )?;
         }
-        writeln!(
-            f,
-            "shown: number of demonstrations; frames ({:.0} a second) and reversals of",
-            self.rate_hz
-        )?;
-        writeln!(
-            f,
-            "the motion: from the minimum to the maximum that is right; distance: DTW distances of the"
-        )?;
-        writeln!(f, "demonstrations, mean and standard deviation; threshold: the maximum that is right")
+        writeln!(f, "  shown: number of demonstrations")?;
+        writeln!(f, "  seconds, reversals of the motion: from the minimum to the maximum that is right")?;
+        writeln!(f, "  distance: of the demonstrations from the learned motion (DTW), mean and deviation")?;
+        writeln!(f, "  threshold: the maximum distance that is right")?;
+        writeln!(f)
+    }
+
+    /// So many frames of the grid as seconds.
+    pub(super) fn seconds(&self, frames: u32) -> String {
+        format!("{:.1}", f64::from(frames) / f64::from(self.rate_hz))
     }
 }
 
@@ -289,10 +293,11 @@ fn rejected_words(used: usize, rejected: &[String]) -> String {
     )
 }
 
-fn range(bounds: Bounds) -> String {
-    if bounds.max == u32::MAX {
-        format!("{}..", bounds.min)
-    } else {
-        format!("{}..{}", bounds.min, bounds.max)
+/// Bounds in words.
+pub(super) fn range(bounds: Bounds, value: impl Fn(u32) -> String) -> String {
+    match (bounds.min, bounds.max) {
+        (0, u32::MAX) => "any".to_owned(),
+        (min, u32::MAX) => format!("from {}", value(min)),
+        (min, max) => format!("{} to {}", value(min), value(max)),
     }
 }
