@@ -137,12 +137,20 @@ fn existing_config_files(arguments: &ConfigArgs) -> Result<Vec<PathBuf>, ToolErr
     Ok(files)
 }
 
+/// The variable that names a configuration where no option does.
+const CONFIG_VARIABLE: &str = "ANDON_CONFIG";
+
+/// Whether somebody has named a configuration.
+fn is_named(arguments: &ConfigArgs) -> bool {
+    !arguments.files.is_empty() || std::env::var_os(CONFIG_VARIABLE).is_some()
+}
+
 /// The configuration files that are in force.
 fn config_files(arguments: &ConfigArgs) -> Vec<PathBuf> {
     if !arguments.files.is_empty() {
         return arguments.files.clone();
     }
-    if let Some(named) = std::env::var_os("ANDON_CONFIG") {
+    if let Some(named) = std::env::var_os(CONFIG_VARIABLE) {
         return vec![named.into()];
     }
     DEFAULT_CONFIGS.iter().map(PathBuf::from).find(|path| path.exists()).into_iter().collect()

@@ -5,6 +5,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use clap::Command;
+use clap::builder::{Resettable, StyledStr};
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, bold, roman};
 
@@ -42,8 +43,9 @@ pub fn man(arguments: &ManPages) -> Result<Code, ToolError> {
 /// Writes the page of andond, or of one of its commands.
 fn write(command: &Command, name: Option<&str>, folder: &Path) -> Result<(), ToolError> {
     // Examples and exit codes have sections of their own.
-    let bare = command.clone().after_help("").after_long_help("");
-    let man = Man::new(bare).manual("Andon");
+    let none = || Resettable::<StyledStr>::Reset;
+    let bare = command.clone().after_help(none()).after_long_help(none());
+    let man = Man::new(bare).manual("Andon").source(concat!("andond ", env!("CARGO_PKG_VERSION")));
     let path = folder.join(man.get_filename());
     let mut page = Vec::new();
     man.render(&mut page).map_err(cannot_write(&path))?;
