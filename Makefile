@@ -107,6 +107,8 @@ deb: setup
 	python3 daemon/realsense/provision.py $(RUNTIME)
 	$(BUILD_PROGRAMS)
 	rm -rf target/deb && mkdir -p target/deb
+	$(PROGRAMS)/andond man target/deb/man
+	for shell in bash fish zsh; do $(PROGRAMS)/andond completions $$shell > target/deb/completions.$$shell || exit 1; done
 	strip -o target/deb/andond $(PROGRAMS)/andond
 	strip -o target/deb/andond-video $(PROGRAMS)/andond-video
 	strip --strip-unneeded -o target/deb/libandon_plc.so.0 $(PROGRAMS)/libandon_plc.so

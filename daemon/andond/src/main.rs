@@ -3,15 +3,16 @@
 
 use std::process::ExitCode;
 
-use andond::cli::{Cli, Command};
+use andond::cli::{self, Cli, Command};
 use andond::exit::{self, Code};
 use andond::role;
 use andond::tool::{self, ToolError};
-use clap::Parser;
+use clap::FromArgMatches as _;
 
 fn main() -> ExitCode {
     exit::exit_on_panic();
-    let cli = match Cli::try_parse() {
+    let parsed = cli::command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version are asked for; all else is a wrong command line.
@@ -39,6 +40,9 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Run(arguments) => role::run(arguments.role, &tool::take_config(&arguments)?).into(),
         Command::Calibrate(arguments) => tool::calibrate::run(&arguments)?.into(),
         Command::Record(arguments) => tool::record::run(&arguments)?.into(),
+        Command::Tracks(arguments) => tool::tracks::run(&arguments)?.into(),
+        Command::Jobs(arguments) => tool::jobs::run(&arguments)?.into(),
+        Command::Use(arguments) => tool::use_job::run(&arguments)?.into(),
         Command::Check(arguments) => tool::check::run(&arguments)?.into(),
         Command::Config(arguments) => tool::config::run(&arguments)?.into(),
         Command::Tail(arguments) => tool::tail::run(&arguments)?.into(),
@@ -50,6 +54,8 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Part(arguments) => tool::part::run(&arguments)?.into(),
         Command::Analyze(arguments) => tool::analyze::run(&arguments)?.into(),
         Command::Experiment(arguments) => tool::experiment::run(&arguments)?.into(),
+        Command::Completions(arguments) => tool::pages::completions(&arguments)?.into(),
+        Command::Man(arguments) => tool::pages::man(&arguments)?.into(),
     };
     Ok(code)
 }

@@ -31,9 +31,26 @@ pub struct Record {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// A film or a folder of pictures, so that it need not be processed again for what is done with it later [default: the running station]
-    pub recording: Option<PathBuf>,
     /// The track file to write
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FILE.tracks.jsonl")]
     pub out: PathBuf,
+    /// Replace an existing file
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `andond tracks`
+#[derive(Debug, Args)]
+pub struct Tracks {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// A film or a folder of pictures
+    pub film: PathBuf,
+    /// The track file to write
+    #[arg(short, long, value_name = "FILE.tracks.jsonl")]
+    pub out: PathBuf,
+    /// Replace an existing file
+    #[arg(long)]
+    pub force: bool,
 }

@@ -10,7 +10,7 @@ use andon_core::{anomaly, couple};
 use andon_journal::JournalError;
 use andon_learn::analysis::AnalysisError;
 use andon_learn::experiment::ExperimentError;
-use andon_learn::folder::FolderError;
+use andon_learn::folder::{FolderError, PatternError};
 use andon_learn::job_file::JobFileError;
 use andon_learn::run::RunError;
 use andon_learn::teach::TeachError;
@@ -54,6 +54,41 @@ pub enum ToolError {
     /// The judge did not take a part id.
     #[error("the part id was not taken: {0}")]
     PartRefused(&'static str),
+    /// The judge does not answer a command.
+    #[error("the judge does not answer: see `andond status`")]
+    NoAnswer,
+    /// The station shows nothing.
+    #[error("no frame comes from the station: see `andond status`")]
+    NoFrames,
+    /// No job of the station has this name or number.
+    #[error(
+        "{wanted}: no job of this name or number is in {}; there {}",
+        folder.display(), listed(names)
+    )]
+    UnknownJob {
+        /// What was given.
+        wanted: String,
+        /// The station's jobs.
+        folder: PathBuf,
+        /// The numbers and names of those that are there.
+        names: Vec<String>,
+    },
+    /// A station loads only the jobs of its folder.
+    #[error("{}: the station loads jobs from {} only: copy it there", path.display(), folder.display())]
+    ForeignJob {
+        /// The job file.
+        path: PathBuf,
+        /// The station's jobs.
+        folder: PathBuf,
+    },
+    /// Several jobs have this name or number.
+    #[error("{wanted}: several jobs are called so: give one of the files {}", files.join(", "))]
+    SeveralJobs {
+        /// What was given.
+        wanted: String,
+        /// Their files.
+        files: Vec<String>,
+    },
     /// A track file was to be annotated.
     #[error("--annotate needs a film: a track file has no pictures")]
     NothingToAnnotate,
@@ -126,6 +161,9 @@ pub enum ToolError {
     /// Nothing can be learned from the runs.
     #[error(transparent)]
     Teach(#[from] TeachError),
+    /// The value of `--names` cannot be understood.
+    #[error("--names: {0}")]
+    Names(PatternError),
     /// A folder of recordings cannot be read.
     #[error(transparent)]
     Folder(#[from] FolderError),
@@ -236,6 +274,8 @@ impl ToolError {
             | Self::Lost(_)
             | Self::Demo { .. }
             | Self::NotUp(_)
+            | Self::NoAnswer
+            | Self::NoFrames
             | Self::PartRefused(_) => Code::Fault,
             Self::RoleEnded { status, .. } if status.code() == Some(Code::Configuration as i32) => {
                 Code::Configuration
@@ -245,6 +285,9 @@ impl ToolError {
             Self::Archive(ArchiveError::Running(_)) => Code::Fault,
             Self::Teach(error) if error.is_of_runs() => Code::Declined,
             Self::Option { .. }
+            | Self::UnknownJob { .. }
+            | Self::ForeignJob { .. }
+            | Self::SeveralJobs { .. }
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }
@@ -255,6 +298,7 @@ impl ToolError {
             | Self::MixedSpaces(_)
             | Self::Source(_)
             | Self::Teach(_)
+            | Self::Names(_)
             | Self::Folder(_)
             | Self::Experiment(_)
             | Self::Analysis(_)
@@ -266,4 +310,9 @@ impl ToolError {
             | Self::SaveCalibration(_) => Code::Usage,
         }
     }
+}
+
+/// What there is instead, in words.
+fn listed(names: &[String]) -> String {
+    if names.is_empty() { "is none".to_owned() } else { format!("are {}", names.join(", ")) }
 }

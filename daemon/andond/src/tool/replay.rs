@@ -13,10 +13,9 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use shm_schemas::PartId;
 
-use super::{ToolError, job, load_config_for, progress};
+use super::{ToolError, is_named, job, load_config_for, progress};
 use crate::cli::Replay;
 use crate::compatibility;
-use crate::config::Config;
 use crate::picture::Annotator;
 use crate::recording::Recording;
 use crate::report::{Names, VerdictLine, verdict_sentence};
@@ -32,10 +31,14 @@ const NOT_JUDGED: u8 = 2;
 /// What is missing or damaged.
 pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let file = job::load(&arguments.job)?;
-    let config = load_config_for(&arguments.config, from_ref(&arguments.recording), Config::load)?;
+    let config = load_config_for(&arguments.config, from_ref(&arguments.recording))?;
+    let misfit = |misfit| ToolError::Misfit { path: arguments.job.clone(), misfit };
+    // A track file is of no station, unless one is named.
+    if !Recording::is_tracks(&arguments.recording) || is_named(&arguments.config) {
+        compatibility::station(&file, &config).map_err(misfit)?;
+    }
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    compatibility::recording(&file, recording.header())
-        .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
+    compatibility::recording(&file, recording.header()).map_err(misfit)?;
     let names = Names::of_job(&file);
     let mut printer = Printer {
         names: &names,

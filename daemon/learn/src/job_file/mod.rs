@@ -11,7 +11,7 @@ mod text;
 mod validate;
 
 pub use error::{JobFault, JobFileError};
-pub(crate) use text::context_words;
+pub(crate) use text::{context_words, sequence_words};
 
 use crate::recording::{NamedObject, object_name};
 use crate::rule::{BoundsRule, ThresholdRule};

@@ -3,7 +3,7 @@
 
 mod film;
 mod summary;
-mod supervisor;
+pub(super) mod supervisor;
 mod usage;
 mod watch;
 
@@ -99,7 +99,7 @@ fn free_port() -> std::io::Result<u16> {
 
 /// A folder that is removed with the demo. It holds sockets, whose paths must be short: where TMPDIR is too long, it is made
 /// under /tmp.
-fn own_folder() -> std::io::Result<tempfile::TempDir> {
+pub(super) fn own_folder() -> std::io::Result<tempfile::TempDir> {
     let folder = tempfile::Builder::new().prefix("andon-").tempdir()?;
     if Station::under(STATION, &folder.path().join(STATION)).is_ok() {
         return Ok(folder);
