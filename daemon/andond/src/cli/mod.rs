@@ -12,7 +12,7 @@ use clap::{Args, Parser, Subcommand};
 pub use bench::{Calibrate, Record};
 pub use jobs::{Analyze, Cost, Experiment, Replay, Segment, Teach, ThresholdRule};
 pub use station::{
-    Backup, Check, ConfigCommand, Demo, History, Idle, Level, Part, Restore, Role, Run, Speed, Status, Tail,
+    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Role, Run, Speed, Status, Tail,
 };
 
 /// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.
@@ -58,6 +58,8 @@ pub enum Command {
     Tail(Tail),
     /// Show how every role of a running station is doing; exit 0: all are healthy, 1: some are not
     Status(Status),
+    /// Say what the code of a message means and what to do, or list all codes
+    Explain(Explain),
     /// Query the journal
     History(History),
     /// Write jobs, configuration and journal of a station to one file, also while it runs

@@ -95,9 +95,12 @@ pub struct Tail {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Print one JSON object per verdict
+    /// Print one JSON object per verdict; its numbers of activities and IUs count from 0
     #[arg(long)]
     pub json: bool,
+    /// Show times of day in UTC instead of local time
+    #[arg(long)]
+    pub utc: bool,
     /// Show only anomalies and what could not be judged
     #[arg(long)]
     pub nok: bool,
@@ -126,6 +129,14 @@ pub struct Status {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// `andond explain`
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// Codes, as AND-307, and-307 or 307; without any, all codes are listed
+    #[arg(value_name = "CODE")]
+    pub codes: Vec<String>,
 }
 
 /// `andond history`

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use andon_core::couple::{Context, Couple, Sight};
 
-use super::words::Names;
+use super::Names;
 
 /// A stretch of time with a label.
 #[derive(Clone, Debug)]

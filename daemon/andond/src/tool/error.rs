@@ -178,9 +178,12 @@ pub enum ToolError {
     /// What the configuration names cannot be used.
     #[error("{0}")]
     Unusable(Unusable),
+    /// A code that does not exist, with what there is instead.
+    #[error("{0}")]
+    UnknownCode(String),
     /// Standard output is closed or full.
     #[error("standard output cannot be written: {0}")]
-    Print(io::Error),
+    Print(#[source] io::Error),
     /// Frames did not reach the recorder.
     #[error("{0} frames were lost: the machine is too busy, and a replay may judge otherwise; record again")]
     Lost(u64),
@@ -245,6 +248,7 @@ impl ToolError {
             Self::Archive(ArchiveError::Running(_)) => Code::Fault,
             Self::Teach(error) if error.is_of_runs() => Code::Declined,
             Self::Option { .. }
+            | Self::UnknownCode(_)
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }

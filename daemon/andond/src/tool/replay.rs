@@ -1,6 +1,6 @@
 //! `andond replay`: a recording judged by a taught job.
 
-use std::io::{Write, stdout};
+use std::io::Write;
 use std::path::Path;
 use std::slice::from_ref;
 
@@ -19,7 +19,7 @@ use crate::compatibility;
 use crate::config::Config;
 use crate::picture::Annotator;
 use crate::recording::Recording;
-use crate::report::{Names, VerdictLine, verdict_sentence};
+use crate::report::{Names, Teller, VerdictLine, on_recording};
 
 /// Exit code: an anomaly was found.
 const ANOMALY: u8 = 1;
@@ -41,6 +41,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
         names: &names,
         json: arguments.json,
         seq: 0,
+        teller: Teller::default(),
         anomaly: false,
         not_judged: false,
         judged: false,
@@ -64,6 +65,7 @@ struct Printer<'a> {
     names: &'a Names,
     json: bool,
     seq: u64,
+    teller: Teller,
     anomaly: bool,
     not_judged: bool,
     judged: bool,
@@ -75,12 +77,12 @@ impl Printer<'_> {
         self.anomaly |= verdict.outcome == Outcome::Anomaly;
         self.not_judged |= verdict.outcome == Outcome::NotJudged;
         self.judged |= verdict.level == Level::Job && verdict.outcome == Outcome::Ok;
-        let mut out = stdout().lock();
+        let mut out = anstream::stdout().lock();
         if self.json {
             serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names))?;
             writeln!(out)
         } else {
-            writeln!(out, "{}", verdict_sentence(verdict, self.names))
+            self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names).write(&mut out)
         }
     }
 
