@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_core::verdict::{Level, Note, Outcome, Verdict};
 use anstyle::{AnsiColor, Style};
 
 use super::words::{because, verdict_sentence};
@@ -12,6 +12,8 @@ use super::Names;
 #[derive(Debug, Default)]
 pub struct Teller {
     faults: Vec<Fault>,
+    /// The steps that have come, right or wrong.
+    done: Vec<u16>,
     /// The fault that the last line is about.
     last: Option<usize>,
 }
@@ -46,15 +48,22 @@ impl Teller {
     /// The line of the next verdict. `when` is its time as people read it there: of the day on a running line, in seconds on a recording.
     pub fn tell(&mut self, when: &str, verdict: &Verdict, names: &Names) -> Line {
         let cause = self.faults.iter().position(|fault| follows(verdict, &fault.verdict));
-        let is_beneath = cause.is_some() && cause == self.last;
-        let text = match cause.map(|index| &self.faults[index]) {
+        let fault = cause.map(|index| &self.faults[index]);
+        // A job has a time of its own, unless it ends with its fault.
+        let has_time = |fault: &Fault| verdict.level == Level::Job && fault.when != when;
+        let is_beneath = cause.is_some() && cause == self.last && !fault.is_some_and(has_time);
+        let text = match fault {
             Some(_) if is_beneath => format!("{:width$}{}", "", so(verdict, names), width = when.chars().count() + 23),
             Some(fault) => {
-                let sentence = verdict_sentence(verdict, names);
-                format!("{when}  {sentence}, at {}", fault.when.trim_start())
+                let (then, sentence) = (fault.when.trim_start(), verdict_sentence(verdict, names));
+                let because = format!("job, for the fault at {then}: ");
+                format!("{when}  {}", sentence.replacen("job: ", &because, 1))
             }
-            None => format!("{when}  {}", verdict_sentence(verdict, names)),
+            None => format!("{when}  {}{}", verdict_sentence(verdict, names), self.next(verdict, names)),
         };
+        if verdict.level == Level::Activity {
+            self.done.extend(verdict.nearest);
+        }
         self.last = cause;
         if verdict.outcome != Outcome::Ok && cause.is_none() {
             self.last = Some(self.faults.len());
@@ -64,6 +73,14 @@ impl Teller {
             *self = Self::default();
         }
         Line { text, style: style(verdict) }
+    }
+
+    /// Which step would have been next, where one came that is none of the job.
+    fn next(&self, verdict: &Verdict, names: &Names) -> String {
+        let is_other = verdict.note == Some(Note::Step) && verdict.level == Level::Activity;
+        let steps = 0..names.steps().len() as u16;
+        let next = steps.filter(|step| is_other && !self.done.contains(step)).min();
+        next.map(|step| format!(" Next would be {}.", names.step(step))).unwrap_or_default()
     }
 }
 

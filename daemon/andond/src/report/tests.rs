@@ -164,7 +164,7 @@ fn a_fault_is_one_line_and_what_follows_from_it_stands_indented_beneath() {
             "14:03:07  right  ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6",
             "                               so step 1 (polish) is wrong",
             "14:03:09  right  ok          step 2 IU 2: polisher at brick",
-            "14:03:12         ANOMALY     job: step 1 (polish): 3 strokes, shown 6, at 14:03:07",
+            "14:03:12         ANOMALY     job, for the fault at 14:03:07: step 1 (polish): 3 strokes, shown 6",
             // The next job has its own faults.
             "14:03:20         ANOMALY     job: step 1 (polish): 3 strokes, shown 6",
         ]

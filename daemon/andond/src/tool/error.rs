@@ -178,6 +178,14 @@ pub enum ToolError {
     /// What the configuration names cannot be used.
     #[error("{0}")]
     Unusable(Unusable),
+    /// No job file of the station has this name.
+    #[error("{wanted}: no job of the station has this name; there are: {there}; a number works also where the file is gone")]
+    UnknownJob {
+        /// The name that was given.
+        wanted: String,
+        /// The names that there are.
+        there: String,
+    },
     /// A code that does not exist, with what there is instead.
     #[error("{0}")]
     UnknownCode(String),
@@ -249,6 +257,7 @@ impl ToolError {
             Self::Teach(error) if error.is_of_runs() => Code::Declined,
             Self::Option { .. }
             | Self::UnknownCode(_)
+            | Self::UnknownJob { .. }
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }

@@ -14,6 +14,7 @@ pub mod history;
 pub mod idle;
 mod job;
 mod join;
+mod known;
 pub mod part;
 mod progress;
 pub mod record;

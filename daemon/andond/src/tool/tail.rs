@@ -9,12 +9,13 @@ use shm_schemas::{Health, RoleId, Verdict as Message};
 
 use super::clock::Clock;
 use super::join::join;
-use super::{ToolError, job, running_config};
+use super::known::KnownJobs;
+use super::{ToolError, running_config};
 use crate::cli::{self, Tail};
 use crate::config::Config;
 use crate::exit::Code;
 use crate::outage::{Outage, Outages};
-use crate::report::{Names, Teller, VerdictLine};
+use crate::report::{Teller, VerdictLine};
 use crate::sight::{self, SightChange, SightChanges};
 use crate::wire;
 
@@ -35,7 +36,8 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
     let mut sight = SightChanges::default();
     let mut printer = Printer {
         arguments,
-        names: names(&config),
+        known: KnownJobs::of(&config),
+        config,
         clock: Clock::new(arguments.utc),
         teller: Teller::default(),
     };
@@ -90,19 +92,10 @@ fn tell_outage(outage: &Outage, clock: &Clock) {
     }
 }
 
-/// What the job of the station calls its steps and objects; without it, what the configuration calls the objects.
-fn names(config: &Config) -> Names {
-    let job = config.station.job.as_deref().and_then(|path| job::load(path).ok());
-    job.map_or_else(|| objects(config), |job| Names::of_job(&job))
-}
-
-fn objects(config: &Config) -> Names {
-    Names::new(config.objects.iter().map(|object| (object.id, object.name.clone())))
-}
-
 struct Printer<'a> {
     arguments: &'a Tail,
-    names: Names,
+    config: Config,
+    known: KnownJobs,
     clock: Clock,
     teller: Teller,
 }
@@ -113,15 +106,20 @@ impl Printer<'_> {
         let Some(verdict) = verdict.filter(|verdict| is_wanted(self.arguments, verdict)) else {
             return Ok(());
         };
+        // The file of a job that was loaded after this began.
+        if self.known.of_hash(message.model_hash).is_none() {
+            self.known = KnownJobs::of(&self.config);
+        }
+        let names = self.known.names(message.model_hash);
         // Without colours where they are not wanted, or where this is no terminal.
         let mut out = anstream::stdout().lock();
         if self.arguments.json {
-            let line = VerdictLine::new(message.stamp.seq, &verdict, &message.part, &self.names);
+            let line = VerdictLine::new(message.stamp.seq, &verdict, &message.part, names);
             serde_json::to_writer(&mut out, &line)?;
             writeln!(out)?;
         } else {
             let when = self.clock.time(message.decided_utc_ns);
-            self.teller.tell(&when, &verdict, &self.names).write(&mut out)?;
+            self.teller.tell(&when, &verdict, names).write(&mut out)?;
         }
         out.flush()
     }
