@@ -129,6 +129,9 @@ pub struct Status {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
+    /// Show times of day in UTC instead of local time
+    #[arg(long)]
+    pub utc: bool,
 }
 
 /// `andond explain`

@@ -4,7 +4,7 @@
 mod film;
 mod summary;
 mod supervisor;
-mod usage;
+pub(super) mod usage;
 mod watch;
 
 use std::io::ErrorKind;
