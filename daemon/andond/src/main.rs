@@ -4,7 +4,7 @@
 use std::process::ExitCode;
 
 use andond::cli::{self, Cli, Command};
-use andond::exit::{self, Code};
+use andond::exit::{self, Code, is_reader_gone};
 use andond::role;
 use andond::tool::{self, ToolError};
 use clap::FromArgMatches as _;
@@ -23,6 +23,8 @@ fn main() -> ExitCode {
     };
     match run(cli.command) {
         Ok(code) => code,
+        // The reader has seen enough, as `head` does.
+        Err(failure) if is_reader_gone(&*failure) => Code::Stopped.into(),
         Err(failure) => {
             eprintln!("{failure}");
             failure.code().into()
@@ -34,7 +36,7 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
     let code = match command {
         Command::Demo(arguments) => tool::demo::run(&arguments)?.into(),
-        Command::Teach(arguments) => tool::teach::run(&arguments)?.into(),
+        Command::Teach(arguments) => tool::working("teach", || tool::teach::run(&arguments))?.into(),
         Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
         Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),
         Command::Run(arguments) => role::run(arguments.role, &tool::take_config(&arguments)?).into(),
@@ -48,12 +50,15 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Tail(arguments) => tool::tail::run(&arguments)?.into(),
         Command::Status(arguments) => tool::status::run(&arguments)?.into(),
         Command::History(arguments) => tool::history::run(&arguments)?.into(),
+        Command::Explain(arguments) => tool::explain::run(&arguments)?.into(),
         Command::Backup(arguments) => tool::backup::run(&arguments)?.into(),
         Command::Restore(arguments) => tool::restore::run(&arguments)?.into(),
         Command::Idle(arguments) => tool::idle::run(&arguments)?.into(),
         Command::Part(arguments) => tool::part::run(&arguments)?.into(),
-        Command::Analyze(arguments) => tool::analyze::run(&arguments)?.into(),
-        Command::Experiment(arguments) => tool::experiment::run(&arguments)?.into(),
+        Command::Analyze(arguments) => tool::working("analyze", || tool::analyze::run(&arguments))?.into(),
+        Command::Experiment(arguments) => {
+            tool::working("experiment", || tool::experiment::run(&arguments))?.into()
+        }
         Command::Completions(arguments) => tool::pages::completions(&arguments)?.into(),
         Command::Man(arguments) => tool::pages::man(&arguments)?.into(),
     };

@@ -16,7 +16,8 @@ pub(crate) use help::{examples, exit_codes};
 pub use bench::{Calibrate, Record, Tracks};
 pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use};
 pub use station::{
-    Backup, Check, ConfigCommand, Demo, History, Idle, Level, Part, Restore, Role, Run, Speed, Status, Tail,
+    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Role, Run, Speed,
+    Status, Tail,
 };
 
 /// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.
@@ -68,6 +69,8 @@ pub enum Command {
     Tail(Tail),
     /// Show how every role of a running station is doing; the exit code says whether all are healthy
     Status(Status),
+    /// Say what the code of a message means and what to do, or list all codes
+    Explain(Explain),
     /// Query the journal
     History(History),
     /// Write jobs, configuration and journal of a station to one file, also while it runs

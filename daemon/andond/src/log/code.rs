@@ -192,6 +192,19 @@ table! {
         "Make room in the file system of station.root, and restart the station's target";
 }
 
+/// The code with this number.
+#[must_use]
+pub fn of_number(number: u32) -> Option<&'static Code> {
+    ALL.iter().copied().find(|code| code.number == number)
+}
+
+/// The group of a number: the place where a technician looks first.
+#[must_use]
+pub fn group(number: u32) -> &'static str {
+    let group = GROUPS.iter().find(|(first, _)| (*first..first + 100).contains(&number));
+    group.map_or("", |(_, title)| title)
+}
+
 /// The index page, `daemon/andond/CODES.md`. The test that holds the page against the table is its only caller.
 #[must_use]
 pub fn index() -> String {

@@ -12,7 +12,7 @@ use shm_schemas::{Detections, HandDetection, flag};
 use super::assumed::LastSeen;
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, RED, WHITE};
 use crate::recording::View;
-use crate::report::{Names, verdict_sentence};
+use crate::report::{Names, on_recording, verdict_sentence};
 use crate::video::pipe::PictureFormat;
 use crate::video::{FilmWriter, VideoError};
 
@@ -228,7 +228,8 @@ impl Annotator {
         let lines: Vec<(Colour, String)> = self.verdicts[oldest..]
             .iter()
             .flat_map(|verdict| {
-                let sentence = verdict_sentence(verdict, &self.names);
+                let when = on_recording(verdict.decided_ns);
+                let sentence = format!("{when}  {}", verdict_sentence(verdict, &self.names));
                 wrap(&sentence, letters).into_iter().map(|line| (colour(verdict), line))
             })
             .collect();

@@ -216,9 +216,22 @@ pub enum ToolError {
     /// What the configuration names cannot be used.
     #[error("{0}")]
     Unusable(Unusable),
+    /// No job file of the station has this name.
+    #[error(
+        "{wanted}: no job of the station has this name; there are: {there}; a number works also where the file is gone"
+    )]
+    UnknownJobName {
+        /// The name that was given.
+        wanted: String,
+        /// The names that there are.
+        there: String,
+    },
+    /// A code that does not exist, with what there is instead.
+    #[error("{0}")]
+    UnknownCode(String),
     /// Standard output is closed or full.
     #[error("standard output cannot be written: {0}")]
-    Print(io::Error),
+    Print(#[source] io::Error),
     /// Frames did not reach the recorder.
     #[error("{0} frames were lost: the machine is too busy, and a replay may judge otherwise; record again")]
     Lost(u64),
@@ -288,6 +301,8 @@ impl ToolError {
             | Self::UnknownJob { .. }
             | Self::ForeignJob { .. }
             | Self::SeveralJobs { .. }
+            | Self::UnknownCode(_)
+            | Self::UnknownJobName { .. }
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }

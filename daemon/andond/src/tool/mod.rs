@@ -4,18 +4,22 @@ pub mod analyze;
 pub mod backup;
 pub mod calibrate;
 pub mod check;
+mod clock;
 pub mod config;
 pub mod demo;
 mod error;
 pub mod experiment;
+pub mod explain;
 pub mod history;
 pub mod idle;
 mod job;
 pub mod jobs;
 mod join;
+mod known;
 mod labelled;
 pub mod pages;
 pub mod part;
+mod progress;
 pub mod record;
 mod recorder;
 pub mod replay;
@@ -34,7 +38,6 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use andon_core::input::Frame;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::atomic::folder_of;
 use crate::cli::{self, ConfigArgs};
@@ -43,6 +46,8 @@ use crate::recording::Recording;
 use crate::taken::{self, Taken};
 
 pub use error::ToolError;
+use progress::progress;
+pub use progress::working;
 
 /// Where a configuration is looked for when none is named: in a source tree, then in an installation.
 const DEFAULT_CONFIGS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/andon.toml"];
@@ -172,18 +177,4 @@ fn each_frame(
         eprintln!("{warning}");
     }
     Ok(())
-}
-
-/// A progress bar on standard error that counts frames. It shows nothing where standard error is not a terminal.
-fn progress(count: Option<u64>, what: &Path) -> ProgressBar {
-    let name = what.file_name().unwrap_or(what.as_os_str()).to_string_lossy().into_owned();
-    let (bar, template) = match count {
-        Some(count) => {
-            (ProgressBar::new(count), "{msg:28} [{bar:32}] {pos}/{len} frames, {per_sec}, {eta} left")
-        }
-        None => (ProgressBar::new_spinner(), "{msg:28} {spinner} {pos} frames, {per_sec}"),
-    };
-    // The templates above are constants that are well formed.
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.with_style(style.progress_chars("=> ")).with_message(name)
 }

@@ -1,6 +1,6 @@
 //! `andond replay`: a recording judged by a taught job.
 
-use std::io::{Write, stdout};
+use std::io::Write;
 use std::path::Path;
 use std::slice::from_ref;
 
@@ -18,7 +18,7 @@ use crate::cli::Replay;
 use crate::compatibility;
 use crate::picture::Annotator;
 use crate::recording::Recording;
-use crate::report::{Names, VerdictLine, verdict_sentence};
+use crate::report::{Names, Teller, VerdictLine, on_recording};
 
 /// Exit code: an anomaly was found.
 const ANOMALY: u8 = 1;
@@ -44,6 +44,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
         names: &names,
         json: arguments.json,
         seq: 0,
+        teller: Teller::default(),
         anomaly: false,
         not_judged: false,
         judged: false,
@@ -67,6 +68,7 @@ struct Printer<'a> {
     names: &'a Names,
     json: bool,
     seq: u64,
+    teller: Teller,
     anomaly: bool,
     not_judged: bool,
     judged: bool,
@@ -78,12 +80,12 @@ impl Printer<'_> {
         self.anomaly |= verdict.outcome == Outcome::Anomaly;
         self.not_judged |= verdict.outcome == Outcome::NotJudged;
         self.judged |= verdict.level == Level::Job && verdict.outcome == Outcome::Ok;
-        let mut out = stdout().lock();
+        let mut out = anstream::stdout().lock();
         if self.json {
             serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names))?;
             writeln!(out)
         } else {
-            writeln!(out, "{}", verdict_sentence(verdict, self.names))
+            self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names).write(&mut out)
         }
     }
 

@@ -235,7 +235,7 @@ fn job_file(
     agreement: &Agreement,
     activities: Vec<TaughtActivity>,
 ) -> JobFile {
-    JobFile {
+    let mut job = JobFile {
         id: options.id,
         name: options.name.clone(),
         rests: agreement.rests.clone(),
@@ -255,7 +255,10 @@ fn job_file(
             order: options.order_matters,
             sources: sources(runs, agreement),
         },
-    }
+        step_names: Vec::new(),
+    };
+    job.name_steps(&options.step_names);
+    job
 }
 
 fn sources(runs: &[Run], agreement: &Agreement) -> Vec<Source> {

@@ -4,7 +4,7 @@
 mod film;
 mod summary;
 pub(super) mod supervisor;
-mod usage;
+pub(super) mod usage;
 mod watch;
 
 use std::io::ErrorKind;
@@ -14,14 +14,14 @@ use std::time::{Duration, Instant};
 
 use andon_core::verdict::Verdict;
 use andon_ipc::{Node, Station, Stop};
-use indicatif::ProgressBar;
 use shm_schemas::RoleId;
 
+use super::progress::Progress;
 use super::{ToolError, config_files, job, progress};
 use crate::cli::{Demo, Speed};
 use crate::config::Config;
 use crate::exit::Code;
-use crate::report::{Names, verdict_sentence};
+use crate::report::{Names, Teller, on_recording};
 use crate::wire;
 use summary::{Row, Summary};
 use supervisor::Running;
@@ -192,7 +192,7 @@ impl Line {
         let bar = progress(None, clip);
         println!("\n{}", clip.file_name().unwrap_or_default().to_string_lossy());
         let mut received = Received::default();
-        let mut newest = Instant::now();
+        let (mut newest, mut teller) = (Instant::now(), Teller::default());
         while !received.finished {
             let before = (received.verdicts.len(), received.detections.len());
             let wait = Duration::from_millis(500);
@@ -200,7 +200,7 @@ impl Line {
             if !goes_on? {
                 return Ok(None);
             }
-            print_new(&received, before.0, names, &bar);
+            print_new(&received, before.0, names, &mut teller, &bar)?;
             bar.set_position(received.detections.len() as u64);
             if before != (received.verdicts.len(), received.detections.len()) {
                 newest = Instant::now();
@@ -251,13 +251,21 @@ impl Line {
 }
 
 /// Prints the verdicts from number `from` on.
-fn print_new(received: &Received, from: usize, names: &Names, bar: &ProgressBar) {
-    let new: Vec<Verdict> = received.verdicts[from..].iter().filter_map(wire::verdict::read).collect();
-    bar.suspend(|| {
-        for verdict in new {
-            println!("{}", verdict_sentence(&verdict, names));
-        }
+fn print_new(
+    received: &Received,
+    from: usize,
+    names: &Names,
+    teller: &mut Teller,
+    bar: &Progress,
+) -> Result<(), ToolError> {
+    let mut new = received.verdicts[from..].iter().filter_map(wire::verdict::read);
+    let printed = bar.suspend(|| {
+        let mut out = anstream::stdout().lock();
+        new.try_for_each(|verdict: Verdict| {
+            teller.tell(&on_recording(verdict.decided_ns), &verdict, names).write(&mut out)
+        })
     });
+    printed.map_err(ToolError::Print)
 }
 
 impl Outcome {
