@@ -3,13 +3,14 @@
 
 mod bench;
 mod jobs;
+pub mod metres;
 mod station;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-pub use bench::{Calibrate, Record};
+pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record};
 pub use jobs::{Analyze, Cost, Experiment, Replay, Segment, Teach, ThresholdRule};
 pub use station::{
     Backup, Check, ConfigCommand, Demo, History, Idle, Level, Part, Restore, Role, Run, Speed, Status, Tail,
@@ -38,6 +39,12 @@ pub struct ConfigArgs {
 pub enum Command {
     /// Start every role, play the shipped clips and print what a technician would read
     Demo(Demo),
+    /// Write the file of a new station: its parts, their markers, its camera
+    New(New),
+    /// Print the markers of a station in true size, as PDF and SVG
+    Markers(Markers),
+    /// Show what the camera sees and say what to improve: light, sharpness, sizes of markers, hands
+    Look(Look),
     /// Learn a job from recordings of correct runs; exit 0: written, 1: the runs cannot be trusted and nothing was written
     Teach(Teach),
     /// Judge a recording against a taught job; exit 0: all correct, 1: an anomaly, 2: something could not be judged

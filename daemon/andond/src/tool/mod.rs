@@ -12,12 +12,16 @@ pub mod history;
 pub mod idle;
 mod job;
 mod join;
+pub mod look;
+pub mod markers;
+pub mod new;
 pub mod part;
 pub mod record;
 pub mod replay;
 pub mod restore;
 pub mod segment;
 pub mod status;
+mod stills;
 pub mod tail;
 pub mod teach;
 
@@ -51,6 +55,18 @@ fn check_writable(path: &Path) -> Result<(), ToolError> {
         tempfile::tempfile_in(folder_of(path)).map(|_| ())
     };
     tried.map_err(cannot_write(path))
+}
+
+/// As [`check_writable`], for a result that replaces an existing file only by force.
+///
+/// # Errors
+/// That the file exists, and why it cannot be written.
+fn new_or_forced(path: &Path, force: bool) -> Result<(), ToolError> {
+    // A pipe or a terminal is there to be written to.
+    if !force && path.metadata().is_ok_and(|there| there.is_file() || there.is_dir()) {
+        return Err(ToolError::Exists(path.into()));
+    }
+    check_writable(path)
 }
 
 /// Names the file that the system refuses to write.
