@@ -36,6 +36,9 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
     let code = match command {
         Command::Demo(arguments) => tool::demo::run(&arguments)?.into(),
+        Command::New(arguments) => tool::new::run(&arguments)?.into(),
+        Command::Markers(arguments) => tool::markers::run(&arguments)?.into(),
+        Command::Look(arguments) => tool::look::run(&arguments)?.into(),
         Command::Teach(arguments) => tool::working("teach", || tool::teach::run(&arguments))?.into(),
         Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
         Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),

@@ -4,6 +4,7 @@
 mod bench;
 mod help;
 mod jobs;
+pub mod metres;
 mod station;
 
 use std::path::PathBuf;
@@ -13,7 +14,7 @@ use clap::{Args, Parser, Subcommand};
 pub use help::command;
 pub(crate) use help::{examples, exit_codes};
 
-pub use bench::{Calibrate, Record, Tracks};
+pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record, Tracks};
 pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use};
 pub use station::{
     Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Role, Run, Speed,
@@ -43,6 +44,12 @@ pub struct ConfigArgs {
 pub enum Command {
     /// Start every role, play the shipped clips and print what a technician would read
     Demo(Demo),
+    /// Write the file of a new station: its parts, their markers, its camera
+    New(New),
+    /// Print the markers of a station in true size, as PDF and SVG
+    Markers(Markers),
+    /// Show what the camera sees and say what to improve: light, sharpness, sizes of markers, hands
+    Look(Look),
     /// Learn a job from recordings of correct runs, or from runs at the bench
     Teach(Teach),
     /// Judge a recording against a taught job; the exit code is the verdict

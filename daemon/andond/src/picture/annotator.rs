@@ -35,7 +35,7 @@ const ALARM_NS: u64 = 2_000_000_000;
 pub const END_S: f64 = 2.0;
 
 /// The bones of a hand, as pairs of landmarks in MediaPipe's order.
-const BONES: [(usize, usize); 21] = [
+pub(super) const BONES: [(usize, usize); 21] = [
     (0, 1),
     (1, 2),
     (2, 3),
@@ -60,7 +60,7 @@ const BONES: [(usize, usize); 21] = [
 ];
 
 /// Landmarks 8, 12 and 16: the interaction points of a hand.
-const TIPS: [usize; 3] = [8, 12, 16];
+pub(super) const TIPS: [usize; 3] = [8, 12, 16];
 
 /// Why a film could not be annotated.
 #[derive(Debug, thiserror::Error)]

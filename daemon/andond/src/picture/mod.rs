@@ -3,5 +3,7 @@
 mod annotator;
 mod assumed;
 mod canvas;
+mod still;
 
 pub use annotator::{AnnotateError, Annotator, END_S};
+pub use still::{Marked, with_residuals, with_seen};

@@ -20,6 +20,7 @@ use shm_schemas::RoleId;
 
 use super::DEFAULT_CONFIGS;
 use super::check::Unusable;
+use super::markers::LayoutError;
 use super::teach::SourceError;
 use crate::backup::ArchiveError;
 use crate::compatibility::Misfit;
@@ -50,6 +51,14 @@ pub enum ToolError {
         given: String,
         /// What it must be, with an example.
         expected: &'static str,
+    },
+    /// A marker of the bench cannot be understood.
+    #[error("--marker {given:?}: {expected}")]
+    Marker {
+        /// What was given.
+        given: String,
+        /// What it must be.
+        expected: String,
     },
     /// The judge did not take a part id.
     #[error("the part id was not taken: {0}")]
@@ -179,6 +188,9 @@ pub enum ToolError {
     /// A film cannot be drawn on.
     #[error(transparent)]
     Annotate(#[from] AnnotateError),
+    /// The markers cannot be printed.
+    #[error(transparent)]
+    Sheets(#[from] LayoutError),
     /// The recording to calibrate from has no picture.
     #[error("{}: there is no picture in it; give one that shows the four markers", .0.display())]
     NoPicture(PathBuf),
@@ -319,6 +331,8 @@ impl ToolError {
             | Self::Analysis(_)
             | Self::Video(_)
             | Self::Annotate(_)
+            | Self::Sheets(_)
+            | Self::Marker { .. }
             | Self::NoPicture(_)
             | Self::Picture { .. }
             | Self::Calibration { .. }

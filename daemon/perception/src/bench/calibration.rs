@@ -1,6 +1,7 @@
 //! The bench plane from a picture of markers whose positions on the bench are known.
 
-use super::plane::{Matrix, Plane, apply, centre_of_corners};
+use super::misfit::{self, MarkerResidual, Pair};
+use super::plane::{Matrix, Plane, apply, centre_of_corners, pixel_of};
 use crate::config::{MarkerObject, MarkersConfig};
 use crate::dictionary::Dictionary;
 use crate::error::PerceptionError;
@@ -17,9 +18,9 @@ use std::path::{Path, PathBuf};
 const MIN_MARKERS: usize = 4;
 /// Maximum relative error of a marker's sides. Corners are found to 0.1 px, which is 0.3 % of a marker of 30 px. A marker that
 /// lies 1 cm from its stated position, 40 cm from the next, makes 2.5 %.
-const MAX_SIDE_ERROR: f64 = 0.02;
+pub(super) const MAX_SIDE_ERROR: f64 = 0.02;
 /// Maximum distance of a marker from its stated position, in metres: the accuracy of a ruler on a bench.
-const MAX_CENTRE_ERROR_M: f64 = 0.003;
+pub(super) const MAX_CENTRE_ERROR_M: f64 = 0.003;
 
 /// Three markers are in a line where their triangle is lower than this share of its longest side: a ruler places a marker no better.
 const MIN_HEIGHT: f64 = 0.01;
@@ -53,7 +54,7 @@ pub struct Calibration {
     pub bench_from_image: [[f64; 3]; 3],
     /// Maximum relative error of a marker's sides when it was made.
     pub side_error: f64,
-    /// Maximum distance of a marker from its stated position when it was made, in metres.
+    /// Maximum distance of a marker from where the others, with their sides, placed it when it was made, in metres.
     pub centre_error_m: f64,
 }
 
@@ -75,18 +76,53 @@ pub enum CalibrationError {
         "markers {0:?} were not found in the picture: lay them flat, whole and well lit in the camera's view"
     )]
     NotSeen(Vec<u16>),
-    /// A marker does not fit its stated position.
+    /// One marker does not lie where it is said to lie; without it all others fit.
     #[error(
-        "marker {id} does not fit its stated position (its side is off by {:.1} %, its position by {:.1} mm): check ids, positions and sides", 100.0 * side_error, 1000.0 * centre_error_m
+        "marker {id} does not lie at {}, as it is said: by the others it lies at {}, {:.0} mm away; measure its position again, or move it there",
+        metres(stated), metres(measured), 1000.0 * stated.distance(*measured)
     )]
-    Residual {
+    Elsewhere {
         /// The marker.
         id: u16,
-        /// Relative error of its sides.
-        side_error: f64,
-        /// Distance from its stated position, in metres.
-        centre_error_m: f64,
+        /// Where it is said to lie.
+        stated: BenchPoint,
+        /// Where the others place it.
+        measured: BenchPoint,
     },
+    /// One marker has another size than it is said; without it all others fit.
+    #[error(
+        "marker {id} has a side of {:.1} mm by the others, not of {:.1} mm: measure its black square, or print it again",
+        1000.0 * measured_m, 1000.0 * stated_m
+    )]
+    Side {
+        /// The marker.
+        id: u16,
+        /// Its side as it is said, in metres.
+        stated_m: f64,
+        /// Its side as the others measure it, in metres.
+        measured_m: f64,
+    },
+    /// All markers have another size than it is said.
+    #[error(
+        "by their positions all markers have a side of {:.1} mm, not of {:.1} mm: measure the black square of one of them, and the distance of \
+         two centres; one of these is wrong by {:+.1} %",
+        1000.0 * measured_m, 1000.0 * stated_m, 100.0 * (measured_m / stated_m - 1.0)
+    )]
+    Sides {
+        /// Their side as it is said, in metres.
+        stated_m: f64,
+        /// Their side by their positions, in metres.
+        measured_m: f64,
+    },
+    /// Two markers lie at each other's positions.
+    #[error("markers {} and {} lie at each other's positions: exchange them", .0[0], .0[1])]
+    Exchanged([u16; 2]),
+    /// More than one marker is wrong.
+    #[error(
+        "more than one marker does not fit: {}; measure the positions of their centres again, from one origin, x to the right and y away \
+         from the worker", .0.iter().map(off).collect::<Vec<_>>().join(", ")
+    )]
+    SeveralWrong(Vec<MarkerResidual>),
     /// No four markers lie so that no three of them are in a line.
     #[error(
         "the positions of the markers give no plane: four of them must lie so that no three are in a line"
@@ -124,6 +160,33 @@ pub enum CalibrationError {
         /// What is wrong.
         reason: String,
     },
+}
+
+/// A position as it is given on a command line.
+fn metres(point: &BenchPoint) -> String {
+    format!("{:.3},{:.3}", point.x, point.y)
+}
+
+fn off(marker: &MarkerResidual) -> String {
+    format!("marker {} is {:.0} mm from where the others place it", marker.id, 1000.0 * marker.distance_m())
+}
+
+/// What a picture says of markers at stated positions.
+#[derive(Debug)]
+pub struct Examination {
+    /// Every marker by the others.
+    pub markers: Vec<MarkerResidual>,
+    /// The plane that is fitted to the markers' centres: homogeneous pixels to homogeneous metres in the bench frame.
+    pub bench_from_image: [[f64; 3]; 3],
+    /// The calibration, or why it is refused.
+    pub outcome: Result<Calibration, CalibrationError>,
+}
+
+impl Examination {
+    /// The pixel that shows a point of the bench; `None` where no pixel does.
+    pub fn pixel(&self, point: BenchPoint) -> Option<[f32; 2]> {
+        pixel_of(&self.bench_from_image, point).map(Into::into)
+    }
 }
 
 impl Calibration {
@@ -191,12 +254,24 @@ impl Calibration {
 /// The homography is fitted to the markers' centres; their sides, which it was not fitted to, tell whether it is right.
 ///
 /// # Errors
-/// [`CalibrationError`]; a calibration whose residuals are too large is refused.
+/// [`CalibrationError`]; a calibration whose residuals are too large is refused, with what is wrong.
 pub fn calibrate(
     image: &ImageView<'_>,
     markers: &[BenchMarker],
     dictionary: Dictionary,
 ) -> Result<Calibration, CalibrationError> {
+    examine(image, markers, dictionary)?.outcome
+}
+
+/// As [`calibrate`], with how well every marker fits, also where the calibration is refused.
+///
+/// # Errors
+/// [`CalibrationError`] where markers are missing, or can give no plane.
+pub fn examine(
+    image: &ImageView<'_>,
+    markers: &[BenchMarker],
+    dictionary: Dictionary,
+) -> Result<Examination, CalibrationError> {
     if markers.len() < MIN_MARKERS {
         return Err(CalibrationError::TooFew(markers.len()));
     }
@@ -211,19 +286,42 @@ pub fn calibrate(
         return Err(CalibrationError::Degenerate);
     }
     let pairs = find(image, markers, dictionary)?;
-    let bench_from_image = fit(&pairs)?;
+    let centres: Vec<_> =
+        pairs.iter().map(|(known, found)| (centre_of_corners(&found.corners), known.centre)).collect();
+    let bench_from_image = fit(&centres)?;
+    let markers = misfit::residuals(&pairs);
     let calibration = Calibration {
         width: image.width(),
         height: image.height(),
         bench_from_image,
         side_error: 0.0,
-        centre_error_m: 0.0,
+        centre_error_m: markers.iter().map(MarkerResidual::distance_m).fold(0.0, f64::max),
     };
-    let plane = calibration.plane().ok_or(CalibrationError::Degenerate)?;
-    if is_mirrored(&plane, &pairs) {
+    let outcome = judge(calibration, &pairs);
+    Ok(Examination { markers, bench_from_image, outcome })
+}
+
+/// The calibration, if the markers fit.
+fn judge(mut calibration: Calibration, pairs: &[Pair]) -> Result<Calibration, CalibrationError> {
+    // Where markers are exchanged, the centres may have no plane with a horizon, and still what is wrong can be said.
+    let plane = calibration.plane().unwrap_or(Plane::without_foot(calibration.bench_from_image));
+    // Two markers that are exchanged across the bench mirror it as well, and make its squares oblique.
+    let is_only_mirrored = |(known, found): &Pair| {
+        is_mirrored(&plane, found) && side_error(&plane, &found.corners, known.side_m) <= misfit::ALIKE
+    };
+    if pairs.iter().all(is_only_mirrored) {
         return Err(CalibrationError::Mirrored);
     }
-    with_residuals(calibration, &plane, &pairs)
+    for (known, found) in pairs {
+        let side_error = side_error(&plane, &found.corners, known.side_m);
+        let centre_error_m = plane.at(centre_of_corners(&found.corners)).distance(known.centre);
+        // Written so that NaN is refused.
+        if !(side_error <= MAX_SIDE_ERROR && centre_error_m <= MAX_CENTRE_ERROR_M) {
+            return Err(misfit::explain(pairs, &plane));
+        }
+        calibration.side_error = calibration.side_error.max(side_error);
+    }
+    if calibration.plane().is_none() { Err(CalibrationError::Degenerate) } else { Ok(calibration) }
 }
 
 /// Whether four of the markers lie so that no three of them are in a line: otherwise many planes fit them.
@@ -244,7 +342,7 @@ fn find(
     image: &ImageView<'_>,
     markers: &[BenchMarker],
     dictionary: Dictionary,
-) -> Result<Vec<(BenchMarker, Marker)>, CalibrationError> {
+) -> Result<Vec<Pair>, CalibrationError> {
     let objects: Vec<_> =
         markers.iter().map(|marker| MarkerObject { id: marker.id, side_m: marker.side_m as f32 }).collect();
     let config = MarkersConfig { dictionary, objects, ..MarkersConfig::default() };
@@ -259,12 +357,11 @@ fn find(
     Ok(pairs)
 }
 
-fn fit(pairs: &[(BenchMarker, Marker)]) -> Result<Matrix, CalibrationError> {
+/// The homography that comes nearest to taking pixels to these points of the bench.
+pub(super) fn fit(points: &[(PixelPoint, BenchPoint)]) -> Result<Matrix, CalibrationError> {
     let solve = || -> opencv::Result<Option<Matrix>> {
-        let centres = pairs.iter().map(|(_, found)| centre_of_corners(&found.corners));
-        let image: Vector<Point2d> = centres.map(|PixelPoint { x, y }| Point2d::new(x, y)).collect();
-        let bench: Vector<Point2d> =
-            pairs.iter().map(|(known, _)| Point2d::new(known.centre.x, known.centre.y)).collect();
+        let image: Vector<Point2d> = points.iter().map(|(pixel, _)| Point2d::new(pixel.x, pixel.y)).collect();
+        let bench: Vector<Point2d> = points.iter().map(|(_, point)| Point2d::new(point.x, point.y)).collect();
         let matrix = opencv::calib3d::find_homography_ext_def(&image, &bench)?;
         if matrix.rows() != 3 || matrix.cols() != 3 {
             return Ok(None);
@@ -282,34 +379,13 @@ fn fit(pairs: &[(BenchMarker, Marker)]) -> Result<Matrix, CalibrationError> {
 }
 
 /// A marker's corners run clockwise in the picture, where y is down, and therefore clockwise on the bench, where y is up.
-fn is_mirrored(plane: &Plane, pairs: &[(BenchMarker, Marker)]) -> bool {
-    pairs.iter().any(|(_, found)| {
-        let [a, b, c, _] = found.corners.map(|corner| plane.at(corner));
-        (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x) >= 0.0
-    })
-}
-
-/// The calibration with its residuals, or why it is refused.
-fn with_residuals(
-    mut calibration: Calibration,
-    plane: &Plane,
-    pairs: &[(BenchMarker, Marker)],
-) -> Result<Calibration, CalibrationError> {
-    for (known, found) in pairs {
-        let side_error = side_error(plane, &found.corners, known.side_m);
-        let centre_error_m = plane.at(centre_of_corners(&found.corners)).distance(known.centre);
-        // Written so that NaN is refused.
-        if !(side_error <= MAX_SIDE_ERROR && centre_error_m <= MAX_CENTRE_ERROR_M) {
-            return Err(CalibrationError::Residual { id: known.id, side_error, centre_error_m });
-        }
-        calibration.side_error = calibration.side_error.max(side_error);
-        calibration.centre_error_m = calibration.centre_error_m.max(centre_error_m);
-    }
-    Ok(calibration)
+fn is_mirrored(plane: &Plane, found: &Marker) -> bool {
+    let [a, b, c, _] = found.corners.map(|corner| plane.at(corner));
+    (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x) >= 0.0
 }
 
 /// Maximum relative error of the two mean sides and the two diagonals.
-fn side_error(plane: &Plane, corners: &[PixelPoint; 4], side_m: f64) -> f64 {
+pub(super) fn side_error(plane: &Plane, corners: &[PixelPoint; 4], side_m: f64) -> f64 {
     let [a, b, c, d] = corners.map(|corner| plane.at(corner));
     let diagonal_m = side_m * std::f64::consts::SQRT_2;
     [

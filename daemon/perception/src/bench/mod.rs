@@ -5,10 +5,12 @@
 //! and hand and thing are compared on one scale.
 
 mod calibration;
+mod misfit;
 mod plane;
 mod scale;
 
-pub use calibration::{BenchMarker, Calibration, CalibrationError, calibrate};
+pub use calibration::{BenchMarker, Calibration, CalibrationError, Examination, calibrate, examine};
+pub use misfit::MarkerResidual;
 
 use crate::config::MarkerObject;
 use crate::detections::{HANDS, LANDMARKS, OBJECTS};
