@@ -52,7 +52,9 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Idle(arguments) => tool::idle::run(&arguments)?.into(),
         Command::Part(arguments) => tool::part::run(&arguments)?.into(),
         Command::Analyze(arguments) => tool::working("analyze", || tool::analyze::run(&arguments))?.into(),
-        Command::Experiment(arguments) => tool::working("experiment", || tool::experiment::run(&arguments))?.into(),
+        Command::Experiment(arguments) => {
+            tool::working("experiment", || tool::experiment::run(&arguments))?.into()
+        }
     };
     Ok(code)
 }

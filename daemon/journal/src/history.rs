@@ -7,9 +7,9 @@ use rusqlite::{Connection, OpenFlags, Row, params};
 use shm_schemas::PartId;
 
 use super::audit::Deed;
+use super::csv;
 use super::entry::{Entry, Gap, NotWatching, Record};
 use super::error::JournalError;
-use super::csv;
 use super::row::{signed, unsigned};
 
 /// Which verdicts to read.
@@ -104,7 +104,11 @@ impl History {
     ///
     /// # Errors
     /// As [`History::write_csv`].
-    pub fn write_deeds_csv(&self, since_utc_ns: Option<u64>, out: &mut impl Write) -> Result<(), JournalError> {
+    pub fn write_deeds_csv(
+        &self,
+        since_utc_ns: Option<u64>,
+        out: &mut impl Write,
+    ) -> Result<(), JournalError> {
         out.write_all(csv::DEEDS_HEADER.as_bytes())?;
         self.visit_deeds(since_utc_ns, |deed| Ok(csv::write_deed(&deed, out)?))?;
         Ok(out.flush()?)

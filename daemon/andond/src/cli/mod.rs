@@ -12,7 +12,8 @@ use clap::{Args, Parser, Subcommand};
 pub use bench::{Calibrate, Record};
 pub use jobs::{Analyze, Cost, Experiment, Replay, Segment, Teach, ThresholdRule};
 pub use station::{
-    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Role, Run, Speed, Status, Tail,
+    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Role, Run, Speed,
+    Status, Tail,
 };
 
 /// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.

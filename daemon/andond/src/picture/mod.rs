@@ -3,5 +3,7 @@
 mod annotator;
 mod assumed;
 mod canvas;
+mod panel;
+mod steps;
 
 pub use annotator::{AnnotateError, Annotator, END_S};

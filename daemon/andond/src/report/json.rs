@@ -111,7 +111,10 @@ impl VerdictLine {
             threshold: number(verdict.threshold),
             captured_percent: verdict.captured_percent.filter(|_| verdict.reason == Reason::Overload),
             nearest: verdict.nearest,
-            step: verdict.nearest.and_then(|step| names.steps().get(usize::from(step))).map(|step| step.name.clone()),
+            step: verdict
+                .nearest
+                .and_then(|step| names.steps().get(usize::from(step)))
+                .map(|step| step.name.clone()),
             expected: names.expected(verdict),
             got: names.got(verdict),
             measures: verdict.measured.map(MeasureLine::new),

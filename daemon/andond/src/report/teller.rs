@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use andon_core::verdict::{Level, Note, Outcome, Verdict};
 use anstyle::{AnsiColor, Style};
 
-use super::words::{because, verdict_sentence};
 use super::Names;
+use super::words::{because, verdict_sentence};
 
 /// What has been told of the job that is under way.
 #[derive(Debug, Default)]
@@ -53,7 +53,9 @@ impl Teller {
         let has_time = |fault: &Fault| verdict.level == Level::Job && fault.when != when;
         let is_beneath = cause.is_some() && cause == self.last && !fault.is_some_and(has_time);
         let text = match fault {
-            Some(_) if is_beneath => format!("{:width$}{}", "", so(verdict, names), width = when.chars().count() + 23),
+            Some(_) if is_beneath => {
+                format!("{:width$}{}", "", so(verdict, names), width = when.chars().count() + 23)
+            }
             Some(fault) => {
                 let (then, sentence) = (fault.when.trim_start(), verdict_sentence(verdict, names));
                 let because = format!("job, for the fault at {then}: ");
@@ -87,16 +89,17 @@ impl Teller {
 /// Whether a verdict only says what another one has said of a part of it.
 fn follows(verdict: &Verdict, fault: &Verdict) -> bool {
     let is_part = match (fault.level, verdict.level) {
-        (Level::Iu, Level::Activity) => {
-            (fault.side, fault.activity) == (verdict.side, verdict.activity)
-        }
+        (Level::Iu, Level::Activity) => (fault.side, fault.activity) == (verdict.side, verdict.activity),
         (Level::Iu | Level::Activity, Level::Job) => true,
         _ => false,
     };
     let of = |verdict: &Verdict| (verdict.outcome, verdict.reason, verdict.broken);
     // A measure may be known more exactly at the end.
     let measure = |verdict: &Verdict| verdict.measured.map(|measured| measured.measure);
-    is_part && verdict.outcome != Outcome::Ok && of(fault) == of(verdict) && measure(fault) == measure(verdict)
+    is_part
+        && verdict.outcome != Outcome::Ok
+        && of(fault) == of(verdict)
+        && measure(fault) == measure(verdict)
 }
 
 /// What follows for the step or the job.

@@ -66,7 +66,8 @@ fn another_part_is_told_with_the_one_that_was_expected() {
 
 #[test]
 fn the_other_hand_is_told_with_the_one_that_was_shown() {
-    let left = Verdict { side: Some(Side::Left), context: Context([2, 5, 5, 6]), ..wrong(Reason::WrongObject) };
+    let left =
+        Verdict { side: Some(Side::Left), context: Context([2, 5, 5, 6]), ..wrong(Reason::WrongObject) };
     reads(left, "left   ANOMALY     step 1 IU 2: polisher at brick, left hand; shown with the right");
     let noted = Verdict {
         level: Level::Activity,
@@ -129,7 +130,8 @@ fn a_motion_and_an_order_are_told_against_what_was_shown() {
         Verdict { nearest: Some(0), ..order(Level::Activity, OrderFault::Again) },
         "right  ANOMALY     step 1 (polish): done again; shown once in all 5 runs",
     );
-    let ended = Verdict { level: Level::Job, nearest: Some(1), side: None, iu: None, ..wrong(Reason::NotCompleted) };
+    let ended =
+        Verdict { level: Level::Job, nearest: Some(1), side: None, iu: None, ..wrong(Reason::NotCompleted) };
     reads(ended, "       ANOMALY     job: ended without step 2 (measure)");
 }
 
@@ -159,7 +161,13 @@ fn a_fault_is_one_line_and_what_follows_from_it_stands_indented_beneath() {
         verdicts.iter().map(|(when, verdict)| teller.tell(when, verdict, &names()).text).collect()
     };
     assert_eq!(
-        told(&[("14:03:07", fault), ("14:03:07", step), ("14:03:09", right), ("14:03:12", job), ("14:03:20", job)]),
+        told(&[
+            ("14:03:07", fault),
+            ("14:03:07", step),
+            ("14:03:09", right),
+            ("14:03:12", job),
+            ("14:03:20", job)
+        ]),
         [
             "14:03:07  right  ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6",
             "                               so step 1 (polish) is wrong",
@@ -171,7 +179,10 @@ fn a_fault_is_one_line_and_what_follows_from_it_stands_indented_beneath() {
     );
     assert_eq!(
         told(&[("   5.57 s", fault), ("   5.57 s", step), ("   5.57 s", job)])[1..],
-        ["                                so step 1 (polish) is wrong", "                                so the job is wrong"]
+        [
+            "                                so step 1 (polish) is wrong",
+            "                                so the job is wrong"
+        ]
     );
 }
 

@@ -179,7 +179,9 @@ pub enum ToolError {
     #[error("{0}")]
     Unusable(Unusable),
     /// No job file of the station has this name.
-    #[error("{wanted}: no job of the station has this name; there are: {there}; a number works also where the file is gone")]
+    #[error(
+        "{wanted}: no job of the station has this name; there are: {there}; a number works also where the file is gone"
+    )]
     UnknownJob {
         /// The name that was given.
         wanted: String,

@@ -60,7 +60,8 @@ impl KnownJobs {
         if let Some(job) = self.jobs.iter().find(is_meant) {
             return Ok(job.id);
         }
-        let mut names: Vec<String> = self.jobs.iter().map(|job| format!("{:?} ({})", job.name, job.id)).collect();
+        let mut names: Vec<String> =
+            self.jobs.iter().map(|job| format!("{:?} ({})", job.name, job.id)).collect();
         names.sort();
         names.dedup();
         let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };

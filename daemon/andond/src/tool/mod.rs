@@ -38,8 +38,8 @@ use crate::recording::Recording;
 use crate::taken::{self, Taken};
 
 pub use error::ToolError;
-pub use progress::working;
 use progress::progress;
+pub use progress::working;
 
 /// Where a configuration is looked for when none is named: in a source tree, then in an installation.
 const DEFAULT_CONFIGS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/andon.toml"];

@@ -87,7 +87,12 @@ fn tell_outage(outage: &Outage, clock: &Clock) {
     match outage.ended {
         None => eprintln!("{what}since {}: {role} is down", clock.time_of(outage.began)),
         Some(ended) => {
-            eprintln!("{what}from {} to {}: {}", clock.time_of(outage.began), clock.time_of(ended), outage.why());
+            eprintln!(
+                "{what}from {} to {}: {}",
+                clock.time_of(outage.began),
+                clock.time_of(ended),
+                outage.why()
+            );
         }
     }
 }

@@ -65,7 +65,8 @@ impl<'a> Summary<'a> {
     /// The faults of the wrong pieces, or why pieces were not judged, the most frequent first.
     pub(super) fn faults(&self, of_wrong: bool) -> Vec<(&str, u32)> {
         let of_kind = self.faults.iter().filter(|((is_wrong, _), _)| *is_wrong == of_wrong);
-        let mut faults: Vec<(&str, u32)> = of_kind.map(|((_, fault), count)| (fault.as_str(), *count)).collect();
+        let mut faults: Vec<(&str, u32)> =
+            of_kind.map(|((_, fault), count)| (fault.as_str(), *count)).collect();
         faults.sort_by_key(|(fault, count)| (std::cmp::Reverse(*count), *fault));
         faults
     }
@@ -85,11 +86,9 @@ impl<'a> Summary<'a> {
             ),
             _ => line!("no piece was finished"),
         }
-        for (word, outcome) in [
-            ("right", Outcome::Ok),
-            ("wrong", Outcome::Anomaly),
-            ("not judged", Outcome::NotJudged),
-        ] {
+        for (word, outcome) in
+            [("right", Outcome::Ok), ("wrong", Outcome::Anomaly), ("not judged", Outcome::NotJudged)]
+        {
             let count = self.count(outcome);
             line!("  {word:10} {count:6}  {:5.1} %", 100.0 * count as f64 / all.max(1) as f64);
         }

@@ -53,7 +53,11 @@ impl<'a> Table<'a> {
     fn write_gap(&self, gap: &Gap, out: &mut impl Write) -> io::Result<()> {
         let when = self.clock.date_time(gap.utc_ns);
         let last = gap.last_seq.map_or("?".into(), |seq| seq.to_string());
-        writeln!(out, "{when}  -- gap: {}, verdicts {} to {last} of epoch {}", gap.why, gap.first_seq, gap.epoch)
+        writeln!(
+            out,
+            "{when}  -- gap: {}, verdicts {} to {last} of epoch {}",
+            gap.why, gap.first_seq, gap.epoch
+        )
     }
 
     fn write_not_watching(&self, blind: &NotWatching, out: &mut impl Write) -> io::Result<()> {

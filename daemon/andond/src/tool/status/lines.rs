@@ -134,7 +134,9 @@ impl RoleLine {
 
     /// Whether it has something to do for each frame.
     pub(super) fn takes_frames(&self) -> bool {
-        [RoleId::Capture, RoleId::Perceive, RoleId::Encode, RoleId::Judge].map(RoleId::name).contains(&self.role)
+        [RoleId::Capture, RoleId::Perceive, RoleId::Encode, RoleId::Judge]
+            .map(RoleId::name)
+            .contains(&self.role)
     }
 }
 

@@ -28,7 +28,12 @@ fn write(station: &StationLine<'_>, clock: &Clock, out: &mut impl Write) -> io::
     if ill.is_empty() {
         writeln!(out, "{GREEN}station {name}: all {roles} roles are healthy{GREEN:#}")?;
     } else {
-        writeln!(out, "{RED}station {name}: {} of {roles} roles need help: {}{RED:#}", ill.len(), ill.join(", "))?;
+        writeln!(
+            out,
+            "{RED}station {name}: {} of {roles} roles need help: {}{RED:#}",
+            ill.len(),
+            ill.join(", ")
+        )?;
     }
     writeln!(out, "{}\n", job_words(station.job.as_ref()))?;
     writeln!(out, "role      state     frames/s     kept  of a core   typical       p99  last message")?;
@@ -59,7 +64,8 @@ fn job_words(job: Option<&JobLine>) -> String {
         None => "job: the judge was not heard".to_owned(),
         Some(JobLine { id: Some(id), name: Some(name), hash: Some(hash), enabled, phase, next_part }) => {
             let watch = if *enabled { "" } else { ", not enabled: nothing is judged" };
-            let part = next_part.as_ref().map(|part| format!("; part {part} goes with the piece that begins next"));
+            let part =
+                next_part.as_ref().map(|part| format!("; part {part} goes with the piece that begins next"));
             format!("job {name} (number {id}, hash {hash}): {phase}{watch}{}", part.unwrap_or_default())
         }
         Some(_) => "job: none is loaded, so nothing is judged".to_owned(),
@@ -67,7 +73,8 @@ fn job_words(job: Option<&JobLine>) -> String {
 }
 
 fn write_role(line: &RoleLine, out: &mut impl Write) -> io::Result<()> {
-    let percent = |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.0} %", 100.0 * share));
+    let percent =
+        |share: Option<f64>| share.map_or("-".to_owned(), |share| format!("{:.0} %", 100.0 * share));
     let milliseconds = |us: Option<u32>| {
         let us = us.filter(|us| *us > 0 && line.takes_frames());
         us.map_or("-".to_owned(), |us| format!("{:.1} ms", f64::from(us) / 1e3))
@@ -97,9 +104,14 @@ fn look_here(line: &RoleLine, station: &str, clock: &Clock) -> Vec<String> {
     }
     if let Some(code) = line.trouble.and_then(sight::code) {
         let since = MonotonicTime::from_nanoseconds(line.trouble_since_ns);
-        let since = if line.trouble_since_ns == 0 { String::new() } else { format!(" since {}", clock.time_of(since)) };
+        let since = if line.trouble_since_ns == 0 {
+            String::new()
+        } else {
+            format!(" since {}", clock.time_of(since))
+        };
         let lost = line.kept.filter(|kept| *kept < KEPT_WELL);
-        let lost = lost.map(|kept| format!(" It has kept {:.0} of 100 frames.", 100.0 * kept)).unwrap_or_default();
+        let lost =
+            lost.map(|kept| format!(" It has kept {:.0} of 100 frames.", 100.0 * kept)).unwrap_or_default();
         words.push(format!("{}{since}, {}.{lost} {}", code.name, code.meaning, code.remedy));
     }
     if line.is_configured_otherwise {
