@@ -231,11 +231,13 @@ fn replay_says_how_many_strokes_there_were_and_how_many_were_shown() {
     let job = line.path("job.toml");
     let output = line.command("replay", &["--job", text(&job), text(&line.tracks())]);
     let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains(" ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6"), "{said}");
+    let job = said.lines().find(|line| line.contains(" ANOMALY     job")).unwrap();
+    assert!(job.contains("job, for the fault at ") && job.contains(": 3 strokes, shown 6"), "{said}");
     assert!(
-        said.contains(" ANOMALY     activity 1 IU 2 (polisher at brick): 3 strokes, shown 6 to "),
+        said.contains("\n                                so step 1 (polisher at brick) is wrong\n"),
         "{said}"
     );
-    assert!(said.contains(" ANOMALY     job: 3 strokes, shown 6 to "), "{said}");
 }
 
 #[test]

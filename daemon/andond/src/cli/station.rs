@@ -12,12 +12,12 @@ pub struct Demo {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Folder with the clips
-    #[arg(long, default_value = "tests/footage")]
-    pub clips: PathBuf,
-    /// Job to watch
-    #[arg(long, default_value = "config/jobs/polish-and-measure.toml")]
-    pub job: PathBuf,
+    /// Folder with the clips [default: tests/footage in the current folder, or /usr/share/andon]
+    #[arg(long, value_name = "FOLDER")]
+    pub clips: Option<PathBuf>,
+    /// Job to watch [default: config/jobs/polish-and-measure.toml in the current folder, or the same in /etc/andon/jobs]
+    #[arg(long)]
+    pub job: Option<PathBuf>,
     /// Play at the clips' own rate (file), or as fast as the line can (max)
     #[arg(long, value_enum, default_value_t = Speed::File)]
     pub speed: Speed,

@@ -3,6 +3,8 @@
 mod annotator;
 mod assumed;
 mod canvas;
+mod panel;
+mod steps;
 mod still;
 
 pub use annotator::{AnnotateError, Annotator, END_S};

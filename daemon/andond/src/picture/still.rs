@@ -11,7 +11,7 @@ use crate::video::pipe::PictureFormat;
 /// How many times as long as they are the residuals are drawn.
 const EXAGGERATED: f64 = 10.0;
 /// Below the picture: what the colours mean.
-const LEGEND_PX: u32 = 46;
+const LEGEND_PX: usize = 68;
 /// Between two lines of the bench's grid, in metres.
 const GRID_M: f64 = 0.1;
 
@@ -25,7 +25,8 @@ pub struct Marked {
     pub is_doubtful: bool,
 }
 
-/// The picture with outlines and words of its markers, and with the hands that were seen in it.
+/// The picture with outlines and words of its markers, and with the hands that were seen in it. A small picture is enlarged: the format is
+/// that of the result.
 ///
 /// # Errors
 /// That OpenCV cannot draw.
@@ -34,20 +35,16 @@ pub fn with_seen(
     picture: &[u8],
     markers: &[Marked],
     seen: &Detections,
-) -> opencv::Result<Vec<u8>> {
-    let mut canvas = Canvas::new(format.width, format.height);
-    canvas.show(picture);
+) -> opencv::Result<(PictureFormat, Vec<u8>)> {
+    let mut canvas = Canvas::new(format.width, format.height, 0, 0);
+    canvas.show(picture)?;
     for marked in markers {
         let colour = if marked.is_doubtful { AMBER } else { GREEN };
         canvas.outline(&marked.corners_px, colour)?;
         let top = marked.corners_px.iter().map(|corner| corner[1]).fold(f32::INFINITY, f32::min);
         let left = marked.corners_px.iter().map(|corner| corner[0]).fold(f32::INFINITY, f32::min);
-        canvas.text(
-            [left, (top - 6.0).max(12.0)],
-            &marked.words,
-            0.45,
-            if marked.is_doubtful { AMBER } else { WHITE },
-        )?;
+        let colour = if marked.is_doubtful { AMBER } else { WHITE };
+        canvas.name([left, (top - 6.0).max(12.0)], &marked.words, colour)?;
     }
     for hand in seen.hands() {
         for (from, to) in BONES {
@@ -57,7 +54,7 @@ pub fn with_seen(
             canvas.dot(hand.landmarks_px[tip], 3, AMBER)?;
         }
     }
-    Ok(canvas.pixels().to_vec())
+    Ok(finished(format, &canvas))
 }
 
 /// The picture that a calibration was made from, with the bench's grid, where each marker is said to lie and where the others place it.
@@ -70,23 +67,28 @@ pub fn with_residuals(
     picture: &[u8],
     examined: &Examination,
 ) -> opencv::Result<(PictureFormat, Vec<u8>)> {
-    let higher = PictureFormat { height: format.height + LEGEND_PX, ..format };
-    let mut canvas = Canvas::new(higher.width, higher.height);
-    canvas.show(picture);
+    let mut canvas = Canvas::new(format.width, format.height, 0, LEGEND_PX);
+    canvas.show(picture)?;
     draw_grid(&mut canvas, examined, format.height as f32)?;
     for marker in &examined.markers {
         draw_residual(&mut canvas, examined, marker)?;
     }
-    let top = format.height as f32;
+    let [_, top] = canvas.picture_end();
     let legend = "white: the bench in steps of 10 cm; green: where a marker is said to lie;";
-    canvas.text([8.0, top + 18.0], legend, 0.45, WHITE)?;
+    canvas.text([8.0, top + 26.0], legend, 0.6, WHITE)?;
     canvas.text(
-        [8.0, top + 36.0],
+        [8.0, top + 54.0],
         "red: from there to where the others place it, ten times as far",
-        0.45,
+        0.6,
         WHITE,
     )?;
-    Ok((higher, canvas.pixels().to_vec()))
+    Ok(finished(format, &canvas))
+}
+
+/// What was drawn, with its format.
+fn finished(format: PictureFormat, canvas: &Canvas) -> (PictureFormat, Vec<u8>) {
+    let [width, height] = canvas.size();
+    (PictureFormat { width, height, ..format }, canvas.pixels().to_vec())
 }
 
 fn draw_residual(canvas: &mut Canvas, examined: &Examination, marker: &MarkerResidual) -> opencv::Result<()> {
@@ -102,7 +104,7 @@ fn draw_residual(canvas: &mut Canvas, examined: &Examination, marker: &MarkerRes
     let words = format!("{}: {:.1} mm", marker.id, 1000.0 * marker.distance_m());
     let [left, top] =
         [0, 1].map(|axis| marker.corners_px.iter().map(|corner| corner[axis]).fold(f32::INFINITY, f32::min));
-    canvas.text([left, (top - 8.0).max(12.0)], &words, 0.5, WHITE)
+    canvas.name([left, (top - 8.0).max(12.0)], &words, WHITE)
 }
 
 /// The grid between the outermost markers; the axes are thicker.
