@@ -26,12 +26,15 @@ fn taught(line: &Line, options: &[&str]) -> String {
 }
 
 #[test]
-fn teach_writes_the_number_and_the_name_that_it_was_given() {
+fn teach_writes_the_number_and_the_name_that_it_was_given_and_keeps_them() {
     let line = Line::new(Settings::default());
+    let job = taught(&line, &[]);
+    // That of the station, which lies beside it, has the number 1.
+    assert!(job.contains("\nid = 2\n") && job.contains("\nname = \"taught\"\n"), "{job}");
     let job = taught(&line, &["--id", "7", "--name", "seven"]);
     assert!(job.contains("\nid = 7\n") && job.contains("\nname = \"seven\"\n"), "{job}");
     let job = taught(&line, &[]);
-    assert!(job.contains("\nid = 1\n") && job.contains("\nname = \"taught\"\n"), "{job}");
+    assert!(job.contains("\nid = 7\n") && job.contains("\nname = \"seven\"\n"), "{job}");
 }
 
 #[test]
@@ -95,7 +98,7 @@ impl Folder {
     /// What `teach` says to these arguments and with which exit code it ends.
     fn teach(&self, job: &str, arguments: &[&str]) -> (Option<i32>, String) {
         let mut command = Command::new(andond());
-        command.arg("teach").args(arguments).args(["--name", "job", "--out", job, "--config"]);
+        command.arg("teach").args(arguments).args(["--name", "job", "--id", "1", "--out", job, "--config"]);
         command.arg(self.line.config()).current_dir(&self.path);
         let output = command.output().unwrap();
         let said = [output.stdout, output.stderr].concat();

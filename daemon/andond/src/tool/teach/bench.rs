@@ -99,17 +99,26 @@ impl Bench {
     /// # Errors
     /// A role of its own that has ended.
     pub(super) fn look(&mut self) -> Result<Look, ToolError> {
-        if let Some(message) = self.detections.take()? {
-            return Ok(match message.flags & flag::END_OF_STREAM {
-                0 => Look::Frame(wire::detections::to_core(&message)),
-                _ => Look::End,
-            });
+        if let Some(look) = self.waiting()? {
+            return Ok(look);
         }
         if let Some(roles) = &mut self.roles {
             roles.running.iter_mut().try_for_each(Running::check)?;
         }
         let wake = self.node.wait(&mut [&mut self.detections], WAIT)?;
         Ok(if wake == Wake::Stop { Look::Stop } else { Look::Nothing })
+    }
+
+    /// What has come and was not looked at, without waiting.
+    ///
+    /// # Errors
+    /// The station's shared memory.
+    pub(super) fn waiting(&mut self) -> Result<Option<Look>, ToolError> {
+        let message = self.detections.take()?;
+        Ok(message.map(|message| match message.flags & flag::END_OF_STREAM {
+            0 => Look::Frame(wire::detections::to_core(&message)),
+            _ => Look::End,
+        }))
     }
 
     /// Forgets what has come and was not looked at.

@@ -115,7 +115,13 @@ impl Showing<'_> {
                 None => {}
                 Some(Line::Text(text)) if text == "q" => return Ok(Next::End(End::GivenUp)),
                 Some(Line::Text(text)) if text == "d" => return Ok(Next::Run),
-                Some(Line::Text(_)) => break,
+                Some(Line::Text(_)) => {
+                    // What came before the answer belongs to the run.
+                    while let Some(Look::Frame(frame)) = bench.waiting()? {
+                        recorder.write(frame)?;
+                    }
+                    break;
+                }
                 // A run that nobody has ended is none.
                 Some(Line::End) => return Ok(Next::End(End::Teach)),
             }

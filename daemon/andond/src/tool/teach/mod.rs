@@ -25,6 +25,7 @@ use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
 use crate::config::Config;
 use crate::exit::Code;
+use crate::role;
 use sources::Wanted;
 
 /// Share of correct executions that may be accused under the rule `conformal`.
@@ -120,10 +121,15 @@ fn options(
         });
     }
     options.try_runs = true;
-    options.id = arguments.id.unwrap_or_else(|| match before {
+    // A job that is taught again is still the same one to people and to the PLC.
+    let there = role::read_job(&arguments.out).ok();
+    options.id = arguments.id.unwrap_or_else(|| match &there {
         Some(job) => job.id,
         None => number::number_for(&arguments.out, config),
     });
+    if let Some(job) = there {
+        options.name = job.name;
+    }
     options.order_matters = arguments.order.or(options.order_matters);
     if let Some(name) = &arguments.name {
         options.name.clone_from(name);

@@ -7,12 +7,8 @@ use crate::config::Config;
 use crate::role;
 use crate::tool::jobs::is_same;
 
-/// The number of a job that is written to `out`: that of the job that is there, because it is taught again, or else the smallest that no job
-/// in the same folder and no job of the station has.
+/// The number of a new job that is written to `out`: the smallest that no job in the same folder and no job of the station has.
 pub(super) fn number_for(out: &Path, config: &Config) -> u32 {
-    if let Ok(before) = role::read_job(out) {
-        return before.id;
-    }
     let taken: Vec<u32> = neighbours(out, config).into_iter().map(|(_, id)| id).collect();
     (1..).find(|id| !taken.contains(id)).unwrap_or(u32::MAX)
 }
@@ -66,12 +62,6 @@ mod tests {
             let (_root, out, config) = folders(beside, station);
             assert_eq!(number_for(&out, &config), number, "{beside:?} {station:?}");
         }
-    }
-
-    #[test]
-    fn a_job_that_is_taught_again_keeps_its_number() {
-        let (root, _, config) = folders(&[1, 7], &[1]);
-        assert_eq!(number_for(&root.path().join("beside/7.toml"), &config), 7);
     }
 
     #[test]
