@@ -37,17 +37,13 @@ pub fn with_seen(
 ) -> opencv::Result<Vec<u8>> {
     let mut canvas = Canvas::new(format.width, format.height);
     canvas.show(picture);
-    for marked in markers {
+    for (index, marked) in markers.iter().enumerate() {
         let colour = if marked.is_doubtful { AMBER } else { GREEN };
         canvas.outline(&marked.corners_px, colour)?;
-        let top = marked.corners_px.iter().map(|corner| corner[1]).fold(f32::INFINITY, f32::min);
-        let left = marked.corners_px.iter().map(|corner| corner[0]).fold(f32::INFINITY, f32::min);
-        canvas.text(
-            [left, (top - 6.0).max(12.0)],
-            &marked.words,
-            0.45,
-            if marked.is_doubtful { AMBER } else { WHITE },
-        )?;
+        let [[left, _], [top, bottom]] = [0, 1].map(|axis| range(&marked.corners_px, axis));
+        // Parts that lie at each other would have their words at the same place.
+        let y = if index % 2 == 0 { (top - 8.0).max(12.0) } else { bottom + 18.0 };
+        canvas.text([left, y], &marked.words, 0.45, if marked.is_doubtful { AMBER } else { WHITE })?;
     }
     for hand in seen.hands() {
         for (from, to) in BONES {
@@ -100,9 +96,14 @@ fn draw_residual(canvas: &mut Canvas, examined: &Examination, marker: &MarkerRes
         canvas.dot(to, 3, RED)?;
     }
     let words = format!("{}: {:.1} mm", marker.id, 1000.0 * marker.distance_m());
-    let [left, top] =
-        [0, 1].map(|axis| marker.corners_px.iter().map(|corner| corner[axis]).fold(f32::INFINITY, f32::min));
+    let [[left, _], [top, _]] = [0, 1].map(|axis| range(&marker.corners_px, axis));
     canvas.text([left, (top - 8.0).max(12.0)], &words, 0.5, WHITE)
+}
+
+/// The least and the greatest coordinate of a marker's corners.
+fn range(corners: &[[f32; 2]; 4], axis: usize) -> [f32; 2] {
+    let along = || corners.iter().map(|corner| corner[axis]);
+    [along().fold(f32::INFINITY, f32::min), along().fold(f32::NEG_INFINITY, f32::max)]
 }
 
 /// The grid between the outermost markers; the axes are thicker.

@@ -23,8 +23,12 @@ fn glance(place: Option<([f32; 2], f32)>) -> Glance {
     let mut seen = Detections::default();
     if let Some((at, side)) = place {
         seen.objects_len = 1;
-        seen.objects[0] =
-            ObjectDetection { id: 1, flags: flag::SEEN, corners_px: square(at, side), ..ObjectDetection::default() };
+        seen.objects[0] = ObjectDetection {
+            id: 1,
+            flags: flag::SEEN,
+            corners_px: square(at, side),
+            ..ObjectDetection::default()
+        };
     }
     let picture = Picture { sharpness: Some(0.9), noise: 2.0, cells: [[90; 3]; _], ..Picture::default() };
     Glance { seen, picture, others: Vec::new(), foreign: 0 }
@@ -62,7 +66,9 @@ fn a_marker_that_is_large_enough_needs_nothing() {
 fn a_part_that_is_not_seen_and_one_at_the_edge_are_told_with_what_to_do() {
     assert_eq!(
         about(&[glance(None)], "brick"),
-        improve("its marker 1 is not seen: is it in view, flat, whole, with white around it, and printed by `andond markers`?")
+        improve(
+            "its marker 1 is not seen: is it in view, flat, whole, with white around it, and printed by `andond markers`?"
+        )
     );
     let (is_good, sentence) = about(&[glance(Some(([605.0, 200.0], 31.0)))], "brick");
     assert!(!is_good && sentence.starts_with("it lies at the edge of the picture"), "{sentence}");
@@ -82,7 +88,11 @@ fn dark_dazzled_noisy_and_soft_pictures_are_told_apart() {
     says(with(|picture| picture.cells = [[9; 3]; _]), "light", "it is dark: more light");
     says(with(|picture| picture.white = 0.3), "light", "parts of the picture are white: less light");
     says(with(|picture| picture.noise = 13.0), "light", "the picture is noisy: more light");
-    says(with(|picture| picture.sharpness = Some(0.5)), "sharpness", "50 % of an edge lies within two pixels, and 60 %");
+    says(
+        with(|picture| picture.sharpness = Some(0.5)),
+        "sharpness",
+        "50 % of an edge lies within two pixels, and 60 %",
+    );
     says(with(|picture| picture.sharpness = None), "sharpness", "no sharp edge is in the picture");
     assert!(about(&with(|_| ()), "light").0 && about(&with(|_| ()), "sharpness").0);
 }
@@ -106,7 +116,10 @@ fn markers_of_nobody_are_named_and_a_lucky_pattern_is_not() {
     };
     let glances = [with(&[46, 47]), with(&[46, 47, 9]), with(&[46]), with(&[46, 47]), with(&[46, 47])];
     let (is_good, sentence) = about(&glances, "others");
-    assert!(!is_good && sentence.starts_with("markers 46, 47 are in view and in no [[objects]]"), "{sentence}");
+    assert!(
+        !is_good && sentence.starts_with("markers 46, 47 are in view and in no [[objects]]"),
+        "{sentence}"
+    );
     let foreign = Glance { foreign: 2, ..glance(None) };
     assert!(about(&[foreign], "others").1.starts_with("markers of another dictionary are in view"));
     assert!(sentences(&[glance(None)], &config(), FORMAT).iter().all(|line| line.about != "others"));
