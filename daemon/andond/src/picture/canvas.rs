@@ -37,10 +37,19 @@ impl Canvas {
         let scale = (MIN_HEIGHT / height as f32).max(1.0);
         let scaled = |length: u32| (scale * length as f32).round() as usize;
         // Codecs want even sides.
-        let (whole, high) = (scaled(width) + panel, scaled(height) + strip);
-        let (width_px, height_px) = (whole.next_multiple_of(2), high.next_multiple_of(2));
-        let pixels = DARK.repeat(width_px * height_px);
-        Self { pixels, width: width_px, height: height_px, source: [width as i32, height as i32], scale }
+        let [width_px, height_px] =
+            [scaled(width) + panel, scaled(height) + strip].map(|px| px.next_multiple_of(2));
+        Self::with([width_px, height_px], [width, height], scale)
+    }
+
+    /// A canvas of just this size. A picture that is not as high is shown at its top.
+    pub(super) fn at_its_size(picture: [u32; 2], height: u32) -> Self {
+        Self::with([picture[0], height].map(|length| length as usize), picture, 1.0)
+    }
+
+    fn with([width, height]: [usize; 2], picture: [u32; 2], scale: f32) -> Self {
+        let source = picture.map(|length| length as i32);
+        Self { pixels: DARK.repeat(width * height), width, height, source, scale }
     }
 
     pub(super) fn pixels(&self) -> &[u8] {

@@ -11,7 +11,7 @@ use crate::video::pipe::PictureFormat;
 /// How many times as long as they are the residuals are drawn.
 const EXAGGERATED: f64 = 10.0;
 /// Below the picture: what the colours mean.
-const LEGEND_PX: usize = 68;
+const LEGEND_PX: u32 = 46;
 /// Between two lines of the bench's grid, in metres.
 const GRID_M: f64 = 0.1;
 
@@ -25,8 +25,7 @@ pub struct Marked {
     pub is_doubtful: bool,
 }
 
-/// The picture with outlines and words of its markers, and with the hands that were seen in it. A small picture is enlarged: the format is
-/// that of the result.
+/// The picture with outlines and words of its markers, and with the hands that were seen in it.
 ///
 /// # Errors
 /// That OpenCV cannot draw.
@@ -35,16 +34,16 @@ pub fn with_seen(
     picture: &[u8],
     markers: &[Marked],
     seen: &Detections,
-) -> opencv::Result<(PictureFormat, Vec<u8>)> {
-    let mut canvas = Canvas::new(format.width, format.height, 0, 0);
+) -> opencv::Result<Vec<u8>> {
+    let mut canvas = Canvas::at_its_size([format.width, format.height], format.height);
     canvas.show(picture)?;
-    for marked in markers {
+    for (index, marked) in markers.iter().enumerate() {
         let colour = if marked.is_doubtful { AMBER } else { GREEN };
         canvas.outline(&marked.corners_px, colour)?;
-        let top = marked.corners_px.iter().map(|corner| corner[1]).fold(f32::INFINITY, f32::min);
-        let left = marked.corners_px.iter().map(|corner| corner[0]).fold(f32::INFINITY, f32::min);
-        let colour = if marked.is_doubtful { AMBER } else { WHITE };
-        canvas.name([left, (top - 6.0).max(12.0)], &marked.words, colour)?;
+        let [[left, _], [top, bottom]] = [0, 1].map(|axis| range(&marked.corners_px, axis));
+        // Parts that lie at each other would have their words at the same place.
+        let y = if index % 2 == 0 { (top - 8.0).max(12.0) } else { bottom + 18.0 };
+        canvas.text([left, y], &marked.words, 0.45, if marked.is_doubtful { AMBER } else { WHITE })?;
     }
     for hand in seen.hands() {
         for (from, to) in BONES {
@@ -54,7 +53,7 @@ pub fn with_seen(
             canvas.dot(hand.landmarks_px[tip], 3, AMBER)?;
         }
     }
-    Ok(finished(format, &canvas))
+    Ok(canvas.pixels().to_vec())
 }
 
 /// The picture that a calibration was made from, with the bench's grid, where each marker is said to lie and where the others place it.
@@ -67,28 +66,23 @@ pub fn with_residuals(
     picture: &[u8],
     examined: &Examination,
 ) -> opencv::Result<(PictureFormat, Vec<u8>)> {
-    let mut canvas = Canvas::new(format.width, format.height, 0, LEGEND_PX);
+    let higher = PictureFormat { height: format.height + LEGEND_PX, ..format };
+    let mut canvas = Canvas::at_its_size([format.width, format.height], higher.height);
     canvas.show(picture)?;
     draw_grid(&mut canvas, examined, format.height as f32)?;
     for marker in &examined.markers {
         draw_residual(&mut canvas, examined, marker)?;
     }
-    let [_, top] = canvas.picture_end();
+    let top = format.height as f32;
     let legend = "white: the bench in steps of 10 cm; green: where a marker is said to lie;";
-    canvas.text([8.0, top + 26.0], legend, 0.6, WHITE)?;
+    canvas.text([8.0, top + 18.0], legend, 0.45, WHITE)?;
     canvas.text(
-        [8.0, top + 54.0],
+        [8.0, top + 36.0],
         "red: from there to where the others place it, ten times as far",
-        0.6,
+        0.45,
         WHITE,
     )?;
-    Ok(finished(format, &canvas))
-}
-
-/// What was drawn, with its format.
-fn finished(format: PictureFormat, canvas: &Canvas) -> (PictureFormat, Vec<u8>) {
-    let [width, height] = canvas.size();
-    (PictureFormat { width, height, ..format }, canvas.pixels().to_vec())
+    Ok((higher, canvas.pixels().to_vec()))
 }
 
 fn draw_residual(canvas: &mut Canvas, examined: &Examination, marker: &MarkerResidual) -> opencv::Result<()> {
@@ -102,9 +96,14 @@ fn draw_residual(canvas: &mut Canvas, examined: &Examination, marker: &MarkerRes
         canvas.dot(to, 3, RED)?;
     }
     let words = format!("{}: {:.1} mm", marker.id, 1000.0 * marker.distance_m());
-    let [left, top] =
-        [0, 1].map(|axis| marker.corners_px.iter().map(|corner| corner[axis]).fold(f32::INFINITY, f32::min));
-    canvas.name([left, (top - 8.0).max(12.0)], &words, WHITE)
+    let [[left, _], [top, _]] = [0, 1].map(|axis| range(&marker.corners_px, axis));
+    canvas.text([left, (top - 8.0).max(12.0)], &words, 0.5, WHITE)
+}
+
+/// The least and the greatest coordinate of a marker's corners.
+fn range(corners: &[[f32; 2]; 4], axis: usize) -> [f32; 2] {
+    let along = || corners.iter().map(|corner| corner[axis]);
+    [along().fold(f32::INFINITY, f32::min), along().fold(f32::NEG_INFINITY, f32::max)]
 }
 
 /// The grid between the outermost markers; the axes are thicker.

@@ -191,6 +191,22 @@ pub enum ToolError {
     /// The markers cannot be printed.
     #[error(transparent)]
     Sheets(#[from] LayoutError),
+    /// A track file was to be looked at.
+    #[error("{}: a track file has no pictures; give a film, a folder of pictures or a picture", .0.display())]
+    NothingToShow(PathBuf),
+    /// No picture came.
+    #[error(
+        "{0}: no picture comes; see `andond check` for a camera, and `andond status` for a running station"
+    )]
+    NothingSeen(String),
+    /// The page cannot be served.
+    #[error("{address}: the page cannot be shown there: {source}; name another port with --page PORT")]
+    Page {
+        /// Where it was to be shown.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The recording to calibrate from has no picture.
     #[error("{}: there is no picture in it; give one that shows the four markers", .0.display())]
     NoPicture(PathBuf),
@@ -295,6 +311,7 @@ impl ToolError {
             | Self::Station(_) => Code::Configuration,
             Self::Ipc(_)
             | Self::Journal(_)
+            | Self::NothingSeen(_)
             | Self::Print(_)
             | Self::Lost(_)
             | Self::Demo { .. }
@@ -332,6 +349,8 @@ impl ToolError {
             | Self::Video(_)
             | Self::Annotate(_)
             | Self::Sheets(_)
+            | Self::NothingToShow(_)
+            | Self::Page { .. }
             | Self::Marker { .. }
             | Self::NoPicture(_)
             | Self::Picture { .. }

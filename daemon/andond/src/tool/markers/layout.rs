@@ -115,7 +115,12 @@ impl Sheets {
     ///
     /// # Errors
     /// [`LayoutError`].
-    pub(super) fn bench(&mut self, corners: &BenchCorners, side_m: f64) -> Result<(), LayoutError> {
+    pub(super) fn bench(
+        &mut self,
+        corners: &BenchCorners,
+        side_m: f64,
+        file: &str,
+    ) -> Result<(), LayoutError> {
         self.new_sheet();
         // Away from the worker first, so that they lie on the sheet as on the bench.
         let names = ["near left", "near right", "far right", "far left"];
@@ -127,7 +132,9 @@ impl Sheets {
             self.at = [MARGIN, self.next_row];
         }
         let top = self.next_row;
-        self.draw_bench(corners, side_m, top);
+        self.draw_bench(corners, top);
+        self.write_command(corners, side_m, file, top + 62.0);
+        self.next_row = top + DRAWING;
         Ok(())
     }
 
@@ -174,7 +181,7 @@ impl Sheets {
         self.sheet.text(at, size.min(width / (LETTER * letters)), face, text);
     }
 
-    fn draw_bench(&mut self, corners: &BenchCorners, side_m: f64, top: f64) {
+    fn draw_bench(&mut self, corners: &BenchCorners, top: f64) {
         let heading = "Only for a camera that does not look straight down: lay these four flat on the bench, upright as they are here.";
         let width = self.sheet.size[0] - 2.0 * MARGIN;
         self.line_of_text([MARGIN, top + 4.0], 3.2, Face::Plain, heading, width);
@@ -199,20 +206,24 @@ impl Sheets {
         let across =
             format!("centre to centre: {} across, {} deep", metres(bench_width), metres(bench_depth));
         sheet.text([x - 30.0, top + 54.0], 3.2, Face::Plain, across);
-        let mut lines =
-            vec![format!("andond look --save bench.png && andond calibrate bench.png --side {side_m} \\")];
-        for pair in [[0, 1], [2, 3]] {
-            let marker = |corner: usize| {
-                let [x, y] = corners.centres_m()[corner];
-                format!("--marker {}={x:.3},{y:.3}", corners.ids[corner])
-            };
-            lines.push(format!("    {} {} \\", marker(pair[0]), marker(pair[1])));
-        }
-        lines.push(format!("    --out {}.calibration.toml", self.station));
+    }
+
+    /// What to type when the markers lie where they should.
+    fn write_command(&mut self, corners: &BenchCorners, side_m: f64, file: &str, top: f64) {
+        let marker = |corner: usize| {
+            let [x, y] = corners.centres_m()[corner];
+            format!("--marker {}={x:.3},{y:.3}", corners.ids[corner])
+        };
+        let lines = [
+            format!("andond look -c {file} --save bench.png"),
+            format!("andond calibrate -c {file} bench.png --side {side_m} \\"),
+            format!("    {} {} \\", marker(0), marker(1)),
+            format!("    {} {} --out {}.calibration.toml", marker(2), marker(3), self.station),
+        ];
+        let width = self.sheet.size[0] - 2.0 * MARGIN;
         for (row, line) in (0..).zip(lines) {
-            self.sheet.text([MARGIN, top + 62.0 + 4.6 * f64::from(row)], 3.0, Face::Fixed, line);
+            self.line_of_text([MARGIN, top + 4.6 * f64::from(row)], 3.0, Face::Fixed, &line, width);
         }
-        self.next_row = top + DRAWING;
     }
 }
 

@@ -67,7 +67,8 @@ fn sheets(config: &Config, arguments: &Markers, corners: &BenchCorners) -> Resul
     for id in free.take(arguments.spare.into()) {
         sheets.marker(&Label { id, name: "spare".into(), side_m: spare_m })?;
     }
-    sheets.bench(corners, BENCH_SIDE_M)?;
+    let file = config.files.last().and_then(|file| file.file_name()).unwrap_or_default().to_string_lossy();
+    sheets.bench(corners, BENCH_SIDE_M, &file)?;
     Ok(sheets.finish())
 }
 

@@ -144,3 +144,44 @@ fn a_name_that_no_font_has_is_printed_as_far_as_it_can_be() {
     assert!(svg::svg(&sheets[0]).contains("Bügel &lt;2&gt; деталь"));
     assert_eq!(pdf::latin("Bügel деталь"), b"B\xfcgel ??????");
 }
+
+/// The first page of a PDF in grey levels at 150 dots per inch, by a renderer that shares nothing with the writer.
+fn printed(pdf: &[u8]) -> (usize, usize, Vec<u8>) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("sheet.pdf");
+    std::fs::write(&file, pdf).unwrap();
+    let renderer = std::process::Command::new("pdftoppm")
+        .args(["-r", "150", "-gray", "-f", "1", "-l", "1"])
+        .arg(&file)
+        .output();
+    let picture = renderer.expect("poppler-utils is needed: run `make test-packages`").stdout;
+    // P5, width, height and the largest grey level, each followed by one white character.
+    let mut begin = picture.splitn(4, |byte| byte.is_ascii_whitespace());
+    let mut field = || std::str::from_utf8(begin.next().unwrap()).unwrap();
+    assert_eq!(field(), "P5");
+    let (width, height) = (field().parse::<usize>().unwrap(), field().parse::<usize>().unwrap());
+    (width, height, picture[picture.len() - width * height..].to_vec())
+}
+
+#[test]
+fn a_reader_of_pdf_shows_markers_and_ruler_in_true_size() {
+    let px_per_mm = 150.0 / 25.4;
+    for paper in [Paper::A4, Paper::Letter] {
+        let sheets = made(&[(1, "brick", 0.03312), (2, "polisher", 0.036)], &arguments(paper)).unwrap();
+        let (width, height, pixels) = printed(&pdf::pdf(&sheets));
+        let image = ImageView::new(width, height, width, PixelFormat::Gray8, &pixels).unwrap();
+        let seen = MarkerFinder::new(Dictionary::default()).unwrap().find(&image).unwrap();
+        for ((id, side_mm), marker) in [(1, 33.12), (2, 36.0)].into_iter().zip(&seen) {
+            assert_eq!(marker.id, id);
+            let [a, b, c, _] = marker.corners;
+            for (from, to) in [(a, b), (b, c)] {
+                let measured_mm = f64::from((from[0] - to[0]).hypot(from[1] - to[1])) / px_per_mm;
+                assert!((measured_mm - side_mm).abs() < 0.15, "{measured_mm} mm instead of {side_mm}");
+            }
+        }
+        // The line below the marks of the ruler is the longest one on the sheet.
+        let longest = |row: &[u8]| row.split(|pixel| *pixel > 160).map(<[u8]>::len).max().unwrap_or_default();
+        let ruler_mm = pixels.chunks(width).map(longest).max().unwrap_or_default() as f64 / px_per_mm;
+        assert!((ruler_mm - 100.0).abs() < 0.5, "the ruler has {ruler_mm} mm");
+    }
+}
