@@ -139,7 +139,7 @@ fn the_report_is_one_sentence_then_a_table_with_a_legend_and_a_page() {
     }
     let page = std::fs::read_to_string(desk.path("page.html")).unwrap();
     for words in [
-        "<h1>Job 1 “job”</h1><p class=\"s\">usable, because",
+        "<h1>Job 1 “job”</h1><p class=\"say\">usable, because",
         "<svg",
         "How to read it",
         "1. right hand: polisher at brick",

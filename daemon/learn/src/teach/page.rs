@@ -31,7 +31,7 @@ pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
 
 /// The one sentence, what to do about each doubt, and the notes.
 fn summary(report: &TeachReport) -> String {
-    let class = if report.is_trusted() { "s" } else { "s no" };
+    let class = if report.is_trusted() { "say" } else { "say no" };
     let lines: Vec<String> = report.summary().iter().map(|line| escaped(line.trim())).collect();
     let notes = list("ul", report.warnings().iter().map(|note| escaped(note)));
     format!("<p class=\"{class}\">{}</p>{notes}", lines.join("<br>"))
@@ -46,9 +46,9 @@ fn learned(job: &JobFile, report: &TeachReport) -> String {
     let cells = |iu: &IuReport| {
         let [name, number] = place(job, iu);
         let context = escaped(&report.words(iu.context));
-        let seconds = range(iu.frames, |frames| report.seconds(frames));
+        let seconds = range(iu.frames, |frames| report.seconds(frames)).replace(' ', "\u{a0}");
         let reversals = range(iu.reversals, |count| count.to_string());
-        let distance = format!("{:.2} ± {:.2}", iu.mean_distance, iu.distance_deviation);
+        let distance = format!("{:.2}\u{a0}±\u{a0}{:.2}", iu.mean_distance, iu.distance_deviation);
         let threshold = format!("{:.2}", iu.threshold);
         vec![name, number, context, iu.demonstrations.to_string(), seconds, reversals, distance, threshold]
     };

@@ -24,7 +24,7 @@ const FIRST_LOOK: Duration = Duration::from_millis(500);
 
 /// What there is to see now.
 pub(super) enum Look {
-    Frame(Frame),
+    Frame(Box<Frame>),
     /// The recording of the station is at its end.
     End,
     /// Somebody has interrupted the program.
@@ -116,7 +116,7 @@ impl Bench {
     pub(super) fn waiting(&mut self) -> Result<Option<Look>, ToolError> {
         let message = self.detections.take()?;
         Ok(message.map(|message| match message.flags & flag::END_OF_STREAM {
-            0 => Look::Frame(wire::detections::to_core(&message)),
+            0 => Look::Frame(Box::new(wire::detections::to_core(&message))),
             _ => Look::End,
         }))
     }

@@ -99,7 +99,7 @@ impl Showing<'_> {
         loop {
             match bench.look()? {
                 Look::Frame(frame) => {
-                    if !recorder.write(frame)? {
+                    if !recorder.write(*frame)? {
                         // The film of the station begins again.
                         break;
                     }
@@ -118,7 +118,7 @@ impl Showing<'_> {
                 Some(Line::Text(_)) => {
                     // What came before the answer belongs to the run.
                     while let Some(Look::Frame(frame)) = bench.waiting()? {
-                        recorder.write(frame)?;
+                        recorder.write(*frame)?;
                     }
                     break;
                 }
