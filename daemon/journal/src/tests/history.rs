@@ -43,9 +43,8 @@ fn a_row_gives_the_verdict_back_that_it_was_written_from() {
         ..verdict(1, 1)
     };
     bench.append(&sent).unwrap();
-    let [Entry::Verdict(record)] = bench.entries(&Query::default()).try_into().unwrap() else {
-        unreachable!()
-    };
+    let entries = bench.entries(&Query::default());
+    let [Entry::Verdict(record)] = entries.as_slice() else { unreachable!() };
     let known = Verdict { stamp: Default::default(), station: Default::default(), ..sent };
     // A distance that there is not is not equal to itself.
     assert_eq!(format!("{:?}", record.message()), format!("{known:?}"));
