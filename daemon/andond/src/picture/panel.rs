@@ -16,8 +16,8 @@ pub(super) const STRIP: usize = 96;
 const EDGE: f32 = 18.0;
 /// Height of a step in the list, in pixels.
 const ROW: f32 = 62.0;
-/// The width of a letter at scale 1, in pixels: that of the widest of OpenCV's letters.
-const LETTER: f64 = 20.0;
+/// The width of a letter at scale 1, in pixels: that of most of OpenCV's letters.
+const LETTER: f64 = 17.0;
 
 /// Scales of the letters: about 25, 18 and 15 pixels high.
 const LARGE: f64 = 1.0;
