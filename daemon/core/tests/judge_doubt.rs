@@ -534,3 +534,19 @@ fn two_thirds_of_the_strokes_are_not_right_because_frames_are_missing() {
     assert_eq!(strokes_with_gaps(4), "NotJudged Blind");
     assert_eq!(strokes_with_gaps(6), "JobOk");
 }
+
+/// What is said of a job that is measured first and then polished, if the hand was hidden for so many frames before.
+fn in_the_wrong_order(hidden: usize) -> Vec<String> {
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
+    let work = [&[idle(20), away(hidden), idle(60)][..], &measure(), &polish(6)].concat();
+    let verdicts = judged(&job, &stream(&work, &[]));
+    verdicts.iter().map(short).filter(|verdict| !verdict.contains('.')).collect()
+}
+
+#[test]
+fn what_may_have_come_unseen_and_comes_afterwards_is_not_right() {
+    let seen = in_the_wrong_order(0);
+    assert_eq!(seen, ["r0 ActivityAnomaly WrongOrder!", "r1 ActivityOk!", "JobAnomaly WrongOrder"]);
+    let hidden = in_the_wrong_order(100);
+    assert_eq!(hidden, ["r0 ActivityOk!", "r1 NotJudged Blind!", "NotJudged Blind"]);
+}
