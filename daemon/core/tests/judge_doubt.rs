@@ -11,7 +11,7 @@ use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{IN_ORDER, away, expect, jobs, judged, measure, polish, polish_and_measure};
+use common::work::{IN_ORDER, away, expect, forgiving, jobs, judged, measure, polish, polish_and_measure};
 
 #[test]
 fn the_beginning_of_every_job_is_an_event() {
@@ -515,4 +515,38 @@ fn motion_that_was_assumed_accuses_nobody() {
     assert_eq!(short(judged(&job, &couples).last().unwrap()), "JobAnomaly Motion");
     assume(&mut couples[45..60], 1);
     assert_eq!(short(judged(&job, &couples).last().unwrap()), "NotJudged Blind");
+}
+
+/// What is said of a job with so many strokes, of which 4 of every 8 frames are not seen.
+fn strokes_with_gaps(strokes: usize) -> String {
+    let mut couples = stream(&[polish(strokes), measure()].concat(), &[]);
+    for gap in couples[34..30 + 16 * strokes].chunks_mut(8) {
+        for couples in gap.iter_mut().take(4) {
+            let hand = &mut couples.hands[0];
+            (hand.motion, hand.position, hand.sight[1]) = (None, None, Sight::Assumed);
+        }
+    }
+    short(judged(&forgiving(polish_and_measure()), &couples).last().unwrap())
+}
+
+#[test]
+fn two_thirds_of_the_strokes_are_not_right_because_frames_are_missing() {
+    assert_eq!(strokes_with_gaps(4), "NotJudged Blind");
+    assert_eq!(strokes_with_gaps(6), "JobOk");
+}
+
+/// What is said of a job that is measured first and then polished, if the hand was hidden for so many frames before.
+fn in_the_wrong_order(hidden: usize) -> Vec<String> {
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
+    let work = [&[idle(20), away(hidden), idle(60)][..], &measure(), &polish(6)].concat();
+    let verdicts = judged(&job, &stream(&work, &[]));
+    verdicts.iter().map(short).filter(|verdict| !verdict.contains('.')).collect()
+}
+
+#[test]
+fn what_may_have_come_unseen_and_comes_afterwards_is_not_right() {
+    let seen = in_the_wrong_order(0);
+    assert_eq!(seen, ["r0 ActivityAnomaly WrongOrder!", "r1 ActivityOk!", "JobAnomaly WrongOrder"]);
+    let hidden = in_the_wrong_order(100);
+    assert_eq!(hidden, ["r0 ActivityOk!", "r1 NotJudged Blind!", "NotJudged Blind"]);
 }
