@@ -247,7 +247,7 @@ fn markers_of_another_dictionary_and_other_ids_are_said_everywhere() {
 
 #[test]
 fn what_a_running_line_sees_is_looked_at_without_opening_its_camera() {
-    let mut line = Line::with_film("loop = true", "", &["-i", "p1_none_r1.mp4"]);
+    let mut line = Line::with_film("", "", &["-i", "p1_none_r1.mp4"]);
     line.launch();
     line.start("capture");
     let picture = line.path("seen.png");

@@ -140,11 +140,7 @@ fn hand(glances: &[Glance], side: Side) -> Line {
     let about = format!("{} hand", side.name());
     match glances.iter().filter(|glance| glance.has_hand(side)).count() {
         // Nobody needs to work while the bench is set up.
-        0 => line(
-            true,
-            &about,
-            "not seen: hold it over the bench to try it, without a glove or with one in the colour of skin",
-        ),
+        0 => line(true, &about, "not seen: hold it over the bench to try it"),
         seen => line(true, &about, share(seen, glances.len())),
     }
 }
