@@ -14,6 +14,25 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     (
+        "new",
+        &[
+            ("answer questions about a new bench", "andond new bench1"),
+            (
+                "say everything at once",
+                "andond new bench1 --part brick --part polisher=0.04 --camera /dev/video0 --hands right",
+            ),
+        ],
+    ),
+    ("markers", &[("the sheets of a station, to be printed at 100 %", "andond markers -c bench1.toml")]),
+    (
+        "look",
+        &[
+            ("what the camera sees, and what to improve", "andond look -c bench1.toml"),
+            ("live in a browser on this machine", "andond look -c bench1.toml --page"),
+            ("the picture that calibrate needs", "andond look -c bench1.toml --save bench.png"),
+        ],
+    ),
+    (
         "teach",
         &[
             (
@@ -117,9 +136,14 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             ("what was wrong in the last shift", "andond history --since 8h --nok"),
             ("everything about one part", "andond history --part SN-4711"),
+            (
+                "how many were right, and what was wrong with the others",
+                "andond history --since 7d --summary",
+            ),
             ("who has changed what", "andond history --since 7d --audit"),
         ],
     ),
+    ("explain", &[("what a message in the log means, and what to do", "andond explain AND-307")]),
     ("backup", &[("also while the station runs", "andond backup bench1.tar")]),
     (
         "restore",
