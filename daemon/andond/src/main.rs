@@ -39,7 +39,9 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::New(arguments) => tool::new::run(&arguments)?.into(),
         Command::Markers(arguments) => tool::markers::run(&arguments)?.into(),
         Command::Look(arguments) => tool::look::run(&arguments)?.into(),
-        Command::Teach(arguments) => tool::working("teach", || tool::teach::run(&arguments))?.into(),
+        Command::Teach(arguments) => {
+            tool::working("teach", || tool::teach::run(&arguments).map_err(Box::new))?.into()
+        }
         Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
         Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),
         Command::Run(arguments) => role::run(arguments.role, &tool::take_config(&arguments)?).into(),
@@ -58,9 +60,11 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Restore(arguments) => tool::restore::run(&arguments)?.into(),
         Command::Idle(arguments) => tool::idle::run(&arguments)?.into(),
         Command::Part(arguments) => tool::part::run(&arguments)?.into(),
-        Command::Analyze(arguments) => tool::working("analyze", || tool::analyze::run(&arguments))?.into(),
+        Command::Analyze(arguments) => {
+            tool::working("analyze", || tool::analyze::run(&arguments).map_err(Box::new))?.into()
+        }
         Command::Experiment(arguments) => {
-            tool::working("experiment", || tool::experiment::run(&arguments))?.into()
+            tool::working("experiment", || tool::experiment::run(&arguments).map_err(Box::new))?.into()
         }
         Command::Completions(arguments) => tool::pages::completions(&arguments)?.into(),
         Command::Man(arguments) => tool::pages::man(&arguments)?.into(),

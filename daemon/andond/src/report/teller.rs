@@ -58,7 +58,8 @@ impl Teller {
             }
             Some(fault) => {
                 let (then, sentence) = (fault.when.trim_start(), verdict_sentence(verdict, names));
-                let because = format!("job, for the fault at {then}: ");
+                let what = if verdict.outcome == Outcome::Anomaly { "the fault" } else { "what was missing" };
+                let because = format!("job, for {what} at {then}: ");
                 format!("{when}  {}", sentence.replacen("job: ", &because, 1))
             }
             None => format!("{when}  {}{}", verdict_sentence(verdict, names), self.next(verdict, names)),

@@ -79,8 +79,10 @@ impl Progress {
         }
     }
 
-    /// Prints something else without the bar in its way.
+    /// Prints something else without the bar in its way. Whoever reads that needs no line besides.
     pub(super) fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
+        self.next.set(self.next.get().map(|_| Instant::now() + PERIOD));
+        shown();
         self.bar.suspend(print)
     }
 

@@ -115,8 +115,10 @@ fn replay(
         loop {
             let frame = recording.next_frame()?;
             let verdicts = judge_next(frame.as_ref(), &mut encoder, &mut judge, &mut newest);
-            bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
-                .map_err(ToolError::Print)?;
+            if !verdicts.is_empty() {
+                bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
+                    .map_err(ToolError::Print)?;
+            }
             if let (Some(annotator), Some(view)) = (annotator.as_mut(), recording.view()) {
                 let couples: &[Couple] = newest.as_ref().map_or(&[], |couples| &couples.hands);
                 match &frame {

@@ -253,8 +253,11 @@ impl Line {
             Speed::Max => "max",
         };
         let clip = std::path::absolute(clip).map_err(no_files)?;
-        std::fs::write(&path, format!("[camera]\nsource = \"video\"\npath = {clip:?}\nspeed = {speed:?}\n"))
-            .map_err(no_files)?;
+        std::fs::write(
+            &path,
+            format!("[camera]\nsource = \"video\"\npath = {clip:?}\nspeed = {speed:?}\nloop = false\n"),
+        )
+        .map_err(no_files)?;
         Ok(path)
     }
 
@@ -283,6 +286,9 @@ fn print_new(
     teller: &mut Teller,
     bar: &Progress,
 ) -> Result<(), ToolError> {
+    if received.verdicts.len() == from {
+        return Ok(());
+    }
     let mut new = received.verdicts[from..].iter().filter_map(wire::verdict::read);
     let printed = bar.suspend(|| {
         let mut out = anstream::stdout().lock();
