@@ -142,7 +142,7 @@ fn the_report_is_one_sentence_then_a_table_with_a_legend_and_a_page() {
         "<h1>Job 1 “job”</h1><p class=\"say\">usable, because",
         "<svg",
         "How to read it",
-        "1. right hand: polisher at brick",
+        "<li>polisher at brick<ul>",
         "run5.tracks.jsonl",
     ] {
         assert!(page.contains(words), "{words}: {page}");

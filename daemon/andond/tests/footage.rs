@@ -34,7 +34,9 @@ struct Judged {
 
 fn replay(name: &str) -> Judged {
     let output = andond(&["replay", "--json", "--job", "config/jobs/polish-and-measure.toml", &clip(name)]);
-    assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stderr);
+    // Off a terminal it says now and then how far it is.
+    assert!(said.lines().all(|line| line.contains(" frames, ")), "{said}");
     Judged { exit: output.status.code(), verdicts: lines(&output) }
 }
 
