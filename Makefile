@@ -22,7 +22,7 @@ build: setup
 	cargo build --release --locked -p andond -p andon-video $(OBJDETECT)
 
 demo: build
-	target/release/andond demo
+	target/release/andond demo --speed max
 
 # RealSense is on. With and without it the whole workspace is named: then the dependencies have the same features both times,
 # and only the three crates that have this feature are compiled twice.

@@ -163,3 +163,49 @@ fn span_words(seconds: u64) -> String {
     };
     if number == 1 { unit.to_owned() } else { format!("{number} {unit}s") }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::super::summary::Piece;
+    use super::*;
+    use crate::config::Config;
+    use crate::tool::known::KnownJobs;
+
+    #[test]
+    fn the_picture_has_the_faults_by_their_frequency_and_the_wrong_pieces_over_time() {
+        let known = KnownJobs::of(&Config::default());
+        let mut summary = Summary::new(&known);
+        // A piece every four minutes, of which one in five is wrong, over ten hours.
+        for number in 0..150_u64 {
+            let outcome = match number % 10 {
+                0 | 4 => Outcome::Anomaly,
+                7 if number > 100 => Outcome::NotJudged,
+                _ => Outcome::Ok,
+            };
+            summary
+                .pieces
+                .push(Piece { utc_ns: 1_780_000_000_000_000_000 + number * 240_000_000_000, outcome });
+        }
+        for (fault, count) in
+            [("step 1 (polish & clean): too few strokes", 19), ("step 2: wrong order", 8), ("left out", 3)]
+        {
+            summary.faults.insert((true, fault.to_owned()), count);
+        }
+        let drawn = draw(&summary, &Clock::new(true));
+        let at = |words: &str| drawn.find(words).unwrap();
+        assert!(drawn.contains("30 wrong of 150 pieces, by fault") && drawn.contains("polish &amp; clean"));
+        assert!(at(">19<") < at(">8<") && drawn.contains(">63 %<") && drawn.contains(">100 %<"));
+        assert!(drawn.contains("wrong pieces, share in each 15 minutes"), "{drawn}");
+        assert!(drawn.starts_with("<svg") && drawn.ends_with("</svg>\n"));
+    }
+
+    #[test]
+    fn the_points_are_as_far_apart_as_people_divide_a_shift() {
+        assert_eq!([0, 3000, 8 * 3600, 30 * 86_400].map(step_s), [60, 300, 900, 86_400]);
+        assert_eq!(
+            [60, 900, 3600, 86_400, 604_800].map(span_words),
+            ["minute", "15 minutes", "hour", "day", "week"]
+        );
+    }
+}

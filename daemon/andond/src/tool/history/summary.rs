@@ -23,7 +23,7 @@ pub(super) struct Summary<'a> {
     /// In the order of time.
     pub(super) pieces: Vec<Piece>,
     /// How many pieces have each fault, of those that were wrong and of those that were not judged.
-    faults: HashMap<(bool, String), u32>,
+    pub(super) faults: HashMap<(bool, String), u32>,
     /// For how long nobody watched, and how often.
     unwatched_ns: u64,
     unwatched: u32,
