@@ -4,7 +4,7 @@
 
 mod common;
 
-use andon_perception::bench::{BenchMarker, Calibration, CalibrationError, calibrate};
+use andon_perception::bench::{BenchMarker, Calibration, CalibrationError, calibrate, examine};
 use andon_perception::metric::{Distortion, Lens};
 use andon_perception::{BenchPoint, Dictionary};
 use common::{DAYLIGHT, Drawn, gray, picture, straight_down};
@@ -88,6 +88,36 @@ fn a_marker_that_does_not_lie_where_it_is_said_to_lie_is_named_with_the_place_wh
             assert_eq!(id, wrong);
             assert!((measured.x - lies.x).hypot(measured.y - lies.y) < 0.003, "{measured:?} is not {lies:?}");
         }
+    }
+}
+
+#[test]
+fn beside_a_marker_that_is_wrong_the_others_are_right() {
+    let mut elsewhere = CORNERS;
+    elsewhere[2][0] += 0.02;
+    let drawn: Vec<_> =
+        (0..).zip(elsewhere).map(|(id, centre)| Drawn::new(id, centre, SIDE_M, 0.0)).collect();
+    let pixels = picture(640, 480, &straight_down(640, 480, 800.0), &drawn, Dictionary::default(), DAYLIGHT);
+    let examined = examine(&gray(640, 480, &pixels), &named(&CORNERS), Dictionary::default()).unwrap();
+    assert!(examined.outcome.is_err());
+    let off: Vec<bool> = examined.markers.iter().map(|marker| marker.distance_m() > 0.002).collect();
+    assert_eq!(off, [false, false, true, false]);
+    let pixel = examined.pixel(BenchPoint::new(0.0, 0.0)).unwrap();
+    assert!((pixel[0] - 319.5).hypot(pixel[1] - 239.5) < 1.5, "{pixel:?} is not the middle of the picture");
+}
+
+#[test]
+fn under_a_tilted_camera_the_same_marker_is_named() {
+    // The far edge of the bench appears a fifth smaller than the near one.
+    let camera = [[640.0, -70.0, 319.5], [0.0, -620.0, 239.5], [0.0, 0.3, 1.0]];
+    for wrong in 0..4_u16 {
+        let mut elsewhere = CORNERS;
+        elsewhere[usize::from(wrong)][1] += 0.015;
+        let drawn: Vec<_> =
+            (0..).zip(elsewhere).map(|(id, centre)| Drawn::new(id, centre, SIDE_M, 0.2)).collect();
+        let pixels = picture(640, 480, &camera, &drawn, Dictionary::default(), DAYLIGHT);
+        let error = calibrate(&gray(640, 480, &pixels), &named(&CORNERS), Dictionary::default()).unwrap_err();
+        assert!(matches!(error, CalibrationError::Elsewhere { id, .. } if id == wrong), "{wrong}: {error}");
     }
 }
 

@@ -47,7 +47,7 @@ pub(super) fn within<T>(min: T, max: T, unit: &'static str) -> Within<T> {
     Within { min, max, unit, reason: "" }
 }
 
-/// As [`within`], for a count that begins at `min` for this reason, which completes "because ...".
+/// As [`within`], for a count that begins at `min` for this reason.
 pub(super) fn counted_within<T>(min: T, max: T, reason: &'static str) -> Within<T> {
     Within { min, max, unit: "", reason }
 }
@@ -55,8 +55,8 @@ pub(super) fn counted_within<T>(min: T, max: T, reason: &'static str) -> Within<
 impl<T: Debug + PartialOrd> Within<T> {
     fn describe(&self, kind: &str) -> String {
         let space = if self.unit.is_empty() { "" } else { " " };
-        let because = if self.reason.is_empty() { "" } else { ", because " };
-        format!("{kind} from {:?} to {:?}{space}{}{because}{}", self.min, self.max, self.unit, self.reason)
+        let reason = if self.reason.is_empty() { String::new() } else { format!(" ({})", self.reason) };
+        format!("{kind} from {:?} to {:?}{space}{}{reason}", self.min, self.max, self.unit)
     }
 
     fn hold(&self, value: T) -> Option<T> {

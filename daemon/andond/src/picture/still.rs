@@ -74,7 +74,7 @@ pub fn with_residuals(
         draw_residual(&mut canvas, examined, marker)?;
     }
     let top = format.height as f32;
-    let legend = "white: the bench in steps of 10 cm; green: where a marker is said to lie;";
+    let legend = "orange: the bench in steps of 10 cm; green: where a marker is said to lie;";
     canvas.text([8.0, top + 18.0], legend, 0.45, WHITE)?;
     canvas.text(
         [8.0, top + 36.0],
@@ -120,7 +120,7 @@ fn draw_grid(canvas: &mut Canvas, examined: &Examination, height: f32) -> opencv
         match ends {
             // What lies below the picture would be drawn over the legend.
             [Some(from), Some(to)] if from[1] < height && to[1] < height => {
-                canvas.line(from, to, WHITE, thickness)
+                canvas.line(from, to, AMBER, thickness)
             }
             _ => Ok(()),
         }

@@ -1,10 +1,10 @@
 //! The bench plane from a picture of markers whose positions on the bench are known.
 
+use super::error::CalibrationError;
 use super::misfit::{self, MarkerResidual, Pair};
 use super::plane::{Matrix, Plane, apply, centre_of_corners, pixel_of};
 use crate::config::{MarkerObject, MarkersConfig};
 use crate::dictionary::Dictionary;
-use crate::error::PerceptionError;
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
 use crate::metric::{BenchFrame, Lens};
@@ -12,10 +12,10 @@ use crate::points::{BenchPoint, PixelPoint};
 use opencv::core::{Point2d, Vector};
 use opencv::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A homography has 8 unknowns, and a point gives 2.
-const MIN_MARKERS: usize = 4;
+pub(super) const MIN_MARKERS: usize = 4;
 /// Maximum relative error of a marker's sides. Corners are found to 0.1 px, which is 0.3 % of a marker of 30 px. A marker that
 /// lies 1 cm from its stated position, 40 cm from the next, makes 2.5 %.
 pub(super) const MAX_SIDE_ERROR: f64 = 0.02;
@@ -58,125 +58,12 @@ pub struct Calibration {
     pub centre_error_m: f64,
 }
 
-/// Why there is no calibration.
-#[derive(Debug, thiserror::Error)]
-pub enum CalibrationError {
-    /// Too few markers were named.
-    #[error(
-        "{0} markers are named for the calibration: at least {MIN_MARKERS} are needed, no three of these in a line"
-    )]
-    TooFew(usize),
-    /// A marker has no usable position or size, or is named twice.
-    #[error(
-        "marker {0} of the calibration: its position and its side must be finite numbers, its side over 0 m, and its id named once"
-    )]
-    Marker(u16),
-    /// Markers were not found in the picture.
-    #[error(
-        "markers {0:?} were not found in the picture: lay them flat, whole and well lit in the camera's view"
-    )]
-    NotSeen(Vec<u16>),
-    /// One marker does not lie where it is said to lie; without it all others fit.
-    #[error(
-        "marker {id} does not lie at {}, as it is said: by the others it lies at {}, {:.0} mm away; measure its position again, or move it there",
-        metres(stated), metres(measured), 1000.0 * stated.distance(*measured)
-    )]
-    Elsewhere {
-        /// The marker.
-        id: u16,
-        /// Where it is said to lie.
-        stated: BenchPoint,
-        /// Where the others place it.
-        measured: BenchPoint,
-    },
-    /// One marker has another size than it is said; without it all others fit.
-    #[error(
-        "marker {id} has a side of {:.1} mm by the others, not of {:.1} mm: measure its black square, or print it again",
-        1000.0 * measured_m, 1000.0 * stated_m
-    )]
-    Side {
-        /// The marker.
-        id: u16,
-        /// Its side as it is said, in metres.
-        stated_m: f64,
-        /// Its side as the others measure it, in metres.
-        measured_m: f64,
-    },
-    /// All markers have another size than it is said.
-    #[error(
-        "by their positions all markers have a side of {:.1} mm, not of {:.1} mm: measure the black square of one of them, and the distance of \
-         two centres; one of these is wrong by {:+.1} %",
-        1000.0 * measured_m, 1000.0 * stated_m, 100.0 * (measured_m / stated_m - 1.0)
-    )]
-    Sides {
-        /// Their side as it is said, in metres.
-        stated_m: f64,
-        /// Their side by their positions, in metres.
-        measured_m: f64,
-    },
-    /// Two markers lie at each other's positions.
-    #[error("markers {} and {} lie at each other's positions: exchange them", .0[0], .0[1])]
-    Exchanged([u16; 2]),
-    /// More than one marker is wrong.
-    #[error(
-        "more than one marker does not fit: {}; measure the positions of their centres again, from one origin, x to the right and y away \
-         from the worker", .0.iter().map(off).collect::<Vec<_>>().join(", ")
-    )]
-    SeveralWrong(Vec<MarkerResidual>),
-    /// No four markers lie so that no three of them are in a line.
-    #[error(
-        "the positions of the markers give no plane: four of them must lie so that no three are in a line"
-    )]
-    Degenerate,
-    /// The positions are those of a mirrored bench.
-    #[error("the positions of the markers are mirrored: x runs to the right and y away from the worker")]
-    Mirrored,
-    /// It was made with another camera or another lens.
-    #[error(
-        "the calibration is {pixels:.1} px off for this camera: calibrate again with this camera and this size of picture"
-    )]
-    OtherCamera {
-        /// How far it is off in the picture, in pixels.
-        pixels: f64,
-    },
-    /// The picture could not be searched.
-    #[error(transparent)]
-    Picture(#[from] PerceptionError),
-    /// The file cannot be read or written.
-    #[error("the calibration {} cannot be {verb}: {source}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// `read` or `written`.
-        verb: &'static str,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// The file is no calibration.
-    #[error("{} is not a calibration: {reason}", path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-}
-
-/// A position as it is given on a command line.
-fn metres(point: &BenchPoint) -> String {
-    format!("{:.3},{:.3}", point.x, point.y)
-}
-
-fn off(marker: &MarkerResidual) -> String {
-    format!("marker {} is {:.0} mm from where the others place it", marker.id, 1000.0 * marker.distance_m())
-}
-
 /// What a picture says of markers at stated positions.
 #[derive(Debug)]
 pub struct Examination {
-    /// Every marker by the others.
+    /// Every marker by the others; where one is wrong, by all but that one.
     pub markers: Vec<MarkerResidual>,
-    /// The plane that is fitted to the markers' centres: homogeneous pixels to homogeneous metres in the bench frame.
+    /// The plane that is fitted to the markers: homogeneous pixels to homogeneous metres in the bench frame.
     pub bench_from_image: [[f64; 3]; 3],
     /// The calibration, or why it is refused.
     pub outcome: Result<Calibration, CalibrationError>,
@@ -298,6 +185,10 @@ pub fn examine(
         centre_error_m: markers.iter().map(MarkerResidual::distance_m).fold(0.0, f64::max),
     };
     let outcome = judge(calibration, &pairs);
+    // Beside one that is wrong the others would seem to be wrong as well.
+    let without_it = outcome.as_ref().err().and_then(CalibrationError::one_marker);
+    let by_others = without_it.and_then(|id| misfit::without(&pairs, id));
+    let (markers, bench_from_image) = by_others.unwrap_or((markers, bench_from_image));
     Ok(Examination { markers, bench_from_image, outcome })
 }
 

@@ -3,9 +3,8 @@
 //! Four centres fit any four positions exactly, so the centres alone say nothing. A marker is a square of known side, and its corners say how
 //! the bench lies around it: three markers place the fourth. The one without which the others fit is the wrong one.
 
-use super::calibration::{
-    BenchMarker, CalibrationError, MAX_CENTRE_ERROR_M, MAX_SIDE_ERROR, fit, side_error,
-};
+use super::calibration::{BenchMarker, MAX_CENTRE_ERROR_M, MAX_SIDE_ERROR, fit, side_error};
+use super::error::CalibrationError;
 use super::plane::{Matrix, Plane, centre_of_corners};
 use crate::markers::Marker;
 use crate::points::{BenchPoint, PixelPoint};
@@ -47,6 +46,13 @@ pub(super) fn residuals(pairs: &[Pair]) -> Vec<MarkerResidual> {
         .collect()
 }
 
+/// Every marker by all but the one with this id, and their plane.
+pub(super) fn without(pairs: &[Pair], id: u16) -> Option<(Vec<MarkerResidual>, Matrix)> {
+    let wrong = pairs.iter().position(|(known, _)| known.id == id)?;
+    let plane = plane_without(pairs, wrong)?;
+    Some((pairs.iter().filter_map(|pair| residual(pair, &plane)).collect(), plane.bench_from_image()))
+}
+
 fn residual((known, found): &Pair, plane: &Plane) -> Option<MarkerResidual> {
     let measured = plane.at(centre_of_corners(&found.corners));
     let is_placed = measured.x.is_finite() && measured.y.is_finite();
@@ -60,7 +66,7 @@ fn residual((known, found): &Pair, plane: &Plane) -> Option<MarkerResidual> {
 }
 
 /// The plane by all markers but one.
-pub(super) fn plane_without(pairs: &[Pair], left_out: usize) -> Option<Plane> {
+fn plane_without(pairs: &[Pair], left_out: usize) -> Option<Plane> {
     let others: Vec<Pair> =
         pairs.iter().enumerate().filter(|(index, _)| *index != left_out).map(|(_, pair)| *pair).collect();
     plane_of_squares(&others)

@@ -44,6 +44,11 @@ impl Plane {
         Self { bench_from_image, foot: BenchPoint::default() }
     }
 
+    /// Homogeneous pixels to homogeneous metres.
+    pub(crate) fn bench_from_image(&self) -> Matrix {
+        self.bench_from_image
+    }
+
     /// Where the line of sight of a pixel meets the plane.
     pub(crate) fn at(&self, pixel: PixelPoint) -> BenchPoint {
         apply(&self.bench_from_image, pixel)
