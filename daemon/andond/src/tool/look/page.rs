@@ -3,14 +3,15 @@
 //! It listens on the loopback address only. A page of another site that a browser on this machine has open must not read it either: a name
 //! that leads here by a trick of the other site's DNS is refused by the header Host, and no answer allows other origins.
 
-use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::io::{self, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::Serialize;
 
 use super::findings::Line;
+use crate::http::receive;
 
 /// A browser of this machine has sent its request by then.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -76,7 +77,8 @@ impl Page {
 fn answer(mut stream: TcpStream, port: u16, newest: &Mutex<Newest>) -> io::Result<()> {
     stream.set_write_timeout(Some(PATIENCE))?;
     let newest = || newest.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    let (status, kind, body) = match request(&mut stream, port)? {
+    let received = receive(&mut stream, REQUEST, PATIENCE, |bytes| parse(bytes, port))?;
+    let (status, kind, body) = match received.unwrap_or(Request::Bad) {
         Request::Bad => ("400 Bad Request", "text/plain", b"this is not an HTTP request\n".to_vec()),
         Request::OtherHost => {
             ("421 Misdirected Request", "text/plain", b"this page is only for this machine\n".to_vec())
@@ -110,27 +112,6 @@ enum Request {
     Bad,
 }
 
-fn request(stream: &mut TcpStream, port: u16) -> io::Result<Request> {
-    let until = Instant::now() + PATIENCE;
-    let (mut inbox, mut filled) = (vec![0; REQUEST], 0);
-    while filled < REQUEST {
-        let left = until.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(ErrorKind::TimedOut.into());
-        }
-        stream.set_read_timeout(Some(left))?;
-        let received = stream.read(&mut inbox[filled..])?;
-        if received == 0 {
-            return Err(ErrorKind::UnexpectedEof.into());
-        }
-        filled += received;
-        if let Some(request) = parse(&inbox[..filled], port) {
-            return Ok(request);
-        }
-    }
-    Ok(Request::Bad)
-}
-
 /// The request, once all of it has come.
 fn parse(bytes: &[u8], port: u16) -> Option<Request> {
     let mut headers = [httparse::EMPTY_HEADER; HEADERS];
@@ -159,6 +140,8 @@ fn parse(bytes: &[u8], port: u16) -> Option<Request> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use std::io::Read as _;
+
     use super::*;
     use std::net::Ipv4Addr;
 
