@@ -24,7 +24,7 @@ wire! { "andon.HandCouple", 40;
     }
 }
 
-wire! { "andon.Couples", 152;
+wire! { "andon.Couples", 160;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -33,13 +33,17 @@ wire! { "andon.Couples", 152;
         described_ns: u64,
         /// Source time of the newest frame that they depend on: `persist` frames after `described_ns`.
         known_ns: u64,
-        /// The hash of the job whose runs show where and how near its objects are met; 0 where that is as the station says.
+        /// The hash of the job whose runs show where and how near its objects are met; 0 where there is none.
         model_hash: u64,
         /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`, `CAPTURED`, `MOVED_UNSEEN`,
         /// `CARRIED_UNSEEN`, `BENCH_HIDDEN`.
         flags: u32,
         /// The activities of that job that have not been done, one bit for each: a part that they move for good lies where the job begins.
         undone: u32,
+        /// The activities of that job that use an object which has never been seen or not for longer than `blind_ms`, one bit for each.
+        out_of_sight: u32,
+        /// Zero.
+        reserved: u32,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

@@ -47,7 +47,7 @@ fn a_step_that_lasts_longer_than_can_be_compared_is_reported_and_not_judged() {
         iu.measures = MeasureBounds::ANY;
     }
     std::fs::write(line.path("job.toml"), job.to_toml()).unwrap();
-    let (x_c, model_hash) = (job.activities[0].ius[0].context.0, job.encoding_hash());
+    let (x_c, model_hash) = (job.activities[0].ius[0].context.0, job.model_hash());
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     line.start("judge");
@@ -228,7 +228,7 @@ fn a_judge_that_does_not_hear_encode_says_so_and_opens_its_channel_again() {
     let job = JobFile::parse("job", &std::fs::read(line.path("job.toml")).unwrap()).unwrap();
     encode.send(|message| {
         message.described_ns = INTERVAL_NS;
-        message.model_hash = job.encoding_hash();
+        message.model_hash = job.model_hash();
     });
     watcher.until("the judge", |watcher| watcher.is(RoleId::Judge, RoleState::Running));
 }

@@ -21,6 +21,8 @@ pub struct ObjectShape {
     pub is_position_only: bool,
     /// Where it lies at the beginning of a job, if the runs of the job have shown it to lie there and nowhere near it afterwards.
     pub start: Option<StartPlace>,
+    /// The activities of the job in which a hand acts on it or on something that touches it, by their numbers.
+    pub used_by: ActivitySet,
 }
 
 /// Where an object lies until the job moves it for good.

@@ -5,11 +5,13 @@ use crate::job_file::JobFile;
 use crate::recording::{self, NamedObject, Recording, TrackError};
 use crate::statistics::median;
 use andon_core::anomaly::{self, Judge};
+use andon_core::capacity::ACTIVITIES;
 use andon_core::config::Method;
 use andon_core::couple::{self, Context, Couples, Encoder, Motion};
 use andon_core::input::{Frame, Point, Side};
 use andon_core::object::ObjectShape;
 use andon_core::segment::{Event, JobSegmenter, Measures};
+use andon_core::set::ActivitySet;
 use andon_core::verdict::Verdict;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -139,8 +141,14 @@ impl Run {
     }
 
     fn encoded(self) -> Result<Self, RunError> {
+        // No job has said which activities use an object, so each may.
+        let shape = |object: &NamedObject| ObjectShape {
+            used_by: ActivitySet::first(ACTIVITIES),
+            ..object.shape.clone()
+        };
+        let shapes: Vec<ObjectShape> = self.objects.iter().map(shape).collect();
         let couples = self
-            .encode(self.frames.iter(), &self.objects, &self.method)
+            .encode(self.frames.iter(), &shapes, &self.method)
             .map_err(|unusable| self.unusable(unusable))?;
         let mut segmenter = JobSegmenter::new(&self.method)
             .map_err(|fault| self.unusable(couple::Unusable::Method(fault)))?;
@@ -157,11 +165,10 @@ impl Run {
     fn encode<'a>(
         &self,
         frames: impl Iterator<Item = &'a Frame>,
-        objects: &[NamedObject],
+        shapes: &[ObjectShape],
         method: &Method,
     ) -> Result<Vec<Couples>, couple::Unusable> {
-        let shapes: Vec<ObjectShape> = objects.iter().map(|object| object.shape.clone()).collect();
-        let mut encoder = Encoder::new(*method, &shapes)?;
+        let mut encoder = Encoder::new(*method, shapes)?;
         let mut couples = Vec::with_capacity(frames.size_hint().0);
         for frame in frames {
             // A refused frame changes nothing, and the reader lets none through.
@@ -221,10 +228,11 @@ impl Run {
     /// # Errors
     /// If these cannot be used.
     pub fn couples_for(&self, job: &JobFile) -> Result<Cow<'_, [Couples]>, RunError> {
-        if self.method == job.method && self.objects == job.objects {
+        let is_all_in_sight = || self.couples.iter().all(|couples| couples.out_of_sight.is_empty());
+        if self.method == job.method && self.objects == job.objects && is_all_in_sight() {
             return Ok(Cow::Borrowed(&self.couples));
         }
-        let encoded = self.encode(self.frames.iter(), &job.objects, &job.method);
+        let encoded = self.encode(self.frames.iter(), &job.shapes(), &job.method);
         encoded.map(Cow::Owned).map_err(|unusable| self.unusable(unusable))
     }
 
@@ -244,6 +252,7 @@ impl Run {
     /// None where the job cannot be used.
     pub(crate) fn judge_at(&self, rate_hz: f64, phases: u32, job: &JobFile) -> Vec<Vec<Verdict>> {
         let began_ns = self.frames.first().map_or(0, |frame| frame.captured_ns);
+        let shapes = job.shapes();
         let at_phase = |phase: u32| {
             let mut newest = None;
             let frames = self.frames.iter().filter(|frame| {
@@ -252,7 +261,7 @@ impl Run {
                 let slot = (periods + (f64::from(phase) + 0.5) / f64::from(phases)) as u64;
                 newest.replace(slot) != Some(slot)
             });
-            verdicts(&self.encode(frames, &job.objects, &job.method).ok()?, job).ok()
+            verdicts(&self.encode(frames, &shapes, &job.method).ok()?, job).ok()
         };
         (0..phases).filter_map(at_phase).collect()
     }

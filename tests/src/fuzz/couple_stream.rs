@@ -213,6 +213,7 @@ impl Line<'_> {
                     is_carried_unseen,
                     is_bench_hidden,
                     undone: ActivitySet::from_bits(u32::from(input.byte())),
+                    out_of_sight: ActivitySet::from_bits(u32::from(input.byte())),
                     hands,
                 });
             }

@@ -25,7 +25,6 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         couples: Output::new(node.writer()?, &[RoleId::Judge]),
         detections: node.reader()?,
         judging: node.reader()?,
-        in_force: job.as_ref().map_or(0, JobFile::model_hash),
         encoder: encoder(config, &objects)?,
         objects,
         newest: SourceTime::default(),
@@ -40,8 +39,6 @@ struct Encode<'a> {
     detections: Reader<Detections>,
     couples: Output<Writer<Couples>>,
     judging: Reader<Judging>,
-    /// The hash of the job in force; 0 where there is none.
-    in_force: u64,
     objects: Objects,
     encoder: Encoder,
     /// The time of the newest frame.
@@ -80,17 +77,12 @@ impl Role for Encode<'_> {
 impl Encode<'_> {
     /// Encodes for the job in force: its runs have shown where and how near its objects are met.
     fn follow(&mut self, judging: &Judging, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        if judging.model_hash == self.in_force {
+        if judging.model_hash == self.objects.model_hash {
             return Ok(());
         }
         let job = jobs::in_force(self.config, judging)?;
-        self.in_force = judging.model_hash;
-        let objects = Objects::of(job.as_ref(), self.config);
-        if objects.model_hash == self.objects.model_hash {
-            return Ok(());
-        }
         self.send_rest(cycle)?;
-        self.objects = objects;
+        self.objects = Objects::of(job.as_ref(), self.config);
         self.begin()
     }
 
@@ -142,19 +134,19 @@ fn begins_again(captured: SourceTime, newest: SourceTime) -> bool {
 /// The objects as the encoder knows them.
 struct Objects {
     shapes: Vec<ObjectShape>,
-    /// The hash of the job that shows where they are met; 0 where that is as the station says.
+    /// The hash of the job that shows where they are met and what they are used for; 0 where there is none.
     model_hash: u64,
 }
 
 impl Objects {
     fn of(job: Option<&JobFile>, config: &Config) -> Self {
         let mut shapes = config.shapes();
-        for object in job.iter().flat_map(|job| &job.objects) {
-            if let Some(shape) = shapes.iter_mut().find(|shape| shape.id == object.shape.id) {
-                *shape = object.shape.clone();
+        for shown in job.iter().flat_map(|job| job.shapes()) {
+            if let Some(shape) = shapes.iter_mut().find(|shape| shape.id == shown.id) {
+                *shape = shown;
             }
         }
-        Self { shapes, model_hash: job.map_or(0, JobFile::encoding_hash) }
+        Self { shapes, model_hash: job.map_or(0, JobFile::model_hash) }
     }
 }
 

@@ -196,6 +196,7 @@ mod tests {
             is_carried_unseen: false,
             is_bench_hidden: false,
             undone: ActivitySet::EMPTY,
+            out_of_sight: ActivitySet::EMPTY,
             hands: [Couple::idle(Side::Right, at_ns), left],
         }
     }

@@ -104,8 +104,7 @@ fn replay(
     arguments: &Replay,
     printer: &mut Printer<'_>,
 ) -> Result<(), ToolError> {
-    let shapes: Vec<_> = file.objects.iter().map(|object| object.shape.clone()).collect();
-    let mut encoder = Encoder::new(file.method, &shapes)?;
+    let mut encoder = Encoder::new(file.method, &file.shapes())?;
     let mut annotator =
         annotator(arguments.annotate.as_deref(), recording, printer.names, file.method.blind_ms)?;
     let bar = progress(recording.count(), &arguments.recording);

@@ -10,6 +10,7 @@ pub fn write(couples: &Couples, message: &mut Message) {
     message.described_ns = couples.captured_ns;
     message.known_ns = couples.known_ns;
     message.undone = couples.undone.bits();
+    message.out_of_sight = couples.out_of_sight.bits();
     message.flags |= bit(couples.is_captured, flag::CAPTURED)
         | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN)
         | bit(couples.is_carried_unseen, flag::CARRIED_UNSEEN)
@@ -54,6 +55,7 @@ pub fn read(message: &Message) -> Couples {
         is_carried_unseen: message.flags & flag::CARRIED_UNSEEN != 0,
         is_bench_hidden: message.flags & flag::BENCH_HIDDEN != 0,
         undone: ActivitySet::from_bits(message.undone),
+        out_of_sight: ActivitySet::from_bits(message.out_of_sight),
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
 }
@@ -92,7 +94,6 @@ mod tests {
         };
         let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };
         let hands = [couple, left];
-        let undone = ActivitySet::first(3);
         let couples = Couples {
             captured_ns: 9,
             known_ns: 11,
@@ -100,7 +101,8 @@ mod tests {
             has_moved_unseen: true,
             is_carried_unseen: true,
             is_bench_hidden: true,
-            undone,
+            undone: ActivitySet::first(3),
+            out_of_sight: ActivitySet::of(5),
             hands,
         };
         let mut message = Message::default();

@@ -201,6 +201,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
         let accuses_nobody = self.accuses_nobody();
+        if is_wrong && !accuses_nobody && self.may_use_never_seen(progress) {
+            self.conclude_unjudged(Reason::Blind, progress, emit);
+            return;
+        }
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         if iu.is_concluded {
             return;
@@ -237,15 +241,23 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
+    /// The open activity may be one that uses an object which was never seen.
+    fn may_use_never_seen(&self, progress: &Progress<'_>) -> bool {
+        self.activity.as_ref().is_some_and(|activity| progress.may_use_never_seen(activity.context.0[1]))
+    }
+
     /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
     fn without_accusation(
         &mut self,
-        outcome: Outcome,
-        reason: Reason,
-        nominal: Option<usize>,
+        (outcome, reason, nominal): (Outcome, Reason, Option<usize>),
+        progress: &Progress<'_>,
     ) -> (Outcome, Reason, Option<usize>) {
         let accuses_nobody = self.accuses_nobody();
+        let may_use_never_seen = self.may_use_never_seen(progress);
         match &mut self.activity {
+            Some(_) if outcome == Outcome::Anomaly && may_use_never_seen => {
+                (Outcome::NotJudged, Reason::Blind, nominal)
+            }
             Some(activity) if outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none() => {
                 activity.step = Step::NotShown;
                 let unjudged = activity.unjudged_reason;
@@ -269,7 +281,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
             return;
         }
-        let (outcome, reason, nominal) = self.without_accusation(outcome, reason, nominal);
+        let (outcome, reason, nominal) = self.without_accusation((outcome, reason, nominal), progress);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
         let note = activity.note(self.side, progress.job);

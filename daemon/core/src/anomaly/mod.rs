@@ -281,6 +281,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             hand.observe(couple, couples.is_captured, &mut bench.progress);
         }
         bench.progress.set_undone(couples.undone);
+        bench.progress.set_out_of_sight(couples.out_of_sight);
         if couples.has_moved_unseen {
             bench.progress.set_moved_unseen();
             // What a hand does with the same part afterwards may be another activity, and so may what it did meanwhile.

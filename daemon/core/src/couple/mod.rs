@@ -156,6 +156,8 @@ pub struct Couples {
     pub is_bench_hidden: bool,
     /// The activities that have not been done: an object that they move for good lies where it does at the beginning of the job.
     pub undone: ActivitySet,
+    /// The activities that use an object which has never been seen or not for longer than `blind_ms`.
+    pub out_of_sight: ActivitySet,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
 }

@@ -113,6 +113,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 is_carried_unseen: false,
                 is_bench_hidden: false,
                 undone: ActivitySet::EMPTY,
+                out_of_sight: ActivitySet::EMPTY,
                 hands,
             }
         })

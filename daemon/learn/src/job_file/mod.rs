@@ -196,18 +196,20 @@ impl JobFile {
         })
     }
 
+    /// The shapes of the objects as the encoder needs them, which then says for which activities too little is seen.
+    pub fn shapes(&self) -> Vec<ObjectShape> {
+        let used_by = |id: u16| -> ActivitySet {
+            let uses = |taught: &&TaughtActivity| taught.ius.iter().any(|iu| iu.context.0[1..].contains(&id));
+            self.activities.iter().filter(uses).map(|taught| usize::from(taught.activity)).collect()
+        };
+        let shape =
+            |object: &NamedObject| ObjectShape { used_by: used_by(object.shape.id), ..object.shape.clone() };
+        self.objects.iter().map(shape).collect()
+    }
+
     /// Identifies the model: the same text gives the same number on every machine.
     pub fn model_hash(&self) -> u64 {
         checksum::model_hash(&self.to_toml())
-    }
-
-    /// What couples carry that are made for this job: its hash if its runs have shown objects to be met otherwise than the station says, or
-    /// where they lie first, else 0, because couples that are made as the station says are right for it.
-    pub fn encoding_hash(&self) -> u64 {
-        let is_shown = |shape: &ObjectShape| {
-            !shape.meetings.is_empty() || shape.is_position_only || shape.start.is_some()
-        };
-        if self.objects.iter().any(|object| is_shown(&object.shape)) { self.model_hash() } else { 0 }
     }
 
     /// The contexts of the IUs of an activity, as most runs have it.

@@ -340,6 +340,7 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
             meetings: fitting(&meetings, &format!("{key}.meetings"))?,
             is_position_only: text.position_only,
             start: text.start.map(start_of),
+            ..ObjectShape::default()
         },
     })
 }

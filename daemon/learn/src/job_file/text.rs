@@ -181,7 +181,7 @@ fn relation_text(relation: &Relation) -> String {
 }
 
 fn object_text(text: &mut String, object: &NamedObject) {
-    let ObjectShape { id, interaction_points, meetings, is_position_only, start } = &object.shape;
+    let ObjectShape { id, interaction_points, meetings, is_position_only, start, .. } = &object.shape;
     line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
     line!(text, "# Where it can be touched, in metres in its own frame.");
     line!(text, "interaction_points = {}", points_text(interaction_points));

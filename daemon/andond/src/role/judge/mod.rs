@@ -184,7 +184,7 @@ impl Session<'_, '_> {
         let Some(watched) = &mut self.watched else { return Ok(Turn::Idle) };
         if cycle.is_at_end() {
             watched.finish(self.ports, cycle)?;
-        } else if couples.model_hash != watched.encoded_for {
+        } else if !watched.is_meant_by(&couples) {
             // Where parts are met differs from job to job, and encode has not followed yet.
             return Ok(Turn::Idle);
         } else if self.ports.state.is_enabled() {

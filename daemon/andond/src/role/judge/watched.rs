@@ -7,7 +7,7 @@ use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_ipc::UtcTime;
 use andon_learn::job_file::JobFile;
-use shm_schemas::{JudgePhase, PartId};
+use shm_schemas::{Couples as Message, JudgePhase, PartId};
 
 use super::super::RoleError;
 use super::super::cycle::Cycle;
@@ -24,8 +24,6 @@ pub(super) struct Watched<'j> {
     job: &'j Job<'j>,
     file: &'j JobFile,
     sender: Sender,
-    /// The hash in the couples that are made for this job.
-    pub(super) encoded_for: u64,
     names: Names,
     judge: Judge<'j>,
     /// The time of the newest couples.
@@ -44,8 +42,12 @@ impl<'j> Watched<'j> {
         };
         let names = Names::of_job(file);
         let judge = judge(job, file)?;
-        let encoded_for = file.encoding_hash();
-        Ok(Self { job, file, sender, encoded_for, names, judge, newest_ns: 0, events: Vec::new() })
+        Ok(Self { job, file, sender, names, judge, newest_ns: 0, events: Vec::new() })
+    }
+
+    /// Whether the couples are made for this job.
+    pub(super) fn is_meant_by(&self, couples: &Message) -> bool {
+        couples.model_hash == self.sender.model_hash
     }
 
     /// Judges the next couples.

@@ -8,6 +8,7 @@ use crate::capacity::{MEETINGS, OBJECTS};
 use crate::config::{Contact, Method};
 use crate::input::{Point, Space};
 use crate::object::{Meeting, ObjectShape};
+use crate::set::ActivitySet;
 use heapless::Vec;
 
 /// Where and how near something is met.
@@ -29,6 +30,7 @@ pub(super) struct Shape {
     /// Maximum distance from the position at which it is met, in metres, beyond how near others must come.
     pub(super) radius_m: f32,
     pub(super) is_position_only: bool,
+    pub(super) used_by: ActivitySet,
 }
 
 impl Shape {
@@ -51,6 +53,7 @@ impl Shape {
             others: places.filter(|(with, _)| *with != Meeting::HAND).collect(),
             radius_m: shape.meetings.iter().map(is_met_within).fold(points.radius(), f32::max),
             is_position_only: shape.is_position_only,
+            used_by: shape.used_by,
         })
     }
 

@@ -279,6 +279,7 @@ impl Scene {
             is_carried_unseen: self.carried_unseen >> age & 1 == 1,
             is_bench_hidden: self.bench_hidden >> age & 1 == 1,
             undone: self.undone(age),
+            out_of_sight: self.out_of_sight(age),
             hands,
         }
     }

@@ -9,6 +9,7 @@ use super::in_hand::Meets;
 use super::meeting::are_in_reach;
 use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
+use crate::set::ActivitySet;
 
 impl Scene {
     /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
@@ -243,6 +244,13 @@ impl Scene {
     pub(super) fn is_doubtful(&self, hand: usize, age: usize) -> bool {
         let frames = contact::ahead(age, self.method.persist_frames);
         2 * (self.clear[hand] & frames).count_ones() + 1 < frames.count_ones()
+    }
+
+    /// The activities that use an object which was out of sight `age` frames before the newest.
+    pub(super) fn out_of_sight(&self, age: usize) -> ActivitySet {
+        let is_out_of_sight = |node: &&Node| self.sight(node.poses.ago(age).unseen) == Sight::Unseen;
+        let hidden = self.objects.iter().filter(is_out_of_sight);
+        hidden.fold(ActivitySet::EMPTY, |all, node| all | node.shape.used_by)
     }
 
     pub(super) fn sight(&self, unseen: u32) -> Sight {

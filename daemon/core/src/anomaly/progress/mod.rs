@@ -1,12 +1,14 @@
 //! The job level: which activities have come, which are missing, and in which order they came.
 
+mod order;
+
 use super::missed::Missed;
-use crate::capacity::HANDS;
+use crate::capacity::{ACTIVITIES, HANDS};
 use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
-use crate::verdict::{BrokenOrder, Level, Measured, Note, OrderFault, Outcome, Reason, Verdict};
+use crate::verdict::{BrokenOrder, Level, Measured, Note, Outcome, Reason, Verdict};
 
 /// The first fault of a job.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +58,8 @@ pub(super) struct Progress<'a> {
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     undone: ActivitySet,
+    /// The activities that use an object which has not been seen since the last job ended.
+    never_seen: ActivitySet,
     /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
@@ -99,6 +103,7 @@ impl<'a> Progress<'a> {
             seen_undone: ActivitySet::EMPTY,
             undone_first: ActivitySet::EMPTY,
             undone: ActivitySet::EMPTY,
+            never_seen: ActivitySet::first(ACTIVITIES),
             is_start_expected: false,
             hidden_frames: 0,
             missed,
@@ -129,6 +134,7 @@ impl<'a> Progress<'a> {
             seen_undone: undone,
             undone_first,
             undone,
+            never_seen: self.never_seen,
             hidden_frames: self.hidden_frames,
             is_open: true,
             ..Self::new(self.job, self.missed)
@@ -149,6 +155,18 @@ impl<'a> Progress<'a> {
         if !self.is_open {
             self.undone_first |= undone;
         }
+    }
+
+    /// These activities use an object that is out of sight.
+    pub(super) fn set_out_of_sight(&mut self, activities: ActivitySet) {
+        self.never_seen = self.never_seen & activities;
+    }
+
+    /// Whether what a hand does with this object may be an activity that uses another one which was never seen in this job. What such an activity
+    /// looks like is not known.
+    pub(super) fn may_use_never_seen(&self, object: u16) -> bool {
+        !self.never_seen.is_empty()
+            && self.activities_with(|ius| uses(ius, object)).intersects(self.never_seen)
     }
 
     /// What has not been done is not missing.
@@ -345,7 +363,7 @@ impl<'a> Progress<'a> {
             self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
         let is_before = !self.is_start_seen && self.may_precede.contains(activity);
         let is_hidden = variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2);
-        let is_doubtful = self.is_doubtful || self.carried_on.contains(activity);
+        let is_doubtful = self.is_doubtful || (self.carried_on | self.never_seen).contains(activity);
         !self.undone.contains(activity) && (is_before || is_doubtful || is_hidden)
     }
 
@@ -386,90 +404,6 @@ impl<'a> Progress<'a> {
     /// The activities that were tried, with whatever outcome.
     fn tried(&self) -> ActivitySet {
         self.done | self.unjudged | self.wrong
-    }
-
-    /// The activity that must come next, if that is only one.
-    fn next_in_order(&self) -> Option<usize> {
-        let underway = self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        let left = self.required().without(self.tried() | underway);
-        let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
-        let mut next = left.iter().filter(is_next);
-        next.next().filter(|_| self.has_order() && next.next().is_none())
-    }
-
-    /// Why this hand may not do a nominal activity now: it was done already, or a law puts it behind an activity that has not come, and
-    /// cannot have come unseen.
-    pub(super) fn order_fault(&self, side: Side, nominal: usize) -> Option<BrokenOrder> {
-        let activity = usize::from(self.number(nominal)?);
-        let law = self.job.law(activity);
-        let broken = |fault, other| self.broken(fault, activity, other);
-        if law.is_once && self.is_repeated(activity) {
-            return Some(broken(OrderFault::Again, activity));
-        }
-        let came = self.tried() | self.underway[side.other().index()];
-        let is_certain = |other: &usize| !self.may_precede.contains(*other) && !self.may_be_unseen(*other);
-        let not_begun = (law.after() & self.required()).without(came).iter().find(is_certain);
-        let underway = self.underway_before(side);
-        let not_ended = (law.after_end & underway).lowest();
-        // Otherwise the other one was accused.
-        let is_late = self.is_start_seen && !law.is_required;
-        let is_behind = |other: &usize| is_late && self.job.law(*other).after().contains(activity);
-        let too_late = (self.tried() | underway).without(ActivitySet::of(activity)).iter().find(is_behind);
-        not_begun
-            .map(|other| broken(OrderFault::NotBegun, other))
-            .or_else(|| not_ended.map(|other| broken(OrderFault::NotEnded, other)))
-            .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
-    }
-
-    /// Whether the bench has shown in this job that what must come before had not been done.
-    pub(super) fn is_undone(&self, broken: &BrokenOrder) -> bool {
-        broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())
-    }
-
-    /// Whether a nominal activity that is in order may belong to another job than the open one: it must not come again and comes again, or
-    /// one was right that must come behind it, because it may have come unseen. If it was not the other job's, the order was wrong.
-    pub(super) fn may_be_of_another_job(&self, nominal: usize) -> bool {
-        self.number(nominal).map(usize::from).is_some_and(|activity| {
-            let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
-            let mut right = self.done.without(self.wrong).iter();
-            let may_precede = self.may_precede.contains(activity);
-            comes_again
-                || self.excused.contains(activity)
-                || may_precede && right.any(|other| self.job.law(other).after().contains(activity))
-        })
-    }
-
-    /// What the other hand was in the middle of when this one began, and still is, if that is certain.
-    fn underway_before(&self, side: Side) -> ActivitySet {
-        let hand = side.other().index();
-        let underway = self.underway[hand];
-        let is_before = self.newest_ns[hand] <= self.newest_ns[side.index()];
-        if is_before && underway.iter().count() == 1 && !self.is_hidden[hand] {
-            underway.without(self.tried() | self.waiting[hand])
-        } else {
-            ActivitySet::EMPTY
-        }
-    }
-
-    fn broken(&self, fault: OrderFault, activity: usize, other: usize) -> BrokenOrder {
-        let runs = self.job.law(activity).runs.min(self.job.law(other).runs);
-        BrokenOrder { fault, activity: other as u16, runs }
-    }
-
-    /// Whether an activity comes a second time. It may also be that of the next job, if another activity of that has
-    /// come unseen.
-    fn is_repeated(&self, activity: usize) -> bool {
-        let mut others = self.required().without(ActivitySet::of(activity)).iter();
-        self.done.contains(activity) && !others.any(|other| self.may_be_unseen(other))
-    }
-
-    /// What was not shown before in that a nominal activity comes now.
-    pub(super) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
-        let activity = usize::from(self.number(nominal)?);
-        let came = self.tried() | self.underway[side.other().index()];
-        let usual = self.job.law(activity).usually_after & self.required();
-        let is_early = usual.without(came | self.may_precede).iter().any(|other| !self.may_be_unseen(other));
-        if self.is_repeated(activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
     }
 
     /// Sets the activity that a hand has matched to its last IU while a longer candidate may still go on.
@@ -543,6 +477,7 @@ impl<'a> Progress<'a> {
         self.undone_first = ActivitySet::EMPTY;
         self.is_start_expected = outcome == Outcome::Ok;
         self.forget_hidden();
+        self.never_seen = ActivitySet::first(ACTIVITIES);
         emit(Verdict {
             level: Level::Job,
             outcome,
@@ -590,4 +525,9 @@ impl<'a> Progress<'a> {
             },
         }
     }
+}
+
+/// Whether a hand acts on the object in one of these IUs, or on something that touches it.
+fn uses(ius: &[NominalIu<'_>], object: u16) -> bool {
+    ius.iter().any(|iu| iu.context.0[1..].contains(&object))
 }

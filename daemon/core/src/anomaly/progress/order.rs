@@ -1,0 +1,92 @@
+//! The order of the job: what an activity breaks, and what it may break unseen.
+
+use super::Progress;
+use crate::input::Side;
+use crate::set::ActivitySet;
+use crate::verdict::{BrokenOrder, Note, OrderFault};
+
+impl Progress<'_> {
+    /// The activity that must come next, if that is only one.
+    pub(super) fn next_in_order(&self) -> Option<usize> {
+        let underway = self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        let left = self.required().without(self.tried() | underway);
+        let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
+        let mut next = left.iter().filter(is_next);
+        next.next().filter(|_| self.has_order() && next.next().is_none())
+    }
+
+    /// Why this hand may not do a nominal activity now: it was done already, or a law puts it behind an activity that has not come, and
+    /// cannot have come unseen.
+    pub(in crate::anomaly) fn order_fault(&self, side: Side, nominal: usize) -> Option<BrokenOrder> {
+        let activity = usize::from(self.number(nominal)?);
+        let law = self.job.law(activity);
+        let broken = |fault, other| self.broken(fault, activity, other);
+        if law.is_once && self.is_repeated(activity) {
+            return Some(broken(OrderFault::Again, activity));
+        }
+        let came = self.tried() | self.underway[side.other().index()];
+        let is_certain = |other: &usize| !self.may_precede.contains(*other) && !self.may_be_unseen(*other);
+        let not_begun = (law.after() & self.required()).without(came).iter().find(is_certain);
+        let underway = self.underway_before(side);
+        let not_ended = (law.after_end & underway).lowest();
+        // Otherwise the other one was accused.
+        let is_late = self.is_start_seen && !law.is_required;
+        let is_behind = |other: &usize| is_late && self.job.law(*other).after().contains(activity);
+        let too_late = (self.tried() | underway).without(ActivitySet::of(activity)).iter().find(is_behind);
+        not_begun
+            .map(|other| broken(OrderFault::NotBegun, other))
+            .or_else(|| not_ended.map(|other| broken(OrderFault::NotEnded, other)))
+            .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
+    }
+
+    /// Whether the bench has shown in this job that what must come before had not been done.
+    pub(in crate::anomaly) fn is_undone(&self, broken: &BrokenOrder) -> bool {
+        broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())
+    }
+
+    /// Whether a nominal activity that is in order may belong to another job than the open one: it must not come again and comes again, or
+    /// one was right that must come behind it, because it may have come unseen. If it was not the other job's, the order was wrong.
+    pub(in crate::anomaly) fn may_be_of_another_job(&self, nominal: usize) -> bool {
+        self.number(nominal).map(usize::from).is_some_and(|activity| {
+            let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
+            let mut right = self.done.without(self.wrong).iter();
+            let may_precede = self.may_precede.contains(activity);
+            comes_again
+                || self.excused.contains(activity)
+                || may_precede && right.any(|other| self.job.law(other).after().contains(activity))
+        })
+    }
+
+    /// What the other hand was in the middle of when this one began, and still is, if that is certain.
+    fn underway_before(&self, side: Side) -> ActivitySet {
+        let hand = side.other().index();
+        let underway = self.underway[hand];
+        let is_before = self.newest_ns[hand] <= self.newest_ns[side.index()];
+        if is_before && underway.iter().count() == 1 && !self.is_hidden[hand] {
+            underway.without(self.tried() | self.waiting[hand])
+        } else {
+            ActivitySet::EMPTY
+        }
+    }
+
+    fn broken(&self, fault: OrderFault, activity: usize, other: usize) -> BrokenOrder {
+        let runs = self.job.law(activity).runs.min(self.job.law(other).runs);
+        BrokenOrder { fault, activity: other as u16, runs }
+    }
+
+    /// Whether an activity comes a second time. It may also be that of the next job, if another activity of that has
+    /// come unseen.
+    fn is_repeated(&self, activity: usize) -> bool {
+        let mut others = self.required().without(ActivitySet::of(activity)).iter();
+        self.done.contains(activity) && !others.any(|other| self.may_be_unseen(other))
+    }
+
+    /// What was not shown before in that a nominal activity comes now.
+    pub(in crate::anomaly) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
+        let activity = usize::from(self.number(nominal)?);
+        let came = self.tried() | self.underway[side.other().index()];
+        let usual = self.job.law(activity).usually_after & self.required();
+        let is_early = usual.without(came | self.may_precede).iter().any(|other| !self.may_be_unseen(other));
+        if self.is_repeated(activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
+    }
+}
