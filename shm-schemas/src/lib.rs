@@ -87,6 +87,8 @@ pub mod flag {
     pub const RIVALLED: u8 = 1 << 3;
     /// Flag of a couple: the hand may have acted on `o_j` and `o_l` before they were first seen.
     pub const OBJECT_NEW: u8 = 1 << 4;
+    /// Flag of a couple: `o_j` or `o_l` had been hidden until just before, and was then seen elsewhere.
+    pub const OBJECT_DISPLACED: u8 = 1 << 5;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
     /// The object was hidden, and its pose is held by the hand that carries it.

@@ -329,3 +329,61 @@ fn parts_that_are_hidden_between_two_pieces_accuse_nobody() {
     }
     assert!(found.is_empty(), "{} of {of}: {found:?}", found.len());
 }
+
+#[test]
+fn debug_one() {
+    let (job, all) = mocap();
+    for (index, from_s, seconds, is_four) in [
+        (0usize, 0.0, 4.0, true),
+        (0, 1.0, 3.0, true),
+        (5, 2.0, 4.0, true),
+        (3, 2.5, 4.0, true),
+        (0, 0.0, 3.9, false),
+        (2, 0.3, 3.0, false),
+    ] {
+        let whole = &all[index];
+        let both = one_after_the_other(&[whole, whole], 1.0);
+        let border_s = andon_tests::deletion::length_s(whole) + 1.0;
+        let clean = judged(&job, &both);
+        let ended = clean.iter().find(|verdict| verdict.level == Level::Job).unwrap().ended_ns;
+        let t0 = both.frames[0].captured_ns;
+        let ended_s = (ended - t0) as f64 * 1e-9;
+        let left = if is_four {
+            without(&both, border_s + from_s, border_s + from_s + seconds, |frame| {
+                frame.objects.retain(|object| object.id != capture::BOX)
+            })
+        } else {
+            without(&both, ended_s - from_s, ended_s - from_s + seconds, |frame| frame.objects.clear())
+        };
+        println!("== {index} {from_s} {seconds} {is_four} border {border_s:.2} ended {ended_s:.2}");
+        for (name, v) in [("whole", clean), ("left", judged(&job, &left))] {
+            for v in v {
+                println!(
+                    "  {name} {:?} {:?} {:?} {:?} act {} near {:?} ctx {:?} {:.2}..{:.2} {:?} {:?}",
+                    v.level,
+                    v.outcome,
+                    v.reason,
+                    v.side,
+                    v.activity,
+                    v.nearest,
+                    v.context.0,
+                    (v.began_ns - t0) as f64 * 1e-9,
+                    (v.ended_ns - t0) as f64 * 1e-9,
+                    v.measured,
+                    v.broken
+                );
+            }
+        }
+        let run = Run::new("run", "", &left, &job.method).unwrap();
+        let mut before = None;
+        for c in run.couples_for(&job).unwrap().iter() {
+            let h = c.hands.map(|h| {
+                (h.context.0, h.sight, h.is_clear, h.is_doubtful, h.is_object_new, h.is_object_displaced)
+            });
+            if before.as_ref() != Some(&h) && (c.captured_ns - t0) as f64 * 1e-9 > border_s - 2.0 {
+                println!("     {:.2} {h:?} {}", (c.captured_ns - t0) as f64 * 1e-9, c.is_bench_hidden);
+            }
+            before = Some(h);
+        }
+    }
+}

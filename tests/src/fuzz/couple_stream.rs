@@ -183,6 +183,7 @@ impl Line<'_> {
             let is_carried_unseen = input.below(8) == 0;
             let is_bench_hidden = input.below(8) == 0;
             let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
+            let is_object_displaced = input.below(8) == 0;
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
                 255 => 2100,
@@ -199,6 +200,7 @@ impl Line<'_> {
                     is_doubtful,
                     is_rivalled,
                     is_object_new,
+                    is_object_displaced,
                     ..Couple::idle(side, captured_ns)
                 };
                 let mut hands = Side::ALL.map(hand);

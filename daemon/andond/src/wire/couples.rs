@@ -25,7 +25,8 @@ pub fn write(couples: &Couples, message: &mut Message) {
                 | bit(couple.is_clear, flag::CLEAR)
                 | bit(couple.is_doubtful, flag::DOUBTFUL)
                 | bit(couple.is_rivalled, flag::RIVALLED)
-                | bit(couple.is_object_new, flag::OBJECT_NEW),
+                | bit(couple.is_object_new, flag::OBJECT_NEW)
+                | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED),
             sight: couple.sight.map(|sight| sight as u8),
             reserved: 0,
         };
@@ -46,6 +47,7 @@ pub fn read(message: &Message) -> Couples {
         is_doubtful: place.flags & flag::DOUBTFUL != 0,
         is_rivalled: place.flags & flag::RIVALLED != 0,
         is_object_new: place.flags & flag::OBJECT_NEW != 0,
+        is_object_displaced: place.flags & flag::OBJECT_DISPLACED != 0,
     };
     Couples {
         captured_ns: message.described_ns,
@@ -90,6 +92,7 @@ mod tests {
             is_doubtful: false,
             is_rivalled: true,
             is_object_new: true,
+            is_object_displaced: true,
             ..Couple::idle(Side::Right, 9)
         };
         let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };

@@ -135,7 +135,9 @@ impl OpenActivity {
     ) -> u16 {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        self.may_have_ended |= has_been_idle && self.unjudged_reason.is_some() && self.may_be_complete(job);
+        if has_been_idle {
+            self.note_possible_end(job);
+        }
         self.places_before = self.places;
         self.newest = (context, junction);
         for (places, nominal) in self.places.iter_mut().zip(job.activities) {
@@ -193,11 +195,20 @@ impl OpenActivity {
     pub(super) fn resume(&mut self, job: &Job<'_>, context: Context) {
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
+            // The hand may have let go meanwhile and begun again with the same object.
+            if context != Context::IDLE {
+                self.note_possible_end(job);
+            }
             let hidden = core::mem::take(&mut self.junction.hidden);
             for (places, nominal) in self.places.iter_mut().zip(job.activities) {
                 *places = places.resume(hidden, nominal.ius, context);
             }
         }
+    }
+
+    /// The hand was idle, or may have been: what was not judged may have been all of it.
+    fn note_possible_end(&mut self, job: &Job<'_>) {
+        self.may_have_ended |= self.unjudged_reason.is_some() && self.may_be_complete(job);
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.

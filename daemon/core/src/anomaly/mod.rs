@@ -82,7 +82,7 @@ pub use comparison::Memory;
 use crate::bounds::Bounds;
 use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couples};
+use crate::couple::{Context, Couples, Sight};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
@@ -197,6 +197,10 @@ impl Event {
 ///   activity may be done again before that, but the job remains an anomaly.
 #[derive(Clone, Debug)]
 pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
+    period_ns: u64,
+    blind_ns: u64,
+    /// The newest couples, unless others follow that do not come from the same frames.
+    newest: Option<Couples>,
     segmenter: JobSegmenter,
     bench: Bench<'a, M>,
 }
@@ -233,6 +237,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         check(job)?;
         let segmenter = JobSegmenter::new(&method).map_err(Unusable::Method)?;
         Ok(Self {
+            period_ns: method.period_ns(),
+            blind_ns: u64::from(method.blind_ms) * 1_000_000,
+            newest: None,
             segmenter,
             bench: Bench {
                 hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, &method)),
@@ -250,11 +257,26 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self
     }
 
-    /// Takes the next couples.
+    /// Takes the next couples. Where some are missing before them, as those that were on their way when the encoder ended and started again,
+    /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
+        if let Some(newest) = self.newest.replace(*couples) {
+            let until_ns = couples.captured_ns.saturating_sub(self.period_ns / 2);
+            let mut elapsed_ns = self.period_ns;
+            while newest.captured_ns + elapsed_ns < until_ns && elapsed_ns <= self.blind_ns + self.period_ns {
+                let sight = if elapsed_ns > self.blind_ns { Sight::Unseen } else { Sight::Assumed };
+                let captured_ns = newest.captured_ns + elapsed_ns;
+                self.take(&newest.unseen_at(captured_ns, couples.known_ns, sight), emit);
+                elapsed_ns += self.period_ns;
+            }
+        }
+        self.take(couples, emit);
+    }
+
+    fn take(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         self.observe(couples, emit);
         let ends_job = self.ends_job(couples, emit);
-        let Self { segmenter, bench } = self;
+        let Self { segmenter, bench, .. } = self;
         segmenter.job_matched(ends_job);
         segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
         let Bench { hands, progress } = bench;
@@ -274,7 +296,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 
     /// Takes note of how much the next couples show, and of what has happened without a hand.
     fn observe(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
-        let Self { segmenter, bench } = self;
+        let Self { segmenter, bench, .. } = self;
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
@@ -301,7 +323,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Whether the open job has come to its end, so that a touch in these couples begins another one. A touch that begins an activity ends
     /// the one before it, which has its verdict then.
     fn ends_job(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) -> bool {
-        let Self { segmenter, bench } = self;
+        let Self { segmenter, bench, .. } = self;
         let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
         let begins_next = couples.hands.iter().any(|couple| {
             segmenter.begins_activity(couple)
@@ -324,7 +346,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 
     /// Starts a job on command. The open job, if any, ends first, with its verdicts.
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
-        let Self { segmenter, bench } = self;
+        let Self { segmenter, bench, .. } = self;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
         bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
     }
@@ -336,12 +358,13 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         hands.iter_mut().for_each(HandJudge::lose_sight);
         progress.set_doubtful();
         progress.forget_undone();
+        self.newest = None;
         self.finish(emit);
     }
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
-        let Self { segmenter, bench } = self;
+        let Self { segmenter, bench, .. } = self;
         segmenter.finish(&mut |event| bench.take(&event, None, emit));
     }
 }

@@ -116,7 +116,7 @@ impl Watch {
         self.since_doubt =
             if is_doubtful { 0 } else { self.since_doubt.saturating_add(couple.is_clear.into()) };
         self.observe_held(couple);
-        self.is_object_new = couple.is_object_new && self.may_be_new;
+        self.is_object_new = couple.is_object_new && self.may_be_new || couple.is_object_displaced;
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {

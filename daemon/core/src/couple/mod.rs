@@ -102,6 +102,9 @@ pub struct Couple {
     pub is_rivalled: bool,
     /// `o_j` or `o_l` had been seen only just before this began, so the hand may have done before what it is seen to do now.
     pub is_object_new: bool,
+    /// `o_j` or `o_l` had been hidden before this began, and was then seen elsewhere than before: a hand has moved it, and may have done before
+    /// what this one is seen to do now.
+    pub is_object_displaced: bool,
 }
 
 impl Couple {
@@ -119,6 +122,20 @@ impl Couple {
             is_doubtful: true,
             is_rivalled: false,
             is_object_new: false,
+            is_object_displaced: false,
+        }
+    }
+
+    /// The couple at another time of which no frame shows anything: what was done goes on for all that is known.
+    fn unseen_at(&self, captured_ns: u64, sight: Sight) -> Self {
+        Self {
+            captured_ns,
+            motion: None,
+            position: None,
+            sight: self.sight.map(|before| before.max(sight)),
+            is_clear: false,
+            is_doubtful: true,
+            ..*self
         }
     }
 
@@ -160,4 +177,20 @@ pub struct Couples {
     pub out_of_sight: ActivitySet,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
+}
+
+impl Couples {
+    /// The couples at another time of which no frame shows anything.
+    pub(crate) fn unseen_at(&self, captured_ns: u64, known_ns: u64, sight: Sight) -> Self {
+        Self {
+            captured_ns,
+            known_ns,
+            is_captured: false,
+            has_moved_unseen: false,
+            is_carried_unseen: false,
+            is_bench_hidden: true,
+            hands: self.hands.map(|couple| couple.unseen_at(captured_ns, sight)),
+            ..*self
+        }
+    }
 }

@@ -1,12 +1,13 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
 mod in_hand;
+mod leap;
 mod meeting;
 mod sight;
 mod start;
 
 use super::contact::Edge;
-use super::geometry::{dot, subtract};
+use super::geometry::{dot, norm, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
@@ -17,6 +18,7 @@ use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
 use heapless::Vec;
 use in_hand::{InHand, Meets};
+use leap::{Leap, Way};
 use meeting::Shape;
 use start::Start;
 
@@ -27,6 +29,9 @@ struct Node {
     poses: Recent<ObjectPose>,
     /// For how many frames it has had a pose.
     known_frames: u32,
+    /// It was moved while it was hidden, and no hand has been seen to begin to act on it since.
+    is_displaced: bool,
+    leap: Leap,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
     /// For each hand, whether it has been at the object or out of the picture since the object was last seen, or may have been given it.
@@ -46,6 +51,8 @@ impl Node {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
             known_frames: 0,
+            is_displaced: false,
+            leap: Leap::default(),
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],
             may_be_touched: [false; HANDS],
@@ -80,6 +87,7 @@ pub(super) struct Scene {
     /// For how many frames no hand has been seen.
     handless_frames: u32,
     hands: [Recent<HandPose>; HANDS],
+    leaps: [Leap; HANDS],
     /// Sorted by id.
     objects: Vec<Node, OBJECTS>,
     /// From each hand to each object.
@@ -97,6 +105,8 @@ pub(super) struct Scene {
     began_unseen: [bool; HANDS],
     /// Whether an object of each had not been seen before.
     is_new: [bool; HANDS],
+    /// Whether an object of each had been moved while it was hidden.
+    is_displaced: [bool; HANDS],
 }
 
 impl Scene {
@@ -121,6 +131,7 @@ impl Scene {
             bench_hidden: 0,
             handless_frames: 0,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
+            leaps: [Leap::default(); HANDS],
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
             in_hand: [[InHand::No; OBJECTS]; HANDS],
@@ -130,6 +141,7 @@ impl Scene {
             lasted: [u32::MAX; HANDS],
             began_unseen: [false; HANDS],
             is_new: [false; HANDS],
+            is_displaced: [false; HANDS],
         }
     }
 
@@ -171,8 +183,15 @@ impl Scene {
             let index = hand.side.index();
             seen[index] = seen[index].or_else(|| HandPose::seen(hand, self.method.space));
         }
-        for (poses, seen) in self.hands.iter_mut().zip(seen) {
-            poses.push(seen.unwrap_or(poses.ago(0).held()));
+        for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
+            let before = poses.ago(0);
+            let way = |seen: &HandPose| Way {
+                path_m: norm(subtract(seen.middle_knuckle, before.middle_knuckle)),
+                unseen: before.unseen,
+            };
+            let seen =
+                seen.filter(|seen| before.source == Source::Never || leap.allows(way(seen), &self.method));
+            poses.push(seen.unwrap_or(before.held()));
         }
     }
 
@@ -183,6 +202,16 @@ impl Scene {
                 seen[index] = seen[index].or_else(|| ObjectPose::seen(object, self.method.space));
             }
         }
+        for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
+            let before = node.poses.ago(0);
+            let way = |seen: &ObjectPose| Way {
+                path_m: norm(subtract(seen.position, before.position)),
+                unseen: before.unseen,
+            };
+            *seen = seen
+                .filter(|seen| before.source == Source::Never || node.leap.allows(way(seen), &self.method));
+        }
+        let (moved_m, persist) = (self.moved_m(), u32::from(self.method.persist_frames));
         for (index, seen) in seen.iter().enumerate() {
             if let Some(seen) = seen {
                 self.correct_assumed(index, seen);
@@ -190,6 +219,10 @@ impl Scene {
         }
         for (node, seen) in self.objects.iter_mut().zip(seen) {
             let before = node.poses.ago(0);
+            let was_hidden = before.source == Source::Held && before.unseen > persist;
+            let is_elsewhere =
+                |seen: ObjectPose| squared_distance(seen.position, before.position) > moved_m * moved_m;
+            node.is_displaced |= was_hidden && seen.is_some_and(is_elsewhere);
             let grips = node.grips.iter().zip(&self.hands);
             let mut carriers = grips.filter_map(|(grip, hand)| Some(((*grip)?, hand.ago(0))));
             let carrier = carriers.find(|(_, hand)| hand.source == Source::Seen);
@@ -263,6 +296,7 @@ impl Scene {
                     self.was_hidden(hand, before, age) || self.may_not_touch(interaction);
                 self.is_new[hand] =
                     (0..count).any(|object| interaction.involves(object) && self.is_new(object, age));
+                self.is_displaced[hand] = self.take_displaced(interaction);
             }
             self.update_rivals(hand, before.held(), interaction.held(), age);
             let mut couple = self.couple(hand, interaction, age);
@@ -341,6 +375,7 @@ impl Scene {
                 || self.may_have_left(hand, interaction, age),
             is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
             is_object_new: self.is_new[hand],
+            is_object_displaced: self.is_displaced[hand],
         };
         // Only now it is known which objects the context rests on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];

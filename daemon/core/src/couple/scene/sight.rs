@@ -223,6 +223,15 @@ impl Scene {
         self.objects[object].known_frames <= 2 * u32::from(self.method.persist_frames) + age as u32
     }
 
+    /// Whether an object of what begins was moved while it was hidden; that does not matter for what comes after it.
+    pub(super) fn take_displaced(&mut self, interaction: Interaction) -> bool {
+        let mut is_any = false;
+        for (object, node) in self.objects.iter_mut().enumerate() {
+            is_any |= interaction.involves(object) && core::mem::take(&mut node.is_displaced);
+        }
+        is_any
+    }
+
     /// Whether `o_j` and `o_l` may only have been near each other, because they came together unseen.
     pub(super) fn may_not_touch(&self, interaction: Interaction) -> bool {
         interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
@@ -263,7 +272,7 @@ impl Scene {
 
     /// An object that lies as far from where it lay has been moved, in metres. Far above the noise of a marker that lies still, and below
     /// the strokes of a tool.
-    fn moved_m(&self) -> f32 {
+    pub(super) fn moved_m(&self) -> f32 {
         self.method.object_contact.on_m / 2.0
     }
 }
