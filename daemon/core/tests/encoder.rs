@@ -254,7 +254,8 @@ fn an_object_that_moves_without_any_hand_has_moved_unseen() {
     }
     let couples = encode(&bench.ids(), &bench.frames);
     let moved: Vec<usize> = (0..80).filter(|frame| couples[*frame].has_moved_unseen).collect();
-    assert_eq!(moved, [50]);
+    // It may be misread for as long as a change takes to be believed.
+    assert_eq!(moved, [55]);
 }
 
 #[test]

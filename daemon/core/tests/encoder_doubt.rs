@@ -3,8 +3,10 @@
 
 mod common;
 
-use andon_core::couple::Couple;
+use andon_core::couple::{Couple, Sight};
 use andon_core::input::{Frame, Side};
+use andon_core::object::ObjectShape;
+use andon_core::set::ActivitySet;
 use common::bench::{Bench, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
@@ -235,4 +237,57 @@ fn a_hand_that_was_last_seen_to_move_along_a_part_may_have_let_go_of_it() {
     let couples = encode_shapes(&shapes, &bench.frames);
     let is_doubtful = |frame: usize| couples[frame].hands[0].is_doubtful;
     assert!(couples[41].hands[0].context.is_touch() && is_doubtful(41) && !is_doubtful(30));
+}
+
+#[test]
+fn what_is_elsewhere_for_a_few_frames_is_misread_and_what_stays_there_was_moved() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).rest(60);
+    let leapt = |frames: std::ops::Range<usize>| -> Vec<Couple> {
+        let mut leapt = bench.frames.clone();
+        leapt[frames].iter_mut().for_each(|frame| frame.objects[0].position[0] += 0.25);
+        encode(&bench.ids(), &leapt).iter().map(|couples| couples.hands[0]).collect()
+    };
+    for couples in [leapt(40..41), leapt(40..45)] {
+        assert!(couples[20..].iter().all(|couple| couple.context.0 == [1, TOOL, 0, 0]), "{couples:?}");
+        assert!(couples[40].sight[1] != Sight::Seen && couples[45].sight[1] == Sight::Seen);
+    }
+    let couples = leapt(40..80);
+    assert!(couples[50..].iter().all(|couple| couple.context.0[1] != TOOL), "the hand is not there");
+}
+
+#[test]
+fn what_moves_fast_is_seen_all_the_way() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    // Half a metre in a third of a second.
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.5, 0.0], 10).rest(20);
+    let couples = couples_of(&bench, Side::Right);
+    assert!(couples.iter().all(|couple| couple.sight == [Sight::Seen; 3]), "{couples:?}");
+}
+
+#[test]
+fn an_object_that_was_moved_while_it_was_hidden_may_have_been_used_until_a_hand_begins_with_it() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.3])]);
+    bench.hand(Side::Right, [-0.3, 0.0]).rest(40).go([0.2, 0.0], 20).rest(20);
+    bench.go([0.2, -0.3], 20).rest(20).go([0.2, 0.0], 20).rest(20);
+    bench.frames[10..30].iter_mut().for_each(|frame| frame.objects.retain(|object| object.id != TOOL));
+    bench.frames[30..].iter_mut().for_each(|frame| frame.objects[0].position[0] = 0.2);
+    let couples = couples_of(&bench, Side::Right);
+    let began = |pair: &&[Couple]| !pair[0].context.is_touch() && pair[1].context.is_touch();
+    let touches: Vec<bool> =
+        couples.windows(2).filter(began).map(|pair| pair[1].is_object_displaced).collect();
+    assert_eq!(touches, [true, false]);
+}
+
+#[test]
+fn the_activities_of_an_object_are_out_of_sight_until_it_is_seen_and_when_it_is_hidden_for_long() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.3])]);
+    bench.hide(TOOL).hand(Side::Right, [-0.3, 0.0]).rest(10).show(TOOL).rest(10).hide(TOOL).rest(40);
+    let used = |shape: ObjectShape| ObjectShape { used_by: ActivitySet::of(usize::from(shape.id)), ..shape };
+    let shapes: Vec<ObjectShape> = shapes(&bench.ids()).into_iter().map(used).collect();
+    let couples = encode_shapes(&shapes, &bench.frames);
+    let hidden: Vec<usize> = (0..60).filter(|frame| !couples[*frame].out_of_sight.is_empty()).collect();
+    // `blind_ms` are 21 frames.
+    assert_eq!(hidden, (0..10).chain(41..60).collect::<Vec<_>>());
+    assert_eq!(couples[0].out_of_sight, ActivitySet::of(TOOL.into()));
 }

@@ -17,6 +17,7 @@ const UNUSED: Duration = Duration::from_secs(10);
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Change {
     MarkerCovered { object: u16, hidden: Duration },
+    MarkerNeverSeen { object: u16 },
     MarkerBack { object: u16 },
     HandLeft { side: Side, touched: u16 },
     HandBack { side: Side },
@@ -27,6 +28,8 @@ enum Change {
 struct LastSeen {
     /// `None` before the first time.
     time: Option<SourceTime>,
+    /// When it was looked for first.
+    began: Option<SourceTime>,
     is_missed: bool,
 }
 
@@ -94,6 +97,12 @@ impl Visibility {
                         "the marker of {name} has not been seen for {hidden_s:.1} s: its position was assumed so far, and is unknown now"
                     );
                 }
+                Change::MarkerNeverSeen { object } => log!(
+                    code::MARKER_COVERED,
+                    { object },
+                    "the marker of {} has not been seen yet: until it is, nothing that needs it is accused; `andond look` shows what the camera sees",
+                    self.name(object)
+                ),
                 Change::MarkerBack { object } => {
                     log!(code::MARKER_BACK, { object }, "the marker of {} is seen again", self.name(object));
                 }
@@ -144,6 +153,11 @@ impl Object {
         let object = self.id;
         if look.frame.objects.iter().any(|seen| seen.id == object) {
             self.seen.time = Some(look.now);
+        }
+        let began = *self.seen.began.get_or_insert(look.now);
+        if self.seen.time.is_none() {
+            let is_missed = look.now.since(began) > UNUSED && self.seen.becomes_missed();
+            return is_missed.then_some(Change::MarkerNeverSeen { object });
         }
         let hidden = self.seen.hidden(look.now);
         let is_missed = hidden > UNUSED || hidden > look.blind && look.is_touched(object);

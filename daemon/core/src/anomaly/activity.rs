@@ -135,7 +135,7 @@ impl OpenActivity {
     ) -> u16 {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        if has_been_idle {
+        if has_been_idle || self.junction.hidden > 0 {
             self.note_possible_end(job);
         }
         self.places_before = self.places;

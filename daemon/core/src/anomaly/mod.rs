@@ -347,6 +347,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Starts a job on command. The open job, if any, ends first, with its verdicts.
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench, .. } = self;
+        self.newest = None;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
         bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
     }

@@ -3,7 +3,7 @@
 mod order;
 
 use super::missed::Missed;
-use crate::capacity::{ACTIVITIES, HANDS};
+use crate::capacity::HANDS;
 use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
@@ -58,8 +58,8 @@ pub(super) struct Progress<'a> {
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     undone: ActivitySet,
-    /// The activities that use an object which has not been seen since the last job ended.
-    never_seen: ActivitySet,
+    /// The activities that use an object which has not been seen since the last job ended; `None` before the first frame.
+    never_seen: Option<ActivitySet>,
     /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
@@ -103,7 +103,7 @@ impl<'a> Progress<'a> {
             seen_undone: ActivitySet::EMPTY,
             undone_first: ActivitySet::EMPTY,
             undone: ActivitySet::EMPTY,
-            never_seen: ActivitySet::first(ACTIVITIES),
+            never_seen: None,
             is_start_expected: false,
             hidden_frames: 0,
             missed,
@@ -159,14 +159,14 @@ impl<'a> Progress<'a> {
 
     /// These activities use an object that is out of sight.
     pub(super) fn set_out_of_sight(&mut self, activities: ActivitySet) {
-        self.never_seen = self.never_seen & activities;
+        self.never_seen = Some(self.never_seen.map_or(activities, |before| before & activities));
     }
 
     /// Whether what a hand does with this object may be an activity that uses another one which was never seen in this job. What such an activity
     /// looks like is not known.
     pub(super) fn may_use_never_seen(&self, object: u16) -> bool {
-        !self.never_seen.is_empty()
-            && self.activities_with(|ius| uses(ius, object)).intersects(self.never_seen)
+        let never_seen = self.never_seen.unwrap_or_default();
+        !never_seen.is_empty() && self.activities_with(|ius| uses(ius, object)).intersects(never_seen)
     }
 
     /// What has not been done is not missing.
@@ -363,7 +363,8 @@ impl<'a> Progress<'a> {
             self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
         let is_before = !self.is_start_seen && self.may_precede.contains(activity);
         let is_hidden = variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2);
-        let is_doubtful = self.is_doubtful || (self.carried_on | self.never_seen).contains(activity);
+        let unknown = self.carried_on | self.never_seen.unwrap_or_default();
+        let is_doubtful = self.is_doubtful || unknown.contains(activity);
         !self.undone.contains(activity) && (is_before || is_doubtful || is_hidden)
     }
 
@@ -477,7 +478,7 @@ impl<'a> Progress<'a> {
         self.undone_first = ActivitySet::EMPTY;
         self.is_start_expected = outcome == Outcome::Ok;
         self.forget_hidden();
-        self.never_seen = ActivitySet::first(ACTIVITIES);
+        self.never_seen = None;
         emit(Verdict {
             level: Level::Job,
             outcome,

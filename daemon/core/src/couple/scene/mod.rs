@@ -7,7 +7,7 @@ mod sight;
 mod start;
 
 use super::contact::Edge;
-use super::geometry::{dot, norm, subtract};
+use super::geometry::{dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
@@ -18,7 +18,7 @@ use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
 use heapless::Vec;
 use in_hand::{InHand, Meets};
-use leap::{Leap, Way};
+use leap::{LastSeen, Leap};
 use meeting::Shape;
 use start::Start;
 
@@ -184,13 +184,13 @@ impl Scene {
             seen[index] = seen[index].or_else(|| HandPose::seen(hand, self.method.space));
         }
         for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
-            let before = poses.ago(0);
-            let way = |seen: &HandPose| Way {
-                path_m: norm(subtract(seen.middle_knuckle, before.middle_knuckle)),
-                unseen: before.unseen,
+            let before = *poses.ago(0);
+            let positions = [0, 1].map(|age| (poses.ago(age).middle_knuckle, poses.ago(age).source));
+            let last = LastSeen::new(positions, before.unseen);
+            let is_believed = |seen: &HandPose| {
+                last.is_none_or(|last| leap.believes(&last, seen.middle_knuckle, &self.method))
             };
-            let seen =
-                seen.filter(|seen| before.source == Source::Never || leap.allows(way(seen), &self.method));
+            let seen = seen.filter(is_believed);
             poses.push(seen.unwrap_or(before.held()));
         }
     }
@@ -203,13 +203,12 @@ impl Scene {
             }
         }
         for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
-            let before = node.poses.ago(0);
-            let way = |seen: &ObjectPose| Way {
-                path_m: norm(subtract(seen.position, before.position)),
-                unseen: before.unseen,
+            let positions = [0, 1].map(|age| (node.poses.ago(age).position, node.poses.ago(age).source));
+            let last = LastSeen::new(positions, node.poses.ago(0).unseen);
+            let is_believed = |seen: &ObjectPose| {
+                last.is_none_or(|last| node.leap.believes(&last, seen.position, &self.method))
             };
-            *seen = seen
-                .filter(|seen| before.source == Source::Never || node.leap.allows(way(seen), &self.method));
+            *seen = seen.filter(is_believed);
         }
         let (moved_m, persist) = (self.moved_m(), u32::from(self.method.persist_frames));
         for (index, seen) in seen.iter().enumerate() {

@@ -1,0 +1,218 @@
+//! What is right stays right, or is not judged, where a part is never seen, hidden between two pieces or misread, and where couples are missing.
+#![allow(clippy::unwrap_used)]
+
+#[path = "learn_vmci/capture.rs"]
+#[allow(dead_code)]
+mod capture;
+
+use andon_core::anomaly::Judge;
+use andon_core::config::{Contact, Method};
+use andon_core::couple::Couples;
+use andon_core::input::{Frame, Space};
+use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_learn::job_file::JobFile;
+use andon_learn::recording::Recording;
+use andon_learn::run::Run;
+use andon_learn::teach::{TeachOptions, teach};
+use andon_tests::deletion::{jobs, judged, length_s, one_after_the_other};
+use andon_tests::simulator::{Flaw, Noise, Performance, perform};
+
+const SEED: u64 = 71;
+
+fn shop(person: u64, flaw: Flaw) -> Recording {
+    perform(&Performance { seed: SEED, person, repetition: 1, noise: Noise::default() }, flaw).0
+}
+
+fn taught(all: &[Recording], method: Method, measure_rate: bool) -> JobFile {
+    let runs: Vec<Run> = all.iter().map(|one| Run::new("run", "", one, &method).unwrap()).collect();
+    teach(&runs, &TeachOptions { measure_rate, ..TeachOptions::new("job", "", method) }).unwrap().0
+}
+
+fn shop_job() -> JobFile {
+    taught(&(1..=5).map(|person| shop(person, Flaw::None)).collect::<Vec<_>>(), Method::default(), true)
+}
+
+fn at_s(recording: &Recording, frame: &Frame) -> f64 {
+    (frame.captured_ns - recording.frames[0].captured_ns) as f64 * 1e-9
+}
+
+/// The recording with something taken from its frames in a stretch of time.
+fn without(whole: &Recording, from_s: f64, to_s: f64, hide: impl Fn(&mut Frame)) -> Recording {
+    let mut left = whole.clone();
+    for frame in left.frames.iter_mut().filter(|frame| (from_s..to_s).contains(&at_s(whole, frame))) {
+        hide(frame);
+    }
+    left
+}
+
+fn accused(verdicts: &[Verdict]) -> Vec<&Verdict> {
+    verdicts.iter().filter(|verdict| verdict.outcome == Outcome::Anomaly).collect()
+}
+
+fn mocap() -> (JobFile, Vec<Recording>) {
+    let contact = Contact { on_m: 0.08, off_m: 0.11 };
+    let method = Method {
+        space: Space::Metric,
+        rate_hz: capture::RATE_HZ,
+        hand_contact: contact,
+        object_contact: contact,
+        persist_frames: 10,
+        ..Method::default()
+    };
+    let all: Vec<Recording> = (1..=9).map(|number| capture::Capture::read(number).recording()).collect();
+    (taught(&all, method, true), all)
+}
+
+/// No frame shows the marker of the part.
+#[test]
+fn a_part_that_is_never_seen_accuses_nobody() {
+    let job = shop_job();
+    let mut found = Vec::new();
+    for person in 6..10 {
+        let whole = shop(person, Flaw::None);
+        if jobs(&judged(&job, &whole)) != [Outcome::Ok] {
+            continue;
+        }
+        for object in &whole.header.objects {
+            let id = object.shape.id;
+            let left =
+                without(&whole, 0.0, f64::INFINITY, |frame| frame.objects.retain(|object| object.id != id));
+            let verdicts = judged(&job, &left);
+            if let Some(first) = accused(&verdicts).first() {
+                found.push((person, id, first.level, first.reason));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{found:?}");
+}
+
+/// The parts are hidden when a job ends, and seen again when the next one has begun or is about to.
+#[test]
+fn parts_that_are_hidden_between_two_pieces_accuse_nobody() {
+    let (job, all) = mocap();
+    let mut found = Vec::new();
+    let mut of = 0;
+    for (index, whole) in all.iter().enumerate() {
+        let both = one_after_the_other(&[whole, whole], 1.0);
+        let verdicts = judged(&job, &both);
+        if jobs(&verdicts) != [Outcome::Ok; 2] || !accused(&verdicts).is_empty() {
+            continue;
+        }
+        let ended = verdicts.iter().find(|verdict| verdict.level == Level::Job).unwrap().ended_ns;
+        let ended_s = (ended - both.frames[0].captured_ns) as f64 * 1e-9;
+        for before in [0.0, 0.1, 0.3, 1.0] {
+            for seconds in [1.0, 1.5, 2.0, 3.0, 3.9] {
+                let left = without(&both, ended_s - before, ended_s - before + seconds, |frame| {
+                    frame.objects.clear()
+                });
+                of += 1;
+                if !accused(&judged(&job, &left)).is_empty() {
+                    found.push((index + 1, before, seconds));
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "{} of {of}: {found:?}", found.len());
+}
+
+/// The box of the next piece is hidden while it is moved after a right job, and the hand is seen.
+#[test]
+fn a_part_that_is_hidden_while_the_next_job_begins_accuses_nobody() {
+    let (job, all) = mocap();
+    let mut found = Vec::new();
+    let mut of = 0;
+    for (index, whole) in all.iter().enumerate() {
+        let both = one_after_the_other(&[whole, whole], 1.0);
+        if jobs(&judged(&job, &both)) != [Outcome::Ok; 2] || !accused(&judged(&job, &both)).is_empty() {
+            continue;
+        }
+        let border_s = length_s(whole) + 1.0;
+        for from in 0..10 {
+            for seconds in [1.0, 2.0, 3.0, 4.0] {
+                let from_s = border_s + f64::from(from) * 0.5;
+                let left = without(&both, from_s, from_s + seconds, |frame| {
+                    frame.objects.retain(|object| object.id != capture::BOX);
+                });
+                of += 1;
+                if !accused(&judged(&job, &left)).is_empty() {
+                    found.push((index + 1, from_s - border_s, seconds));
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "{} of {of}: {found:?}", found.len());
+}
+
+/// A marker that is misread in one frame would make a path too long at once.
+#[test]
+fn a_part_that_is_elsewhere_for_one_frame_accuses_nobody() {
+    let job = shop_job();
+    let mut found = Vec::new();
+    let mut of = 0;
+    for person in 6..8 {
+        let whole = shop(person, Flaw::None);
+        if jobs(&judged(&job, &whole)) != [Outcome::Ok] {
+            continue;
+        }
+        for object in &whole.header.objects {
+            for frame in (30..whole.frames.len() - 30).step_by(7) {
+                let mut left = whole.clone();
+                for part in left.frames[frame].objects.iter_mut().filter(|part| part.id == object.shape.id) {
+                    part.position[0] += 0.3;
+                }
+                of += 1;
+                let verdicts = judged(&job, &left);
+                if let Some(first) = accused(&verdicts).first() {
+                    found.push((person, object.shape.id, frame, first.reason));
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "{} of {of}: {:?}", found.len(), &found[..found.len().min(8)]);
+}
+
+/// What a judge gets where `encode` is killed and starts again: the couples that were held back never come, and a new encoder begins.
+fn with_encode_restarted(job: &JobFile, whole: &Recording, at: f64, gap_s: f64) -> Vec<Verdict> {
+    let part = |is_in: &dyn Fn(f64) -> bool| -> Vec<Couples> {
+        let mut part = whole.clone();
+        part.frames.retain(|frame| is_in(at_s(whole, frame)));
+        Run::new("run", "", &part, &job.method).unwrap().couples_for(job).unwrap().to_vec()
+    };
+    let mut couples = part(&|s| s < at);
+    couples.truncate(couples.len() - usize::from(job.method.persist_frames));
+    couples.extend(part(&|s| s >= at + gap_s));
+    job.with_job(|lent| {
+        let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method).unwrap();
+        let mut verdicts = Vec::new();
+        couples.iter().for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
+        judge.finish(&mut |event| verdicts.extend(event.verdict()));
+        verdicts
+    })
+}
+
+/// Couples are missing between those of two encoders.
+#[test]
+fn encode_that_starts_again_in_the_middle_of_a_step_accuses_nobody() {
+    let job = shop_job();
+    let mut found = Vec::new();
+    let mut of = 0;
+    for person in 6..10 {
+        let whole = shop(person, Flaw::None);
+        if jobs(&judged(&job, &whole)) != [Outcome::Ok] {
+            continue;
+        }
+        for tenths in (10..100).step_by(5) {
+            for gap_s in [0.3, 1.0, 2.0, 3.0] {
+                if f64::from(tenths) / 10.0 + gap_s > length_s(&whole) - 1.0 {
+                    continue;
+                }
+                of += 1;
+                let verdicts = with_encode_restarted(&job, &whole, f64::from(tenths) / 10.0, gap_s);
+                if !accused(&verdicts).is_empty() {
+                    found.push((person, f64::from(tenths) / 10.0, gap_s));
+                }
+            }
+        }
+    }
+    assert!(found.is_empty(), "{} of {of}: {found:?}", found.len());
+}
