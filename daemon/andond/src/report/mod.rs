@@ -1,5 +1,6 @@
 //! What people and programs read: verdicts and events as JSON lines and as sentences, recordings as pictures.
 
+mod instead;
 mod json;
 mod names;
 pub mod plot;

@@ -170,6 +170,14 @@ pub enum ToolError {
     /// Nothing can be learned from the runs.
     #[error(transparent)]
     Teach(#[from] TeachError),
+    /// Nothing can be learned from the runs, and parts of the station are in none of them.
+    #[error("{unseen}. Nothing was learned: {nothing}")]
+    NotShown {
+        /// The parts, and what to do.
+        unseen: String,
+        /// What follows from it.
+        nothing: TeachError,
+    },
     /// The value of `--names` cannot be understood.
     #[error("--names: {0}")]
     Names(PatternError),
@@ -325,6 +333,7 @@ impl ToolError {
             Self::RoleEnded { .. } => Code::Fault,
             Self::Silence { .. } => Code::NoProgress,
             Self::Archive(ArchiveError::Running(_)) => Code::Fault,
+            Self::NotShown { .. } => Code::Declined,
             Self::Teach(error) if error.is_of_runs() => Code::Declined,
             Self::Option { .. }
             | Self::UnknownJob { .. }
