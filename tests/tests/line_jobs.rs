@@ -77,7 +77,7 @@ fn a_job_is_loaded_by_number_by_name_or_by_file_and_stays_when_the_judge_starts_
     let several = line.command("use", &["job"]);
     assert_eq!(several.status.code(), Some(64));
     assert!(
-        said(&several).contains("several jobs are called so: give one of the files "),
+        said(&several).contains("several jobs are called so: give the number, or one of the files "),
         "{}",
         said(&several)
     );

@@ -4,6 +4,8 @@ mod instead;
 mod json;
 mod names;
 pub mod plot;
+#[cfg(test)]
+pub(crate) mod sample;
 mod teller;
 #[cfg(test)]
 mod tests;

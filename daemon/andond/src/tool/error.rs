@@ -91,7 +91,7 @@ pub enum ToolError {
         folder: PathBuf,
     },
     /// Several jobs have this name or number.
-    #[error("{wanted}: several jobs are called so: give one of the files {}", files.join(", "))]
+    #[error("{wanted}: several jobs are called so: give the number, or one of the files {}", files.join(", "))]
     SeveralJobs {
         /// What was given.
         wanted: String,
@@ -252,16 +252,6 @@ pub enum ToolError {
     /// What the configuration names cannot be used.
     #[error("{0}")]
     Unusable(Unusable),
-    /// No job file of the station has this name.
-    #[error(
-        "{wanted}: no job of the station has this name; there are: {there}; a number works also where the file is gone"
-    )]
-    UnknownJobName {
-        /// The name that was given.
-        wanted: String,
-        /// The names that there are.
-        there: String,
-    },
     /// A code that does not exist, with what there is instead.
     #[error("{0}")]
     UnknownCode(String),
@@ -340,7 +330,6 @@ impl ToolError {
             | Self::ForeignJob { .. }
             | Self::SeveralJobs { .. }
             | Self::UnknownCode(_)
-            | Self::UnknownJobName { .. }
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }
