@@ -35,6 +35,15 @@ def the_package_installs_and_starts_no_station(machine, seen):
     seen["version"] = machine.must("andond", "--version").split()[1]
 
 
+def the_demo_judges_the_clips_of_the_package_for_any_user(machine, seen):
+    demo = "cd /tmp && andond demo --speed max"
+    shown = machine.must("bash", "-c", demo, user="nobody", timeout=600)
+    table = shown[shown.index("clip "):].splitlines()
+    assert [row.split()[-1] for row in table[1:4]] == ["yes"] * 3, shown
+    assert "All is as it should be: of 3 clips 3 were judged rightly" in shown, shown
+    assert re.search(r"^ +/usr/share/doc/andon/", shown, re.M), shown
+
+
 def a_station_starts_and_every_unit_becomes_active(machine, seen):
     began = time.monotonic()
     machine.must("systemctl", "start", TARGET)
@@ -219,6 +228,7 @@ def removal_keeps_configuration_and_verdicts_and_purge_leaves_nothing(machine, s
 
 CHECKS = [
     the_package_installs_and_starts_no_station,
+    the_demo_judges_the_clips_of_the_package_for_any_user,
     a_station_starts_and_every_unit_becomes_active,
     verdicts_come_and_the_station_says_that_it_is_healthy,
     nobody_but_the_user_of_the_units_joins_and_others_are_told_who_may,

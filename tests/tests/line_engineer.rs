@@ -95,6 +95,29 @@ fn a_station_whose_own_film_is_not_there_teaches_and_judges_other_recordings() {
 }
 
 #[test]
+fn a_part_that_no_run_shows_is_named_although_the_rest_is_learned() {
+    let desk = Desk::new();
+    let runs = desk.runs();
+    let unseen = header(&desk, &runs[0]).objects[0].clone();
+    for name in &runs {
+        let mut recording = read(name, &std::fs::read(desk.path(name)).unwrap()).unwrap();
+        for frame in &mut recording.frames {
+            frame.objects.retain(|object| object.id != unseen.shape.id);
+        }
+        let mut file = std::fs::File::create(desk.path(name)).unwrap();
+        write(&mut file, &recording.header, &recording.frames).unwrap();
+    }
+    let (_, words) = desk.teach(&runs, &["--out", "job.toml"]);
+    let named = format!(
+        "marker {} ({}) is in no frame of the {} recordings",
+        unseen.shape.id,
+        unseen.name,
+        runs.len()
+    );
+    assert!(words.contains(&named), "{words}");
+}
+
+#[test]
 fn nothing_is_overwritten_and_every_job_has_a_number_of_its_own() {
     let desk = Desk::new();
     let runs = desk.runs();

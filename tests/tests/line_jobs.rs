@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_tests::line::{Line, Modbus, PATIENCE, Settings, status};
+use shm_schemas::JudgePhase;
 use std::process::Output;
 use std::time::Instant;
 
@@ -76,7 +77,7 @@ fn a_job_is_loaded_by_number_by_name_or_by_file_and_stays_when_the_judge_starts_
     let several = line.command("use", &["job"]);
     assert_eq!(several.status.code(), Some(64));
     assert!(
-        said(&several).contains("several jobs are called so: give one of the files "),
+        said(&several).contains("several jobs are called so: give the number, or one of the files "),
         "{}",
         said(&several)
     );
@@ -105,16 +106,19 @@ fn a_job_that_is_not_there_is_refused_with_those_that_are() {
 #[test]
 fn a_job_is_not_exchanged_while_a_piece_is_made() {
     let mut line = Line::with_second_job(Settings::live());
-    let _watcher = line.up();
+    let mut watcher = line.up();
     let until = Instant::now() + PATIENCE;
     let refused = loop {
+        // Each job that is loaded starts the judge anew, so that it is asked for only while a piece is made.
+        watcher.until("a piece", |watcher| watcher.phase() == Some(JudgePhase::Running));
         let output = line.command("use", &["2"]);
         if !output.status.success() {
             break output;
         }
-        // It was between two pieces.
+        // The piece had ended meanwhile. The job in force could be loaded at any time.
         assert!(Instant::now() < until, "it is never refused");
-        line.command("use", &["1"]);
+        assert!(line.command("use", &["1"]).status.success());
+        watcher.judging = None;
     };
     assert_eq!(refused.status.code(), Some(1));
     let text = said(&refused);
@@ -132,7 +136,10 @@ fn where_the_plc_loads_the_jobs_nobody_else_does() {
     plc.enable();
     plc.wait_for(status::READY);
     // It is refused while a job runs.
-    assert!((0..1000).any(|_| plc.load_job(2).is_none()));
+    let until = Instant::now() + PATIENCE;
+    while let Some(refusal) = plc.load_job(2) {
+        assert!(Instant::now() < until, "it is always refused: {refusal}");
+    }
     let output = line.command("use", &["1"]);
     let text = said(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");

@@ -72,7 +72,7 @@ fn history_takes_a_job_by_its_name_and_refuses_one_that_is_not_there_with_those_
     let refused = line.command("history", &["--job", "no-such"]);
     assert_eq!(refused.status.code(), Some(64));
     let said = String::from_utf8_lossy(&refused.stderr);
-    assert!(said.contains("no-such: no job of the station has this name") && said.contains(&name), "{said}");
+    assert!(said.contains("no-such: no job of this name or number is in ") && said.contains(&name), "{said}");
 }
 
 #[test]

@@ -67,6 +67,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
             tool::working("experiment", || tool::experiment::run(&arguments).map_err(Box::new))?.into()
         }
         Command::Completions(arguments) => tool::pages::completions(&arguments)?.into(),
+        Command::ExitCodes => tool::pages::exit_codes()?.into(),
         Command::Man(arguments) => tool::pages::man(&arguments)?.into(),
     };
     Ok(code)

@@ -128,6 +128,20 @@ fn what_was_done_with_another_part_is_noted_and_the_polisher_that_still_lies_the
 }
 
 #[test]
+fn a_wrong_part_is_told_by_its_name_with_the_one_that_was_expected() {
+    let output =
+        andond(&["replay", "--job", "config/jobs/polish-and-measure.toml", &clip("p1_wrong_object_r1")]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    let noted = "other step (meter in hand): took the meter, and step 1 (polisher at brick) begins with the polisher; was it right?";
+    assert!(text.contains(noted), "{text}");
+    let job = text.lines().last().unwrap();
+    assert!(
+        job.contains("ANOMALY     job") && job.ends_with("; took the meter at 1.97 s, expected the polisher"),
+        "{text}"
+    );
+}
+
+#[test]
 fn the_same_film_gives_the_same_verdicts_to_the_byte() {
     let run =
         || andond(&["replay", "--json", "--job", "config/jobs/polish-and-measure.toml", &clip("p1_none_r3")]);
@@ -252,6 +266,37 @@ fn a_film_that_is_cut_short_is_not_judged_as_a_shorter_job() {
     let words = String::from_utf8(output.stderr).unwrap();
     assert!(words.contains("it breaks off after") && words.contains("cut.mp4"), "{words}");
     assert!(!String::from_utf8_lossy(&output.stdout).contains("job"), "no verdict on the job");
+}
+
+/// A station of one's own with other ids, and films of other parts.
+#[test]
+fn parts_that_no_film_shows_are_named_with_their_markers_before_nothing_is_learned() {
+    let folder = tempfile::tempdir().unwrap();
+    let station = folder.path().join("own.toml");
+    let new = andond(&[
+        "new",
+        "own",
+        "--part",
+        "drill=0.04",
+        "--part",
+        "plate=0.04",
+        "--hands",
+        "right",
+        "--out",
+        station.to_str().unwrap(),
+    ]);
+    assert!(new.status.success(), "{}", String::from_utf8_lossy(&new.stderr));
+    let job = folder.path().join("job.toml");
+    let (own, film) = (station.to_str().unwrap(), clip("p1_none_r1"));
+    let output = andond(&["teach", &film, "-c", own, "--out", job.to_str().unwrap()]);
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    let expected = format!(
+        "marker 1 (drill), marker 2 (plate) are in no frame of the 1 recordings: do the ids in [[objects]] agree with the markers on the \
+         parts, and are these in view, flat and whole? `andond look {film}` says which markers it shows. Nothing was learned: "
+    );
+    assert!(words.lines().last().unwrap().contains(&expected), "{words}");
+    assert!(!job.exists());
 }
 
 #[test]

@@ -183,6 +183,11 @@ impl Run {
         &self.frames
     }
 
+    /// Whether object `id` was seen in any frame.
+    pub fn shows(&self, id: u16) -> bool {
+        self.frames.iter().any(|frame| frame.objects.iter().any(|object| object.id == id))
+    }
+
     /// Whether this run was recorded frame by frame as the other one was.
     pub(crate) fn shows_the_same(&self, other: &Self) -> bool {
         self.frames == other.frames

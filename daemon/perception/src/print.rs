@@ -9,9 +9,11 @@ use crate::sight::SeenMarker;
 use opencv::core::Mat;
 use opencv::prelude::*;
 
-/// Pixels that a module must measure from edge to edge. Of a hundred markers of six modules, in dim light or in noise and through a lens that
-/// is a little soft, 100 are found at 5 pixels for each module, 97 at 4 and 69 at 3: `tests/print.rs`.
-const NEEDED_MODULE_PX: f64 = 5.0;
+/// Pixels that a module should measure from edge to edge. Of 400 markers of six modules, in noise and through a lens that is a little soft, 400
+/// are found at 5 pixels for each module, 398 at 4.5, 385 at 4 and 265 at 3; in dim light 399, 398, 391 and 299: `tests/print.rs`.
+const WANTED_MODULE_PX: f64 = 5.0;
+/// Pixels of a module from which on hardly a marker is missed.
+const NEEDED_MODULE_PX: f64 = 4.5;
 
 /// The modules of a marker.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,6 +42,11 @@ impl Dictionary {
     }
 
     /// Side of the black square, in pixels, from which on a marker of this dictionary is found in every ordinary light.
+    pub fn wanted_side_px(self) -> f64 {
+        WANTED_MODULE_PX * self.modules()
+    }
+
+    /// Side of the black square, in pixels, below which too many are missed in bad light.
     pub fn needed_side_px(self) -> f64 {
         NEEDED_MODULE_PX * self.modules()
     }

@@ -53,6 +53,11 @@ impl Watcher {
         Some((judging.stamp.sent_ns, watches))
     }
 
+    /// What the judge has said last that it does.
+    pub fn phase(&self) -> Option<JudgePhase> {
+        JudgePhase::try_from(self.judging.as_ref()?.phase).ok()
+    }
+
     /// Listens until the condition holds; panics with its name after [`PATIENCE`].
     pub fn until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
         let until = Instant::now() + PATIENCE;

@@ -65,6 +65,9 @@ pub struct Markers {
     /// Where the four markers for `andond calibrate` lie: the corners of a rectangle of this width and depth, in metres
     #[arg(long, default_value = "0.5x0.3", value_name = "WIDTHxDEPTH")]
     pub bench: String,
+    /// Replace existing files
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// A size of paper.

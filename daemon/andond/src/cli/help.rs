@@ -213,8 +213,11 @@ pub(super) const EXIT_CODES: &[(&str, &str)] = &[
 
 /// The whole command line, with the examples of each command and the exit codes.
 pub fn command() -> Command {
-    let codes: String = EXIT_CODES.iter().map(|(code, meaning)| wrapped(code, meaning)).collect();
-    let command = Cli::command().after_long_help(format!("Exit codes:\n{codes}"));
+    let table = exit_table();
+    let command = Cli::command()
+        .after_help("Exit codes: `andond help exit-codes`")
+        .after_long_help(table.clone())
+        .mut_subcommand("exit-codes", |command| command.help_template("{after-help}").after_help(table));
     EXAMPLES.iter().fold(command, |command, (name, examples)| {
         let text: String = examples.iter().map(|(what, line)| example(what, line)).collect();
         command.mut_subcommand(name, |command| command.after_help(format!("Examples:\n{text}")))
@@ -224,6 +227,12 @@ pub fn command() -> Command {
 /// The examples of a command, each with what it does.
 pub(crate) fn examples(command: &str) -> &'static [(&'static str, &'static str)] {
     EXAMPLES.iter().find(|(name, _)| *name == command).map_or(&[], |(_, examples)| examples)
+}
+
+/// The exit codes as a table.
+pub(crate) fn exit_table() -> String {
+    let codes: String = EXIT_CODES.iter().map(|(code, meaning)| wrapped(code, meaning)).collect();
+    format!("Exit codes:\n{codes}")
 }
 
 /// The exit codes for the man page.

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 pub use help::command;
-pub(crate) use help::{examples, exit_codes};
+pub(crate) use help::{examples, exit_codes, exit_table};
 
 pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record, Tracks};
 pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use};
@@ -94,6 +94,9 @@ pub enum Command {
     Experiment(Experiment),
     /// Print what a shell needs to complete command lines
     Completions(Completions),
+    /// Say what the exit code of each command means
+    #[command(hide = true)]
+    ExitCodes,
     /// Write the man pages into a folder
     #[command(hide = true)]
     Man(ManPages),

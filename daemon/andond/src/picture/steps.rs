@@ -105,6 +105,7 @@ impl Steps {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::sample::{names, wrong};
     use andon_core::couple::Context;
     use andon_core::input::Side;
     use andon_core::verdict::Reason;
@@ -113,32 +114,12 @@ mod tests {
     const WRONG: State = State::Judged(Outcome::Anomaly);
 
     fn steps() -> Steps {
-        let taught: [(&str, &[[u16; 4]]); 2] =
-            [("polish", &[[1, 5, 0, 0], [1, 5, 5, 6], [1, 5, 0, 0]]), ("measure", &[[1, 6, 0, 0]])];
-        Steps::new(Names::default().with_steps(&taught))
+        Steps::new(names())
     }
 
     fn verdict(level: Level, outcome: Outcome, iu: Option<u16>) -> Verdict {
-        Verdict {
-            level,
-            outcome,
-            reason: if outcome == Outcome::Ok { Reason::None } else { Reason::TooShort },
-            side: Some(Side::Right),
-            nearest: Some(0),
-            activity: 0,
-            iu,
-            context: Context([1, 5, 5, 6]),
-            distance: None,
-            threshold: None,
-            captured_percent: None,
-            measured: None,
-            broken: None,
-            note: None,
-            early: false,
-            began_ns: 0,
-            ended_ns: 0,
-            decided_ns: 0,
-        }
+        let reason = if outcome == Outcome::Ok { Reason::None } else { Reason::TooShort };
+        Verdict { level, outcome, iu, ..wrong(reason) }
     }
 
     fn hand(context: [u16; 4]) -> [Couple; 1] {

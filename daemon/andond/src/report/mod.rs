@@ -1,8 +1,11 @@
 //! What people and programs read: verdicts and events as JSON lines and as sentences, recordings as pictures.
 
+mod instead;
 mod json;
 mod names;
 pub mod plot;
+#[cfg(test)]
+pub(crate) mod sample;
 mod teller;
 #[cfg(test)]
 mod tests;

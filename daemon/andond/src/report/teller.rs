@@ -6,7 +6,8 @@ use andon_core::verdict::{Level, Note, Outcome, Verdict};
 use anstyle::{AnsiColor, Style};
 
 use super::Names;
-use super::words::{because, verdict_sentence};
+use super::instead::Instead;
+use super::words::{because, sentence, verdict_sentence};
 
 /// What has been told of the job that is under way.
 #[derive(Debug, Default)]
@@ -14,6 +15,8 @@ pub struct Teller {
     faults: Vec<Fault>,
     /// The steps that have come, right or wrong.
     done: Vec<u16>,
+    /// The first step that is none of the job.
+    instead: Option<Instead>,
     /// The fault that the last line is about.
     last: Option<usize>,
 }
@@ -57,13 +60,16 @@ impl Teller {
                 format!("{:width$}{}", "", so(verdict, names), width = when.chars().count() + 23)
             }
             Some(fault) => {
-                let (then, sentence) = (fault.when.trim_start(), verdict_sentence(verdict, names));
+                let (then, sentence) = (fault.when.trim_start(), self.sentence(when, verdict, names));
                 let what = if verdict.outcome == Outcome::Anomaly { "the fault" } else { "what was missing" };
                 let because = format!("job, for {what} at {then}: ");
                 format!("{when}  {}", sentence.replacen("job: ", &because, 1))
             }
-            None => format!("{when}  {}{}", verdict_sentence(verdict, names), self.next(verdict, names)),
+            None => format!("{when}  {}", self.sentence(when, verdict, names)),
         };
+        if self.instead.is_none() {
+            self.instead = self.next(verdict, names).and_then(|step| Instead::new(when, verdict, step));
+        }
         if verdict.level == Level::Activity {
             self.done.extend(verdict.nearest);
         }
@@ -78,12 +84,23 @@ impl Teller {
         Line { text, style: style(verdict) }
     }
 
+    /// The sentence of a verdict, with what was done instead of a step of the job and what was expected.
+    fn sentence(&self, when: &str, verdict: &Verdict, names: &Names) -> String {
+        if let Some(why) = self.instead.as_ref().and_then(|instead| instead.missed(verdict, names)) {
+            return sentence(verdict, names, Some(why));
+        }
+        let Some(step) = self.next(verdict, names) else { return verdict_sentence(verdict, names) };
+        let instead = Instead::new(when, verdict, step).and_then(|instead| instead.noted(names));
+        match instead {
+            Some(why) => sentence(verdict, names, Some(why)),
+            None => format!("{} Next would be {}.", verdict_sentence(verdict, names), names.step(step)),
+        }
+    }
+
     /// Which step would have been next, where one came that is none of the job.
-    fn next(&self, verdict: &Verdict, names: &Names) -> String {
+    fn next(&self, verdict: &Verdict, names: &Names) -> Option<u16> {
         let is_other = verdict.note == Some(Note::Step) && verdict.level == Level::Activity;
-        let steps = 0..names.steps().len() as u16;
-        let next = steps.filter(|step| is_other && !self.done.contains(step)).min();
-        next.map(|step| format!(" Next would be {}.", names.step(step))).unwrap_or_default()
+        (0..names.steps().len() as u16).find(|step| is_other && !self.done.contains(step))
     }
 }
 

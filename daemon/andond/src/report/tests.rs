@@ -7,41 +7,8 @@ use andon_core::verdict::{
     BrokenOrder, Level, Measure, Measured, Note, OrderFault, Outcome, Reason, Verdict,
 };
 
+use super::sample::{names, wrong};
 use super::*;
-
-const STEPS: [(&str, &[[u16; 4]]); 2] = [
-    ("polish", &[[1, 5, 0, 0], [1, 5, 5, 6], [1, 5, 0, 0]]),
-    ("measure", &[[1, 6, 0, 0], [1, 6, 6, 3], [0, 0, 6, 3]]),
-];
-
-fn names() -> Names {
-    let objects = [(5, "polisher"), (6, "brick"), (3, "meter")];
-    Names::new(objects.map(|(id, name)| (id, name.to_owned()))).with_steps(&STEPS)
-}
-
-/// The second IU of the first step, and wrong.
-fn wrong(reason: Reason) -> Verdict {
-    Verdict {
-        level: Level::Iu,
-        outcome: Outcome::Anomaly,
-        reason,
-        side: Some(Side::Right),
-        nearest: Some(0),
-        activity: 0,
-        iu: Some(1),
-        context: Context([1, 5, 5, 6]),
-        distance: None,
-        threshold: None,
-        captured_percent: None,
-        measured: None,
-        broken: None,
-        note: None,
-        early: false,
-        began_ns: 0,
-        ended_ns: 1_000_000_000,
-        decided_ns: 1_250_000_000,
-    }
-}
 
 fn strokes(value: f32) -> Option<Measured> {
     Some(Measured { measure: Measure::Strokes, value, shown_min: 6.0, shown_max: 6.0 })
@@ -182,6 +149,69 @@ fn a_fault_is_one_line_and_what_follows_from_it_stands_indented_beneath() {
         [
             "                                so step 1 (polish) is wrong",
             "                                so the job is wrong"
+        ]
+    );
+}
+
+/// The meter is used instead of the polisher.
+#[test]
+fn a_part_that_was_taken_instead_of_another_is_told_with_the_step_that_was_missed_for_it() {
+    let ok = Verdict { outcome: Outcome::Ok, ..wrong(Reason::None) };
+    let activity = Verdict { level: Level::Activity, iu: None, ..ok };
+    let other = |part| Verdict {
+        nearest: None,
+        note: Some(Note::Step),
+        context: Context([1, part, 0, 0]),
+        ..activity
+    };
+    let broken = Some(BrokenOrder { fault: OrderFault::NotBegun, activity: 0, runs: 5 });
+    let early = Verdict {
+        outcome: Outcome::Anomaly,
+        reason: Reason::WrongOrder,
+        nearest: Some(1),
+        broken,
+        ..activity
+    };
+    let job = Verdict { level: Level::Job, side: None, ..early };
+    let told = |verdicts: &[(&str, Verdict)]| -> Vec<String> {
+        let mut teller = Teller::default();
+        verdicts.iter().map(|(when, verdict)| teller.tell(when, verdict, &names()).text).collect()
+    };
+    let noted = "14:03:01  right  ok          other step (meter in hand): took the meter, and step 1 (polish) begins with the polisher; \
+                 was it right?";
+    assert_eq!(
+        told(&[
+            ("14:03:01", other(3)),
+            ("14:03:07", early),
+            ("14:03:09", Verdict { note: Some(Note::Step), ..job })
+        ]),
+        [
+            noted,
+            "14:03:07  right  ANOMALY     step 2 (measure): came before step 1 (polish); shown after it in all 5 runs; took the meter at \
+             14:03:01, expected the polisher",
+            "14:03:09         ANOMALY     job, for the fault at 14:03:07: step 2 (measure) came before step 1 (polish); shown after it in \
+             all 5 runs; took the meter at 14:03:01, expected the polisher",
+        ]
+    );
+    let ended = Verdict { reason: Reason::NotCompleted, nearest: Some(0), broken: None, ..job };
+    assert_eq!(
+        told(&[("14:03:01", other(3)), ("14:03:09", ended)]),
+        [
+            noted,
+            "14:03:09         ANOMALY     job: ended without step 1 (polish); took the meter at 14:03:01, expected the polisher"
+        ]
+    );
+    // It is not known that one step was missed for another.
+    let second = Verdict { nearest: Some(1), ..ended };
+    assert_eq!(
+        told(&[("14:03:01", other(3)), ("14:03:09", second)])[1],
+        "14:03:09         ANOMALY     job: ended without step 2 (measure)"
+    );
+    assert_eq!(
+        told(&[("14:03:01", other(5))]),
+        [
+            "14:03:01  right  ok          other step (polisher in hand): a step that was not shown, with parts of the job; was it right? \
+          Next would be step 1 (polish)."
         ]
     );
 }

@@ -18,9 +18,14 @@ pub const fn outcome_word(outcome: Outcome) -> &'static str {
 
 /// One line without its time: the hand, the outcome, what was judged, and why.
 pub fn verdict_sentence(verdict: &Verdict, names: &Names) -> String {
+    sentence(verdict, names, because(verdict, names))
+}
+
+/// As [`verdict_sentence`], with this reason.
+pub(super) fn sentence(verdict: &Verdict, names: &Names, why: Option<String>) -> String {
     let hand = verdict.side.map_or("", Side::name);
     let outcome = outcome_word(verdict.outcome);
-    let why = because(verdict, names).map(|why| format!(": {why}")).unwrap_or_default();
+    let why = why.map(|why| format!(": {why}")).unwrap_or_default();
     format!("{hand:5}  {outcome:10}  {}{why}", what(verdict, names))
 }
 
@@ -50,6 +55,15 @@ fn is_instead(verdict: &Verdict) -> bool {
         && verdict.broken.is_none()
         && verdict.measured.is_none()
         && matches!(verdict.reason, Reason::WrongObject | Reason::WrongOrder)
+}
+
+/// The step that should have come and did not.
+pub(super) fn missing(verdict: &Verdict) -> Option<u16> {
+    match verdict.broken {
+        Some(BrokenOrder { fault: OrderFault::NotBegun, activity, .. }) => Some(activity),
+        None if verdict.level == Level::Job && verdict.reason == Reason::NotCompleted => verdict.nearest,
+        _ => None,
+    }
 }
 
 /// Why, or what is to be looked at; `None` of what is simply right.

@@ -91,7 +91,7 @@ pub enum ToolError {
         folder: PathBuf,
     },
     /// Several jobs have this name or number.
-    #[error("{wanted}: several jobs are called so: give one of the files {}", files.join(", "))]
+    #[error("{wanted}: several jobs are called so: give the number, or one of the files {}", files.join(", "))]
     SeveralJobs {
         /// What was given.
         wanted: String,
@@ -170,6 +170,14 @@ pub enum ToolError {
     /// Nothing can be learned from the runs.
     #[error(transparent)]
     Teach(#[from] TeachError),
+    /// Nothing can be learned from the runs, and parts of the station are in none of them.
+    #[error("{unseen}. Nothing was learned: {nothing}")]
+    NotShown {
+        /// The parts, and what to do.
+        unseen: String,
+        /// What follows from it.
+        nothing: TeachError,
+    },
     /// The value of `--names` cannot be understood.
     #[error("--names: {0}")]
     Names(PatternError),
@@ -244,16 +252,6 @@ pub enum ToolError {
     /// What the configuration names cannot be used.
     #[error("{0}")]
     Unusable(Unusable),
-    /// No job file of the station has this name.
-    #[error(
-        "{wanted}: no job of the station has this name; there are: {there}; a number works also where the file is gone"
-    )]
-    UnknownJobName {
-        /// The name that was given.
-        wanted: String,
-        /// The names that there are.
-        there: String,
-    },
     /// A code that does not exist, with what there is instead.
     #[error("{0}")]
     UnknownCode(String),
@@ -325,13 +323,13 @@ impl ToolError {
             Self::RoleEnded { .. } => Code::Fault,
             Self::Silence { .. } => Code::NoProgress,
             Self::Archive(ArchiveError::Running(_)) => Code::Fault,
+            Self::NotShown { .. } => Code::Declined,
             Self::Teach(error) if error.is_of_runs() => Code::Declined,
             Self::Option { .. }
             | Self::UnknownJob { .. }
             | Self::ForeignJob { .. }
             | Self::SeveralJobs { .. }
             | Self::UnknownCode(_)
-            | Self::UnknownJobName { .. }
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }

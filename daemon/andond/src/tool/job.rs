@@ -1,10 +1,12 @@
-//! Reads the job file that a command names.
+//! The job that a command names: a file, or one of the station's by its name or its number.
 
 use std::path::Path;
 
 use andon_learn::job_file::JobFile;
 
 use super::ToolError;
+use super::jobs::{FoundJob, of_station};
+use crate::config::Config;
 
 /// Reads a job file.
 ///
@@ -13,4 +15,38 @@ use super::ToolError;
 pub(super) fn load(path: &Path) -> Result<JobFile, ToolError> {
     let bytes = std::fs::read(path).map_err(|source| ToolError::NoJob { path: path.into(), source })?;
     Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
+}
+
+/// The jobs of the station that somebody means by a name, in any letters, a number or a file: at least one. Copies of one job count once.
+///
+/// # Errors
+/// That there is none, with those that there are.
+pub(super) fn meant(wanted: &str, config: &Config) -> Result<Vec<FoundJob>, ToolError> {
+    let path = Path::new(wanted);
+    let is_file = path.is_file();
+    let given = is_file.then(|| load(path)).transpose()?.map(|file| (file.id, file.model_hash()));
+    let is_meant = |job: &FoundJob| match given {
+        Some(given) => given == (job.file.id, job.hash),
+        None => job.file.name.to_lowercase() == wanted.to_lowercase() || wanted.parse() == Ok(job.file.id),
+    };
+    let (mut meant, others): (Vec<_>, Vec<_>) = of_station(config)?.jobs.into_iter().partition(is_meant);
+    meant.dedup_by_key(|job| job.hash);
+    if !meant.is_empty() {
+        return Ok(meant);
+    }
+    let folder = config.station.jobs.clone();
+    Err(match is_file {
+        true => ToolError::ForeignJob { path: path.into(), folder },
+        false => ToolError::UnknownJob {
+            wanted: wanted.to_owned(),
+            folder,
+            names: others.iter().map(|job| format!("{} {:?}", job.file.id, job.file.name)).collect(),
+        },
+    })
+}
+
+/// That a name stands for several jobs.
+pub(super) fn several(wanted: &str, jobs: &[FoundJob]) -> ToolError {
+    let files = jobs.iter().map(|job| job.path.display().to_string()).collect();
+    ToolError::SeveralJobs { wanted: wanted.to_owned(), files }
 }

@@ -1,6 +1,5 @@
 //! The job files that a station has, for what they call the parts and the steps.
 
-use super::ToolError;
 use super::jobs::{self, FoundJob};
 use crate::config::Config;
 use crate::report::Names;
@@ -43,26 +42,6 @@ impl KnownJobs {
         let same_number = || self.jobs.iter().find(|job| job.id == id);
         let job = self.of_hash(hash).or_else(same_number);
         job.map_or_else(|| format!("number {id}"), |job| job.name.clone())
-    }
-
-    /// The number of the job that somebody means by its name or its number.
-    ///
-    /// # Errors
-    /// That no job has this name, with the names that there are.
-    pub(super) fn number(&self, wanted: &str) -> Result<u32, ToolError> {
-        if let Ok(number) = wanted.parse() {
-            return Ok(number);
-        }
-        let is_meant = |job: &&KnownJob| job.name.to_lowercase() == wanted.to_lowercase();
-        if let Some(job) = self.jobs.iter().find(is_meant) {
-            return Ok(job.id);
-        }
-        let mut names: Vec<String> =
-            self.jobs.iter().map(|job| format!("{:?} ({})", job.name, job.id)).collect();
-        names.sort();
-        names.dedup();
-        let there = if names.is_empty() { "none".to_owned() } else { names.join(", ") };
-        Err(ToolError::UnknownJobName { wanted: wanted.to_owned(), there })
     }
 }
 

@@ -24,7 +24,16 @@ pub fn completions(arguments: &Completions) -> Result<Code, ToolError> {
     Ok(Code::Stopped)
 }
 
-/// Writes a man page for andond and for each of its commands into a folder.
+/// Prints the table of exit codes.
+///
+/// # Errors
+/// That standard output is closed.
+pub fn exit_codes() -> Result<Code, ToolError> {
+    io::stdout().lock().write_all(cli::exit_table().as_bytes()).map_err(ToolError::Print)?;
+    Ok(Code::Stopped)
+}
+
+/// Writes a man page for andond, for each of its commands and for andond-video into a folder.
 ///
 /// # Errors
 /// That it cannot be written.
@@ -37,6 +46,8 @@ pub fn man(arguments: &ManPages) -> Result<Code, ToolError> {
     for subcommand in command.get_subcommands().filter(|command| !command.is_hide_set()) {
         write(subcommand, Some(subcommand.get_name()), folder)?;
     }
+    let path = folder.join("andond-video.1");
+    fs::write(&path, video().render()).map_err(cannot_write(&path))?;
     Ok(Code::Stopped)
 }
 
@@ -51,7 +62,7 @@ fn write(command: &Command, name: Option<&str>, folder: &Path) -> Result<(), Too
     man.render(&mut page).map_err(cannot_write(&path))?;
     match name {
         Some(name) => examples(name),
-        None => exit_codes(),
+        None => exit_status(),
     }
     .to_writer(&mut page)
     .map_err(cannot_write(&path))?;
@@ -71,7 +82,47 @@ fn examples(name: &str) -> Roff {
     roff
 }
 
-fn exit_codes() -> Roff {
+/// The page of the program that andond starts for cameras and films.
+fn video() -> Roff {
+    let version = concat!("andond ", env!("CARGO_PKG_VERSION"));
+    let mut roff = Roff::new();
+    roff.control("TH", ["andond-video", "1", "", version, "Andon"]);
+    roff.control("SH", ["NAME"])
+        .text([roman("andond-video - the part of andond that decodes and encodes pictures")]);
+    roff.control("SH", ["SYNOPSIS"]).text([bold("andond-video"), roman(" run capture | check [-c FILE]...")]);
+    roff.control("SH", ["DESCRIPTION"]).text([
+        bold("andond"),
+        roman(
+            " starts this program for whatever needs a camera or a film, and nobody needs to start it by hand: it is a program of its own so \
+             that the judge and the other roles do not load the libraries for video and cameras.",
+        ),
+    ]);
+    for (line, meaning) in [
+        ("run capture", "is the role capture of a station; `andond run capture` turns itself into it."),
+        (
+            "check",
+            "opens the camera or the recording of a configuration once and says what is wrong with it; part of `andond check`.",
+        ),
+        (
+            "decode, watch, encode, stills",
+            "serve andond over a pipe. Their form is no interface and may change.",
+        ),
+    ] {
+        roff.control("TP", []).text([bold(line)]).text([roman(meaning)]);
+    }
+    roff.control("SH", ["EXIT STATUS"]).text([roman("That of andond.")]);
+    roff.control("SH", ["SEE ALSO"]).text([
+        bold("andond"),
+        roman("(1), "),
+        bold("andond-check"),
+        roman("(1), "),
+        bold("andond-look"),
+        roman("(1)"),
+    ]);
+    roff
+}
+
+fn exit_status() -> Roff {
     let mut roff = Roff::new();
     roff.control("SH", ["EXIT STATUS"]);
     for (code, meaning) in cli::exit_codes() {

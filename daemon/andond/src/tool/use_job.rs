@@ -1,10 +1,8 @@
 //! `andond use`: loads a job into a running station. The judge does it, or says why not.
 
-use std::path::Path;
-
 use shm_schemas::{CommandKind, Refusal};
 
-use super::jobs::{FoundJob, of_station};
+use super::jobs::FoundJob;
 use super::join::join;
 use super::tell::tell;
 use super::{ToolError, job, running_config};
@@ -56,29 +54,11 @@ fn remedy(refusal: Refusal) -> &'static str {
     }
 }
 
-/// The job that was meant: a file, or else the one job of this number or name.
+/// The one job that was meant.
 fn find(wanted: &str, config: &Config) -> Result<FoundJob, ToolError> {
-    let found = of_station(config)?;
-    let path = Path::new(wanted);
-    let is_file = path.is_file();
-    let given = is_file.then(|| job::load(path)).transpose()?.map(|file| (file.id, file.model_hash()));
-    let is_meant = |job: &FoundJob| match given {
-        Some(given) => given == (job.file.id, job.hash),
-        None => job.file.name == wanted || wanted.parse() == Ok(job.file.id),
-    };
-    let (mut meant, others): (Vec<FoundJob>, Vec<FoundJob>) = found.jobs.into_iter().partition(is_meant);
-    // Copies of one job are as good as each other.
-    meant.dedup_by_key(|job| job.hash);
-    if meant.len() > 1 {
-        let files = meant.iter().map(|job| job.path.display().to_string()).collect();
-        return Err(ToolError::SeveralJobs { wanted: wanted.to_owned(), files });
+    let mut meant = job::meant(wanted, config)?;
+    match meant.len() {
+        1 => Ok(meant.remove(0)),
+        _ => Err(job::several(wanted, &meant)),
     }
-    meant.pop().ok_or_else(|| match is_file {
-        true => ToolError::ForeignJob { path: path.to_owned(), folder: config.station.jobs.clone() },
-        false => ToolError::UnknownJob {
-            wanted: wanted.to_owned(),
-            folder: config.station.jobs.clone(),
-            names: others.iter().map(|job| format!("{} {:?}", job.file.id, job.file.name)).collect(),
-        },
-    })
 }

@@ -13,11 +13,24 @@ use jiff::Timestamp;
 use super::clock::Clock;
 use super::known::KnownJobs;
 use super::part::part_id;
-use super::{ToolError, cannot_write, check_writable, running_config};
+use super::{ToolError, cannot_write, check_writable, job, running_config};
 use crate::cli::History as Arguments;
+use crate::config::Config;
 use crate::exit::Code;
 use summary::Summary;
 use table::Table;
+
+/// The number of the job that somebody means. A number needs no file: the job may be gone.
+fn job_number(wanted: &str, config: &Config) -> Result<u32, ToolError> {
+    if let Ok(number) = wanted.parse() {
+        return Ok(number);
+    }
+    let meant = job::meant(wanted, config)?;
+    match meant.iter().all(|job| job.file.id == meant[0].file.id) {
+        true => Ok(meant[0].file.id),
+        false => Err(job::several(wanted, &meant)),
+    }
+}
 
 /// Runs the command.
 ///
@@ -29,7 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let part = arguments.part.as_deref().map(|id| part_id("--part", id)).transpose()?;
     let config = running_config(&arguments.config)?.config;
     let known = KnownJobs::of(&config);
-    let job_id = arguments.job.as_deref().map(|job| known.number(job)).transpose()?;
+    let job_id = arguments.job.as_deref().map(|job| job_number(job, &config)).transpose()?;
     let query = Query { since_utc_ns, job_id, part, nok: arguments.nok };
     arguments.plot.as_deref().map(check_writable).transpose()?;
     let history = History::open(&config.journal_path())?;

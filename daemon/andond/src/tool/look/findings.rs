@@ -41,8 +41,12 @@ pub(super) fn sentences(glances: &[Glance], config: &Config, format: PictureForm
         return Vec::new();
     }
     let mut lines = vec![light(glances), sharpness(glances)];
-    let needed_px = config.perception.dictionary.needed_side_px() as f32;
-    lines.extend(config.objects.iter().map(|object| part(glances, object, needed_px, format)));
+    let dictionary = config.perception.dictionary;
+    let sizes = Sizes {
+        needed_px: dictionary.needed_side_px() as f32,
+        wanted_px: dictionary.wanted_side_px() as f32,
+    };
+    lines.extend(config.objects.iter().map(|object| part(glances, object, sizes, format)));
     lines.extend(config.perception.hands.iter().map(|side| hand(glances, *side)));
     lines.extend(strangers(glances));
     lines
@@ -100,8 +104,16 @@ fn sharpness(glances: &[Glance]) -> Line {
     }
 }
 
+/// How large a marker must be in the picture, and how large it should be, by its side in pixels.
+#[derive(Clone, Copy)]
+struct Sizes {
+    needed_px: f32,
+    wanted_px: f32,
+}
+
 /// A part by its marker: whether it is seen, and is large enough in the picture.
-fn part(glances: &[Glance], object: &Object, needed_px: f32, format: PictureFormat) -> Line {
+fn part(glances: &[Glance], object: &Object, sizes: Sizes, format: PictureFormat) -> Line {
+    let Sizes { needed_px, wanted_px } = sizes;
     let seen: Vec<[[f32; 2]; 4]> = glances.iter().filter_map(|glance| glance.part(object.id)).collect();
     let about = object.name.as_str();
     let Some(width) = median(seen.iter().map(side_px).collect()) else {
@@ -114,9 +126,9 @@ fn part(glances: &[Glance], object: &Object, needed_px: f32, format: PictureForm
     let share = share(seen.len(), glances.len());
     if width.round() < needed_px {
         // Rounded up, so that it is enough.
-        let print_mm = (1000.0 * object.marker_side_m * needed_px / width).ceil();
+        let print_mm = (1000.0 * object.marker_side_m * wanted_px / width).ceil();
         let sentence = format!(
-            "its marker is {width:.0} px wide; {needed_px:.0} are needed: come nearer, or print it at {print_mm:.0} mm ({share})"
+            "its marker is {width:.0} px wide; {wanted_px:.0} are needed: come nearer, or print it at {print_mm:.0} mm ({share})"
         );
         return line(false, about, sentence);
     }
@@ -127,7 +139,12 @@ fn part(glances: &[Glance], object: &Object, needed_px: f32, format: PictureForm
         );
         return line(false, about, sentence);
     }
-    line(true, about, format!("its marker is {width:.0} px wide; {needed_px:.0} are needed ({share})"))
+    let enough = if width.round() < wanted_px {
+        format!("enough, with little reserve for noise and dim light: {wanted_px:.0} are better")
+    } else {
+        format!("{wanted_px:.0} are needed")
+    };
+    line(true, about, format!("its marker is {width:.0} px wide; {enough} ({share})"))
 }
 
 fn is_at_edge(corners: &[[f32; 2]; 4], format: PictureFormat) -> bool {

@@ -5,11 +5,11 @@ mod pdf;
 mod sheet;
 mod svg;
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use andon_perception::Dictionary;
 
-use super::{ToolError, cannot_write, load_config_to_learn};
+use super::{ToolError, cannot_write, load_config_to_learn, new_or_forced};
 use crate::atomic;
 use crate::cli::Markers;
 use crate::cli::metres::position;
@@ -26,18 +26,22 @@ const BENCH_SIDE_M: f64 = 0.04;
 /// Runs the command.
 ///
 /// # Errors
-/// A marker that no sheet holds, an id that the dictionary does not have, a file that cannot be written.
+/// A marker that no sheet holds, an id that the dictionary does not have, a file that exists or cannot be written.
 pub fn run(arguments: &Markers) -> Result<Code, ToolError> {
     let config = load_config_to_learn(&arguments.config)?;
     let corners = corners(&arguments.bench, &config)?;
     let sheets = sheets(&config, arguments, &corners)?;
     let station = &config.station.name;
-    let pdf = arguments.out.join(format!("{station}-markers.pdf"));
-    write(&pdf, &pdf::pdf(&sheets))?;
-    println!("{}", pdf.display());
-    for (number, sheet) in (1..).zip(&sheets) {
+    let pdf = (arguments.out.join(format!("{station}-markers.pdf")), pdf::pdf(&sheets));
+    let svgs = (1..).zip(&sheets).map(|(number, sheet)| {
         let path = arguments.out.join(format!("{station}-markers-{number}.svg"));
-        write(&path, svg::svg(sheet).as_bytes())?;
+        (path, svg::svg(sheet).into_bytes())
+    });
+    let files: Vec<(PathBuf, Vec<u8>)> = std::iter::once(pdf).chain(svgs).collect();
+    // None is written where one cannot be, so that no sheets of two stations lie together.
+    files.iter().try_for_each(|(path, _)| new_or_forced(path, arguments.force))?;
+    for (path, bytes) in &files {
+        atomic::write(path, bytes).map_err(cannot_write(path))?;
         println!("{}", path.display());
     }
     println!(
@@ -46,10 +50,6 @@ pub fn run(arguments: &Markers) -> Result<Code, ToolError> {
          Next: `andond look` says whether the camera sees them; `andond calibrate` is only needed where the camera does not look\nstraight down."
     );
     Ok(Code::Stopped)
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), ToolError> {
-    atomic::write(path, bytes).map_err(cannot_write(path))
 }
 
 /// The sheets: the parts' markers first, then the bench's.

@@ -5,6 +5,7 @@ mod bench;
 mod live;
 mod number;
 mod sources;
+mod unseen;
 
 pub use sources::SourceError;
 
@@ -59,8 +60,13 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     // In the order of their names, whichever way they were given, so that the same recordings teach the same job.
     let mut runs = read_runs(&recordings, &config, &options.method, &|| ())?;
     runs.sort_by(|one, other| (&one.name, &one.sha256).cmp(&(&other.name, &other.sha256)));
-    let (job, report) = teach(&runs, &options)?;
+    let unseen = unseen::parts(&runs);
+    let (job, report) =
+        teach(&runs, &options).map_err(|nothing| unseen::explain(&unseen, &recordings, nothing))?;
     println!("{report}");
+    if !unseen.is_empty() {
+        eprintln!("note: the job was learned without all parts: {}", unseen::words(&unseen, &recordings));
+    }
     write(arguments, &config, &job, &report)
 }
 

@@ -60,6 +60,16 @@ fn a_marker_that_is_too_small_is_told_with_the_size_that_is_enough() {
 fn a_marker_that_is_large_enough_needs_nothing() {
     let large = glance(Some(([300.0, 200.0], 31.0)));
     assert_eq!(about(&[large], "brick"), (true, "its marker is 31 px wide; 30 are needed (seen)".to_owned()));
+    // The brick of the shipped clips.
+    let enough = glance(Some(([300.0, 200.0], 28.0)));
+    assert_eq!(
+        about(&[enough], "brick"),
+        (
+            true,
+            "its marker is 28 px wide; enough, with little reserve for noise and dim light: 30 are better (seen)".to_owned()
+        )
+    );
+    assert!(!about(&[glance(Some(([300.0, 200.0], 26.0)))], "brick").0);
 }
 
 #[test]
