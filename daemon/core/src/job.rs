@@ -103,6 +103,13 @@ pub struct NominalIu<'a> {
     pub measures: MeasureBounds,
 }
 
+impl NominalIu<'_> {
+    /// In how few frames it may be done, by somebody who is twice as quick as was shown; 0 for what comes about without a hand.
+    pub(crate) fn quickest(&self) -> u32 {
+        if self.context.is_touch() { self.frames.min.max(self.reference.len() as u32 / 2) } else { 0 }
+    }
+}
+
 /// A nominal activity: the sequence of IUs that it consists of.
 #[derive(Clone, Copy, Debug)]
 pub struct NominalActivity<'a> {

@@ -118,16 +118,16 @@ impl Rates {
         )
     }
 
-    /// The least duration of an IU at another part, in frames, from that of its demonstrations; `None` for other IUs: somebody may be quick
-    /// on the way. Only what is too short is asked for, so the whole rate is on that side.
-    pub(super) fn min_frames(&self, context: Context, frames: &[u32], rate_hz: f32) -> Option<u32> {
+    /// The least duration of an IU at another part, in frames, from that of its demonstrations; 0 for other IUs: somebody may be quick on the
+    /// way. Only what is too short is asked for, so the whole rate is on that side.
+    pub(super) fn min_frames(&self, context: Context, frames: &[u32], rate_hz: f32) -> u32 {
         if !context.is_touch() || !is_at_another(context) || self.duration <= 0.0 {
-            return None;
+            return 0;
         }
         let stray = STRAY_S * f64::from(rate_hz);
         let durations: Vec<f64> = frames.iter().map(|frames| (f64::from(*frames) + stray).ln()).collect();
         let (centre, apart) = self.interval(&durations, PRIOR_DURATION, 2.0 * self.duration);
-        Some(((centre - apart).exp() - stray).max(0.0) as u32)
+        ((centre - apart).exp() - stray).max(0.0) as u32
     }
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {

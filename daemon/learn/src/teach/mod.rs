@@ -342,9 +342,10 @@ impl Teacher<'_> {
     /// The bounds of duration, from that of the demonstrations, in frames.
     fn frames(&self, context: Context, frames: &[u32]) -> Bounds {
         let TeachOptions { bounds, method, .. } = self.options;
-        let wide = bounds.frames(context, method.rate_hz, frames, self.people.variety);
-        let min = self.rates.min_frames(context, frames, method.rate_hz);
-        Bounds { min: min.unwrap_or(wide.min), ..wide }
+        Bounds {
+            min: self.rates.min_frames(context, frames, method.rate_hz),
+            max: bounds.max_frames(context, method.rate_hz, frames, self.people.variety),
+        }
     }
 
     fn never_seen(&self, sequence: &Sequence, index: usize) -> TeachError {
