@@ -103,6 +103,17 @@ pub struct NominalIu<'a> {
     pub measures: MeasureBounds,
 }
 
+/// The share of the time that was shown in which a person in a hurry does the same.
+const QUICKEST: f32 = 0.6;
+
+impl NominalIu<'_> {
+    /// In how few frames it may have been done where nobody saw it; 0 for what comes about without a hand.
+    pub(crate) fn quickest(&self) -> u32 {
+        let least = (QUICKEST * self.reference.len() as f32) as u32;
+        if self.context.is_touch() { self.frames.min.max(least) } else { 0 }
+    }
+}
+
 /// A nominal activity: the sequence of IUs that it consists of.
 #[derive(Clone, Copy, Debug)]
 pub struct NominalActivity<'a> {

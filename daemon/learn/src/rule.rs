@@ -44,11 +44,8 @@ impl Default for ThresholdRule {
 }
 
 /// How the bounds of duration and of the other measures are derived from the demonstrations of an IU.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundsRule {
-    /// Minimum duration of an IU at no other part, as a share of the shortest demonstration.
-    pub min_duration: f64,
     /// Maximum duration, as a multiple of the longest demonstration; `pause_s` is added to it.
     pub max_duration: f64,
     /// Length in seconds of a pause that is no anomaly.
@@ -60,15 +57,12 @@ pub struct BoundsRule {
 
 impl BoundsRule {
     /// No bounds, as in the paper.
-    pub const NONE: Self =
-        Self { min_duration: 0.0, max_duration: f64::MAX, pause_s: 0.0, false_alarms: 0.0 };
+    pub const NONE: Self = Self { max_duration: f64::MAX, pause_s: 0.0, false_alarms: 0.0 };
 }
 
 impl Default for BoundsRule {
     fn default() -> Self {
         Self {
-            // Half of a step is missing at 0.5; a person in a hurry needs 0.7 of the usual time.
-            min_duration: 0.55,
             // Half speed takes twice the time.
             max_duration: 2.5,
             pause_s: 3.0,

@@ -85,6 +85,19 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
     assert!(matches!(refused(invalid.to_toml().as_bytes()), JobFault::Invalid { .. }));
 }
 
+/// A job that was taught when a short time at no other part was wrong is read as one that was taught without that rule.
+#[test]
+fn a_job_file_with_a_minimum_of_the_duration_is_still_read() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+    let new = std::fs::read_to_string(path).unwrap();
+    let changed = new.replacen("bounds = { max", "bounds = { min_duration = 0.55, max", 1);
+    let old = match JobFile::parse("old.toml", changed.as_bytes()).unwrap_err().fault {
+        JobFault::Checksum { stated, computed } => changed.replacen(&stated, &computed, 1),
+        fault => panic!("{fault}"),
+    };
+    assert_eq!(JobFile::parse("old.toml", old.as_bytes()).unwrap().to_toml(), new);
+}
+
 /// A PLC selects a job by its hash, which covers the comments as well.
 #[test]
 fn the_shipped_job_is_written_as_it_was_read() {

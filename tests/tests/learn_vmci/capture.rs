@@ -153,6 +153,11 @@ impl Capture {
         Self { instants, ..self }
     }
 
+    /// Has every second frame, each at half its time.
+    pub(crate) fn twice_the_speed(self) -> Self {
+        Self { instants: self.instants.into_iter().step_by(2).collect(), ..self }
+    }
+
     /// Stops for so many seconds where the box has come to the table.
     pub(crate) fn held_at_the_table(self, seconds: f32) -> Self {
         let arrival = self.label("move_obj_table").1 - HOLD_BEFORE_FRAMES;

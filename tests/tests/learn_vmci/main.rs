@@ -8,7 +8,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
 use andon_core::input::{Side, Space};
 use andon_core::object::Meeting;
-use andon_core::verdict::{Level, Outcome};
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use andon_learn::experiment::{Ladder, Split, Variation, experiment_2};
 use andon_learn::folder::Labelled;
 use andon_learn::job_file::JobFile;
@@ -174,6 +174,17 @@ fn a_bench_that_is_turned_is_no_anomaly() {
 #[test]
 fn half_the_speed_is_no_anomaly() {
     assert_eq!(judged_ok(Capture::half_speed), all());
+}
+
+#[test]
+fn nobody_is_too_quick_on_the_way() {
+    for (number, job) in TAUGHT_BY_OTHERS.iter() {
+        let verdicts = run(&Capture::read(*number).twice_the_speed()).judge(job).unwrap();
+        let is_on_the_way = |verdict: &&Verdict| verdict.level == Level::Iu && !verdict.context.is_pair();
+        for verdict in verdicts.iter().filter(is_on_the_way) {
+            assert_ne!(verdict.reason, Reason::TooShort, "run {number}: {verdict:?}");
+        }
+    }
 }
 
 #[test]

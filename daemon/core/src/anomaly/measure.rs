@@ -25,7 +25,7 @@ impl Extent {
         let hidden_reversals =
             if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
-        let speed = path_m.max.min(f32::MAX) / iu.frames.min.max(1) as f32;
+        let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
         let Measures { reversals, path_m: walked_m, detour_m, .. } = self.measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last.

@@ -77,8 +77,9 @@ impl Places {
         let mut frames: Option<u32> = None;
         for (index, iu) in nominal.iter().enumerate().filter(|_| hidden > 0) {
             let before = if self.contains(index) { Some(0) } else { frames };
-            let min = if iu.context.is_touch() { iu.frames.min } else { 0 };
-            frames = before.map(|before| before.saturating_add(min)).filter(|frames| frames / 2 <= hidden);
+            frames = before
+                .map(|before| before.saturating_add(iu.quickest()))
+                .filter(|frames| frames / 2 <= hidden);
             places.0 |= u64::from(frames.is_some()) << (index + 1);
         }
         places

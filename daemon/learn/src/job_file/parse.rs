@@ -61,11 +61,23 @@ struct ProvenanceText {
     program: String,
     date: String,
     rule: ThresholdRule,
-    bounds: BoundsRule,
+    bounds: BoundsRuleText,
     strictness: Option<Strictness>,
     order: Option<bool>,
     #[serde(default)]
     source: Vec<SourceText>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoundsRuleText {
+    /// A file with this key was taught when an IU at no other part had a minimum duration, which accused the quick and found nothing. It is
+    /// not used any more.
+    #[serde(rename = "min_duration")]
+    _min_duration: Option<f64>,
+    max_duration: f64,
+    pause_s: f64,
+    false_alarms: f64,
 }
 
 #[derive(Deserialize)]
@@ -297,11 +309,16 @@ fn provenance_of(text: ProvenanceText) -> Provenance {
         program: text.program,
         date: text.date,
         rule: text.rule,
-        bounds: text.bounds,
+        bounds: bounds_rule_of(text.bounds),
         strictness: text.strictness,
         order: text.order,
         sources: text.source.into_iter().map(source).collect(),
     }
+}
+
+fn bounds_rule_of(text: BoundsRuleText) -> BoundsRule {
+    let BoundsRuleText { _min_duration, max_duration, pause_s, false_alarms } = text;
+    BoundsRule { max_duration, pause_s, false_alarms }
 }
 
 fn method_of(text: MethodText) -> Method {

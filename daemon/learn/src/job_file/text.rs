@@ -242,11 +242,8 @@ fn rule_text(rule: ThresholdRule) -> String {
 }
 
 fn bounds_rule_text(rule: BoundsRule) -> String {
-    let BoundsRule { min_duration, max_duration, pause_s, false_alarms } = rule;
-    format!(
-        "min_duration = {min_duration:?}, max_duration = {max_duration:?}, pause_s = {pause_s:?}, \
-         false_alarms = {false_alarms:?}"
-    )
+    let BoundsRule { max_duration, pause_s, false_alarms } = rule;
+    format!("max_duration = {max_duration:?}, pause_s = {pause_s:?}, false_alarms = {false_alarms:?}")
 }
 
 /// What is right whatever it measures is left out.

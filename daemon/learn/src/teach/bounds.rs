@@ -1,4 +1,4 @@
-//! Bounds of duration. DTW stretches time, so by distance alone it forgives a motion that was cut short or never ends.
+//! The maximum of the duration. DTW stretches time, so by distance alone it forgives a motion that never ends.
 
 use crate::rule::BoundsRule;
 use andon_core::bounds::Bounds;
@@ -9,26 +9,22 @@ use andon_core::couple::Context;
 pub(super) const UNBOUNDED: Bounds = Bounds { min: 0, max: u32::MAX };
 
 impl BoundsRule {
-    /// Bounds of duration in frames of the grid, from the durations in frames of the demonstrations. Who differs `variety` times as much from
-    /// others as people in general does so in the logarithm of the duration.
-    pub(super) fn frames(
+    /// The maximum duration of an IU in frames of the grid, from the durations in frames of the demonstrations. Who differs `variety` times as
+    /// much from others as people in general does so in the logarithm of the duration.
+    pub(super) fn max_frames(
         &self,
         context: Context,
         rate_hz: f32,
         demonstrations: &[u32],
         variety: f64,
-    ) -> Bounds {
+    ) -> u32 {
         if !context.is_touch() {
-            return UNBOUNDED;
+            return UNBOUNDED.max;
         }
-        let shortest = demonstrations.iter().copied().min().unwrap_or_default();
         let longest = demonstrations.iter().copied().max().unwrap_or_default();
         let pause = self.pause_s * f64::from(rate_hz);
         let max = (self.max_duration.powf(variety) * f64::from(longest) + pause).ceil() as u32;
-        Bounds {
-            min: (self.min_duration.powf(variety) * f64::from(shortest)).floor() as u32,
-            max: max.min(IU_FRAMES as u32),
-        }
+        max.min(IU_FRAMES as u32)
     }
 }
 
@@ -37,10 +33,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn people_who_differ_more_may_be_quicker_and_slower() {
-        let rule = BoundsRule { min_duration: 0.5, max_duration: 2.0, pause_s: 1.0, ..BoundsRule::NONE };
-        let frames = |variety| rule.frames(Context([1, 5, 0, 0]), 30.0, &[40, 48], variety);
-        assert_eq!(frames(1.0), Bounds { min: 20, max: 126 });
-        assert_eq!(frames(2.0), Bounds { min: 10, max: 222 });
+    fn people_who_differ_more_may_be_slower() {
+        let rule = BoundsRule { max_duration: 2.0, pause_s: 1.0, ..BoundsRule::NONE };
+        let frames = |variety| rule.max_frames(Context([1, 5, 0, 0]), 30.0, &[40, 48], variety);
+        assert_eq!([frames(1.0), frames(2.0)], [126, 222]);
     }
 }

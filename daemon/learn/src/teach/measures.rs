@@ -15,20 +15,21 @@ use andon_core::segment::Measures;
 /// As many runs as the spread of people in general counts for.
 const PRIOR_FREEDOM: f64 = 6.0;
 
-/// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals, in the
-/// axis and in the place in metres.
+/// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals beside
+/// those at the border, in the axis and in the place in metres.
 const PRIOR_STROKE: f64 = 0.12;
 const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
 const PRIOR_DURATION: f64 = 0.2;
-const PRIOR_REVERSALS: f64 = 0.3;
+const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
 
 /// A motion with fewer reversals than this is not a repeated one.
 const MIN_REPEATED_REVERSALS: u32 = 3;
 
-/// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less.
+/// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less: the way out of the contact is
+/// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
 /// Somebody who corrects the place of a part goes back and forth once more.
@@ -48,9 +49,9 @@ const MIN_DIRECTED_M: f32 = 0.1;
 
 /// The shares of the job's rate of false alarms that the measures have by which people differ so much that what is wrong is found only near
 /// the limit: half of a stroke, no pause at a part, one stroke less. The three other measures share the rest.
-const STROKE_SHARE: f64 = 0.42;
-const DURATION_SHARE: f64 = 0.36;
-const REVERSALS_SHARE: f64 = 0.13;
+const STROKE_SHARE: f64 = 0.33;
+const DURATION_SHARE: f64 = 0.24;
+const REVERSALS_SHARE: f64 = 0.34;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
 /// that have it share that equally.
@@ -84,7 +85,7 @@ impl Rates {
             path: rate(other, &|_, _| true),
             axis: rate(other, &|context, shown| is_directed(context, shown)),
             place: rate(other, &|context, _| is_at_another(context)),
-            duration: rate(DURATION_SHARE, &|context, _| is_at_another(context)),
+            duration: rate(DURATION_SHARE, &is_timed),
             people,
         }
     }
@@ -118,31 +119,37 @@ impl Rates {
         )
     }
 
-    /// The least duration of an IU at another part, in frames, from that of its demonstrations; `None` for other IUs: somebody may be quick
-    /// on the way. Only what is too short is asked for, so the whole rate is on that side.
-    pub(super) fn min_frames(&self, context: Context, frames: &[u32], rate_hz: f32) -> Option<u32> {
-        if !context.is_touch() || !is_at_another(context) || self.duration <= 0.0 {
-            return None;
+    /// The least duration of an IU at another part, in frames, from its demonstrations and their durations; 0 for other IUs: somebody may be
+    /// quick on the way. Only what is too short is asked for, so the whole rate is on that side.
+    pub(super) fn min_frames(
+        &self,
+        context: Context,
+        shown: &[Measures],
+        frames: &[u32],
+        rate_hz: f32,
+    ) -> u32 {
+        if !context.is_touch() || !is_timed(context, shown) || self.duration <= 0.0 {
+            return 0;
         }
         let stray = STRAY_S * f64::from(rate_hz);
         let durations: Vec<f64> = frames.iter().map(|frames| (f64::from(*frames) + stray).ln()).collect();
         let (centre, apart) = self.interval(&durations, PRIOR_DURATION, 2.0 * self.duration);
-        Some(((centre - apart).exp() - stray).max(0.0) as u32)
+        ((centre - apart).exp() - stray).max(0.0) as u32
     }
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {
-        let likely: Vec<f64> = likely_reversals(shown).map(f64::from).collect();
-        // How many strokes are right is the same for people who are slow or quick, or make long ones.
-        let people = People { variety: 1.0, ..self.people };
-        let (centre, apart) = interval(&likely, PRIOR_REVERSALS, self.reversals, people);
-        let [min, max] = [(centre - apart).ceil().max(0.0) as u32, (centre + apart).floor() as u32];
-        let most = counts(likely_reversals(shown)).max;
+        let likely: Vec<u32> = likely_reversals(shown).collect();
+        let usual = usual_reversals(&likely);
+        let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
+        // How many strokes are right is the same for people who are slow or quick, or make long ones, and for one of them.
+        let (centre, apart) = interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
+        let [less, more] = [(apart - centre).max(0.0) as u32, (apart + centre).max(0.0) as u32];
+        let most = counts(likely.iter().copied()).max;
+        let max = most.max(usual.max + more);
         if is_repeated(shown) {
-            let usual = median(&likely) as u32;
-            Bounds {
-                min: min.min(usual - BORDER_REVERSALS),
-                max: max.max(most).max(usual + BORDER_REVERSALS),
-            }
+            // Where the runs show no reversal more or less at the border, others may.
+            let border = if usual.min == usual.max { BORDER_REVERSALS } else { 0 };
+            Bounds { min: usual.min - less.max(border).min(usual.min), max: max.max(usual.max + border) }
         } else {
             Bounds { min: 0, max: max.max(most + STRAY_REVERSALS) }
         }
@@ -227,6 +234,19 @@ fn likely_reversals(shown: &[Measures]) -> impl Iterator<Item = u32> + Clone {
     shown.iter().map(move |of| usual.clamp(of.reversals, of.reversals.saturating_add(of.hidden_reversals)))
 }
 
+/// The number of reversals of most demonstrations, and the one beside it that others have if there are such: these make as many strokes, and only
+/// where the hand comes from or goes to makes one reversal more.
+fn usual_reversals(likely: &[u32]) -> Bounds {
+    let of = |min: u32| likely.iter().filter(move |count| (min..=min + BORDER_REVERSALS).contains(*count));
+    let least = likely.iter().copied().max_by_key(|min| (of(*min).count(), u32::MAX - min));
+    counts(of(least.unwrap_or_default()).copied())
+}
+
+/// By how many reversals a count is above these bounds, negative if it is below.
+fn beyond(usual: Bounds, count: u32) -> f64 {
+    f64::from(count.saturating_sub(usual.max)) - f64::from(usual.min.saturating_sub(count))
+}
+
 fn counts(values: impl Iterator<Item = u32> + Clone) -> Bounds {
     Bounds { min: values.clone().min().unwrap_or_default(), max: values.max().unwrap_or_default() }
 }
@@ -243,6 +263,11 @@ fn is_repeated(shown: &[Measures]) -> bool {
 /// The directions of the bench are those of the parts on it only where one part moves along another.
 fn is_directed(context: Context, shown: &[Measures]) -> bool {
     is_at_another(context) && shown.iter().all(|measures| measures.path_m >= MIN_DIRECTED_M)
+}
+
+/// Whether the time at another part shows that what is done there was done. Strokes are counted instead: who makes them quickly is right.
+fn is_timed(context: Context, shown: &[Measures]) -> bool {
+    is_at_another(context) && !is_repeated(shown)
 }
 
 fn is_at_another(context: Context) -> bool {
@@ -287,6 +312,25 @@ mod tests {
         assert_eq!(likely(&[shown(13, 0), shown(9, 5), shown(13, 1), shown(12, 0)]), [13, 12, 13, 12]);
         assert_eq!(likely(&[shown(13, 0), shown(9, 1), shown(13, 1)]), [13, 10, 13]);
         assert_eq!(likely(&[shown(13, 0), shown(7, 0)]), [13, 7]);
+    }
+
+    #[test]
+    fn a_reversal_more_at_the_border_is_as_many_strokes_and_a_stroke_less_is_not() {
+        let bounds = |reversals: &[u32]| {
+            let shown: Vec<Measures> =
+                reversals.iter().map(|count| Measures { reversals: *count, ..Measures::default() }).collect();
+            let polishing = Context([1, 5, 5, 6]);
+            let ius = [(polishing, shown.as_slice())];
+            let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown);
+            (min, max)
+        };
+        // Six strokes; five have 10 or 11 reversals, seven 14 or 15.
+        assert_eq!(bounds(&[13, 13, 13, 13, 13]), (12, 14));
+        assert_eq!(bounds(&[13, 12, 13, 12, 13, 13, 13]), (12, 13));
+        // Somebody made one stroke more, or half a stroke less.
+        assert_eq!(bounds(&[13, 15, 13, 12, 13, 13, 13]), (11, 15));
+        // Two runs may show the border, too.
+        assert_eq!(bounds(&[12, 13]), (12, 13));
     }
 
     #[test]

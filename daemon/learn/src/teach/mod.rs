@@ -309,16 +309,13 @@ impl Teacher<'_> {
             .slowed(*max_slowdown, leave_out);
         let context = sequence.contexts[index];
         let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
-        let (reversals, measures) = self.rates.bounds(
-            context,
-            &measures_of(self.runs, sequence, index),
-            &frames,
-            self.met_within_m(context),
-        );
+        let measured = measures_of(self.runs, sequence, index);
+        let (reversals, measures) =
+            self.rates.bounds(context, &measured, &frames, self.met_within_m(context));
         let taught = TaughtIu {
             context,
             threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people) as f32,
-            frames: self.frames(context, &frames),
+            frames: self.frames(context, &measured, &frames),
             reversals,
             measures,
             reference: learned.reference.clone(),
@@ -340,11 +337,12 @@ impl Teacher<'_> {
     }
 
     /// The bounds of duration, from that of the demonstrations, in frames.
-    fn frames(&self, context: Context, frames: &[u32]) -> Bounds {
+    fn frames(&self, context: Context, measured: &[Measures], frames: &[u32]) -> Bounds {
         let TeachOptions { bounds, method, .. } = self.options;
-        let wide = bounds.frames(context, method.rate_hz, frames, self.people.variety);
-        let min = self.rates.min_frames(context, frames, method.rate_hz);
-        Bounds { min: min.unwrap_or(wide.min), ..wide }
+        Bounds {
+            min: self.rates.min_frames(context, measured, frames, method.rate_hz),
+            max: bounds.max_frames(context, method.rate_hz, frames, self.people.variety),
+        }
     }
 
     fn never_seen(&self, sequence: &Sequence, index: usize) -> TeachError {

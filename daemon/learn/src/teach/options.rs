@@ -113,9 +113,7 @@ impl TeachOptions {
         }
         at_least(1.0, "max_slowdown", f64::from(self.max_slowdown))?;
         let bounds = self.bounds;
-        for (name, share) in [("min_duration", bounds.min_duration), ("false_alarms", bounds.false_alarms)] {
-            option((0.0..=1.0).contains(&share), name, share, "0 to 1")?;
-        }
+        option((0.0..=1.0).contains(&bounds.false_alarms), "false_alarms", bounds.false_alarms, "0 to 1")?;
         at_least(1.0, "max_duration", bounds.max_duration)?;
         at_least(0.0, "pause_s", bounds.pause_s)
     }

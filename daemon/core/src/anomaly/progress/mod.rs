@@ -354,10 +354,7 @@ impl<'a> Progress<'a> {
 
     /// Whether this activity may have happened without being seen.
     fn may_be_unseen(&self, activity: usize) -> bool {
-        let frames = |ius: &[NominalIu<'_>]| -> u32 {
-            let touches = ius.iter().filter(|iu| iu.context.is_touch());
-            touches.map(|iu| iu.frames.min).fold(0, u32::saturating_add)
-        };
+        let frames = |ius: &[NominalIu<'_>]| ius.iter().map(NominalIu::quickest).fold(0, u32::saturating_add);
         // What shows less than half of itself may have been taken for another activity.
         let mut variants =
             self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
