@@ -269,8 +269,14 @@ mod tests {
     }
 
     #[test]
-    fn what_was_never_there_is_not_missed() {
-        assert_eq!(visibility().changes(&frame(99 * S, false, false), &touch(S)), []);
+    fn a_marker_that_was_never_seen_is_reported_once() {
+        let mut visibility = visibility();
+        assert_eq!(visibility.changes(&frame(0, false, false), &touch(0)), []);
+        assert_eq!(visibility.changes(&frame(9 * S, false, false), &[]), [], "it may still be brought");
+        let never = Change::MarkerNeverSeen { object: 5 };
+        assert_eq!(visibility.changes(&frame(11 * S, false, false), &[]), [never]);
+        assert_eq!(visibility.changes(&frame(22 * S, false, false), &[]), []);
+        assert_eq!(visibility.changes(&frame(23 * S, true, false), &[]), [Change::MarkerBack { object: 5 }]);
     }
 
     /// The left hand touches this object; 0 is none.
