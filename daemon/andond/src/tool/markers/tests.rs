@@ -9,7 +9,7 @@ const SCALE: f64 = 8.0;
 
 fn arguments(paper: Paper) -> Markers {
     let config = ConfigArgs::default();
-    Markers { config, out: ".".into(), paper, copies: 1, spare: 2, bench: "0.5x0.3".into() }
+    Markers { config, out: ".".into(), paper, copies: 1, spare: 2, bench: "0.5x0.3".into(), force: false }
 }
 
 fn config(parts: &[(u16, &str, f32)]) -> Config {
