@@ -111,6 +111,7 @@ fn the_log_says_why_ready_has_dropped() {
     assert!(!dropped.iter().any(|line| line.contains("error 0")), "{dropped:?}");
     let named = ["encode gives no sign of life", "judge runs and gets nothing, or too late"];
     assert!(named.iter().any(|named| dropped[1].contains(named)), "{dropped:?}");
+    assert!(!dropped[1].contains("gone"), "{dropped:?}");
 }
 
 #[test]

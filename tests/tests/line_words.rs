@@ -3,8 +3,10 @@
 
 use andon_tests::line::{Line, Settings, andond};
 use andon_tests::simulator::Flaw;
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Command, Output, Stdio};
+use std::sync::mpsc::{TryRecvError, channel};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 fn text(output: &Output) -> String {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -101,4 +103,85 @@ fn a_pipe_gets_no_colours_and_a_reader_that_has_seen_enough_ends_a_command_witho
     let listed =
         Command::new("sh").args(["-c", "\"$0\" explain | head -n 1"]).arg(andond()).output().unwrap();
     assert_eq!((text(&listed).as_str(), listed.stderr.len()), ("Camera\n", 0));
+}
+
+/// What a command shows on a terminal.
+fn on_a_terminal(line: &Line, command: &str, no_color: bool) -> String {
+    let command = format!("{} {command} --config {}", andond().display(), line.config().display());
+    let mut terminal = Command::new("script");
+    terminal.args(["-qec", &command, "/dev/null"]).env("TERM", "xterm-256color").env_remove("NO_COLOR");
+    terminal.env_remove("CI").env_remove("CLICOLOR").env_remove("CLICOLOR_FORCE").stdin(Stdio::null());
+    if no_color {
+        terminal.env("NO_COLOR", "1");
+    }
+    text(&terminal.output().expect("script is part of bsdutils, which every Debian has"))
+}
+
+#[test]
+fn a_terminal_gets_colours_and_none_where_no_color_is_set() {
+    let line = line_with_a_fault();
+    const RED: &str = "\u{1b}[31m";
+    let coloured = on_a_terminal(&line, "history", false);
+    assert!(
+        coloured.lines().any(|row| row.contains(RED) && row.contains("3 strokes, shown 6")),
+        "{coloured}"
+    );
+    let plain = on_a_terminal(&line, "history", true);
+    assert!(plain.contains("3 strokes, shown 6") && !plain.contains("\u{1b}["), "{plain}");
+}
+
+#[test]
+fn a_live_line_is_told_in_the_time_of_the_place() {
+    let mut line = Line::new(Settings::live());
+    let _watcher = line.up();
+    let seconds = || SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs();
+    let before = seconds();
+    let mut tail = Command::new(andond());
+    // Five and a half hours before UTC, wherever this machine stands.
+    tail.args(["tail", "--config"]).arg(line.config()).env("TZ", "IST-5:30").stdout(Stdio::piped());
+    let mut tail = tail.spawn().unwrap();
+    let mut told = BufReader::new(tail.stdout.take().unwrap()).lines();
+    let row = told.find_map(|row| row.ok().filter(|row| row.contains("  right  "))).unwrap();
+    tail.kill().unwrap();
+    tail.wait().unwrap();
+    let (day, hours_minutes) = (24 * 3600, &row[..8]);
+    let parts: Vec<u64> = hours_minutes.split(':').map(|part| part.parse().unwrap()).collect();
+    let [hours, minutes, seconds_of_minute] = parts[..] else { unreachable!("{row}") };
+    let shown = hours * 3600 + minutes * 60 + seconds_of_minute;
+    let there = |utc: u64| (utc + 19_800) % day;
+    let since_before = (shown + day - there(before - 60)) % day;
+    assert!(since_before <= seconds() - before + 120, "{row}");
+}
+
+/// The recording comes slowly, as from a long film, until the command has said how far it is.
+#[test]
+fn off_a_terminal_a_command_says_now_and_then_how_far_it_is() {
+    let line = Line::new(Settings::default());
+    let recording = std::fs::read_to_string(line.tracks()).unwrap();
+    let slow = line.path("slow.tracks.jsonl");
+    assert!(Command::new("mkfifo").arg(&slow).status().unwrap().success());
+    let mut command = Command::new(andond());
+    command.args(["segment", "--config"]).arg(line.config()).arg(&slow);
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let errors = BufReader::new(child.stderr.take().unwrap());
+    let (told, hears) = channel();
+    let teller = std::thread::spawn(move || {
+        errors.lines().map_while(Result::ok).for_each(|row| told.send(row).unwrap_or_default());
+    });
+    let mut pipe = std::fs::File::options().write(true).open(&slow).unwrap();
+    let mut heard = Err(TryRecvError::Empty);
+    for frame in recording.lines() {
+        if pipe.write_all(format!("{frame}\n").as_bytes()).is_err() {
+            break;
+        }
+        if heard == Err(TryRecvError::Empty) {
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            heard = hears.try_recv();
+        }
+    }
+    drop(pipe);
+    assert!(child.wait().unwrap().success());
+    teller.join().unwrap();
+    let row = heard.unwrap();
+    assert!(row.starts_with("slow.tracks.jsonl: ") && row.ends_with(" frames"), "{row}");
 }

@@ -182,6 +182,26 @@ fn a_new_station_is_written_once_and_has_no_fault() {
 }
 
 #[test]
+fn printed_markers_are_replaced_only_by_force_and_all_or_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let (station, out) = (path("bench1.toml"), folder.path().to_str().unwrap());
+    let station = station.to_str().unwrap();
+    ends(&["new", "bench1", "--part", "brick", "--out", station], 0, "");
+    std::fs::write(path("bench1-markers-1.svg"), "mine").unwrap();
+    let markers = ["markers", "-c", station, "--out", out];
+    ends(
+        &markers,
+        64,
+        "bench1-markers-1.svg: it exists already; name another file, or replace it with --force",
+    );
+    assert!(!path("bench1-markers.pdf").exists());
+    ends(&[&markers[..], &["--force"]].concat(), 0, "");
+    assert!(path("bench1-markers.pdf").exists());
+    assert!(std::fs::read_to_string(path("bench1-markers-1.svg")).unwrap().contains("<svg"));
+}
+
+#[test]
 fn what_is_seen_is_said_and_saved_for_the_calibration() {
     let folder = tempfile::tempdir().unwrap();
     let [plain, annotated] =

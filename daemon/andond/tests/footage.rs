@@ -268,6 +268,47 @@ fn a_film_that_is_cut_short_is_not_judged_as_a_shorter_job() {
     assert!(!String::from_utf8_lossy(&output.stdout).contains("job"), "no verdict on the job");
 }
 
+/// Two of the recordings were looked at before, and the others are films; the station says nothing of where parts are touched.
+#[test]
+fn films_and_track_files_teach_one_job_and_are_compared_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let station = path("own.toml");
+    let part = |id, name, side| format!("[[objects]]\nid = {id}\nname = {name:?}\nmarker_side_m = {side}\n");
+    let parts = [part(5, "polisher", 0.036), part(6, "brick", 0.03312), part(3, "meter", 0.036)];
+    std::fs::write(&station, parts.concat()).unwrap();
+    let config = ["-c", "config/stations/demo.toml", "-c", &station];
+    let runs = ["p1_none_r1", "p1_none_r2", "p2_none_r1"];
+    for (number, name) in runs.iter().enumerate() {
+        let tracks = path(&format!("{name}.tracks.jsonl"));
+        if number == 2 {
+            std::fs::copy(root().join(clip(name)), path(&format!("{name}.mp4"))).unwrap();
+            continue;
+        }
+        let output = andond(&[&["tracks", &clip(name), "--out", &tracks], &config[..]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let [one, two, three] =
+        [path("p1_none_r1.tracks.jsonl"), path("p1_none_r2.tracks.jsonl"), path("p2_none_r1.mp4")];
+    let job = path("job.toml");
+    let output = andond(&[&["teach", &one, &three, &two, "--out", &job], &config[..]].concat());
+    let report = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{report}{}", String::from_utf8_lossy(&output.stderr));
+    assert!(report.starts_with("usable, because the 3 runs agree in all their steps"), "{report}");
+    let beside = "brick comes to rest 16 cm from meter in every run, at the same place: two objects count as touching if their markers are \
+                  within 15 cm";
+    assert!(report.contains(beside), "{report}");
+
+    let compared = path("report");
+    let output =
+        andond(&[&["analyze", folder.path().to_str().unwrap(), "--out", &compared], &config[..]].concat());
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = std::fs::read_dir(&compared).unwrap().map(|file| file.unwrap().path());
+    let page = page.filter(|file| file.extension().is_some_and(|ending| ending == "html")).next().unwrap();
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains("polisher at brick"), "{page}");
+}
+
 /// A station of one's own with other ids, and films of other parts.
 #[test]
 fn parts_that_no_film_shows_are_named_with_their_markers_before_nothing_is_learned() {

@@ -166,15 +166,13 @@ impl Annotator {
     }
 
     fn draw_assumed(&mut self, seen: &Detections) -> opencv::Result<()> {
-        for (index, (id, corners)) in self.last_seen.objects(seen).into_iter().enumerate() {
+        for (id, corners) in self.last_seen.objects(seen) {
             for (from, to) in corners.iter().zip(corners.iter().cycle().skip(1)) {
                 self.canvas.dashes(*from, *to, AMBER)?;
             }
-            // Parts that lie at each other would have their words at the same place.
-            let [x, y] = if index % 2 == 0 { corners[0] } else { corners[3] };
-            let below = if index % 2 == 0 { -6.0 } else { 16.0 };
+            let [x, y] = corners[0];
             let words = format!("{} assumed", self.names.object(id));
-            self.canvas.name([x, y + below], &words, AMBER)?;
+            self.canvas.name([x, y - 6.0], &words, AMBER)?;
         }
         for landmarks_px in self.last_seen.hands(seen) {
             for (from, to) in BONES {

@@ -29,7 +29,12 @@ pub(super) struct Canvas {
     source: [i32; 2],
     /// How many pixels here are one of the film.
     scale: f32,
+    /// The first letters of the names on the newest picture, and how wide each name is.
+    names: Vec<([f32; 2], f32)>,
 }
+
+/// The size of the letters of a name: their scale, and in pixels their width and the distance of two lines.
+const NAME: (f64, f32, f32) = (0.7, 12.0, 26.0);
 
 impl Canvas {
     /// A canvas for pictures of this size, with a panel of this width and a strip of this height.
@@ -49,7 +54,7 @@ impl Canvas {
 
     fn with([width, height]: [usize; 2], picture: [u32; 2], scale: f32) -> Self {
         let source = picture.map(|length| length as i32);
-        Self { pixels: DARK.repeat(width * height), width, height, source, scale }
+        Self { pixels: DARK.repeat(width * height), width, height, source, scale, names: Vec::new() }
     }
 
     pub(super) fn pixels(&self) -> &[u8] {
@@ -67,6 +72,7 @@ impl Canvas {
 
     /// Shows the film's picture, and clears the rest.
     pub(super) fn show(&mut self, picture: &[u8]) -> opencv::Result<()> {
+        self.names.clear();
         let [columns, rows] = self.source;
         let small = Mat::new_rows_cols_with_bytes::<Vec3b>(rows, columns, picture)?;
         let [right, bottom] = self.picture_end().map(|length| length as i32);
@@ -121,10 +127,18 @@ impl Canvas {
         Ok(())
     }
 
-    /// A name at a point of the film's picture.
+    /// A name at a point of the film's picture, or above the names that are there already: those of parts that lie at each other.
     pub(super) fn name(&mut self, at: [f32; 2], text: &str, colour: Colour) -> opencv::Result<()> {
-        let at = self.placed(at);
-        self.text(at, text, 0.7, colour)
+        let (scale, letter, row) = NAME;
+        let ([x, mut y], width) = (self.placed(at), letter * text.chars().count() as f32);
+        let is_taken = |y: f32, ([left, other], long): &([f32; 2], f32)| {
+            (y - other).abs() < row && x < left + long + letter && *left < x + width + letter
+        };
+        while y > row && self.names.iter().any(|name| is_taken(y, name)) {
+            y -= row;
+        }
+        self.names.push(([x, y], width));
+        self.text([x, y], text, scale, colour)
     }
 
     /// Text on the canvas, with a dark edge, so that it can be read on any background. OpenCV's letters are ASCII.

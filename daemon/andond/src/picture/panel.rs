@@ -157,6 +157,8 @@ fn unseen_words(acting: &[&Couple], lost: &[String], names: &Names) -> String {
         }
         is_unmeasured |= couple.motion.is_none();
     }
+    // The method still assumes for a while what is not drawn any more.
+    assumed.retain(|part| !unseen.contains(part));
     let mut sentences = Vec::new();
     if !assumed.is_empty() {
         sentences.push(format!("hidden, and assumed to be where it is drawn: {}", assumed.join(", ")));
@@ -230,6 +232,10 @@ mod tests {
         assert_eq!(
             unseen_words(&[&couple], &["left hand".to_owned()], &names()),
             "hidden, and assumed to be where it is drawn: polisher; not seen: left hand, brick; the motion is not measured"
+        );
+        assert_eq!(
+            unseen_words(&[&couple], &["polisher".to_owned()], &names()),
+            "not seen: polisher, brick; the motion is not measured"
         );
         let seen = Couple { sight: [Sight::Seen; 3], motion: Some(Default::default()), ..couple };
         assert_eq!(unseen_words(&[&seen], &[], &names()), "");

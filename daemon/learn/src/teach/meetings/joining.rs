@@ -11,7 +11,10 @@ use std::collections::BTreeSet;
 const PLACES_M: f32 = 0.03;
 
 /// The positions of two objects that touch are no farther apart, in metres: parts of a bench are no larger.
-const TOUCH_M: f32 = 0.15;
+pub(super) const TOUCH_M: f32 = 0.15;
+
+/// Farther than this from each other nobody takes two objects for such that touch, in metres.
+const BESIDE_M: f32 = 0.25;
 
 /// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
 const WIDE_M: f32 = 0.1;
@@ -44,6 +47,18 @@ pub(super) fn of(
 /// Whether a run shows one of the two to dwell at the other so near that they may touch.
 pub(super) fn is_shown([one, other]: [usize; 2], shown: &Trajectories) -> bool {
     shown.dwells(one, other).iter().any(|dwell| place_of(dwell).coords.norm() < TOUCH_M)
+}
+
+/// Where a run shows the first of the two to dwell beside the other, a little too far away for two that touch.
+pub(super) fn beside([one, other]: [usize; 2], shown: &Trajectories) -> Option<Point3<f32>> {
+    let is_beside = |place: &Point3<f32>| (TOUCH_M..BESIDE_M).contains(&place.coords.norm());
+    shown.dwells(one, other).iter().map(place_of).find(is_beside)
+}
+
+/// Whether places in several runs are one.
+pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
+    let middle = median(places.iter().copied());
+    places.iter().all(|place| nalgebra::distance(place, &middle) < PLACES_M)
 }
 
 fn place_of(dwell: &Dwell) -> Point3<f32> {
