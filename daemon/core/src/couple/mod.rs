@@ -167,7 +167,7 @@ pub struct Couples {
     pub is_captured: bool,
     /// An object lies elsewhere than before, and no hand was seen at it: a hand was overlooked, or somebody rearranged the bench.
     pub has_moved_unseen: bool,
-    /// An object moves that a hand was at when it was last seen: that hand carries it, unseen.
+    /// An object moves at which no hand is seen: one carries it, unseen.
     pub is_carried_unseen: bool,
     /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since: what becomes of it is not known.
     pub is_bench_hidden: bool,

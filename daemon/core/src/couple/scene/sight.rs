@@ -61,13 +61,13 @@ impl Scene {
         self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
     }
 
-    /// Finds out whether a hand that is not seen carries an object that it was at when it was last seen. What is exchanged between two frames, as
+    /// Finds out whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
     /// a part that is put in place while the camera is covered, does not move before and after that.
     pub(super) fn push_carried_unseen(&mut self) {
         let persist = usize::from(self.method.persist_frames);
-        let is_at_unseen = |object: usize| {
+        let is_seen_at = |object: usize| {
             let mut hands = self.hands.iter().zip(&self.touches);
-            hands.any(|(hand, touches)| hand.ago(0).source != Source::Seen && touches[object].is_near())
+            hands.any(|(hand, touches)| hand.ago(0).source == Source::Seen && touches[object].is_near())
         };
         let moves = |node: &Node| {
             let [now, before, first] = [0, persist, 2 * persist].map(|age| node.poses.ago(age));
@@ -77,7 +77,7 @@ impl Scene {
                     .all(|[to, from]| norm(subtract(to.position, from.position)) > self.rest_m())
         };
         let mut objects = self.objects.iter().enumerate();
-        let is_carried = objects.any(|(object, node)| is_at_unseen(object) && moves(node));
+        let is_carried = objects.any(|(object, node)| !is_seen_at(object) && moves(node));
         self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried);
     }
 
