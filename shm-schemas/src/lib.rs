@@ -73,7 +73,7 @@ pub mod flag {
     pub const CAPTURED: u32 = 1 << 2;
     /// An object lies elsewhere than before, and no hand was seen at it.
     pub const MOVED_UNSEEN: u32 = 1 << 3;
-    /// An object moves that a hand was at when it was last seen.
+    /// An object moves at which no hand is seen.
     pub const CARRIED_UNSEEN: u32 = 1 << 4;
     /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since.
     pub const BENCH_HIDDEN: u32 = 1 << 5;

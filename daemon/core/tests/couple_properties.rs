@@ -16,8 +16,9 @@ const TOOL: u16 = 5;
 const BOX: u16 = 7;
 
 /// A hand that takes a tool to several positions, some of them at the box, and may let go of it in between.
+/// Legs of a hand that is no faster than people are.
 fn worker() -> impl Strategy<Value = Vec<Frame>> {
-    let leg = (-30..30i16, -30..30i16, 5..40usize, any::<bool>(), any::<bool>());
+    let leg = (-30..30i16, -30..30i16, 15..40usize, any::<bool>(), any::<bool>());
     prop::collection::vec(leg, 1..5).prop_map(|legs| {
         let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.2, 0.1])]);
         bench.hand(Side::Right, [0.0, -0.2]).rest(8).go([0.0, 0.0], 12).rest(8).hold(Side::Right, TOOL);
