@@ -15,8 +15,7 @@ use proptest::prelude::*;
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
 
-/// A hand that takes a tool to several positions, some of them at the box, and may let go of it in between.
-/// Legs of a hand that is no faster than people are.
+/// A hand that takes a tool to several positions, some of them at the box, and may let go of it in between. It is no faster than people are.
 fn worker() -> impl Strategy<Value = Vec<Frame>> {
     let leg = (-30..30i16, -30..30i16, 15..40usize, any::<bool>(), any::<bool>());
     prop::collection::vec(leg, 1..5).prop_map(|legs| {

@@ -75,6 +75,8 @@ pub(super) struct OpenActivity {
     newest: (Context, Junction),
     /// What was not seen since the newest IU began.
     junction: Junction,
+    /// A hand that is idle for no longer than this may not have let go.
+    min_idle_frames: u32,
     /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
     may_have_ended: bool,
     /// It has its verdict.
@@ -90,6 +92,7 @@ impl OpenActivity {
         context: Context,
         began_ns: u64,
         (hidden, was_idle): (u32, bool),
+        min_idle_frames: u32,
         job: &Job<'_>,
     ) -> Self {
         let places_in = |nominal: &NominalActivity<'_>| {
@@ -119,6 +122,7 @@ impl OpenActivity {
             places_before: places,
             newest: (context, Junction::default()),
             junction: Junction::default(),
+            min_idle_frames,
             may_have_ended: false,
             is_concluded: false,
         }
@@ -135,7 +139,7 @@ impl OpenActivity {
     ) -> u16 {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        if has_been_idle || self.junction.hidden > 0 {
+        if has_been_idle || self.junction.hidden > self.min_idle_frames {
             self.note_possible_end(job);
         }
         self.places_before = self.places;
@@ -196,7 +200,7 @@ impl OpenActivity {
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
             // The hand may have let go meanwhile and begun again with the same object.
-            if context != Context::IDLE {
+            if context != Context::IDLE && self.junction.hidden > self.min_idle_frames {
                 self.note_possible_end(job);
             }
             let hidden = core::mem::take(&mut self.junction.hidden);

@@ -24,7 +24,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
-        let activity = OpenActivity::new(number, step, context, began_ns, before, progress.job);
+        let min_idle_frames = self.watch.min_idle_frames();
+        let activity =
+            OpenActivity::new(number, step, context, began_ns, before, min_idle_frames, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }

@@ -167,8 +167,13 @@ impl Watch {
         self.has_been_idle
     }
 
+    /// It takes less to see that a hand holds something.
+    pub(super) fn min_idle_frames(&self) -> u32 {
+        IDLE_CHANGES * self.persist_frames
+    }
+
     fn is_idle_for_long(&self) -> bool {
-        self.idle_frames > IDLE_CHANGES * self.persist_frames
+        self.idle_frames > self.min_idle_frames()
     }
 
     /// The hand may have acted on what it acts on before that was first seen.
@@ -198,7 +203,7 @@ impl Watch {
         let is_rest = is_same && self.is_doubtful() || self.is_object_new || self.unjudged == context.0[1];
         let hidden = if self.may_be_rest || is_rest {
             u32::MAX
-        } else if self.since_doubt <= IDLE_CHANGES * self.persist_frames {
+        } else if self.since_doubt <= self.min_idle_frames() {
             self.lately_hidden
         } else {
             self.hidden_before()
