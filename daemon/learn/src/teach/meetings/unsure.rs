@@ -1,7 +1,7 @@
 //! What the runs do not show for sure of where hands and objects meet.
 
 use super::trajectory::Trajectories;
-use super::{is_given, joining};
+use super::{in_order, is_given, joining};
 use crate::recording::NamedObject;
 use crate::run::Run;
 use std::fmt;
@@ -72,10 +72,9 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
         }
         let is_learnt = |object: usize| !is_given(&objects[object].shape);
         for other in (0..index).filter(|other| is_learnt(index) && is_learnt(*other)) {
-            let pair = [index, other];
-            let count = shown.iter().filter(|shown| joining::is_shown(pair, shown)).count();
+            let count = joining::shown_by(in_order([other, index], shown), shown);
             if (1..shown.len()).contains(&count) {
-                let names = pair.map(|object| objects[object].name.clone());
+                let names = [index, other].map(|object| objects[object].name.clone());
                 unsure.push(Unsure::SeldomMet { objects: names, runs: count, of: shown.len() });
             }
         }
