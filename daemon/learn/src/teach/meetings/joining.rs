@@ -10,11 +10,17 @@ use std::collections::BTreeSet;
 /// Two places where an object dwells at another are one if they are no farther apart, in metres.
 const PLACES_M: f32 = 0.03;
 
-/// The positions of two objects that touch are no farther apart, in metres: parts of a bench are no larger.
-pub(super) const TOUCH_M: f32 = 0.15;
+/// The positions of two objects that come near each other so may touch, in metres: most parts of a bench are no larger.
+const TOUCH_M: f32 = 0.15;
 
-/// Farther than this from each other nobody takes two objects for such that touch, in metres.
-const BESIDE_M: f32 = 0.25;
+/// No part of a bench is larger, in metres. Markers lie at the far ends of two long parts that touch.
+const FAR_M: f32 = 0.25;
+
+/// What is put down beside a part is not at the same place in all runs, in metres.
+const SAME_M: f32 = 0.02;
+
+/// In fewer runs than this, two parts come to the same place beside each other by chance.
+const SAME_RUNS: usize = 3;
 
 /// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
 const WIDE_M: f32 = 0.1;
@@ -39,26 +45,43 @@ pub(super) fn of(
         let contact = at_given_points([with, at], shapes, shown, &dwells, default);
         return meeting(id, &[], contact, default);
     }
-    let places: Vec<(usize, Point3<f32>)> =
-        dwells.iter().map(|(run, dwell)| (*run, place_of(dwell))).collect();
+    let places: Vec<Place> = dwells.iter().map(|(run, dwell)| (*run, place_of(dwell))).collect();
     at_learnt_places(id, &places, shown.len(), default)
 }
 
-/// Whether a run shows one of the two to dwell at the other so near that they may touch.
-pub(super) fn is_shown([one, other]: [usize; 2], shown: &Trajectories) -> bool {
-    shown.dwells(one, other).iter().any(|dwell| place_of(dwell).coords.norm() < TOUCH_M)
+/// How many runs show the first one to dwell at the second so that they may touch.
+pub(super) fn shown_by([with, at]: [usize; 2], shown: &[Trajectories]) -> usize {
+    let dwells = |(run, shown): (usize, &Trajectories)| -> Vec<Place> {
+        shown.dwells(with, at).iter().map(|dwell| (run, place_of(dwell))).collect()
+    };
+    let places: Vec<Place> = shown.iter().enumerate().flat_map(dwells).collect();
+    runs_of(&touching(&places, shown.len()).0)
 }
 
-/// Where a run shows the first of the two to dwell beside the other, a little too far away for two that touch.
-pub(super) fn beside([one, other]: [usize; 2], shown: &Trajectories) -> Option<Point3<f32>> {
-    let is_beside = |place: &Point3<f32>| (TOUCH_M..BESIDE_M).contains(&place.coords.norm());
-    shown.dwells(one, other).iter().map(place_of).find(is_beside)
+/// The number of a run, and where one object dwells at another in it.
+type Place = (usize, Point3<f32>);
+
+fn runs_of(places: &[Place]) -> usize {
+    places.iter().map(|(run, _)| *run).collect::<BTreeSet<usize>>().len()
 }
 
-/// Whether places in several runs are one.
-pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
-    let middle = median(places.iter().copied());
-    places.iter().all(|place| nalgebra::distance(place, &middle) < PLACES_M)
+/// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. Where fewer than
+/// half of the runs have such a place, those farther away count where they are the same in all runs that have one.
+fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
+    let is_near = |place: &Point3<f32>| place.coords.norm() < TOUCH_M;
+    let near: Vec<Point3<f32>> =
+        places.iter().map(|(_, place)| *place).filter(|place| is_near(place)).collect();
+    let split: (Vec<Place>, Vec<Place>) =
+        places.iter().partition(|(_, place)| is_near(place) || apart_m(&[*place], &near) < SAME_M);
+    if 2 * runs_of(&split.0) >= runs {
+        return split;
+    }
+    let is_far = |place: &Point3<f32>| place.coords.norm() < FAR_M;
+    let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(|(_, place)| is_far(place));
+    let usual = median(far.iter().map(|(_, place)| *place));
+    let is_same = far.iter().all(|(_, place)| (place - usual).norm() < SAME_M);
+    let is_shown = runs_of(&far) >= SAME_RUNS && 2 * runs_of(&far) >= runs;
+    if is_same && is_shown { (far, others) } else { split }
 }
 
 fn place_of(dwell: &Dwell) -> Point3<f32> {
@@ -100,23 +123,41 @@ fn at_given_points(
 }
 
 /// Where and how near an object comes if nobody says where the two are touched. A place shown by fewer than half of the runs does not count.
-fn at_learnt_places(
-    id: u16,
-    places: &[(usize, Point3<f32>)],
-    runs: usize,
-    default: Contact,
-) -> Option<Meeting> {
-    let (near, others): (Vec<_>, Vec<_>) =
-        places.iter().partition(|(_, place)| place.coords.norm() < TOUCH_M);
-    let shown_by: BTreeSet<usize> = near.iter().map(|(run, _)| *run).collect();
-    if near.is_empty() || 2 * shown_by.len() < runs {
+fn at_learnt_places(id: u16, places: &[Place], runs: usize, default: Contact) -> Option<Meeting> {
+    let (near, others) = touching(places, runs);
+    if near.is_empty() || 2 * runs_of(&near) < runs {
         return None;
     }
     let points = centres(&near.iter().map(|(_, place)| *place).collect::<Vec<_>>(), PLACES_M);
-    let apart = |(_, place): &(usize, Point3<f32>)| apart_m(&[*place], &points);
+    let apart = |(_, place): &Place| apart_m(&[*place], &points);
     let distances: Vec<f64> = near.iter().map(|place| f64::from(apart(place))).collect();
     let next_m = others.iter().map(apart).fold(f32::INFINITY, f32::min);
     let contact = contact_of(&distances, default);
     let wide = widened(default, contact.on_m.max(WIDE_M.min(next_m / 2.0)));
     meeting(id, &points, wide, default)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// How many places count as those of a contact, of these distances in metres in one run each.
+    fn touching_of(distances_m: &[f32]) -> usize {
+        let places: Vec<Place> = distances_m.iter().map(|x| Point3::new(*x, 0.0, 0.0)).enumerate().collect();
+        touching(&places, distances_m.len()).0.len()
+    }
+
+    #[test]
+    fn two_long_parts_touch_where_they_are_equally_far_apart_in_all_runs() {
+        assert_eq!(touching_of(&[0.158, 0.158, 0.159, 0.157]), 4);
+        assert_eq!(
+            touching_of(&[0.251, 0.268, 0.288, 0.225]),
+            0,
+            "it was put down somewhere beside the other"
+        );
+        assert_eq!(touching_of(&[0.158, 0.158]), 0, "that may be chance");
+        assert_eq!(touching_of(&[0.401, 0.402, 0.401, 0.402]), 0, "no part is as large");
+        assert_eq!(touching_of(&[0.08, 0.08, 0.2, 0.08]), 3, "one run shows no contact");
+        assert_eq!(touching_of(&[0.149, 0.151, 0.152, 0.148]), 4, "they are near within the noise");
+    }
 }

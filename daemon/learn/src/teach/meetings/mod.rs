@@ -50,9 +50,7 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Uns
     for at in 0..shapes.len() {
         found.extend(hold::of(at, &shapes[at], &shown, method.hand_contact).map(|met| (at, met)));
         for with in 0..at {
-            let carried = |object: usize| shown.iter().map(|run| run.carried(object).len()).sum::<usize>();
-            // The place is in the frame of the one that lies more.
-            let [with, at] = if carried(with) >= carried(at) { [with, at] } else { [at, with] };
+            let [with, at] = in_order([with, at], &shown);
             let met = joining::of([with, at], &shapes, &shown, method.object_contact);
             found.extend(met.map(|met| (at, met)));
         }
@@ -62,6 +60,12 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Uns
         let _ = objects[at].shape.meetings.push(met);
     }
     (objects, unsure)
+}
+
+/// Two objects, the one that is carried more before the other one: the place is in the frame of reference of that which lies more.
+fn in_order([with, at]: [usize; 2], shown: &[Trajectories]) -> [usize; 2] {
+    let carried = |object: usize| shown.iter().map(|run| run.carried(object).len()).sum::<usize>();
+    if carried(with) >= carried(at) { [with, at] } else { [at, with] }
 }
 
 /// Whether the station says where the object is touched.
