@@ -28,7 +28,7 @@ pub enum Unsure {
         /// Of how many.
         of: usize,
     },
-    /// An object is brought to the same place beside another one in every run, too far away for two that touch.
+    /// Most runs show an object to be brought to the same place beside another one, too far away for two that touch.
     Beside {
         /// The name of what is brought.
         object: String,
@@ -36,6 +36,10 @@ pub enum Unsure {
         other: String,
         /// The distance of their markers, in centimetres.
         apart_cm: u32,
+        /// How many runs show it.
+        runs: usize,
+        /// Of how many.
+        of: usize,
     },
     /// The orientation of an object is not used.
     PositionOnly {
@@ -57,9 +61,9 @@ impl fmt::Display for Unsure {
                 "{one} and {other} are seen to meet in {runs} of {of} runs, so where they do is not sure: show more runs in which they \
                  meet, or give them interaction_points"
             ),
-            Self::Beside { object, other, apart_cm } => write!(
+            Self::Beside { object, other, apart_cm, runs, of } => write!(
                 f,
-                "{object} comes to rest {apart_cm} cm from {other} in every run, at the same place: two objects count as touching if their \
+                "{object} comes to rest {apart_cm} cm from {other} in {runs} of {of} runs, at the same place: two objects count as touching if their \
                  markers are within {:.0} cm, so that it is not noticed if {object} does not come there; if they touch, give both interaction_points, or move the \
                  markers nearer to where they do",
                 100.0 * joining::TOUCH_M
@@ -100,7 +104,7 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
     unsure
 }
 
-/// The objects that this one is brought to in every run, and does not touch as far as markers show.
+/// The objects that this one is brought to in most runs, and does not touch as far as markers show.
 fn brought_beside(index: usize, objects: &[NamedObject], shown: &[Trajectories]) -> Vec<Unsure> {
     let others = (0..objects.len()).filter(|other| *other != index);
     let learnt =
@@ -112,12 +116,16 @@ fn brought_beside(index: usize, objects: &[NamedObject], shown: &[Trajectories])
         let runs = shown.iter().filter(is_brought);
         let places: Vec<_> = runs.filter_map(|shown| joining::beside([index, other], shown)).collect();
         let is_shown = shown.iter().any(|shown| joining::is_shown([index, other], shown));
-        (places.len() == shown.len() && !is_shown && joining::are_one_place(&places)).then(|| {
-            Unsure::Beside {
-                object: objects[index].name.clone(),
-                other: objects[other].name.clone(),
-                apart_cm: (100.0 * places[0].coords.norm()).round() as u32,
-            }
+        (2 * places.len() >= shown.len()
+            && !places.is_empty()
+            && !is_shown
+            && joining::are_one_place(&places))
+        .then(|| Unsure::Beside {
+            object: objects[index].name.clone(),
+            other: objects[other].name.clone(),
+            apart_cm: (100.0 * places[0].coords.norm()).round() as u32,
+            runs: places.len(),
+            of: shown.len(),
         })
     });
     beside.collect()
