@@ -308,8 +308,8 @@ fn films_and_track_files_teach_one_job_and_are_compared_together() {
     assert!(andond(&[&["tracks", &clip(runs[0]), "--out", &tracks], &demo[..]].concat()).status.success());
     let output = andond(&[&["analyze", &folder, "--out", &compared], &demo[..]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let page = std::fs::read_dir(&compared).unwrap().map(|file| file.unwrap().path());
-    let page = page.filter(|file| file.extension().is_some_and(|ending| ending == "html")).next().unwrap();
+    let mut files = std::fs::read_dir(&compared).unwrap().map(|file| file.unwrap().path());
+    let page = files.find(|file| file.extension().is_some_and(|ending| ending == "html")).unwrap();
     let page = std::fs::read_to_string(page).unwrap();
     assert!(page.contains("polisher at brick"), "{page}");
 }
