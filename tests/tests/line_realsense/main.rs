@@ -79,6 +79,14 @@ fn a_recording_in_a_loop_goes_on_in_time() {
 }
 
 #[test]
+fn a_camera_that_no_station_runs_is_opened_to_look_through_it() {
+    let bag = RUBBING.only_bag();
+    let text = MetricLine::new(&bag, None).looks();
+    assert!(text.starts_with("the camera of line: 640 x 480 pixels"), "{text}");
+    assert!(text.contains("brick       its marker is "), "{text}");
+}
+
+#[test]
 fn in_metric_mode_a_job_is_taught_from_one_recording_and_three_strokes_of_six_are_found_in_another() {
     let whole = POLISHING.only_bag();
     let mut teacher = MetricLine::new(&whole, None);

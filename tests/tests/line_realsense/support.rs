@@ -267,6 +267,13 @@ impl MetricLine {
         recorder.wait().unwrap().success()
     }
 
+    /// What `andond look` says of its camera.
+    pub(crate) fn looks(&self) -> String {
+        let output = self.line.command("look", &["--seconds", "1"]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
     /// Teaches a job from a track file.
     pub(crate) fn teach(&self, tracks: &Path) -> PathBuf {
         let job = self.line.path("job.toml");

@@ -134,8 +134,9 @@ impl Canvas {
         let is_taken = |y: f32, ([left, other], long): &([f32; 2], f32)| {
             (y - other).abs() < row && x < left + long + letter && *left < x + width + letter
         };
-        while y > row && self.names.iter().any(|name| is_taken(y, name)) {
-            y -= row;
+        while y > row {
+            let Some(([_, other], _)) = self.names.iter().find(|name| is_taken(y, name)) else { break };
+            y = other - row;
         }
         self.names.push(([x, y], width));
         self.text([x, y], text, scale, colour)

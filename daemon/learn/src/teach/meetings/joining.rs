@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 const PLACES_M: f32 = 0.03;
 
 /// The positions of two objects that come near each other so may touch, in metres: most parts of a bench are no larger.
-const TOUCH_M: f32 = 0.15;
+pub(super) const TOUCH_M: f32 = 0.15;
 
 /// No part of a bench is larger, in metres. Markers lie at the far ends of two long parts that touch.
 const FAR_M: f32 = 0.25;
@@ -82,6 +82,18 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let is_same = far.iter().all(|(_, place)| (place - usual).norm() < SAME_M);
     let is_shown = runs_of(&far) >= SAME_RUNS && 2 * runs_of(&far) >= runs;
     if is_same && is_shown { (far, others) } else { split }
+}
+
+/// Where a run shows the first of the two to dwell beside the other, farther away than two that come near each other so may touch.
+pub(super) fn beside([one, other]: [usize; 2], shown: &Trajectories) -> Option<Point3<f32>> {
+    let is_beside = |place: &Point3<f32>| (TOUCH_M..FAR_M).contains(&place.coords.norm());
+    shown.dwells(one, other).iter().map(place_of).find(is_beside)
+}
+
+/// Whether places in several runs are one.
+pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
+    let middle = median(places.iter().copied());
+    places.iter().all(|place| nalgebra::distance(place, &middle) < PLACES_M)
 }
 
 fn place_of(dwell: &Dwell) -> Point3<f32> {

@@ -28,6 +28,19 @@ pub enum Unsure {
         /// Of how many.
         of: usize,
     },
+    /// Most runs show an object to be brought to the same place beside another one, too far away for two that touch.
+    Beside {
+        /// The name of what is brought.
+        object: String,
+        /// The name of the other one.
+        other: String,
+        /// The distance of their markers, in centimetres.
+        apart_cm: u32,
+        /// How many runs show it.
+        runs: usize,
+        /// Of how many.
+        of: usize,
+    },
     /// The orientation of an object is not used.
     PositionOnly {
         /// The name of the object.
@@ -47,6 +60,13 @@ impl fmt::Display for Unsure {
                 f,
                 "{one} and {other} are seen to meet in {runs} of {of} runs, so where they do is not sure: show more runs in which they \
                  meet, or give them interaction_points"
+            ),
+            Self::Beside { object, other, apart_cm, runs, of } => write!(
+                f,
+                "{object} comes to rest {apart_cm} cm from {other} in {runs} of {of} runs, at the same place: two objects count as touching if their \
+                 markers are within {:.0} cm, farther apart only if at least three runs show it, so that it is not noticed if {object} does not come there; if they touch, show it once more, give both interaction_points, or move the \
+                 markers nearer to where they do",
+                100.0 * joining::TOUCH_M
             ),
             Self::PositionOnly { object } => write!(
                 f,
@@ -70,6 +90,7 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
         if object.shape.is_position_only {
             unsure.push(Unsure::PositionOnly { object: object.name.clone() });
         }
+        unsure.extend(brought_beside(index, objects, shown));
         let is_learnt = |object: usize| !is_given(&objects[object].shape);
         for other in (0..index).filter(|other| is_learnt(index) && is_learnt(*other)) {
             let count = joining::shown_by(in_order([other, index], shown), shown);
@@ -80,4 +101,31 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
         }
     }
     unsure
+}
+
+/// The objects that this one is brought to in most runs, and does not touch as far as markers show.
+fn brought_beside(index: usize, objects: &[NamedObject], shown: &[Trajectories]) -> Vec<Unsure> {
+    let others = (0..objects.len()).filter(|other| *other != index);
+    let learnt =
+        others.filter(|other| [index, *other].iter().all(|object| !is_given(&objects[*object].shape)));
+    let beside = learnt.filter_map(|other| {
+        // What lies there anyway was not brought.
+        let is_brought =
+            |shown: &&Trajectories| !shown.carried(index).is_empty() && shown.carried(other).is_empty();
+        let runs = shown.iter().filter(is_brought);
+        let places: Vec<_> = runs.filter_map(|shown| joining::beside([index, other], shown)).collect();
+        let is_shown = joining::shown_by(in_order([other, index], shown), shown) > 0;
+        (2 * places.len() >= shown.len()
+            && !places.is_empty()
+            && !is_shown
+            && joining::are_one_place(&places))
+        .then(|| Unsure::Beside {
+            object: objects[index].name.clone(),
+            other: objects[other].name.clone(),
+            apart_cm: (100.0 * places[0].coords.norm()).round() as u32,
+            runs: places.len(),
+            of: shown.len(),
+        })
+    });
+    beside.collect()
 }
