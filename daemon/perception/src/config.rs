@@ -13,13 +13,35 @@ pub struct PerceptionConfig {
     pub hands: HandsConfig,
     /// How objects are found.
     pub markers: MarkersConfig,
+    /// Who looks.
+    pub threads: ThreadsConfig,
 }
 
-/// The two sizes of a model.
+/// The threads that look at a picture side by side.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ThreadsConfig {
+    /// Number of threads; with one, everything is done by the caller.
+    pub count: usize,
+    /// The numbers of the cores that they keep to; any core where there are none.
+    pub cores: Vec<usize>,
+    /// Nice value: -20 is served first and 19 last. Below 0 the system must allow it.
+    pub nice: i32,
+}
+
+impl Default for ThreadsConfig {
+    fn default() -> Self {
+        // Markers beside a hand, or one hand beside another: a third thread would have nothing to do.
+        Self { count: 2, cores: Vec::new(), nice: 0 }
+    }
+}
+
+/// The sizes of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ModelSize {
     /// The larger and more accurate one.
     Full,
+    /// The larger one of landmarks, computed with bytes where that loses nothing. Palms have only the larger one.
+    Quantised,
     /// The smaller and faster one.
     Lite,
 }
@@ -48,7 +70,7 @@ impl Default for HandsConfig {
         Self {
             sides: vec![Side::Right],
             palm_model: ModelSize::Full,
-            landmark_model: ModelSize::Full,
+            landmark_model: ModelSize::Quantised,
             min_palm_score: 0.5,
             min_hand_score: 0.5,
             // A second hand is found within a third of a second at 30 fps, for a tenth of the cost.

@@ -76,6 +76,14 @@ pub enum PerceptionError {
         /// What is allowed.
         range: &'static str,
     },
+    /// The system refuses the threads, their cores or their priority.
+    #[error("the threads that look at the pictures cannot {what}: {reason}; change the section [perception]")]
+    Threads {
+        /// What was asked for.
+        what: &'static str,
+        /// The system's reason.
+        reason: String,
+    },
     /// The sizes of a picture contradict one another.
     #[error(
         "a picture of {width} x {height} {format:?} with {stride} bytes per row and {bytes} bytes in all cannot be read"

@@ -29,6 +29,7 @@ mod picture;
 mod pixel_format;
 mod points;
 pub mod sight;
+mod workers;
 
 pub use config::PerceptionConfig;
 pub use detections::Detections;
