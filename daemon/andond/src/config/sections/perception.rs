@@ -43,7 +43,7 @@ impl Default for Perception {
     fn default() -> Self {
         Self {
             models: "/usr/lib/andon/models".into(),
-            hand_model: HandModel::Quantised,
+            hand_model: HandModel::Full,
             hands: vec![Side::Right, Side::Left],
             dictionary: Dictionary::default(),
         }
