@@ -334,6 +334,32 @@ fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
 }
 
+/// A part is brought from a place to another one and left there.
+fn bring(from: u16, to: u16, direction: i8) -> [Part; 5] {
+    [
+        part([1, 5, 5, from], 20, Still),
+        part([1, 5, 0, 0], 30, Toward(direction)),
+        part([1, 5, 5, to], 20, Still),
+        part([0, 0, 5, to], 20, Still),
+        idle(5),
+    ]
+}
+
+#[test]
+fn after_the_second_half_of_an_activity_its_first_half_begins_another_one() {
+    let (to_table, back) = (bring(3, 2, 1), bring(2, 3, 5));
+    let whole = [to_table, back].concat();
+    let job = teach(&[&whole]);
+    let jobs_of = |parts: &[Part]| -> Vec<String> {
+        let mut verdicts = judged_cold(&job, parts, |_| ActivitySet::EMPTY);
+        verdicts.retain(|verdict| !verdict.starts_with('r'));
+        verdicts
+    };
+    // The first half may have come before what was seen, but nothing excuses that the second one does not come after it.
+    assert_eq!(jobs_of(&[back, to_table].concat()), ["NotJudged Blind", "JobAnomaly NotCompleted"]);
+    assert_eq!(jobs_of(&[&back, &whole[..]].concat()), ["NotJudged Blind", "JobOk"]);
+}
+
 /// The verdicts of a judge that sees the tool first in the hand, at a part that the job does not bring it to.
 fn elsewhere_at_first(is_object_new: bool) -> Vec<String> {
     let mut couples = stream(&[idle(30), part([1, 5, 5, 3], 10, Still), idle(20)], &[]);

@@ -11,6 +11,15 @@ pub(crate) const RATE_HZ: f32 = 60.0;
 /// Number of markers, in the order of the columns: hand top, right, left, thumb, index, middle, box back, left.
 const MARKERS: usize = 8;
 
+/// How many of them are those of the hand, which come first.
+const HAND_MARKERS: usize = 6;
+
+/// Half a second.
+const BRIDGE_FRAMES: usize = RATE_HZ as usize / 2;
+
+/// So many frames before the label says that the box has come, it is in the hand and at the table.
+const HOLD_BEFORE_FRAMES: i64 = 3;
+
 /// Id of the box, which is moved from the shelf to the table and back.
 pub(crate) const BOX: u16 = 1;
 /// Id of the table.
@@ -89,6 +98,42 @@ impl Capture {
         second
     }
 
+    /// The same, as a person can do it: the hand goes from where one half ends to where the other one begins within half a second, and takes the
+    /// box from where it has put it.
+    pub(crate) fn halves_swapped_without_a_jump(self) -> Self {
+        let middle = self.label("move_to_rest_right").1;
+        let (approach, carry) = (self.label("approach_forward"), self.label("move_obj_table"));
+        let mut second = self.clone().keep(|number| number > middle);
+        let mut first = self.keep(|number| number <= middle);
+        let left = first_seen(second.instants.iter().rev());
+        let found = first_seen(first.instants.iter());
+        let [at, from] = [left, found].map(|markers| mean(&markers[HAND_MARKERS..]).unwrap());
+        let shift = [0, 1, 2].map(|axis| at[axis] - from[axis]);
+        let share = |number: i64, (from, to): (i64, i64)| {
+            eased(((number - from) as f32 / (to - from).max(1) as f32).clamp(0.0, 1.0))
+        };
+        for Instant { number, markers } in &mut first.instants {
+            let of_box = 1.0 - share(*number, carry);
+            let of_hand = of_box.min(share(*number, (approach.0, carry.0)));
+            for (marker, point) in markers.iter_mut().enumerate() {
+                let share = if marker < HAND_MARKERS { of_hand } else { of_box };
+                *point = point.map(|point| [0, 1, 2].map(|axis| point[axis] + share * shift[axis]));
+            }
+        }
+        let found = first_seen(first.instants.iter());
+        let between = (1..BRIDGE_FRAMES).map(|frame| Instant {
+            number: middle,
+            markers: std::array::from_fn(|marker| {
+                let share = eased(frame as f32 / BRIDGE_FRAMES as f32);
+                let ends = left[marker].zip(found[marker]);
+                ends.map(|(from, to)| [0, 1, 2].map(|axis| from[axis] + share * (to[axis] - from[axis])))
+            }),
+        });
+        second.instants.extend(between);
+        second.instants.extend(first.instants);
+        second
+    }
+
     /// Ends halfway back to the shelf.
     pub(crate) fn cut_short(self) -> Self {
         let (from, to) = self.label("move_obj_shelf");
@@ -106,6 +151,16 @@ impl Capture {
         let pairs = self.instants.windows(2).flat_map(|pair| [pair[0].clone(), halfway(&pair[0], &pair[1])]);
         let instants = pairs.chain(self.instants.last().cloned()).collect();
         Self { instants, ..self }
+    }
+
+    /// Stops for so many seconds where the box has come to the table.
+    pub(crate) fn held_at_the_table(self, seconds: f32) -> Self {
+        let arrival = self.label("move_obj_table").1 - HOLD_BEFORE_FRAMES;
+        let repeated = |instant: Instant| {
+            let is_held = instant.number == arrival;
+            vec![instant; if is_held { (seconds * RATE_HZ) as usize } else { 1 }]
+        };
+        Self { instants: self.instants.into_iter().flat_map(repeated).collect(), ..self }
     }
 
     /// Has the whole bench turned by 30 degrees about the vertical axis.
@@ -183,6 +238,18 @@ fn object(id: u16, position: Point, yaw: f32) -> Object {
 fn turn([x, y, z]: Point, yaw: f32) -> Point {
     let (sin, cos) = yaw.sin_cos();
     [cos * x - sin * y, sin * x + cos * y, z]
+}
+
+/// Where each marker is seen first.
+fn first_seen<'a>(instants: impl Iterator<Item = &'a Instant>) -> [Option<Point>; MARKERS] {
+    instants.fold([None; MARKERS], |first, instant| {
+        std::array::from_fn(|marker| first[marker].or(instant.markers[marker]))
+    })
+}
+
+/// From 0 to 1 as a hand moves: with the least jerk.
+fn eased(share: f32) -> f32 {
+    share.powi(3) * (10.0 - 15.0 * share + 6.0 * share.powi(2))
 }
 
 /// The mean of the points that were seen; `None` if none was seen.

@@ -220,6 +220,15 @@ impl OpenActivity {
         ended.reduce(|one, other| one && other) == Some(true)
     }
 
+    /// Whether it is certain that all of it has come, as whichever nominal activity it may be: nothing that comes next belongs to it.
+    pub(super) fn has_certainly_ended(&self, job: &Job<'_>) -> bool {
+        let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
+        let ended = all.map(|(places, nominal)| places.is_certainly(nominal.ius.len()));
+        let Junction { hidden, was_doubtful, .. } = self.junction;
+        let is_seen = hidden == 0 && !was_doubtful && !self.may_have_ended;
+        is_seen && ended.reduce(|one, other| one && other) == Some(true)
+    }
+
     /// The contexts with which a nominal activity would go on that it may be.
     pub(super) fn possible_continuations(&self, job: &Job<'_>) -> Vec<Context, ACTIVITIES> {
         let all = self.places.iter().zip(job.activities);

@@ -444,7 +444,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         };
         let job = progress.job;
-        if activity.is_followed_to_its_end(job) {
+        let has_certainly_ended = activity.is_astray() && activity.has_certainly_ended(job);
+        if has_certainly_ended || activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
             let mut continuations = activity.possible_continuations(job);
             // The job has its verdict, so a touch begins another activity, which may be the rest of this one.

@@ -280,7 +280,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Outcome::Ok => {}
             Outcome::Anomaly => progress.set_wrong(nominal, reason, measured, broken),
             Outcome::NotJudged => {
-                self.watch.set_unjudged(activity.context);
+                // Otherwise what comes next with the same object may be the rest of it.
+                if !activity.has_certainly_ended(progress.job) {
+                    self.watch.set_unjudged(activity.context);
+                }
                 progress.set_unjudged(nominal, reason);
             }
         }
