@@ -22,16 +22,12 @@ pub struct PerceptionConfig {
 pub struct ThreadsConfig {
     /// Number of threads; with one, everything is done by the caller.
     pub count: usize,
-    /// The numbers of the cores that they keep to; any core where there are none.
-    pub cores: Vec<usize>,
-    /// Nice value: -20 is served first and 19 last. Below 0 the system must allow it.
-    pub nice: i32,
 }
 
 impl Default for ThreadsConfig {
     fn default() -> Self {
         // Markers beside a hand, or one hand beside another: a third thread would have nothing to do.
-        Self { count: 2, cores: Vec::new(), nice: 0 }
+        Self { count: 2 }
     }
 }
 
@@ -70,7 +66,7 @@ impl Default for HandsConfig {
         Self {
             sides: vec![Side::Right],
             palm_model: ModelSize::Full,
-            landmark_model: ModelSize::Quantised,
+            landmark_model: ModelSize::Full,
             min_palm_score: 0.5,
             min_hand_score: 0.5,
             // A second hand is found within a third of a second at 30 fps, for a tenth of the cost.

@@ -76,11 +76,11 @@ pub enum PerceptionError {
         /// What is allowed.
         range: &'static str,
     },
-    /// The system refuses the threads, their cores or their priority.
-    #[error("the threads that look at the pictures cannot {what}: {reason}; change the section [perception]")]
+    /// The system refuses the threads.
+    #[error(
+        "the threads that look at the pictures cannot be started: {reason}; raise the number of tasks that this process may have"
+    )]
     Threads {
-        /// What was asked for.
-        what: &'static str,
         /// The system's reason.
         reason: String,
     },

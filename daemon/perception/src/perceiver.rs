@@ -13,7 +13,6 @@ use crate::markers::{Marker, Markers};
 use crate::picture::Picture;
 use crate::points::PixelPoint;
 use crate::workers::Workers;
-use rustix::thread::CpuSet;
 use std::path::Path;
 use std::time::Instant;
 
@@ -46,7 +45,7 @@ impl Perceiver {
         check_threads(threads)?;
         Ok(Self {
             markers: Markers::new(markers)?,
-            hands: if hands.sides.is_empty() { None } else { Some(tracker(runtime, hands, threads)?) },
+            hands: if hands.sides.is_empty() { None } else { Some(tracker(runtime, hands)?) },
             workers: Workers::new(threads)?,
             bench: Bench::new(calibration, &markers.objects),
             carried: CarriedObjects::default(),
@@ -105,12 +104,11 @@ impl Perceiver {
 fn tracker(
     runtime: &Path,
     config: &HandsConfig,
-    threads: &ThreadsConfig,
 ) -> Result<Tracker<OnnxPalms, OnnxLandmarks>, PerceptionError> {
     // A second hand that is followed only until it is known whose it is takes its turn with the first one's model.
     let landmarks = config.sides.iter().map(|_| OnnxLandmarks::new(runtime, config.landmark_model));
     let landmarks = landmarks.collect::<Result<_, _>>()?;
-    Ok(Tracker::new(OnnxPalms::new(runtime, config, threads)?, landmarks, config.clone()))
+    Ok(Tracker::new(OnnxPalms::new(runtime, config)?, landmarks, config.clone()))
 }
 
 /// The hands of a picture, in pixels.
@@ -205,12 +203,6 @@ fn check_hands(config: &HandsConfig) -> Result<(), PerceptionError> {
 fn check_threads(config: &ThreadsConfig) -> Result<(), PerceptionError> {
     if !(1..=MAX_THREADS).contains(&config.count) {
         return refused("threads", config.count, "1 to 8");
-    }
-    if let Some(core) = config.cores.iter().find(|core| **core >= CpuSet::MAX_CPU) {
-        return refused("cores", core, "0 to 1023");
-    }
-    if !(-20..=19).contains(&config.nice) {
-        return refused("nice", config.nice, "-20 to 19");
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use super::light::brighten;
 use super::palm::{self, PalmDecoder, Palms};
 use super::region::Region;
 use super::runtime;
-use crate::config::{HandsConfig, ModelSize, ThreadsConfig};
+use crate::config::{HandsConfig, ModelSize};
 use crate::detections::{LANDMARKS, Side};
 use crate::error::{PerceptionError, RuntimeFile};
 use crate::image::ImageView;
@@ -123,11 +123,7 @@ type Outcome = Result<(Palms, u64), PerceptionError>;
 impl OnnxPalms {
     /// # Errors
     /// A file of the runtime folder that is missing, damaged or refused; [`PerceptionError::Threads`].
-    pub(crate) fn new(
-        folder: &Path,
-        config: &HandsConfig,
-        threads: &ThreadsConfig,
-    ) -> Result<Self, PerceptionError> {
+    pub(crate) fn new(folder: &Path, config: &HandsConfig) -> Result<Self, PerceptionError> {
         let file = match config.palm_model {
             ModelSize::Full | ModelSize::Quantised => "palm_detection_full.onnx",
             ModelSize::Lite => "palm_detection_lite.onnx",
@@ -139,7 +135,7 @@ impl OnnxPalms {
             input: vec![0.0; palm::INPUT * palm::INPUT * 3],
             whole: Region::whole(0, 0),
         };
-        let thread = workers::aside(threads)?;
+        let thread = workers::aside()?;
         Ok(Self { search: Some(search), running: None, thread, cropper: Cropper::default() })
     }
 

@@ -16,7 +16,7 @@ pub(crate) struct Arguments {
     #[arg(required = true)]
     clips: Vec<PathBuf>,
     /// The landmark model: full, quantised or lite.
-    #[arg(long, default_value = "quantised", value_parser = model_size)]
+    #[arg(long, default_value = "full", value_parser = model_size)]
     landmarks: ModelSize,
     /// Use the small palm model.
     #[arg(long)]
@@ -93,7 +93,7 @@ fn measure(
     scores: &mut [&mut Score],
 ) -> Result<(), Error> {
     let mut clip = Clip::open(path, &arguments.change())?;
-    let threads = ThreadsConfig { count: arguments.threads, ..ThreadsConfig::default() };
+    let threads = ThreadsConfig { count: arguments.threads };
     let mut perceiver = perceiver(runtime, &clip.truth, arguments.hands(), threads)?;
     scores.iter_mut().for_each(|score| score.previous.clear());
     while let Some(Shown { index, captured_ns, image, truth, .. }) = clip.next()? {

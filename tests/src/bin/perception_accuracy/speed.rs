@@ -1,4 +1,4 @@
-//! Measures how fast frames are looked at: as many as possible, and at the rate of a camera. One line of JSON, for `tests/benches/eyes.py`.
+//! Measures how fast frames are looked at: as many as possible, and at the rate of a camera. One line of JSON.
 
 use crate::errors::Errors;
 use crate::truth::Truth;
@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1)]
     hands: usize,
     /// The landmark model: full, quantised or lite.
-    #[arg(long, default_value = "quantised", value_parser = crate::detected::model_size)]
+    #[arg(long, default_value = "full", value_parser = crate::detected::model_size)]
     landmarks: ModelSize,
     /// Threads that look at a frame side by side.
     #[arg(long, default_value_t = 2)]
@@ -76,7 +76,7 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
     let truth = Truth::beside(&arguments.clip, &crate::clip::Change::default())?;
     let sides = [Side::Right, Side::Left][..arguments.hands.clamp(1, 2)].to_vec();
     let hands = HandsConfig { sides, landmark_model: arguments.landmarks, ..HandsConfig::default() };
-    let threads = ThreadsConfig { count: arguments.threads, ..ThreadsConfig::default() };
+    let threads = ThreadsConfig { count: arguments.threads };
     let mut show = Show {
         pictures: arguments.pictures()?,
         size: [arguments.size[0], arguments.size[1]],
