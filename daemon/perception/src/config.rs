@@ -36,7 +36,7 @@ impl Default for ThreadsConfig {
 pub enum ModelSize {
     /// The larger and more accurate one.
     Full,
-    /// The larger one of landmarks, computed with bytes where that loses nothing. Palms have only the larger one.
+    /// The larger one of landmarks, most of whose convolutions compute with bytes. Palms have only the larger one.
     Quantised,
     /// The smaller and faster one.
     Lite,

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 pub enum HandModel {
     /// The larger ones.
     Full,
-    /// The larger ones; that of landmarks computes with bytes where this loses nothing, which is twice as fast.
+    /// The larger ones; that of landmarks computes most of its convolutions with bytes.
     Quantised,
     /// The smaller ones, which are less exact.
     Lite,
@@ -57,9 +57,8 @@ impl Perception {
             "hand_model",
             &mut self.hand_model,
             (),
-            "The hand models: the larger ones (full), the same with landmarks computed in bytes, which is as exact and \
-             twice as fast (quantised), or the smaller ones, which are less exact and need the least time where no hand is \
-             followed (lite).",
+            "The hand models: the larger ones (full), the same with landmarks computed in bytes (quantised), or the smaller, \
+             less exact ones (lite).",
         );
         k.key(
             "hands",
