@@ -1,7 +1,7 @@
 # Thin: every target is one command that can be typed by hand. `make demo` and `make test` are each enough on a fresh machine.
 RUNTIME := target/runtime
 DEBIAN := g++ pkg-config libopencv-dev clang libclang-dev python3 python3-pip
-DEBIAN_TEST := ffmpeg mbpoll python3-venv systemd
+DEBIAN_TEST := ffmpeg mbpoll poppler-utils python3-venv systemd
 
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
@@ -22,7 +22,7 @@ build: setup
 	cargo build --release --locked -p andond -p andon-video $(OBJDETECT)
 
 demo: build
-	target/release/andond demo
+	target/release/andond demo --speed max
 
 # RealSense is on. With and without it the whole workspace is named: then the dependencies have the same features both times,
 # and only the three crates that have this feature are compiled twice.
@@ -107,6 +107,8 @@ deb: setup
 	python3 daemon/realsense/provision.py $(RUNTIME)
 	$(BUILD_PROGRAMS)
 	rm -rf target/deb && mkdir -p target/deb
+	$(PROGRAMS)/andond man target/deb/man
+	for shell in bash fish zsh; do $(PROGRAMS)/andond completions $$shell > target/deb/completions.$$shell || exit 1; done
 	strip -o target/deb/andond $(PROGRAMS)/andond
 	strip -o target/deb/andond-video $(PROGRAMS)/andond-video
 	strip --strip-unneeded -o target/deb/libandon_plc.so.0 $(PROGRAMS)/libandon_plc.so

@@ -1,4 +1,4 @@
-//! Channel `command`: what the PLC, or a person or scanner by `andond part`, asks of the judge.
+//! Channel `command`: what the PLC, or a person or scanner by `andond part` and `andond use`, asks of the judge.
 
 use crate::code::codes;
 use crate::layout::wire;

@@ -36,7 +36,7 @@ wire! { "andon.Couples", 152;
         /// The hash of the job whose runs show where and how near its objects are met; 0 where that is as the station says.
         model_hash: u64,
         /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`, `CAPTURED`, `MOVED_UNSEEN`,
-        /// `CARRIED_UNSEEN`.
+        /// `CARRIED_UNSEEN`, `BENCH_HIDDEN`.
         flags: u32,
         /// The activities of that job that have not been done, one bit for each: a part that they move for good lies where the job begins.
         undone: u32,

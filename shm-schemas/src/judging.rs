@@ -50,6 +50,8 @@ codes! {
         OtherResult = 13 as "other result",
         /// The PLC gives the part ids of this station.
         PartOfPlc = 14 as "part of plc",
+        /// The PLC chooses the jobs of this station.
+        JobOfPlc = 15 as "job of plc",
     }
 }
 

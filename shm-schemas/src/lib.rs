@@ -75,6 +75,8 @@ pub mod flag {
     pub const MOVED_UNSEEN: u32 = 1 << 3;
     /// An object moves that a hand was at when it was last seen.
     pub const CARRIED_UNSEEN: u32 = 1 << 4;
+    /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since.
+    pub const BENCH_HIDDEN: u32 = 1 << 5;
     /// The motion was measured.
     pub const MEASURED: u8 = 1;
     /// The frame itself shows the context.

@@ -1,4 +1,4 @@
-//! A measure that is out of its bounds, in words: "4 strokes, shown 6 to 6".
+//! A measure that is out of its bounds, in words: "4 strokes, shown 6".
 
 use crate::verdict::VerdictMeasure;
 use core::fmt;
@@ -27,15 +27,19 @@ impl fmt::Display for MeasuredWords {
             VerdictMeasure::None => Ok(()),
             VerdictMeasure::Duration => {
                 let decimals = decimals([value, min, max], 1);
-                write!(f, "{value:.decimals$} s, shown {min:.decimals$} to {max:.decimals$} s")
+                write!(f, "{value:.decimals$} s, shown {} s", Shown { min, max, decimals })
             }
             VerdictMeasure::Strokes => {
                 let word = if value == 1.0 { "stroke" } else { "strokes" };
-                write!(f, "{value} {word}, shown {min} to {max}")
+                if min == max {
+                    write!(f, "{value} {word}, shown {min}")
+                } else {
+                    write!(f, "{value} {word}, shown {min} to {max}")
+                }
             }
             VerdictMeasure::StrokeLength => {
                 let ([value, min, max], decimals) = (centimetres(), decimals(centimetres(), 1));
-                write!(f, "strokes of {value:.decimals$} cm, shown {min:.decimals$} to {max:.decimals$} cm")
+                write!(f, "strokes of {value:.decimals$} cm, shown {} cm", Shown { min, max, decimals })
             }
             VerdictMeasure::Path => write_path(f, centimetres()),
             VerdictMeasure::Direction => {
@@ -54,11 +58,29 @@ impl fmt::Display for MeasuredWords {
 fn write_path(f: &mut fmt::Formatter<'_>, centimetres: [f32; 3]) -> fmt::Result {
     let ([value, min, max], decimals) = (centimetres, decimals(centimetres, 0));
     let off = (value - max) / 2.0;
-    let shown = format_args!("shown {min:.decimals$} to {max:.decimals$} cm");
+    let shown = Shown { min, max, decimals };
     if off > 0.0 {
-        write!(f, "{off:.0} cm off the shown path ({value:.decimals$} cm long, {shown})")
+        write!(f, "{off:.0} cm off the shown path ({value:.decimals$} cm long, shown {shown} cm)")
     } else {
-        write!(f, "a path of {value:.decimals$} cm, {shown}")
+        write!(f, "a path of {value:.decimals$} cm, shown {shown} cm")
+    }
+}
+
+/// From the minimum to the maximum; one number where they are the same.
+struct Shown {
+    min: f32,
+    max: f32,
+    decimals: usize,
+}
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { min, max, decimals } = *self;
+        if min == max {
+            write!(f, "{min:.decimals$}")
+        } else {
+            write!(f, "{min:.decimals$} to {max:.decimals$}")
+        }
     }
 }
 
@@ -85,7 +107,7 @@ mod tests {
 
     #[test]
     fn strokes_are_counted_as_people_count() {
-        check(VerdictMeasure::Strokes, [4.0, 6.0, 6.0], "4 strokes, shown 6 to 6");
+        check(VerdictMeasure::Strokes, [4.0, 6.0, 6.0], "4 strokes, shown 6");
         check(VerdictMeasure::Strokes, [1.0, 6.0, 7.0], "1 stroke, shown 6 to 7");
         check(VerdictMeasure::Strokes, [5.0, 5.5, 6.5], "5 strokes, shown 5.5 to 6.5");
     }
@@ -94,7 +116,7 @@ mod tests {
     fn a_time_is_said_in_seconds() {
         check(VerdictMeasure::Duration, [2.1, 4.8, 5.4], "2.1 s, shown 4.8 to 5.4 s");
         check(VerdictMeasure::Duration, [5.43, 4.8, 5.38], "5.43 s, shown 4.80 to 5.38 s");
-        check(VerdictMeasure::Duration, [1.0, 1.0, 1.0], "1.0 s, shown 1.0 to 1.0 s");
+        check(VerdictMeasure::Duration, [1.0, 1.0, 1.0], "1.0 s, shown 1.0 s");
     }
 
     #[test]

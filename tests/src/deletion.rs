@@ -50,7 +50,7 @@ impl Deletion {
             0 => Self::Every(2 + random.index(7)),
             1 => Self::Lost(random.between(0.05, 0.95)),
             2 => Self::Late(random.between(0.0, length_s)),
-            _ => Self::Stretch(hidden, random.between(0.0, length_s), random.between(0.03, 4.0)),
+            _ => Self::Stretch(hidden, random.between(0.0, length_s), random.between(0.03, 10.0)),
         }
     }
 

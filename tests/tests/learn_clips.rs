@@ -20,7 +20,7 @@ fn seen(clip: &str) -> Recording {
     let tracks = folder.path().join("clip.tracks.jsonl");
     let film = format!("tests/footage/{clip}.mp4");
     let mut command = Command::new(andond());
-    command.current_dir(root()).args(["record", "--config", "config/stations/demo.toml", &film, "--out"]);
+    command.current_dir(root()).args(["tracks", "--config", "config/stations/demo.toml", &film, "--out"]);
     let output = command.arg(&tracks).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     read(clip, &std::fs::read(tracks).unwrap()).unwrap()

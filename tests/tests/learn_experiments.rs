@@ -6,8 +6,10 @@ use andon_core::job::LocalCost;
 use andon_learn::analysis::{report, selection};
 use andon_learn::cluster::Table;
 use andon_learn::experiment::{Confusion, Ladder, Outcome, Split, Variation, experiment_1, experiment_2};
-use andon_learn::folder::{self, Labelled};
+use andon_learn::folder::{self, Labelled, Naming};
+use andon_learn::run::Run;
 use andon_tests::simulator::{self, Noise, Recorded, save};
+use std::path::PathBuf;
 
 /// A seed that played no part in the choice of the rules.
 const SEED: u64 = 2001;
@@ -19,7 +21,13 @@ const PEOPLE: u32 = 4;
 fn through_files(recorded: &[Recorded]) -> Vec<Labelled> {
     let folder = tempfile::tempdir().unwrap();
     save(folder.path(), recorded).unwrap();
-    folder::read(folder.path(), &Method::default(), &mut |_| {}).unwrap()
+    let recordings = folder::recordings(folder.path(), &Naming::Standard).unwrap();
+    let read = |(path, (person, what, repetition)): (PathBuf, folder::Label)| {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        let run = Run::read(&name, &std::fs::read(&path).unwrap(), &Method::default()).unwrap();
+        Labelled { person, what, repetition, run }
+    };
+    recordings.files.into_iter().map(read).collect()
 }
 
 fn outcome(variation: Variation, split: Split) -> Outcome {

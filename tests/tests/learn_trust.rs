@@ -65,7 +65,7 @@ fn correct_runs_are_usable_in_one_sentence_and_the_table_has_a_legend() {
     let report = taught(&correct(5));
     let text = report.to_string();
     assert!(text.starts_with("usable, because the 5 runs agree in all their steps"), "{text}");
-    assert!(text.contains("\nshown: number of demonstrations;"), "{text}");
+    assert!(text.contains("\n  shown: number of demonstrations\n"), "{text}");
     assert_eq!(report.warnings(), Vec::<String>::new());
 }
 

@@ -46,7 +46,7 @@ fn a_client_that_connects_commands_and_asks_outside_the_register_map_is_reported
     let mut plc = Modbus::connect_when_up(line.port);
     line.wait_for_log("plc", "AND-502", "");
     plc.enable();
-    line.wait_for_log("judge", "AND-309", "Enable");
+    line.wait_for_log("judge", "AND-309", "enable: judge from now on");
     assert!(plc.read(60_000, 1).is_err());
     line.wait_for_log("plc", "AND-508", "Check the addresses");
 }

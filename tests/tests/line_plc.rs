@@ -150,7 +150,7 @@ fn a_job_that_is_refused_is_told_with_the_reason_and_the_job_in_force_is_on_the_
     assert_eq!(plc.load_job(2), None);
     assert_eq!(plc.job_in_force(), 2);
     let status = String::from_utf8(line.command("status", &[]).stdout).unwrap();
-    assert!(status.contains("job       2 of hash "), "{status}");
+    assert!(status.contains(" (number 2, hash "), "{status}");
 }
 
 #[test]

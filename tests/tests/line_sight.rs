@@ -20,14 +20,19 @@ fn line_that_shows(filter: &str) -> Line {
 
 /// Runs a command until it prints this; panics after [`PATIENCE`].
 fn until_printed(line: &Line, command: &str, expected: &str) -> std::process::Output {
+    until_printed_by(line, &[command], expected)
+}
+
+fn until_printed_by(line: &Line, command: &[&str], expected: &str) -> std::process::Output {
     let until = Instant::now() + PATIENCE;
     loop {
-        let output = line.command(command, &[]);
+        let output = line.command(command[0], &command[1..]);
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
         if text.contains(expected) {
             return output;
         }
-        assert!(Instant::now() < until, "`andond {command}` does not say {expected}:\n{text}");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(Instant::now() < until, "`andond {command:?}` does not say {expected}:\n{text}{errors}");
     }
 }
 
@@ -238,4 +243,21 @@ fn markers_of_another_dictionary_and_other_ids_are_said_everywhere() {
     let without_job: Vec<&str> = text.lines().filter(|line| !line.starts_with("job = ")).collect();
     std::fs::write(line.config(), without_job.join("\n")).unwrap();
     said(&mut line, Sight::NoMarkers, &words);
+}
+
+#[test]
+fn what_a_running_line_sees_is_looked_at_without_opening_its_camera() {
+    let mut line = Line::with_film("", "", &["-i", "p1_none_r1.mp4"]);
+    line.launch();
+    line.start("capture");
+    let picture = line.path("seen.png");
+    let output = until_printed_by(
+        &line,
+        &["look", "--seconds", "2", "--save", picture.to_str().unwrap()],
+        "right hand  seen in",
+    );
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(text.starts_with("the running station line: 640 x 480 pixels"), "{text}");
+    assert!(text.contains("meter       its marker is 30 px wide"), "{text}");
+    assert!(picture.exists());
 }

@@ -26,12 +26,15 @@ fn taught(line: &Line, options: &[&str]) -> String {
 }
 
 #[test]
-fn teach_writes_the_number_and_the_name_that_it_was_given() {
+fn teach_writes_the_number_and_the_name_that_it_was_given_and_keeps_them() {
     let line = Line::new(Settings::default());
+    let job = taught(&line, &[]);
+    // That of the station, which lies beside it, has the number 1.
+    assert!(job.contains("\nid = 2\n") && job.contains("\nname = \"taught\"\n"), "{job}");
     let job = taught(&line, &["--id", "7", "--name", "seven"]);
     assert!(job.contains("\nid = 7\n") && job.contains("\nname = \"seven\"\n"), "{job}");
     let job = taught(&line, &[]);
-    assert!(job.contains("\nid = 1\n") && job.contains("\nname = \"taught\"\n"), "{job}");
+    assert!(job.contains("\nid = 7\n") && job.contains("\nname = \"seven\"\n"), "{job}");
 }
 
 #[test]
@@ -95,7 +98,7 @@ impl Folder {
     /// What `teach` says to these arguments and with which exit code it ends.
     fn teach(&self, job: &str, arguments: &[&str]) -> (Option<i32>, String) {
         let mut command = Command::new(andond());
-        command.arg("teach").args(arguments).args(["--name", "job", "--out", job, "--config"]);
+        command.arg("teach").args(arguments).args(["--name", "job", "--id", "1", "--out", job, "--config"]);
         command.arg(self.line.config()).current_dir(&self.path);
         let output = command.output().unwrap();
         let said = [output.stdout, output.stderr].concat();
@@ -231,11 +234,13 @@ fn replay_says_how_many_strokes_there_were_and_how_many_were_shown() {
     let job = line.path("job.toml");
     let output = line.command("replay", &["--job", text(&job), text(&line.tracks())]);
     let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains(" ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6"), "{said}");
+    let job = said.lines().find(|line| line.contains(" ANOMALY     job")).unwrap();
+    assert!(job.contains("job, for the fault at ") && job.contains(": 3 strokes, shown 6"), "{said}");
     assert!(
-        said.contains(" ANOMALY     activity 1 IU 2 (polisher at brick): 3 strokes, shown 6 to "),
+        said.contains("\n                                so step 1 (polisher at brick) is wrong\n"),
         "{said}"
     );
-    assert!(said.contains(" ANOMALY     job: 3 strokes, shown 6 to "), "{said}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use andon_core::config::Method;
 use andon_core::input::Space;
 use andon_learn::job_file::JobFile;
-use andon_learn::recording::Header;
+use andon_learn::recording::{Header, NamedObject};
 
 use crate::config::Config;
 
@@ -62,15 +62,19 @@ pub fn station(job: &JobFile, config: &Config) -> Result<(), Misfit> {
         return Err(Misfit::Constant(key));
     }
     let shapes = config.shapes();
-    for object in &job.objects {
-        let (id, name) = (object.shape.id, object.name.clone());
-        match shapes.iter().find(|shape| shape.id == id) {
-            None => return Err(Misfit::NoObject { id, name }),
-            Some(shape) if shape.interaction_points != object.shape.interaction_points => {
-                return Err(Misfit::OtherObject { id, name });
-            }
-            Some(_) => (),
-        }
+    let of_station = |object: &NamedObject| shapes.iter().find(|shape| shape.id == object.shape.id);
+    let names = |object: &NamedObject| (object.shape.id, object.name.clone());
+    // What is missing is said before what is only otherwise.
+    if let Some(object) = job.objects.iter().find(|object| of_station(object).is_none()) {
+        let (id, name) = names(object);
+        return Err(Misfit::NoObject { id, name });
+    }
+    let is_other = |object: &&NamedObject| {
+        of_station(object).is_some_and(|shape| shape.interaction_points != object.shape.interaction_points)
+    };
+    if let Some(object) = job.objects.iter().find(is_other) {
+        let (id, name) = names(object);
+        return Err(Misfit::OtherObject { id, name });
     }
     Ok(())
 }

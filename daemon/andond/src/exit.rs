@@ -1,6 +1,8 @@
 //! How a process ends: one exit code per kind of end, on which the units and the callers of a tool can rely.
 
 use crate::log::{code, log};
+use std::error::Error;
+use std::io::{self, ErrorKind};
 use std::process::ExitCode;
 
 /// Why a role or a tool has ended.
@@ -30,12 +32,28 @@ impl From<Code> for ExitCode {
     }
 }
 
+/// Whether a tool has failed because nobody reads what it prints any more.
+pub fn is_reader_gone(failure: &(dyn Error + 'static)) -> bool {
+    let mut cause = Some(failure);
+    while let Some(error) = cause {
+        if error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == ErrorKind::BrokenPipe) {
+            return true;
+        }
+        cause = error.source();
+    }
+    false
+}
+
 /// Makes a panic in any thread end the process with [`Code::Panic`] and one line in the log: a role that went on with one
 /// thread less would look healthy and judge nothing.
 pub fn exit_on_panic() {
     std::panic::set_hook(Box::new(|panic| {
         let location = panic.location().map(ToString::to_string).unwrap_or_default();
         let message = panic.payload_as_str().unwrap_or("no message");
+        // `println!` panics where the reader has seen enough, as `head` does. That is no defect, and there is nobody to tell.
+        if message.starts_with("failed printing to std") && message.contains("Broken pipe") {
+            std::process::exit(i32::from(Code::Stopped as u8));
+        }
         log!(code::PANIC, "{message}, at {location}");
         // A tool has no log.
         if !tracing::dispatcher::has_been_set() {

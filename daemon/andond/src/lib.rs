@@ -12,6 +12,7 @@ pub mod cli;
 pub mod compatibility;
 pub mod config;
 pub mod exit;
+mod http;
 mod identity;
 pub mod log;
 pub mod metric;

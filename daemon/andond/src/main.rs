@@ -3,15 +3,16 @@
 
 use std::process::ExitCode;
 
-use andond::cli::{Cli, Command};
-use andond::exit::{self, Code};
+use andond::cli::{self, Cli, Command};
+use andond::exit::{self, Code, is_reader_gone};
 use andond::role;
 use andond::tool::{self, ToolError};
-use clap::Parser;
+use clap::FromArgMatches as _;
 
 fn main() -> ExitCode {
     exit::exit_on_panic();
-    let cli = match Cli::try_parse() {
+    let parsed = cli::command().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(usage) => {
             // Help and version are asked for; all else is a wrong command line.
@@ -22,6 +23,8 @@ fn main() -> ExitCode {
     };
     match run(cli.command) {
         Ok(code) => code,
+        // The reader has seen enough, as `head` does.
+        Err(failure) if is_reader_gone(&*failure) => Code::Stopped.into(),
         Err(failure) => {
             eprintln!("{failure}");
             failure.code().into()
@@ -33,23 +36,38 @@ fn main() -> ExitCode {
 fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
     let code = match command {
         Command::Demo(arguments) => tool::demo::run(&arguments)?.into(),
-        Command::Teach(arguments) => tool::teach::run(&arguments)?.into(),
+        Command::New(arguments) => tool::new::run(&arguments)?.into(),
+        Command::Markers(arguments) => tool::markers::run(&arguments)?.into(),
+        Command::Look(arguments) => tool::look::run(&arguments)?.into(),
+        Command::Teach(arguments) => {
+            tool::working("teach", || tool::teach::run(&arguments).map_err(Box::new))?.into()
+        }
         Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
         Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),
         Command::Run(arguments) => role::run(arguments.role, &tool::take_config(&arguments)?).into(),
         Command::Calibrate(arguments) => tool::calibrate::run(&arguments)?.into(),
         Command::Record(arguments) => tool::record::run(&arguments)?.into(),
+        Command::Tracks(arguments) => tool::tracks::run(&arguments)?.into(),
+        Command::Jobs(arguments) => tool::jobs::run(&arguments)?.into(),
+        Command::Use(arguments) => tool::use_job::run(&arguments)?.into(),
         Command::Check(arguments) => tool::check::run(&arguments)?.into(),
         Command::Config(arguments) => tool::config::run(&arguments)?.into(),
         Command::Tail(arguments) => tool::tail::run(&arguments)?.into(),
         Command::Status(arguments) => tool::status::run(&arguments)?.into(),
         Command::History(arguments) => tool::history::run(&arguments)?.into(),
+        Command::Explain(arguments) => tool::explain::run(&arguments)?.into(),
         Command::Backup(arguments) => tool::backup::run(&arguments)?.into(),
         Command::Restore(arguments) => tool::restore::run(&arguments)?.into(),
         Command::Idle(arguments) => tool::idle::run(&arguments)?.into(),
         Command::Part(arguments) => tool::part::run(&arguments)?.into(),
-        Command::Analyze(arguments) => tool::analyze::run(&arguments)?.into(),
-        Command::Experiment(arguments) => tool::experiment::run(&arguments)?.into(),
+        Command::Analyze(arguments) => {
+            tool::working("analyze", || tool::analyze::run(&arguments).map_err(Box::new))?.into()
+        }
+        Command::Experiment(arguments) => {
+            tool::working("experiment", || tool::experiment::run(&arguments).map_err(Box::new))?.into()
+        }
+        Command::Completions(arguments) => tool::pages::completions(&arguments)?.into(),
+        Command::Man(arguments) => tool::pages::man(&arguments)?.into(),
     };
     Ok(code)
 }

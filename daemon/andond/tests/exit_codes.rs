@@ -145,6 +145,73 @@ fn a_picture_that_cannot_be_calibrated_from_is_named_once() {
 }
 
 #[test]
+fn millimetres_are_refused_with_what_they_are_in_metres() {
+    let [marker, out] = ["--marker", "--out"];
+    let markers = [marker, "1=0,0", marker, "2=0.4,0", marker, "3=0.4,0.3", marker, "4=0,0.3"];
+    let calibrate = |side: &'static str, markers: &[&'static str]| {
+        [&["calibrate", FILM, "--side", side, out, "/tmp/no.toml"], markers].concat()
+    };
+    ends(&calibrate("40", &markers), 64, "lengths are in metres: 40 mm is 0.04");
+    ends(&calibrate("0.04", &[marker, "1=0,250"]), 64, "positions are in metres: 250 mm is 0.25");
+    ends(&["new", "bench1", "--part", "brick=33"], 64, "lengths are in metres: 33 mm is 0.033");
+}
+
+#[test]
+fn a_new_station_is_written_once_and_has_no_fault() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bench1.toml");
+    let (path, film) =
+        (file.to_str().unwrap(), concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/footage/p1_none_r1.mp4"));
+    let new =
+        ["new", "bench1", "--part", "brick=0.033", "--part", "polisher", "--camera", film, "--out", path];
+    let output = andond(&new);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("andond markers -c") && said.contains("marker  1  brick     33.0 mm"), "{said}");
+    ends(&["check", "-c", path], 0, "");
+    let written = std::fs::read(&file).unwrap();
+    ends(&new, 64, "it exists already; name another file, or replace it with --force");
+    assert_eq!(std::fs::read(&file).unwrap(), written);
+    ends(&[&new[..], &["--force"]].concat(), 0, "");
+    ends(
+        &["new", "bench1", "--out", folder.path().join("other.toml").to_str().unwrap()],
+        64,
+        "as in --part brick",
+    );
+    ends(&["new", "Bench 1", "--part", "brick"], 64, "as in bench1");
+}
+
+#[test]
+fn what_is_seen_is_said_and_saved_for_the_calibration() {
+    let folder = tempfile::tempdir().unwrap();
+    let [plain, annotated] =
+        ["plain.png", "seen.jpg"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
+    let output = andond(&["look", FILM, "--save", &plain, "--annotated", &annotated]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(said.starts_with("p1_none_r1.mp4: 640 x 480 pixels, 464 pictures\n"), "{said}");
+    assert!(
+        said.contains("meter       its marker is 30 px wide; 30 are needed (seen in 100 % of the pictures)"),
+        "{said}"
+    );
+    assert!(said.contains("right hand  seen in 100 % of the pictures") && !said.contains('\u{1b}'), "{said}");
+    assert!(std::fs::read(&plain).unwrap().starts_with(b"\x89PNG"));
+    assert!(std::fs::read(&annotated).unwrap().starts_with(b"\xff\xd8"));
+    // A picture is looked at as a film is.
+    let output = andond(&["look", &plain]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("one picture") && said.contains("30 are needed (seen)"), "{said}");
+}
+
+#[test]
+fn what_cannot_be_looked_at_or_saved_is_named_before_the_work() {
+    ends(&["look", "no-such-film.mp4"], 64, "no-such-film.mp4");
+    ends(&["look", "no-such.tracks.jsonl"], 64, "a track file has no pictures");
+    ends(&["look", FILM, "--save", "/tmp/picture.gif"], 64, "a picture ends in .png or .jpg");
+    ends(&["look", FILM, "--save", "/proc/picture.png"], 64, "/proc/picture.png: it cannot be written");
+}
+
+#[test]
 fn a_demo_runs_where_tmpdir_is_too_long_for_sockets() {
     let folder = tempfile::tempdir().unwrap();
     let long = folder.path().join("a-folder-whose-name-alone-is-longer-than-the-path-of-a-socket-may-be");

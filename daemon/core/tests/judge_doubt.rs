@@ -11,7 +11,8 @@ use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{IN_ORDER, away, expect, jobs, judged, measure, polish, polish_and_measure};
+use common::work::{IN_ORDER, away, expect, forgiving, jobs, judged, measure, polish, polish_and_measure};
+use core::ops::Range;
 
 #[test]
 fn the_beginning_of_every_job_is_an_event() {
@@ -57,8 +58,12 @@ fn a_pause_without_hands_ends_the_job_after_idle_end_ms_if_the_bench_was_rearran
 
 /// After a pause in which the bench is empty, the piece is measured and never polished. Before the pause something is moved.
 fn measured_after_a_pause(moved: impl Fn(&mut Couples)) -> String {
+    measured_after_a_pause_with(20..60, moved)
+}
+
+fn measured_after_a_pause_with(frames: Range<usize>, change: impl Fn(&mut Couples)) -> String {
     let mut couples = stream(&[&[away(300)][..], &measure(), &[idle(20)]].concat(), &[]);
-    couples[20..60].iter_mut().for_each(moved);
+    couples[frames].iter_mut().for_each(change);
     short(judged(&polish_and_measure(), &couples).last().unwrap())
 }
 
@@ -71,6 +76,16 @@ fn a_pause_shows_the_start_of_a_job_unless_a_hand_that_was_not_seen_has_carried_
         "the next piece is put in place"
     );
     assert_eq!(measured_after_a_pause(|couples| couples.is_carried_unseen = true), "NotJudged Blind");
+}
+
+#[test]
+fn a_pause_shows_the_start_of_a_job_only_while_the_bench_is_in_sight() {
+    let hidden = |frames| measured_after_a_pause_with(frames, |couples| couples.is_bench_hidden = true);
+    assert_eq!(hidden(0..170), "JobAnomaly NotCompleted", "4 s of it were in sight");
+    assert_eq!(hidden(200..205), "JobAnomaly NotCompleted", "too short a time to do anything");
+    for frames in [0..300, 0..200, 200..300, 200..220] {
+        assert_eq!(hidden(frames.clone()), "NotJudged Blind", "{frames:?}");
+    }
 }
 
 #[test]
@@ -515,4 +530,38 @@ fn motion_that_was_assumed_accuses_nobody() {
     assert_eq!(short(judged(&job, &couples).last().unwrap()), "JobAnomaly Motion");
     assume(&mut couples[45..60], 1);
     assert_eq!(short(judged(&job, &couples).last().unwrap()), "NotJudged Blind");
+}
+
+/// What is said of a job with so many strokes, of which 4 of every 8 frames are not seen.
+fn strokes_with_gaps(strokes: usize) -> String {
+    let mut couples = stream(&[polish(strokes), measure()].concat(), &[]);
+    for gap in couples[34..30 + 16 * strokes].chunks_mut(8) {
+        for couples in gap.iter_mut().take(4) {
+            let hand = &mut couples.hands[0];
+            (hand.motion, hand.position, hand.sight[1]) = (None, None, Sight::Assumed);
+        }
+    }
+    short(judged(&forgiving(polish_and_measure()), &couples).last().unwrap())
+}
+
+#[test]
+fn two_thirds_of_the_strokes_are_not_right_because_frames_are_missing() {
+    assert_eq!(strokes_with_gaps(4), "NotJudged Blind");
+    assert_eq!(strokes_with_gaps(6), "JobOk");
+}
+
+/// What is said of a job that is measured first and then polished, if the hand was hidden for so many frames before.
+fn in_the_wrong_order(hidden: usize) -> Vec<String> {
+    let job = Job { laws: &IN_ORDER, ..polish_and_measure() };
+    let work = [&[idle(20), away(hidden), idle(60)][..], &measure(), &polish(6)].concat();
+    let verdicts = judged(&job, &stream(&work, &[]));
+    verdicts.iter().map(short).filter(|verdict| !verdict.contains('.')).collect()
+}
+
+#[test]
+fn what_may_have_come_unseen_and_comes_afterwards_is_not_right() {
+    let seen = in_the_wrong_order(0);
+    assert_eq!(seen, ["r0 ActivityAnomaly WrongOrder!", "r1 ActivityOk!", "JobAnomaly WrongOrder"]);
+    let hidden = in_the_wrong_order(100);
+    assert_eq!(hidden, ["r0 ActivityOk!", "r1 NotJudged Blind!", "NotJudged Blind"]);
 }

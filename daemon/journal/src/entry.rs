@@ -1,6 +1,11 @@
 //! What a row of the journal says.
 
-use shm_schemas::{RoleId, Sight, VerdictLevel, VerdictOutcome, verdict_kind};
+use shm_schemas::{
+    HandCode, NO_INDEX, NO_PERCENT, OrderFault, PartId, RoleId, Sight, Verdict, VerdictLevel, VerdictMeasure,
+    VerdictNote, VerdictOutcome, VerdictReason, verdict_kind,
+};
+
+use super::row::code;
 
 /// A row of the journal, in the order of writing.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +63,42 @@ pub struct Record {
 }
 
 impl Record {
+    /// The verdict as it was sent, but for the numbers of its frame, its station and the share of its frames, which are left out.
+    pub fn message(&self) -> Verdict {
+        let index = |index: Option<u16>| index.unwrap_or(NO_INDEX);
+        let number = |value: Option<f32>| value.unwrap_or(f32::NAN);
+        Verdict {
+            model_hash: u64::from_str_radix(&self.model_hash, 16).unwrap_or_default(),
+            began_ns: self.began_ns,
+            ended_ns: self.ended_ns,
+            decided_ns: self.decided_ns,
+            decided_utc_ns: self.decided_utc_ns,
+            job_id: self.job_id,
+            distance: number(self.distance),
+            threshold: number(self.threshold),
+            measured: number(self.measured),
+            shown_min: number(self.shown[0]),
+            shown_max: number(self.shown[1]),
+            x_c: self.x_c,
+            activity: index(self.activity),
+            iu: index(self.iu),
+            nearest: index(self.nearest),
+            broken_activity: index(self.broken_activity),
+            broken_runs: self.broken_runs,
+            level: code(VerdictLevel::ALL, VerdictLevel::name, VerdictLevel::code, &self.level),
+            outcome: code(VerdictOutcome::ALL, VerdictOutcome::name, VerdictOutcome::code, &self.outcome),
+            reason: code(VerdictReason::ALL, VerdictReason::name, VerdictReason::code, &self.reason),
+            hand: code(HandCode::ALL, HandCode::name, HandCode::code, &self.hand),
+            early: self.early.into(),
+            part: PartId::new(self.part.as_bytes()).unwrap_or(PartId::NONE),
+            captured_percent: NO_PERCENT,
+            note: code(VerdictNote::ALL, VerdictNote::name, VerdictNote::code, &self.note),
+            broken: code(OrderFault::ALL, OrderFault::name, OrderFault::code, &self.broken),
+            measure: code(VerdictMeasure::ALL, VerdictMeasure::name, VerdictMeasure::code, &self.measure),
+            ..Verdict::default()
+        }
+    }
+
     /// Level and outcome in one word. A row that holds the number of a code that this build does not know was not judged.
     pub(super) fn kind(&self) -> &'static str {
         let level = VerdictLevel::ALL.iter().find(|level| level.name() == self.level);
@@ -99,14 +140,14 @@ pub struct NotWatching {
 
 impl NotWatching {
     /// Whether the line watched all the same: only a process beside the data path was down.
-    pub(super) fn is_beside(&self) -> bool {
+    pub fn is_beside(&self) -> bool {
         [RoleId::Steward, RoleId::Journal, RoleId::Plc]
             .iter()
             .any(|role| self.why.strip_suffix(" was down") == Some(role.name()))
     }
 
     /// What was wrong, in a sentence; the word itself where this build does not know it.
-    pub(super) fn meaning(&self) -> &str {
+    pub fn meaning(&self) -> &str {
         let sight = Sight::ALL.iter().find(|sight| sight.name() == self.why);
         sight.map_or(&self.why, |sight| sight.meaning())
     }

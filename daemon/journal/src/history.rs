@@ -1,16 +1,16 @@
 //! Reads the journal, also while it is being written.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, Row, params};
 use shm_schemas::PartId;
 
 use super::audit::Deed;
+use super::csv;
 use super::entry::{Entry, Gap, NotWatching, Record};
 use super::error::JournalError;
 use super::row::{signed, unsigned};
-use super::{csv, table};
 
 /// Which verdicts to read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,22 +24,6 @@ pub struct Query {
     /// Only anomalies and what could not be judged.
     pub nok: bool,
 }
-
-/// How the journal is written as text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// CSV (RFC 4180), for spreadsheets. A value that has no meaning is left empty. A gap has a line of its own, from `seq` to `last_seq`,
-    /// and so has a time without sight, to `ended_utc`.
-    Csv,
-    /// A table for a terminal. Activities and IUs count from 1.
-    Table,
-}
-
-/// Writes the line of an entry.
-type WriteEntry = fn(&Entry, &mut dyn Write) -> io::Result<()>;
-
-/// Writes the line of what was done.
-type WriteDeed = fn(&Deed, &mut dyn Write) -> io::Result<()>;
 
 /// A reader of the journal.
 #[derive(Debug)]
@@ -82,17 +66,14 @@ impl History {
         Ok(Self { connection, path: path.into() })
     }
 
-    /// Writes a header and one line per entry that matches the query.
+    /// Writes every entry that matches the query as CSV (RFC 4180), for spreadsheets. A value that has no meaning is left empty, and indices of
+    /// activities and IUs count from 0. A gap has a line of its own, from `seq` to `last_seq`, and so has a time without sight, to `ended_utc`.
     ///
     /// # Errors
     /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
-    pub fn write(&self, query: &Query, format: Format, out: &mut impl Write) -> Result<(), JournalError> {
-        let (header, write_entry): (_, WriteEntry) = match format {
-            Format::Csv => (csv::HEADER, csv::write),
-            Format::Table => (table::HEADER, table::write),
-        };
-        out.write_all(header.as_bytes())?;
-        self.visit(query, |entry| Ok(write_entry(&entry, out)?))?;
+    pub fn write_csv(&self, query: &Query, out: &mut impl Write) -> Result<(), JournalError> {
+        out.write_all(csv::HEADER.as_bytes())?;
+        self.visit(query, |entry| Ok(csv::write(&entry, out)?))?;
         Ok(out.flush()?)
     }
 
@@ -119,22 +100,17 @@ impl History {
         Ok(())
     }
 
-    /// Writes everything that was done since this time.
+    /// Writes everything that was done since this time as CSV.
     ///
     /// # Errors
-    /// As [`History::write`].
-    pub fn write_deeds(
+    /// As [`History::write_csv`].
+    pub fn write_deeds_csv(
         &self,
         since_utc_ns: Option<u64>,
-        format: Format,
         out: &mut impl Write,
     ) -> Result<(), JournalError> {
-        let (header, write_deed): (_, WriteDeed) = match format {
-            Format::Csv => (csv::DEEDS_HEADER, csv::write_deed),
-            Format::Table => (table::DEEDS_HEADER, table::write_deed),
-        };
-        out.write_all(header.as_bytes())?;
-        self.visit_deeds(since_utc_ns, |deed| Ok(write_deed(&deed, out)?))?;
+        out.write_all(csv::DEEDS_HEADER.as_bytes())?;
+        self.visit_deeds(since_utc_ns, |deed| Ok(csv::write_deed(&deed, out)?))?;
         Ok(out.flush()?)
     }
 

@@ -21,7 +21,6 @@ mod place;
 mod retention;
 mod row;
 mod schema;
-mod table;
 mod watching;
 
 #[cfg(test)]
@@ -37,7 +36,7 @@ use shm_schemas::{Account, MessageId, Verdict};
 pub use audit::Deed;
 pub use entry::{Entry, Gap, NotWatching, Record};
 pub use error::JournalError;
-pub use history::{Format, History, Query};
+pub use history::{History, Query};
 pub use retention::Retention;
 pub use watching::OpenRow;
 

@@ -207,7 +207,7 @@ fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
 }
 
 /// The inverse of [`word`].
-fn code<T: Copy>(all: &[T], name: fn(T) -> &'static str, code: fn(T) -> u8, text: &str) -> u8 {
+pub(super) fn code<T: Copy>(all: &[T], name: fn(T) -> &'static str, code: fn(T) -> u8, text: &str) -> u8 {
     let known = all.iter().find(|&&word| name(word) == text).map(|&word| code(word));
     known.or_else(|| text.parse().ok()).unwrap_or_default()
 }

@@ -5,7 +5,7 @@
 //! [`recording`] reads a track file → [`run`] finds its activities and IUs with the code that runs live → [`teach`] derives nominal
 //! activities, barycentres, thresholds and bounds, the latter two by a [`rule`] → [`job_file`] keeps the job.
 //!
-//! [`folder`], [`analysis`] and [`experiment`] repeat what the paper did with its recordings.
+//! [`seen`] says what a run shows before anything is learned from it. [`folder`], [`analysis`] and [`experiment`] repeat what the paper did with its recordings.
 #![forbid(unsafe_code)]
 
 pub mod analysis;
@@ -14,10 +14,12 @@ pub mod cluster;
 pub mod digest;
 pub mod experiment;
 pub mod folder;
+mod html;
 pub mod job_file;
 pub mod recording;
 pub mod rule;
 pub mod run;
+pub mod seen;
 mod statistics;
 pub mod strictness;
 pub mod teach;

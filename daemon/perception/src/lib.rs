@@ -28,6 +28,7 @@ mod perceiver;
 mod picture;
 mod pixel_format;
 mod points;
+mod print;
 pub mod sight;
 mod workers;
 
@@ -40,3 +41,4 @@ pub use perceiver::Perceiver;
 pub use picture::Picture;
 pub use pixel_format::PixelFormat;
 pub use points::{BenchPoint, PixelPoint};
+pub use print::{MarkerFinder, MarkerPattern};

@@ -1,14 +1,17 @@
 //! Films for the tools: pictures of a film to standard output, and a film from the pictures on standard input.
 
 use std::ffi::OsStr;
-use std::io::{BufReader, BufWriter, stdin, stdout};
+use std::io::{BufReader, BufWriter, Write as _, stdin, stdout};
 use std::path::Path;
 
 use andond::video::pipe::{PipeReader, PipeWriter};
-use opencv::core::{Mat, Size, Vec3b};
+use opencv::core::{Mat, Size, Vec3b, Vector};
+use opencv::imgcodecs;
 use opencv::videoio::{self, VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
+use shm_schemas::{ColourFormat, FrameHeader};
 
 use crate::recording;
+use crate::source::Source;
 
 /// Writes the pictures of a film to standard output. `rate_hz` is the rate of a folder of pictures.
 ///
@@ -16,13 +19,29 @@ use crate::recording;
 /// A message for a technician: what is wrong with the film.
 pub fn decode(file: &Path, rate_hz: &OsStr) -> Result<(), String> {
     let rate_hz = rate_hz.to_str().and_then(|text| text.parse().ok()).ok_or("the rate must be a number")?;
-    let mut source = recording::open(file, rate_hz)?;
+    watch(recording::open(file, rate_hz)?.as_mut())
+}
+
+/// Writes the pictures of any source to standard output, until its end.
+///
+/// # Errors
+/// A message for a technician: what is wrong with the source.
+pub fn watch(source: &mut dyn Source) -> Result<(), String> {
     let format = source.format();
-    let mut picture = vec![0; format.bytes()];
+    let mut frame = vec![0; source.frame_bytes()];
     // A reader that closes the pipe has seen enough: a broken pipe is a clean end.
     let Ok(mut pipe) = PipeWriter::new(BufWriter::new(stdout().lock()), format) else { return Ok(()) };
-    while let Some(pts_ns) = source.next_picture(&mut picture)? {
-        if pipe.write_picture(pts_ns, &picture).is_err() {
+    while let Some(pts_ns) = source.next_picture(&mut frame)? {
+        let mut header = FrameHeader::default();
+        source.describe(&mut header);
+        // Depth lies behind the colour picture.
+        let picture = frame.get_mut(..format.bytes()).ok_or("the source sends less than a picture")?;
+        match ColourFormat::try_from(header.colour_format) {
+            Ok(ColourFormat::Bgr8) => (),
+            Ok(ColourFormat::Rgb8) => picture.chunks_exact_mut(3).for_each(|pixel| pixel.swap(0, 2)),
+            _ => return Err("the source sends neither RGB nor BGR pictures".into()),
+        }
+        if pipe.write_picture(pts_ns, picture).is_err() {
             return Ok(());
         }
     }
@@ -52,4 +71,29 @@ pub fn encode(file: &Path) -> Result<(), String> {
         film.write(&mat).map_err(message)?;
     }
     film.release().map_err(message)
+}
+
+/// Writes each picture on standard input to standard output as a file of its own with this ending, after its length in bytes (32 bits, the
+/// least significant first).
+///
+/// # Errors
+/// A message for a technician: why the pictures cannot be written.
+pub fn stills(ending: &OsStr) -> Result<(), String> {
+    let ending = format!(".{}", ending.to_str().unwrap_or_default());
+    let mut pipe = PipeReader::new(BufReader::new(stdin().lock())).map_err(|error| error.to_string())?;
+    let format = pipe.format();
+    let message = |error: opencv::Error| error.to_string();
+    let (mut file, mut out) = (Vector::<u8>::new(), stdout().lock());
+    while pipe.advance().map_err(|error| error.to_string())?.is_some() {
+        let (rows, columns) = (format.height as i32, format.width as i32);
+        let mat = Mat::new_rows_cols_with_bytes::<Vec3b>(rows, columns, pipe.picture()).map_err(message)?;
+        imgcodecs::imencode_def(&ending, &mat, &mut file).map_err(message)?;
+        let length = u32::try_from(file.len()).map_err(|error| error.to_string())?;
+        let written = out.write_all(&length.to_le_bytes()).and_then(|()| out.write_all(file.as_slice()));
+        if written.and_then(|()| out.flush()).is_err() {
+            // A reader that closes the pipe has seen enough.
+            return Ok(());
+        }
+    }
+    Ok(())
 }

@@ -2,7 +2,8 @@
 //!
 //! `andond-video check` opens the camera or the recording of a configuration once, for `andond check`.
 //! `andond-video run capture` is the role, into which `andond run capture` turns itself. `andond-video decode FILE RATE_HZ` (the rate is that of
-//! a folder of pictures) and `andond-video encode FILE` serve the tools over a pipe, see [`andond::video`].
+//! a folder of pictures), `andond-video watch --config FILE...`, `andond-video encode FILE` and `andond-video stills ENDING` serve the tools over
+//! a pipe, see [`andond::video`].
 #![forbid(unsafe_code)]
 
 use std::ffi::OsString;
@@ -26,8 +27,10 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = std::env::args_os().skip(1).collect();
     let outcome = match arguments.as_slice() {
         [verb, file, rate_hz] if verb == "decode" => film::decode(Path::new(file), rate_hz),
+        [verb, files @ ..] if verb == "watch" => watch(files),
         [verb, file] if verb == "encode" => film::encode(Path::new(file)),
-        _ => Err("usage: andond-video decode FILE RATE_HZ | encode FILE; people want `andond`".into()),
+        [verb, ending] if verb == "stills" => film::stills(ending),
+        _ => Err("usage: andond-video decode FILE RATE_HZ | watch --config FILE... | encode FILE | stills ENDING; people want `andond`".into()),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
@@ -36,6 +39,13 @@ fn main() -> ExitCode {
             Code::Usage.into()
         }
     }
+}
+
+/// Writes what the camera of a configuration sees to standard output.
+fn watch(files: &[OsString]) -> Result<(), String> {
+    let files = files.iter().filter(|file| *file != "--config").map(Into::into).collect();
+    let config = tool::load_config(&cli::ConfigArgs { files }).map_err(|failure| failure.to_string())?;
+    film::watch(open(&config).map_err(|error| error.to_string())?.as_mut())
 }
 
 /// Opens what the configuration names, and closes it again.

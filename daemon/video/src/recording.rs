@@ -12,7 +12,7 @@ use crate::source::Source;
 /// The rate of a film or a device that does not tell its own.
 const DEFAULT_RATE_HZ: f64 = 30.0;
 
-/// Opens a film, or a folder of pictures that is played at `rate_hz`.
+/// Opens a film, a picture, or a folder of pictures that is played at `rate_hz`.
 pub(crate) fn open(path: &Path, rate_hz: f64) -> Result<Box<dyn Source>, String> {
     if path.is_dir() {
         return Ok(Box::new(Folder::open(path, rate_hz)?));
@@ -20,7 +20,16 @@ pub(crate) fn open(path: &Path, rate_hz: f64) -> Result<Box<dyn Source>, String>
     if !path.exists() {
         return Err("no such file; give a film or a folder of pictures".into());
     }
+    if is_picture(path) {
+        return Ok(Box::new(Folder::of(vec![path.to_owned()], rate_hz)?));
+    }
     Ok(Box::new(Film::open(path)?))
+}
+
+/// Whether a file has the ending of a picture that is read.
+fn is_picture(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg" | "bmp" | "tif" | "tiff"))
 }
 
 /// Lets OpenCV write the next picture of `capture` into the caller's memory; false at the end.
@@ -149,12 +158,13 @@ impl Folder {
         let listed = std::fs::read_dir(path).map_err(|error| error.to_string())?;
         let mut pictures: Vec<PathBuf> = listed
             .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-            .filter(|path| {
-                let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-                matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg" | "bmp" | "tif" | "tiff"))
-            })
+            .filter(|path| is_picture(path))
             .collect();
         pictures.sort();
+        Self::of(pictures, rate_hz)
+    }
+
+    fn of(pictures: Vec<PathBuf>, rate_hz: f64) -> Result<Self, String> {
         let first = pictures.first().ok_or("the folder holds no picture (png, jpg, bmp, tif)")?;
         let (width, height) = {
             let mat = decode(first)?;

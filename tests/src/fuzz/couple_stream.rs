@@ -181,6 +181,7 @@ impl Line<'_> {
             let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
             let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
             let is_carried_unseen = input.below(8) == 0;
+            let is_bench_hidden = input.below(8) == 0;
             let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
@@ -210,6 +211,7 @@ impl Line<'_> {
                     is_captured,
                     has_moved_unseen,
                     is_carried_unseen,
+                    is_bench_hidden,
                     undone: ActivitySet::from_bits(u32::from(input.byte())),
                     hands,
                 });

@@ -245,6 +245,8 @@ impl MetricLine {
         let mut recorder = Command::new(andond())
             .args(["record", "--config"])
             .arg(self.line.config())
+            // One that is not whole is recorded once more.
+            .arg("--force")
             .arg("--out")
             .arg(out)
             .stderr(Stdio::piped())

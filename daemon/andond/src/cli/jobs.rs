@@ -13,13 +13,20 @@ pub struct Teach {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Correct runs of the whole job: films, folders of pictures or track files; with --add and --without those that the job was taught
-    /// from and that are neither beside the job file nor in the current folder
-    #[arg(required_unless_present_any = ["add", "without"])]
+    /// Correct runs of the whole job: films, folders of pictures and track files, also mixed; with --add and --without those that the
+    /// job was taught from and that are neither beside the job file nor in the current folder
+    #[arg(required_unless_present_any = ["add", "without", "live"])]
     pub recordings: Vec<PathBuf>,
     /// The job file to write; with --add and --without the one to change
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "JOB.toml")]
     pub out: PathBuf,
+    /// Show the job at the bench instead: looks through the running station, or else through its camera, says what to do, and writes each
+    /// run that is kept to a track file beside the job file
+    #[arg(long, conflicts_with_all = ["add", "without"])]
+    pub live: bool,
+    /// How many runs to show with --live
+    #[arg(long, value_name = "NUMBER", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    pub count: u16,
     /// One more correct run for an existing job; can be repeated
     #[arg(long, value_name = "RECORDING")]
     pub add: Vec<PathBuf>,
@@ -27,29 +34,33 @@ pub struct Teach {
     #[arg(long, value_name = "NAME")]
     pub without: Vec<String>,
     /// How strict the job is, 1 to 5: at 1 its measures accuse one right job in 133, then one in 67, 33 and 17, at 5 one in 8, and less
-    /// evidence makes the order of two steps a law [default: 3]
+    /// evidence makes the order of two steps a law [default: 3, or that of the job]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub strictness: Option<u8>,
+    /// Write the report as a page, with the steps and their order as a picture
+    #[arg(long, value_name = "FILE.html")]
+    pub report: Option<PathBuf>,
     /// Draw the steps of the job and their order into this file
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    /// The number by which a PLC selects the job [default: 1]
-    #[arg(long)]
+    /// The number by which a PLC selects the job [default: that of the job if it is taught again, else the smallest that no other job
+    /// beside it or of the station has]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     pub id: Option<u32>,
-    /// Name of the job [default: the name of the job file]
+    /// Name of the job [default: that of the job if it is taught again, else the name of the job file]
     #[arg(long)]
     pub name: Option<String>,
-    /// Rule for the thresholds [default: leave-one-out]
+    /// Rule for the thresholds [default: leave-one-out, or that of the job]
     #[arg(long, value_enum)]
     pub rule: Option<ThresholdRule>,
-    /// How motions are compared [default: circular]
+    /// How motions are compared [default: circular, or that of the job]
     #[arg(long, value_enum)]
     pub cost: Option<Cost>,
     /// Whether the steps must come in the order in which most runs have them, or may come in any [default: what all runs show is law where
     /// the evidence is enough]
-    #[arg(long)]
+    #[arg(long, value_name = "true|false")]
     pub order: Option<bool>,
-    /// Write the job even if the report says that the runs cannot be trusted, and even over an existing file
+    /// Write the job even if the report says that the runs cannot be trusted, and replace existing files
     #[arg(long)]
     pub force: bool,
 }
@@ -122,29 +133,77 @@ pub struct Segment {
     pub plot: Option<PathBuf>,
 }
 
+/// Who did what in each recording of a folder.
+#[derive(Debug, Default, Args)]
+pub struct Names {
+    /// How the names of the recordings say who did what, without their endings: {person}, {what} and {n}, and * for anything
+    /// [default: p<person>_<what>_r<n>]
+    #[arg(long, value_name = "PATTERN", conflicts_with = "runs")]
+    pub names: Option<String>,
+    /// A table that says it instead: the columns file, person and what, as .csv or as .toml with [[runs]]
+    #[arg(long, value_name = "FILE.csv|FILE.toml")]
+    pub runs: Option<PathBuf>,
+}
+
 /// `andond analyze`
 #[derive(Debug, Args)]
 pub struct Analyze {
-    /// Folder of recordings (track files)
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Folder of recordings: track files and films; films need a station
     pub recordings: PathBuf,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub names: Names,
     /// Folder to write the report into
-    #[arg(short, long)]
+    #[arg(short, long, value_name = "FOLDER")]
     pub out: PathBuf,
 }
 
 /// `andond experiment`
 #[derive(Debug, Args)]
 pub struct Experiment {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
     /// Which experiment of the paper: 1 or 2
     #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
     pub number: u8,
-    /// Folder of recordings (track files); several with --ladder
+    /// Folder of recordings: track files and films; several with --ladder
     #[arg(required = true)]
     pub recordings: Vec<PathBuf>,
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub names: Names,
     /// How motions are compared [default: circular in experiment 1, each rule's own in experiment 2]
     #[arg(long, value_enum)]
     pub cost: Option<Cost>,
     /// What each rule gains in experiment 2, all folders side by side in one table
     #[arg(long)]
     pub ladder: bool,
+}
+
+/// `andond jobs`
+#[derive(Debug, Args)]
+pub struct Jobs {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// Folder of job files [default: the jobs of the station]
+    pub folder: Option<PathBuf>,
+    /// Print one JSON object per job
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `andond use`
+#[derive(Debug, Args)]
+pub struct Use {
+    #[command(flatten)]
+    #[expect(missing_docs, reason = "flattened")]
+    pub config: ConfigArgs,
+    /// The job: its name, its number or its file, as `andond jobs` lists them
+    #[arg(value_name = "NAME|NUMBER|FILE")]
+    pub job: String,
 }

@@ -2,17 +2,23 @@
 //! [`crate::role`].
 
 mod bench;
+mod help;
 mod jobs;
+pub mod metres;
 mod station;
 
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-pub use bench::{Calibrate, Record};
-pub use jobs::{Analyze, Cost, Experiment, Replay, Segment, Teach, ThresholdRule};
+pub use help::command;
+pub(crate) use help::{examples, exit_codes};
+
+pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record, Tracks};
+pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use};
 pub use station::{
-    Backup, Check, ConfigCommand, Demo, History, Idle, Level, Part, Restore, Role, Run, Speed, Status, Tail,
+    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Role, Run, Speed,
+    Status, Tail,
 };
 
 /// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.
@@ -38,16 +44,28 @@ pub struct ConfigArgs {
 pub enum Command {
     /// Start every role, play the shipped clips and print what a technician would read
     Demo(Demo),
-    /// Learn a job from recordings of correct runs; exit 0: written, 1: the runs cannot be trusted and nothing was written
+    /// Write the file of a new station: its parts, their markers, its camera
+    New(New),
+    /// Print the markers of a station in true size, as PDF and SVG
+    Markers(Markers),
+    /// Show what the camera sees and say what to improve: light, sharpness, sizes of markers, hands
+    Look(Look),
+    /// Learn a job from recordings of correct runs, or from runs at the bench
     Teach(Teach),
-    /// Judge a recording against a taught job; exit 0: all correct, 1: an anomaly, 2: something could not be judged
+    /// Judge a recording against a taught job; the exit code is the verdict
     Replay(Replay),
     /// Print the ERUs, IUs, activities and the job of a recording
     Segment(Segment),
     /// Find the bench in a picture of four markers at known positions
     Calibrate(Calibrate),
-    /// Write what a running station sees, or a film shows, to a track file
+    /// Write what a running station sees to a track file
     Record(Record),
+    /// Write what a film shows to a track file
+    Tracks(Tracks),
+    /// List the jobs of a station, with the one in force
+    Jobs(Jobs),
+    /// Load a job into a running station
+    Use(Use),
     /// Run one role of a station in this process
     Run(Run),
     /// Read the configuration and report every fault in it
@@ -56,15 +74,17 @@ pub enum Command {
     Config(ConfigCommand),
     /// Follow the verdicts of a running station
     Tail(Tail),
-    /// Show how every role of a running station is doing; exit 0: all are healthy, 1: some are not
+    /// Show how every role of a running station is doing; the exit code says whether all are healthy
     Status(Status),
+    /// Say what the code of a message means and what to do, or list all codes
+    Explain(Explain),
     /// Query the journal
     History(History),
     /// Write jobs, configuration and journal of a station to one file, also while it runs
     Backup(Backup),
     /// Put back what `andond backup` wrote; the station must not run
     Restore(Restore),
-    /// Wait until no job is running; exit 0: none is, 1: one still is
+    /// Wait until no job is running; the exit code says whether one still is
     Idle(Idle),
     /// Say which part comes next: its id goes with every verdict of the job that begins next
     Part(Part),
@@ -72,4 +92,24 @@ pub enum Command {
     Analyze(Analyze),
     /// Repeat an experiment of the paper on a folder of recordings
     Experiment(Experiment),
+    /// Print what a shell needs to complete command lines
+    Completions(Completions),
+    /// Write the man pages into a folder
+    #[command(hide = true)]
+    Man(ManPages),
+}
+
+/// `andond completions`
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// `andond man`
+#[derive(Debug, Args)]
+pub struct ManPages {
+    /// The folder to write into
+    pub folder: PathBuf,
 }

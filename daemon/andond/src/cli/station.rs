@@ -12,12 +12,12 @@ pub struct Demo {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Folder with the clips
-    #[arg(long, default_value = "tests/footage")]
-    pub clips: PathBuf,
-    /// Job to watch
-    #[arg(long, default_value = "config/jobs/polish-and-measure.toml")]
-    pub job: PathBuf,
+    /// Folder with the clips [default: tests/footage in the current folder, or /usr/share/andon]
+    #[arg(long, value_name = "FOLDER")]
+    pub clips: Option<PathBuf>,
+    /// Job to watch [default: config/jobs/polish-and-measure.toml in the current folder, or the same in /etc/andon/jobs]
+    #[arg(long)]
+    pub job: Option<PathBuf>,
     /// Play at the clips' own rate (file), or as fast as the line can (max)
     #[arg(long, value_enum, default_value_t = Speed::File)]
     pub speed: Speed,
@@ -95,9 +95,12 @@ pub struct Tail {
     #[command(flatten)]
     #[expect(missing_docs, reason = "flattened")]
     pub config: ConfigArgs,
-    /// Print one JSON object per verdict
+    /// Print one JSON object per verdict; its numbers of activities and IUs count from 0
     #[arg(long)]
     pub json: bool,
+    /// Show times of day in UTC instead of local time
+    #[arg(long)]
+    pub utc: bool,
     /// Show only anomalies and what could not be judged
     #[arg(long)]
     pub nok: bool,
@@ -126,6 +129,17 @@ pub struct Status {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
+    /// Show times of day in UTC instead of local time
+    #[arg(long)]
+    pub utc: bool,
+}
+
+/// `andond explain`
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// Codes, as AND-307, and-307 or 307; without any, all codes are listed
+    #[arg(value_name = "CODE")]
+    pub codes: Vec<String>,
 }
 
 /// `andond history`
@@ -137,9 +151,9 @@ pub struct History {
     /// Show only what was decided after this time (RFC 3339) or within this span before now (`90m`, `8h`, `7d`)
     #[arg(long)]
     pub since: Option<String>,
-    /// Show only the job with this number
-    #[arg(long)]
-    pub job: Option<u32>,
+    /// Show only the job with this name or number
+    #[arg(long, value_name = "NAME|NUMBER")]
+    pub job: Option<String>,
     /// Show only the part with this id; an empty one shows what was judged without an id
     #[arg(long, value_name = "ID")]
     pub part: Option<String>,
@@ -149,9 +163,18 @@ pub struct History {
     /// Show who has changed what instead: commands, job loads, configuration, program
     #[arg(long, conflicts_with_all = ["job", "part", "nok"])]
     pub audit: bool,
-    /// Print comma-separated values instead of a table
+    /// Show how many pieces were right, wrong and not judged instead, and by which fault
+    #[arg(long, conflicts_with_all = ["audit", "nok", "csv"])]
+    pub summary: bool,
+    /// Draw the faults by their frequency and the wrong pieces over time into this file
+    #[arg(long, value_name = "FILE.svg", conflicts_with_all = ["audit", "nok", "csv"])]
+    pub plot: Option<PathBuf>,
+    /// Print comma-separated values instead of a table; times are in UTC, and activities and IUs count from 0
     #[arg(long)]
     pub csv: bool,
+    /// Show times in UTC instead of local time
+    #[arg(long)]
+    pub utc: bool,
 }
 
 /// `andond backup`

@@ -14,7 +14,7 @@ use std::path::Path;
 /// the path of a Unix socket has at most 108 (unix(7)).
 pub(super) const ROOT_CHARACTERS: usize = 60;
 
-/// Whether the files that the tools make, the job and the calibration, must exist.
+/// Whether the files that the tools make, the job and the calibration, must exist, and with them the recording that the station plays.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Learned {
     /// They must exist.
@@ -35,7 +35,7 @@ pub(super) fn check(
     if learned == Learned::Needed {
         checks.learned(config);
     }
-    checks.camera(config);
+    checks.camera(config, learned);
     checks.objects(config);
     checks.method(config);
     checks.plc(config);
@@ -112,10 +112,12 @@ impl Checks<'_> {
         }
     }
 
-    fn camera(&mut self, config: &Config) {
+    fn camera(&mut self, config: &Config, learned: Learned) {
         let Camera { source, speed, repeat, depth, .. } = config.camera;
         match &config.camera.path {
-            Some(path) if !source.is_live() => self.exists("camera.path", path, source == Source::Images),
+            Some(path) if !source.is_live() && learned == Learned::Needed => {
+                self.exists("camera.path", path, source == Source::Images);
+            }
             None if !source.is_live() => {
                 self.fault("camera.path", &["camera.source"], "is missing; this source needs one".into());
             }

@@ -86,7 +86,8 @@ impl Config {
         Self::read(paths, Learned::Needed)
     }
 
-    /// As [`Config::load`], for the tools that make the job or the calibration: neither needs to exist yet.
+    /// As [`Config::load`], for the tools that make the job or the calibration, or read recordings of their own: neither those nor the
+    /// station's own recording need to exist yet.
     ///
     /// # Errors
     /// As [`Config::load`].

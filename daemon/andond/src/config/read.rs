@@ -178,7 +178,8 @@ impl<'d> Reader<'d> {
                     fault.likely = raw
                         .as_str()
                         .and_then(|word| most_alike(word, T::words().into_iter()))
-                        .map(|word| format!("{word:?}"));
+                        .map(|word| format!("{word:?}"))
+                        .or_else(|| T::meant(raw, limit));
                     self.faults.push(fault);
                 }
             }

@@ -22,6 +22,11 @@ pub(super) trait Value: Sized {
     /// The value as TOML.
     fn write(&self) -> String;
 
+    /// What was probably meant by a value that is not allowed.
+    fn meant(_raw: &DeValue<'_>, _limit: &Self::Limit) -> Option<String> {
+        None
+    }
+
     /// All words that are allowed, where the value is one of several words.
     fn words() -> Vec<&'static str> {
         Vec::new()
@@ -33,17 +38,25 @@ pub(super) struct Within<T> {
     min: T,
     max: T,
     unit: &'static str,
+    /// Why it begins where it begins, if that is a surprise.
+    reason: &'static str,
 }
 
 /// From `min` to `max`, both included.
 pub(super) fn within<T>(min: T, max: T, unit: &'static str) -> Within<T> {
-    Within { min, max, unit }
+    Within { min, max, unit, reason: "" }
+}
+
+/// As [`within`], for a count that begins at `min` for this reason.
+pub(super) fn counted_within<T>(min: T, max: T, reason: &'static str) -> Within<T> {
+    Within { min, max, unit: "", reason }
 }
 
 impl<T: Debug + PartialOrd> Within<T> {
     fn describe(&self, kind: &str) -> String {
         let space = if self.unit.is_empty() { "" } else { " " };
-        format!("{kind} from {:?} to {:?}{space}{}", self.min, self.max, self.unit)
+        let reason = if self.reason.is_empty() { String::new() } else { format!(" ({})", self.reason) };
+        format!("{kind} from {:?} to {:?}{space}{}{reason}", self.min, self.max, self.unit)
     }
 
     fn hold(&self, value: T) -> Option<T> {
@@ -86,6 +99,13 @@ impl Value for f32 {
             (integer.radix() == 10).then(|| integer.as_str())
         })?;
         limit.hold(text.parse().ok()?)
+    }
+
+    /// Lengths are in metres; who writes them in millimetres is shown what they are.
+    fn meant(raw: &DeValue<'_>, limit: &Self::Limit) -> Option<String> {
+        let millimetres = Self::read(raw, &within(limit.max, f32::MAX, ""), Path::new(""))?;
+        let metres = limit.hold(millimetres / 1000.0).filter(|_| limit.unit == "m")?;
+        Some(metres.to_string())
     }
 
     fn write(&self) -> String {

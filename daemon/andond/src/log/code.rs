@@ -188,8 +188,21 @@ table! {
         "Correct what is listed; `andond check -c FILE` checks a file without starting anything";
     WARN 802 CONFIGURATION_CHANGED: "the configuration files have changed since the line started, and the changes are not in force yet",
         "Check them with `andond check -c FILE`, then restart the station's target when no job is running: `systemctl restart andon@NAME.target`";
-    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration cannot be saved: a role that restarts will read the files as they are at that time",
+    WARN 803 CONFIGURATION_NOT_KEPT: "the line's configuration, or the job that a command has loaded, cannot be saved: a role that restarts will begin with what the files say at that time",
         "Make room in the file system of station.root, and restart the station's target";
+}
+
+/// The code with this number.
+#[must_use]
+pub fn of_number(number: u32) -> Option<&'static Code> {
+    ALL.iter().copied().find(|code| code.number == number)
+}
+
+/// The group of a number: the place where a technician looks first.
+#[must_use]
+pub fn group(number: u32) -> &'static str {
+    let group = GROUPS.iter().find(|(first, _)| (*first..first + 100).contains(&number));
+    group.map_or("", |(_, title)| title)
 }
 
 /// The index page, `daemon/andond/CODES.md`. The test that holds the page against the table is its only caller.

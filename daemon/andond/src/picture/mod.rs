@@ -3,5 +3,9 @@
 mod annotator;
 mod assumed;
 mod canvas;
+mod panel;
+mod steps;
+mod still;
 
 pub use annotator::{AnnotateError, Annotator, END_S};
+pub use still::{Marked, with_residuals, with_seen};

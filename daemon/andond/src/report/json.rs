@@ -5,7 +5,7 @@ use andon_core::verdict::{BrokenOrder, Level, Measure, Measured, Reason, Verdict
 use serde::Serialize;
 use shm_schemas::{PartId, verdict_kind};
 
-use super::words::Names;
+use super::Names;
 use crate::wire::verdict::{level, measure, note, order_fault, outcome, reason};
 
 /// Seconds on the recording's own time.
@@ -59,7 +59,7 @@ impl MeasureLine {
     }
 }
 
-/// One verdict.
+/// One verdict. Its numbers of activities and IUs count from 0, as in CSV and on the registers.
 #[derive(Debug, Serialize)]
 pub struct VerdictLine {
     seq: u64,
@@ -77,6 +77,8 @@ pub struct VerdictLine {
     #[serde(skip_serializing_if = "Option::is_none")]
     captured_percent: Option<u8>,
     nearest: Option<u16>,
+    /// The name of the step that `nearest` is.
+    step: Option<String>,
     /// What was expected instead, and what came, by the names of parts and steps.
     expected: Option<String>,
     got: Option<String>,
@@ -109,6 +111,10 @@ impl VerdictLine {
             threshold: number(verdict.threshold),
             captured_percent: verdict.captured_percent.filter(|_| verdict.reason == Reason::Overload),
             nearest: verdict.nearest,
+            step: verdict
+                .nearest
+                .and_then(|step| names.steps().get(usize::from(step)))
+                .map(|step| step.name.clone()),
             expected: names.expected(verdict),
             got: names.got(verdict),
             measures: verdict.measured.map(MeasureLine::new),
@@ -208,7 +214,7 @@ mod tests {
                 .unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"expected":"step 2","got":"polisher at brick","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"step":null,"expected":"step 2","got":"polisher at brick","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
     }
 

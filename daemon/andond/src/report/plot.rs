@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use andon_core::couple::{Context, Couple, Sight};
 
-use super::words::Names;
+use super::Names;
 
 /// A stretch of time with a label.
 #[derive(Clone, Debug)]
@@ -223,7 +223,8 @@ fn draw_legend(out: &mut String, y: f64) -> f64 {
     y + 24.0
 }
 
-fn text(out: &mut String, x: f64, y: f64, anchor: &str, weight: &str, label: &str) {
+/// Writes a text.
+pub(crate) fn text(out: &mut String, x: f64, y: f64, anchor: &str, weight: &str, label: &str) {
     let _ = writeln!(
         out,
         "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-weight=\"{weight}\">{}</text>",
@@ -231,7 +232,8 @@ fn text(out: &mut String, x: f64, y: f64, anchor: &str, weight: &str, label: &st
     );
 }
 
-fn rectangle(out: &mut String, x: f64, y: f64, width: f64, height: f64, colour: &str, tip: &str) {
+/// Draws a rectangle with a tool tip.
+pub(crate) fn rectangle(out: &mut String, x: f64, y: f64, width: f64, height: f64, colour: &str, tip: &str) {
     let _ = writeln!(
         out,
         "<rect x=\"{x:.1}\" y=\"{y:.1}\" width=\"{width:.1}\" height=\"{height:.1}\" fill=\"{colour}\"><title>{}</title></rect>",

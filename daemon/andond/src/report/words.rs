@@ -1,286 +1,251 @@
-//! Verdicts as sentences for a technician.
-
-use std::collections::HashMap;
+//! Verdicts as sentences for a technician: what was expected and what came, by the names of parts and steps. People count from 1.
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Reason, Verdict};
-use andon_learn::job_file::JobFile;
-use andon_learn::recording::NamedObject;
+use andon_core::verdict::{BrokenOrder, Level, Measured, Note, OrderFault, Outcome, Reason, Verdict};
 
+use super::Names;
 use crate::wire::verdict::measured_words;
 
-/// Names of the objects, by id, and of the steps of the job, by the number of the activity.
-#[derive(Clone, Debug, Default)]
-pub struct Names {
-    objects: HashMap<u16, String>,
-    steps: Vec<Step>,
-}
-
-/// A step of the job: its name, and the contexts of its IUs as most runs have them.
-#[derive(Clone, Debug, Default)]
-struct Step {
-    name: String,
-    contexts: Vec<Context>,
-}
-
-impl Names {
-    /// Names by id; an object without a name is called by its number.
-    pub fn new(names: impl IntoIterator<Item = (u16, String)>) -> Self {
-        Self { objects: names.into_iter().collect(), steps: Vec::new() }
-    }
-
-    /// The names of a job: its objects, and its steps, which are otherwise called by their numbers.
-    pub fn of_job(job: &JobFile) -> Self {
-        let step = |number: usize| Step { name: job.step_name(number), contexts: job.step_contexts(number) };
-        let steps = (0..job.steps.len()).map(step).collect();
-        Self { steps, ..Self::of_objects(&job.objects) }
-    }
-
-    /// The step that an activity of the job is, counted from 1.
-    fn step(&self, activity: u16) -> String {
-        let name = self.steps.get(usize::from(activity)).map(|step| format!(" ({})", step.name));
-        format!("step {}{}", activity + 1, name.unwrap_or_default())
-    }
-
-    /// What was expected instead of what a verdict is about: another step, or another context within the nearest one.
-    pub fn expected(&self, verdict: &Verdict) -> Option<String> {
-        match (verdict.outcome, verdict.broken) {
-            (Outcome::Anomaly, Some(BrokenOrder { fault, activity, .. })) => {
-                matches!(fault, OrderFault::NotBegun | OrderFault::NotEnded).then(|| self.step(activity))
-            }
-            (Outcome::Anomaly, None) => {
-                let nearest = verdict.nearest?;
-                let contexts = self.steps.get(usize::from(nearest)).map(|step| &step.contexts);
-                let context = contexts.zip(verdict.iu).and_then(|(all, iu)| all.get(usize::from(iu)));
-                let other = context.filter(|context| **context != verdict.context);
-                Some(other.map_or_else(|| self.step(nearest), |context| self.context(*context)))
-            }
-            _ => None,
-        }
-    }
-
-    /// What came, in words; a job is more than a few words can say.
-    pub fn got(&self, verdict: &Verdict) -> Option<String> {
-        (verdict.level != Level::Job).then(|| self.context(verdict.context))
-    }
-
-    /// The names in the head of a recording, or in a job file.
-    pub fn of_objects(objects: &[NamedObject]) -> Self {
-        Self::new(objects.iter().map(|object| (object.shape.id, object.name.clone())))
-    }
-
-    /// The name of object `id`.
-    pub fn object(&self, id: u16) -> String {
-        self.objects
-            .get(&id)
-            .filter(|name| !name.is_empty())
-            .cloned()
-            .unwrap_or_else(|| format!("object {id}"))
-    }
-
-    /// A context in words: which object is in which hand, or at which other object.
-    pub fn context(&self, context: Context) -> String {
-        match context.0 {
-            [0, 0, 0, 0] => "idle".into(),
-            [0, 0, j, l] => format!("{} left at {}", self.object(j), self.object(l)),
-            [_, j, _, 0] => format!("{} in hand", self.object(j)),
-            [_, j, _, l] => format!("{} at {}", self.object(j), self.object(l)),
-        }
-    }
-}
-
-/// One line: the time, the hand, the outcome, what was judged, and why.
-pub fn verdict_sentence(verdict: &Verdict, names: &Names) -> String {
-    let activity = verdict.activity + 1;
-    let context = || names.context(verdict.context);
-    let level = match verdict.level {
-        Level::Iu => format!("activity {activity} IU {} ({})", verdict.iu.map_or(0, |iu| iu + 1), context()),
-        Level::Activity => format!("activity {activity} ({})", context()),
-        Level::Job => "job".to_string(),
-    };
-    let hand = verdict.side.map_or("", Side::name);
-    let outcome = match verdict.outcome {
+/// The outcome as people read it.
+pub const fn outcome_word(outcome: Outcome) -> &'static str {
+    match outcome {
         Outcome::Ok => "ok",
         Outcome::Anomaly => "ANOMALY",
         Outcome::NotJudged => "NOT JUDGED",
-    };
-    let mut line = format!("{:7.2} s  {hand:5}  {outcome:10}  {level}", verdict.decided_ns as f64 / 1e9);
-    if let Some(why) = because(verdict, names) {
-        line += &format!(": {why}");
-    }
-    if let Some(note) = verdict.note {
-        line += &format!("; not shown before: {}, was it right?", note_words(note));
-    }
-    if verdict.early {
-        line += ", decided early";
-    }
-    line
-}
-
-const fn note_words(note: Note) -> &'static str {
-    match note {
-        Note::Order => "this order",
-        Note::Again => "the same step again",
-        Note::OtherHand => "the other hand",
-        Note::Step => "a step with these parts",
     }
 }
 
-fn broken_words(BrokenOrder { fault, activity, runs }: BrokenOrder, names: &Names) -> String {
-    let other = names.step(activity);
-    match fault {
-        OrderFault::NotBegun => {
-            format!("it began before {other} had begun; in all {runs} runs it came after")
+/// One line without its time: the hand, the outcome, what was judged, and why.
+pub fn verdict_sentence(verdict: &Verdict, names: &Names) -> String {
+    let hand = verdict.side.map_or("", Side::name);
+    let outcome = outcome_word(verdict.outcome);
+    let why = because(verdict, names).map(|why| format!(": {why}")).unwrap_or_default();
+    format!("{hand:5}  {outcome:10}  {}{why}", what(verdict, names))
+}
+
+/// What is judged: the step, counted from 1, the IU in it, and what was done.
+fn what(verdict: &Verdict, names: &Names) -> String {
+    let step = verdict.nearest.map_or("other step".to_owned(), |step| format!("step {}", step + 1));
+    let done = || names.context(verdict.context);
+    match (verdict.level, verdict.nearest) {
+        (Level::Job, _) => "job".to_owned(),
+        (Level::Activity, Some(nearest)) => names.step(nearest),
+        (Level::Activity, None) => format!("{step} ({})", done()),
+        (Level::Iu, _) => {
+            let place = format!("{step} IU {}", verdict.iu.map_or(0, |iu| iu + 1));
+            // What was done instead of something else is said with that.
+            if is_instead(verdict) && names.expected(verdict).is_some() {
+                place
+            } else {
+                format!("{place}: {}", done())
+            }
         }
-        OrderFault::NotEnded => {
-            format!("it began before {other} had ended; in all {runs} runs it came after")
-        }
-        OrderFault::TooLate => format!("it began after {other}; in all {runs} runs it came before"),
-        OrderFault::Again => format!("{other} was done already; in all {runs} runs it came once"),
     }
 }
 
-/// Why: the rule, or the measure that says it better.
-fn because(verdict: &Verdict, names: &Names) -> Option<String> {
+/// Whether something else was done than was expected, which is more than that it was done otherwise.
+fn is_instead(verdict: &Verdict) -> bool {
+    verdict.outcome == Outcome::Anomaly
+        && verdict.broken.is_none()
+        && verdict.measured.is_none()
+        && matches!(verdict.reason, Reason::WrongObject | Reason::WrongOrder)
+}
+
+/// Why, or what is to be looked at; `None` of what is simply right.
+pub(super) fn because(verdict: &Verdict, names: &Names) -> Option<String> {
     let measured = verdict.measured.map(|measured| measured_words(measured).to_string());
-    match (verdict.outcome, rule(verdict, names), measured) {
+    let rule = rule(verdict, names);
+    let why = match (verdict.outcome, rule, measured) {
         (Outcome::NotJudged, Some(rule), Some(measured)) => Some(format!("{rule}; measured: {measured}")),
         (_, rule, measured) => measured.or(rule),
+    };
+    // The fault of a job is that of one of its steps.
+    let of_step = verdict.nearest.filter(|_| verdict.level == Level::Job && verdict.broken.is_none());
+    let why = match (why, of_step) {
+        (Some(why), Some(step)) if verdict.reason != Reason::NotCompleted => {
+            Some(format!("{}: {why}", names.step(step)))
+        }
+        (why, _) => why,
+    };
+    let note = verdict.note.map(|note| format!("{}; was it right?", note_words(note, verdict.side)));
+    match (why, note) {
+        (Some(why), Some(note)) => Some(format!("{why}; {note}")),
+        (why, note) => why.or(note),
+    }
+}
+
+fn note_words(note: Note, side: Option<Side>) -> String {
+    let other = match side {
+        Some(Side::Right) => "right hand, shown with the left",
+        Some(Side::Left) => "left hand, shown with the right",
+        None => "a step with the other hand than shown",
+    };
+    match note {
+        Note::Order => "in an order that was not shown",
+        Note::Again => "a step done again, shown once",
+        Note::OtherHand => other,
+        Note::Step => "a step that was not shown, with parts of the job",
+    }
+    .to_owned()
+}
+
+fn broken_words(broken: BrokenOrder, verdict: &Verdict, names: &Names) -> String {
+    let BrokenOrder { fault, activity, runs } = broken;
+    let other = names.step(activity);
+    // A job has no place of its own: it names the step that broke the order.
+    let own = verdict.nearest.filter(|_| verdict.level == Level::Job);
+    let own = own.map(|step| format!("{} ", names.step(step))).unwrap_or_default();
+    let all = if runs == 1 { "the one run".to_owned() } else { format!("all {runs} runs") };
+    match fault {
+        OrderFault::NotBegun => format!("{own}came before {other}; shown after it in {all}"),
+        OrderFault::NotEnded => {
+            format!("{own}began before {other} had ended; shown after its end in {all}")
+        }
+        OrderFault::TooLate => format!("{own}came after {other}; shown before it in {all}"),
+        OrderFault::Again if own.is_empty() => format!("done again; shown once in {all}"),
+        OrderFault::Again => format!("{other} done again; shown once in {all}"),
     }
 }
 
 /// The rule that decided.
 fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
-    let near =
-        verdict.nearest.map(|nearest| format!(" of nominal activity {}", nearest + 1)).unwrap_or_default();
-    let instead = names.expected(verdict).map(|other| format!(", expected {other}")).unwrap_or_default();
     Some(match verdict.reason {
         Reason::None => return None,
-        Reason::WrongObject => format!("this object does not belong here{instead}"),
-        Reason::WrongOrder => match verdict.broken {
-            Some(broken) => broken_words(broken, names),
-            None => format!("not now: it belongs elsewhere in the job{instead}"),
+        Reason::WrongObject | Reason::WrongOrder => match (verdict.broken, instead(verdict, names)) {
+            (Some(broken), _) => broken_words(broken, verdict, names),
+            (None, Some(instead)) => instead,
+            (None, None) if verdict.reason == Reason::WrongObject => {
+                "this part is not in the job here".to_owned()
+            }
+            (None, None) => "not now: its place is elsewhere in the job".to_owned(),
         },
         Reason::Motion => match (verdict.distance, verdict.threshold) {
             (Some(distance), Some(threshold)) => {
-                format!("{}: distance {distance:.2} over {threshold:.2}", motion_words(&near))
+                format!(
+                    "the motion differs from what was shown (distance {distance:.2}, at most {threshold:.2})"
+                )
             }
-            _ => motion_words(&near),
+            _ => "the motion differs from what was shown".to_owned(),
         },
-        Reason::TooShort => format!("cut short against the demonstrations{near}"),
-        Reason::TooLong => format!("longer than in any demonstration{near}"),
+        Reason::TooShort => "shorter than in any run that was shown".to_owned(),
+        Reason::TooLong => "longer than in any run that was shown".to_owned(),
         Reason::NotCompleted if verdict.level == Level::Job => match verdict.nearest {
             Some(nearest) => format!("ended without {}", names.step(nearest)),
-            None => "ended before its last step".into(),
+            None => "ended before its last step".to_owned(),
         },
-        Reason::NotCompleted => "ended before its last part".into(),
-        Reason::Unknown => "nothing to compare it with".into(),
-        Reason::Blind => "the hand or the part was out of sight for too long".into(),
+        Reason::NotCompleted => "ended before its last IU".to_owned(),
+        Reason::Unknown => "nothing to compare it with".to_owned(),
+        Reason::Blind => "the hand or the part was out of sight for too long".to_owned(),
         Reason::Overload => match verdict.captured_percent {
             Some(percent) if percent < 100 => {
                 format!("only {percent} of 100 frames came, fewer than the job needs")
             }
-            Some(_) => "it lasted longer than can be compared".into(),
-            None => "fewer frames came than the job needs, or a step was too long".into(),
+            Some(_) => "it lasted longer than can be compared".to_owned(),
+            None => "fewer frames came than the job needs, or a step was too long".to_owned(),
         },
     })
 }
 
-/// `near` names the activity that comes nearest, if there is one.
-fn motion_words(near: &str) -> String {
-    if near.is_empty() { "the motion differs".into() } else { format!("the motion differs from that{near}") }
+/// What was done, and what was expected instead.
+fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
+    let expected = names.expected(verdict)?;
+    let other = verdict.nearest.and_then(|step| names.nominal(step, verdict.iu));
+    let got = verdict.context;
+    Some(match (got.0, other.map(|other| other.0)) {
+        _ if verdict.level != Level::Iu => format!("expected {expected}"),
+        // The same parts in the other hand.
+        ([hand, a, b, c], Some([shown, d, e, f])) if [a, b, c] == [d, e, f] && hand != shown => {
+            let of = |hand: u16| if hand == Side::Left as u16 { Side::Left } else { Side::Right };
+            format!("{}, {} hand; shown with the {}", names.context(got), of(hand).name(), of(shown).name())
+        }
+        ([1 | 2, part, 0, 0], Some([1 | 2, other, 0, 0])) => {
+            format!("took {}; expected {}", names.the(part), names.the(other))
+        }
+        ([1 | 2, part, _, at @ (1..)], Some([1 | 2, shown, _, place @ (1..)])) if part == shown => {
+            format!("{} at {}; expected at {}", names.the(part), names.the(at), names.the(place))
+        }
+        _ => format!("{}; expected {expected}", names.context(got)),
+    })
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use andon_core::verdict::{Measure, Measured};
-
-    #[test]
-    fn a_sentence_names_the_parts_the_rule_and_the_figures() {
-        let names = Names::new([(5, "polisher".to_string()), (6, "brick".to_string())]);
-        let verdict = Verdict {
-            level: Level::Iu,
-            outcome: Outcome::Anomaly,
-            reason: Reason::Motion,
-            side: Some(Side::Right),
-            nearest: Some(0),
-            activity: 0,
-            iu: Some(1),
-            context: Context([1, 5, 5, 6]),
-            distance: Some(3.5),
-            threshold: Some(2.25),
-            captured_percent: Some(100),
-            measured: None,
-            broken: None,
-            note: None,
-            early: true,
-            began_ns: 0,
-            ended_ns: 1_000_000_000,
-            decided_ns: 1_250_000_000,
-        };
-        assert_eq!(
-            verdict_sentence(&verdict, &names),
-            "   1.25 s  right  ANOMALY     activity 1 IU 2 (polisher at brick): the motion differs from that of nominal activity 1: \
-             distance 3.50 over 2.25, decided early"
-        );
-        let strokes = Measured { measure: Measure::Strokes, value: 4.0, shown_min: 6.0, shown_max: 6.0 };
-        let short = Verdict { reason: Reason::TooShort, measured: Some(strokes), early: false, ..verdict };
-        let start = "   1.25 s  right  ANOMALY     activity 1 IU 2 (polisher at brick): ";
-        assert_eq!(verdict_sentence(&short, &names), format!("{start}4 strokes, shown 6 to 6"));
-        let unjudged = Verdict { outcome: Outcome::NotJudged, reason: Reason::Blind, ..short };
-        assert_eq!(
-            verdict_sentence(&unjudged, &names),
-            "   1.25 s  right  NOT JUDGED  activity 1 IU 2 (polisher at brick): the hand or the part was out of sight for too \
-             long; measured: 4 strokes, shown 6 to 6"
-        );
-        let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 0, runs: 6 };
-        let contexts = vec![Context([2, 5, 0, 0]), Context([2, 5, 5, 6])];
-        let names = Names { steps: vec![Step { name: "left hand: box".to_string(), contexts }], ..names };
-        let order = Verdict {
-            level: Level::Activity,
-            reason: Reason::WrongOrder,
-            broken: Some(broken),
-            early: false,
-            ..verdict
-        };
-        assert_eq!(
-            verdict_sentence(&order, &names),
-            "   1.25 s  right  ANOMALY     activity 1 (polisher at brick): it began before step 1 (left hand: box) had ended; \
-             in all 6 runs it came after"
-        );
-        let elsewhere = Verdict { level: Level::Iu, reason: Reason::WrongObject, broken: None, ..order };
-        assert_eq!(
-            verdict_sentence(&Verdict { context: Context([1, 9, 0, 0]), ..elsewhere }, &names),
-            "   1.25 s  right  ANOMALY     activity 1 IU 2 (object 9 in hand): this object does not belong here, expected \
-             polisher at brick"
-        );
-        let ended = Verdict { level: Level::Job, reason: Reason::NotCompleted, iu: None, ..elsewhere };
-        assert_eq!(
-            verdict_sentence(&ended, &names),
-            "   1.25 s  right  ANOMALY     job: ended without step 1 (left hand: box)"
-        );
-        assert_eq!(
-            (names.expected(&ended).as_deref(), names.got(&ended)),
-            (Some("step 1 (left hand: box)"), None)
-        );
-        let noted = Verdict {
-            level: Level::Job,
-            outcome: Outcome::Ok,
-            reason: Reason::None,
-            note: Some(Note::Again),
-            ..order
-        };
-        let noted = Verdict { side: None, broken: None, ..noted };
-        assert_eq!(
-            verdict_sentence(&noted, &names),
-            "   1.25 s         ok          job; not shown before: the same step again, was it right?"
-        );
+impl Names {
+    /// What was expected instead of what a verdict is about: a measure, another step, or another context within the nearest one.
+    pub fn expected(&self, verdict: &Verdict) -> Option<String> {
+        let broken = verdict.broken;
+        match verdict.outcome {
+            Outcome::Anomaly if broken.is_some() => {
+                let BrokenOrder { fault, activity, .. } = broken?;
+                matches!(fault, OrderFault::NotBegun | OrderFault::NotEnded).then(|| self.step(activity))
+            }
+            Outcome::Anomaly if verdict.measured.is_some() => verdict.measured.map(|of| measure(of).1),
+            Outcome::Anomaly => {
+                let nearest = verdict.nearest?;
+                let context = self.nominal(nearest, verdict.iu);
+                let other = context.filter(|context| *context != verdict.context);
+                Some(other.map_or_else(|| self.step(nearest), |context| self.context(context)))
+            }
+            _ => None,
+        }
     }
 
-    #[test]
-    fn an_object_without_a_name_is_called_by_its_number() {
-        assert_eq!(Names::default().context(Context([0, 0, 6, 3])), "object 6 left at object 3");
+    /// What came, in words; a job is more than a few words can say, unless something was measured.
+    pub fn got(&self, verdict: &Verdict) -> Option<String> {
+        let measured = verdict.measured.filter(|_| verdict.outcome == Outcome::Anomaly);
+        let done = (verdict.level != Level::Job).then(|| self.context(verdict.context));
+        measured.map(|of| measure(of).0).or(done)
     }
+
+    /// What went wrong in a step, without figures, so that the same fault has the same words; `None` of what is right.
+    pub fn fault(&self, verdict: &Verdict) -> Option<String> {
+        use andon_core::verdict::Measure;
+        let kind = match (verdict.reason, verdict.measured.map(|of| (of.measure, of.value < of.shown_min))) {
+            (Reason::None, _) => return None,
+            (_, Some((Measure::Duration, true))) => "too short",
+            (_, Some((Measure::Duration, false))) => "too long",
+            (_, Some((Measure::Strokes, true))) => "too few strokes",
+            (_, Some((Measure::Strokes, false))) => "too many strokes",
+            (_, Some((Measure::StrokeLength, true))) => "strokes too small",
+            (_, Some((Measure::StrokeLength, false))) => "strokes too large",
+            (_, Some((Measure::Path, _))) => "another path",
+            (_, Some((Measure::Direction, _))) => "another direction",
+            (_, Some((Measure::Place, _))) => "another place",
+            (Reason::WrongObject, _) => "wrong part",
+            (Reason::WrongOrder, _) => "wrong order",
+            (Reason::Motion, _) => "another motion",
+            (Reason::TooShort, _) => "too short",
+            (Reason::TooLong, _) => "too long",
+            (Reason::NotCompleted, _) if verdict.level == Level::Job => "left out",
+            (Reason::NotCompleted, _) => "not completed",
+            (Reason::Unknown, _) => "nothing to compare it with",
+            (Reason::Blind, _) => "out of sight",
+            (Reason::Overload, _) => "too few frames",
+        };
+        Some(match verdict.nearest {
+            Some(step) => format!("{}: {kind}", self.step(step)),
+            None => kind.to_owned(),
+        })
+    }
+}
+
+/// A measure that is out of its bounds: what came and what was shown, each with its unit.
+fn measure(measured: Measured) -> (String, String) {
+    use andon_core::verdict::Measure;
+    let words = measured_words(measured).to_string();
+    let (got, shown) = words.split_once(", shown ").unwrap_or((&words, ""));
+    match measured.measure {
+        Measure::Strokes => (got.to_owned(), format!("{shown} strokes")),
+        Measure::Direction => (got.to_owned(), format!("{shown} degrees")),
+        // The length of the way is in parentheses there.
+        Measure::Path => {
+            let got = got.split_once(" (").map_or(got, |(off, _)| off);
+            (got.to_owned(), format!("a path of {}", shown.trim_end_matches(')')))
+        }
+        Measure::Duration | Measure::StrokeLength | Measure::Place => (got.to_owned(), shown.to_owned()),
+    }
+}
+
+/// Whether a context says that a hand has something.
+pub fn acts(context: Context) -> bool {
+    context.0 != [0; 4]
 }

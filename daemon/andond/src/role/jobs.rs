@@ -1,11 +1,14 @@
 //! The job files of a station, and which of them a command means.
 
+use std::ffi::OsString;
+use std::os::unix::ffi::OsStringExt as _;
 use std::path::{Path, PathBuf};
 
 use andon_learn::job_file::JobFile;
 use shm_schemas::{Judging, Refusal};
 
 use super::RoleError;
+use crate::atomic;
 use crate::compatibility;
 use crate::config::Config;
 use crate::log::{code, log};
@@ -16,6 +19,33 @@ pub(super) struct Wanted {
     pub(super) job_id: u32,
     /// The version; 0 accepts any.
     pub(super) model_hash: u64,
+}
+
+/// The file in the station's directory that names the job that a command has loaded: a judge that starts again goes on with it. The next line
+/// begins with what its configuration says.
+const CHOICE: &str = "job";
+
+/// Keeps the job that a command has loaded.
+pub(super) fn choose(config: &Config, path: &Path) {
+    let choice = config.root().join(CHOICE);
+    let kept = std::path::absolute(path)
+        .and_then(|path| atomic::write(&choice, path.as_os_str().as_encoded_bytes()));
+    if let Err(error) = kept {
+        log!(code::CONFIGURATION_NOT_KEPT, "{}: {error}", choice.display());
+    }
+}
+
+/// The job that a command has loaded in this line, if it can still be used.
+pub(super) fn chosen(config: &Config) -> Option<PathBuf> {
+    let bytes = std::fs::read(config.root().join(CHOICE)).ok()?;
+    let path = PathBuf::from(OsString::from_vec(bytes));
+    load(&path, config).is_ok().then_some(path)
+}
+
+/// The line ends: the next one begins with the job of its configuration.
+pub(super) fn forget_choice(config: &Config) {
+    // It is not there where no command has loaded a job, and what cannot be removed now is swept away by the next steward that is alone.
+    let _ = std::fs::remove_file(config.root().join(CHOICE));
 }
 
 /// Reads a job file that this station can judge by.
@@ -100,15 +130,13 @@ impl Search {
     fn new(config: &Config, wanted: Wanted) -> Self {
         let mut search = Self::default();
         let folder = &config.station.jobs;
-        let paths = match job_files(folder) {
-            Ok(paths) => paths,
-            Err(error) => {
-                search.skipped.push(format!("{}: {error}", folder.display()));
-                return search;
-            }
-        };
-        for path in paths {
-            search.look_at(path, config, wanted);
+        match job_files(folder) {
+            Ok(paths) => paths.into_iter().for_each(|path| search.look_at(path, config, wanted)),
+            Err(error) => search.skipped.push(format!("{}: {error}", folder.display())),
+        }
+        // That of the configuration may lie elsewhere.
+        if let Some(path) = config.station.job.as_ref().filter(|_| search.found.is_empty()) {
+            search.look_at(path.clone(), config, wanted);
         }
         search
     }

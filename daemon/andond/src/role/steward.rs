@@ -9,6 +9,7 @@ use super::PATIENCE;
 use super::RoleError;
 use super::audit::Auditor;
 use super::cycle::{Cycle, Role, Turn};
+use super::jobs;
 use crate::config::Config;
 use crate::log::{code, log};
 use crate::taken;
@@ -63,6 +64,7 @@ impl Role for Reaper<'_> {
     /// A line that is ended in good order begins the next time with the files as they are then.
     fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         taken::forget(self.config);
+        jobs::forget_choice(self.config);
         Ok(())
     }
 }

@@ -194,6 +194,7 @@ mod tests {
             is_captured: true,
             has_moved_unseen: false,
             is_carried_unseen: false,
+            is_bench_hidden: false,
             undone: ActivitySet::EMPTY,
             hands: [Couple::idle(Side::Right, at_ns), left],
         }

@@ -2,11 +2,10 @@
 
 use andon_learn::analysis::{Analysis, Kind, Order, report, selection};
 use andon_learn::experiment::experiment_1;
-use andon_learn::folder::Labelled;
 use andon_learn::teach::TeachOptions;
 
-use super::experiment::{SEED, is_experiment_1, method, percent_bar, read};
-use super::{ToolError, cannot_write};
+use super::experiment::{SEED, is_experiment_1, percent_bar};
+use super::{ToolError, cannot_write, labelled};
 use crate::cli::Analyze;
 use crate::exit::Code;
 
@@ -15,8 +14,7 @@ use crate::exit::Code;
 /// # Errors
 /// A folder without recordings, a damaged one, or a report that cannot be written.
 pub fn run(arguments: &Analyze) -> Result<Code, ToolError> {
-    let method = method(&arguments.recordings)?;
-    let all: Vec<Labelled> = read(&arguments.recordings, &method)?;
+    let (method, all) = labelled::read(&arguments.recordings, &arguments.names, &arguments.config)?;
     let cost = TeachOptions::new("", "", method).cost;
     let bar = percent_bar("clustering");
     let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);

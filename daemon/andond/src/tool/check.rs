@@ -1,6 +1,6 @@
 //! `andond check`: reads the configuration, opens what the roles will open, and reports every fault.
 
-mod neighbours;
+pub(super) mod neighbours;
 
 use std::fmt;
 use std::fs::File;

@@ -10,7 +10,7 @@ use andon_core::{anomaly, couple};
 use andon_journal::JournalError;
 use andon_learn::analysis::AnalysisError;
 use andon_learn::experiment::ExperimentError;
-use andon_learn::folder::FolderError;
+use andon_learn::folder::{FolderError, PatternError};
 use andon_learn::job_file::JobFileError;
 use andon_learn::run::RunError;
 use andon_learn::teach::TeachError;
@@ -20,6 +20,7 @@ use shm_schemas::RoleId;
 
 use super::DEFAULT_CONFIGS;
 use super::check::Unusable;
+use super::markers::LayoutError;
 use super::teach::SourceError;
 use crate::backup::ArchiveError;
 use crate::compatibility::Misfit;
@@ -51,9 +52,52 @@ pub enum ToolError {
         /// What it must be, with an example.
         expected: &'static str,
     },
+    /// A marker of the bench cannot be understood.
+    #[error("--marker {given:?}: {expected}")]
+    Marker {
+        /// What was given.
+        given: String,
+        /// What it must be.
+        expected: String,
+    },
     /// The judge did not take a part id.
     #[error("the part id was not taken: {0}")]
     PartRefused(&'static str),
+    /// The judge does not answer a command.
+    #[error("the judge does not answer: see `andond status`")]
+    NoAnswer,
+    /// The station shows nothing.
+    #[error("no frame comes from the station: see `andond status`")]
+    NoFrames,
+    /// No job of the station has this name or number.
+    #[error(
+        "{wanted}: no job of this name or number is in {}; there {}",
+        folder.display(), listed(names)
+    )]
+    UnknownJob {
+        /// What was given.
+        wanted: String,
+        /// The station's jobs.
+        folder: PathBuf,
+        /// The numbers and names of those that are there.
+        names: Vec<String>,
+    },
+    /// A station loads only the jobs of its folder.
+    #[error("{}: the station loads jobs from {} only: copy it there", path.display(), folder.display())]
+    ForeignJob {
+        /// The job file.
+        path: PathBuf,
+        /// The station's jobs.
+        folder: PathBuf,
+    },
+    /// Several jobs have this name or number.
+    #[error("{wanted}: several jobs are called so: give one of the files {}", files.join(", "))]
+    SeveralJobs {
+        /// What was given.
+        wanted: String,
+        /// Their files.
+        files: Vec<String>,
+    },
     /// A track file was to be annotated.
     #[error("--annotate needs a film: a track file has no pictures")]
     NothingToAnnotate,
@@ -126,6 +170,9 @@ pub enum ToolError {
     /// Nothing can be learned from the runs.
     #[error(transparent)]
     Teach(#[from] TeachError),
+    /// The value of `--names` cannot be understood.
+    #[error("--names: {0}")]
+    Names(PatternError),
     /// A folder of recordings cannot be read.
     #[error(transparent)]
     Folder(#[from] FolderError),
@@ -141,6 +188,25 @@ pub enum ToolError {
     /// A film cannot be drawn on.
     #[error(transparent)]
     Annotate(#[from] AnnotateError),
+    /// The markers cannot be printed.
+    #[error(transparent)]
+    Sheets(#[from] LayoutError),
+    /// A track file was to be looked at.
+    #[error("{}: a track file has no pictures; give a film, a folder of pictures or a picture", .0.display())]
+    NothingToShow(PathBuf),
+    /// No picture came.
+    #[error(
+        "{0}: no picture comes; see `andond check` for a camera, and `andond status` for a running station"
+    )]
+    NothingSeen(String),
+    /// The page cannot be served.
+    #[error("{address}: the page cannot be shown there: {source}; name another port with --page PORT")]
+    Page {
+        /// Where it was to be shown.
+        address: std::net::SocketAddr,
+        /// What the system said.
+        source: io::Error,
+    },
     /// The recording to calibrate from has no picture.
     #[error("{}: there is no picture in it; give one that shows the four markers", .0.display())]
     NoPicture(PathBuf),
@@ -178,9 +244,22 @@ pub enum ToolError {
     /// What the configuration names cannot be used.
     #[error("{0}")]
     Unusable(Unusable),
+    /// No job file of the station has this name.
+    #[error(
+        "{wanted}: no job of the station has this name; there are: {there}; a number works also where the file is gone"
+    )]
+    UnknownJobName {
+        /// The name that was given.
+        wanted: String,
+        /// The names that there are.
+        there: String,
+    },
+    /// A code that does not exist, with what there is instead.
+    #[error("{0}")]
+    UnknownCode(String),
     /// Standard output is closed or full.
     #[error("standard output cannot be written: {0}")]
-    Print(io::Error),
+    Print(#[source] io::Error),
     /// Frames did not reach the recorder.
     #[error("{0} frames were lost: the machine is too busy, and a replay may judge otherwise; record again")]
     Lost(u64),
@@ -232,10 +311,13 @@ impl ToolError {
             | Self::Station(_) => Code::Configuration,
             Self::Ipc(_)
             | Self::Journal(_)
+            | Self::NothingSeen(_)
             | Self::Print(_)
             | Self::Lost(_)
             | Self::Demo { .. }
             | Self::NotUp(_)
+            | Self::NoAnswer
+            | Self::NoFrames
             | Self::PartRefused(_) => Code::Fault,
             Self::RoleEnded { status, .. } if status.code() == Some(Code::Configuration as i32) => {
                 Code::Configuration
@@ -245,6 +327,11 @@ impl ToolError {
             Self::Archive(ArchiveError::Running(_)) => Code::Fault,
             Self::Teach(error) if error.is_of_runs() => Code::Declined,
             Self::Option { .. }
+            | Self::UnknownJob { .. }
+            | Self::ForeignJob { .. }
+            | Self::SeveralJobs { .. }
+            | Self::UnknownCode(_)
+            | Self::UnknownJobName { .. }
             | Self::Archive(_)
             | Self::NothingToAnnotate
             | Self::Read { .. }
@@ -255,15 +342,25 @@ impl ToolError {
             | Self::MixedSpaces(_)
             | Self::Source(_)
             | Self::Teach(_)
+            | Self::Names(_)
             | Self::Folder(_)
             | Self::Experiment(_)
             | Self::Analysis(_)
             | Self::Video(_)
             | Self::Annotate(_)
+            | Self::Sheets(_)
+            | Self::NothingToShow(_)
+            | Self::Page { .. }
+            | Self::Marker { .. }
             | Self::NoPicture(_)
             | Self::Picture { .. }
             | Self::Calibration { .. }
             | Self::SaveCalibration(_) => Code::Usage,
         }
     }
+}
+
+/// What there is instead, in words.
+fn listed(names: &[String]) -> String {
+    if names.is_empty() { "is none".to_owned() } else { format!("are {}", names.join(", ")) }
 }

@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use andon_core::config::Method;
 use andon_learn::experiment::{Ladder, Outcome, Split, Table, Variation, experiment_1, experiment_2};
-use andon_learn::folder::{self, Labelled};
+use andon_learn::folder::Labelled;
 use andon_learn::teach::TeachOptions;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::ToolError;
-use crate::cli::{Cost, Experiment};
+use super::{ToolError, labelled};
+use crate::cli::Experiment;
 use crate::exit::Code;
 
 /// Seed of k-means++ and of the random splits: any will do, and the same folder must give the same figures.
@@ -21,12 +20,12 @@ pub(super) const SEED: u64 = 1;
 /// A folder without the recordings that the experiment needs, a damaged one, or more folders than are used.
 pub fn run(arguments: &Experiment) -> Result<Code, ToolError> {
     let text = match (arguments.number, arguments.ladder, arguments.recordings.as_slice()) {
-        (1, false, [folder]) => first(folder, arguments.cost)?,
+        (1, false, [folder]) => first(folder, arguments)?,
         (2, false, [folder]) => {
             let splits = [Split::Random, Split::LeavePersonOut];
-            Table(second(folder, arguments.cost, Variation::ladder, &splits)?).to_string()
+            Table(second(folder, arguments, Variation::ladder, &splits)?).to_string()
         }
-        (2, true, folders) => ladder(folders, arguments.cost)?,
+        (2, true, folders) => ladder(folders, arguments)?,
         (_, ladder, _) => {
             let expected =
                 "it is for experiment 2, and only it takes several folders: experiment 2 --ladder A B";
@@ -37,10 +36,9 @@ pub fn run(arguments: &Experiment) -> Result<Code, ToolError> {
     Ok(Code::Stopped)
 }
 
-fn first(folder: &Path, cost: Option<Cost>) -> Result<String, ToolError> {
-    let method = method(folder)?;
-    let all = read(folder, &method)?;
-    let cost = cost.map_or(TeachOptions::new("", "", method).cost, |cost| cost.local(method.bins));
+fn first(folder: &Path, arguments: &Experiment) -> Result<String, ToolError> {
+    let (method, all) = labelled::read(folder, &arguments.names, &arguments.config)?;
+    let cost = arguments.cost.map_or(TeachOptions::new("", "", method).cost, |cost| cost.local(method.bins));
     let bar = percent_bar("computing");
     let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
     let result = experiment_1(&all, &method, cost, SEED, &mut progress)?;
@@ -50,14 +48,13 @@ fn first(folder: &Path, cost: Option<Cost>) -> Result<String, ToolError> {
 
 fn second(
     folder: &Path,
-    cost: Option<Cost>,
+    arguments: &Experiment,
     variations: fn(u8) -> Vec<Variation>,
     splits: &[Split],
 ) -> Result<Vec<Outcome>, ToolError> {
-    let method = method(folder)?;
-    let all = read(folder, &method)?;
+    let (method, all) = labelled::read(folder, &arguments.names, &arguments.config)?;
     let mut variations = variations(method.bins);
-    if let Some(cost) = cost {
+    if let Some(cost) = arguments.cost {
         variations = Variation::with_cost(variations, cost.local(method.bins));
     }
     let bar = percent_bar("computing");
@@ -67,27 +64,13 @@ fn second(
     Ok(outcomes)
 }
 
-fn ladder(folders: &[PathBuf], cost: Option<Cost>) -> Result<String, ToolError> {
+fn ladder(folders: &[PathBuf], arguments: &Experiment) -> Result<String, ToolError> {
     let outcomes = |folder: &PathBuf| {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
-        Ok((name, second(folder, cost, Variation::ladder_with_meetings, &[Split::Random])?))
+        Ok((name, second(folder, arguments, Variation::ladder_with_meetings, &[Split::Random])?))
     };
     let folders = folders.iter().map(outcomes).collect::<Result<_, ToolError>>()?;
     Ok(Ladder(folders).to_string())
-}
-
-/// The constants of the method, in the space of the folder's recordings. All others are the defaults, so that no station's
-/// settings change the figures of the paper's experiments.
-pub(super) fn method(recordings: &Path) -> Result<Method, ToolError> {
-    Ok(Method { space: folder::space(recordings)?, ..Method::default() })
-}
-
-/// Reads the recordings whose names say who did what.
-pub(super) fn read(recordings: &Path, method: &Method) -> Result<Vec<Labelled>, ToolError> {
-    let bar = percent_bar("reading");
-    let all = folder::read(recordings, method, &mut |done| bar.set_position((100.0 * done) as u64));
-    bar.finish_and_clear();
-    Ok(all?)
 }
 
 /// Whether the folder has the activities of the first experiment.

@@ -4,37 +4,54 @@ pub mod analyze;
 pub mod backup;
 pub mod calibrate;
 pub mod check;
+mod clock;
 pub mod config;
 pub mod demo;
 mod error;
 pub mod experiment;
+pub mod explain;
 pub mod history;
 pub mod idle;
 mod job;
+pub mod jobs;
 mod join;
+mod known;
+mod labelled;
+pub mod look;
+pub mod markers;
+pub mod new;
+pub mod pages;
 pub mod part;
+mod progress;
 pub mod record;
+mod recorder;
 pub mod replay;
 pub mod restore;
+mod runs;
 pub mod segment;
 pub mod status;
+mod stills;
 pub mod tail;
 pub mod teach;
+mod tell;
+pub mod tracks;
+pub mod use_job;
 
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use andon_core::input::Frame;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::atomic::folder_of;
 use crate::cli::{self, ConfigArgs};
-use crate::config::{Config, Faults};
+use crate::config::Config;
 use crate::recording::Recording;
 use crate::taken::{self, Taken};
 
 pub use error::ToolError;
+use progress::progress;
+pub use progress::working;
 
 /// Where a configuration is looked for when none is named: in a source tree, then in an installation.
 const DEFAULT_CONFIGS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/andon.toml"];
@@ -53,6 +70,18 @@ fn check_writable(path: &Path) -> Result<(), ToolError> {
     tried.map_err(cannot_write(path))
 }
 
+/// As [`check_writable`], for a result that replaces an existing file only by force.
+///
+/// # Errors
+/// That the file exists, and why it cannot be written.
+fn new_or_forced(path: &Path, force: bool) -> Result<(), ToolError> {
+    // A pipe or a terminal is there to be written to.
+    if !force && path.metadata().is_ok_and(|there| there.is_file() || there.is_dir()) {
+        return Err(ToolError::Exists(path.into()));
+    }
+    check_writable(path)
+}
+
 /// Names the file that the system refuses to write.
 fn cannot_write(path: &Path) -> impl Fn(io::Error) -> ToolError {
     |source| ToolError::Write { path: path.into(), source }
@@ -66,20 +95,16 @@ pub fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
     Ok(Config::load(&existing_config_files(arguments)?)?)
 }
 
-/// The configuration for a command that reads these recordings, by the loader of that command. Track files say themselves what they show: for
-/// them the defaults do, where no configuration is named and none lies where it is looked for.
+/// The configuration for a command that reads these recordings, and neither the job nor the recording of the station. Track files say themselves
+/// what they show: for them the defaults do, where no configuration is named and none lies where it is looked for.
 ///
 /// # Errors
 /// Every fault in it.
-fn load_config_for(
-    arguments: &ConfigArgs,
-    recordings: &[PathBuf],
-    load: fn(&[PathBuf]) -> Result<Config, Faults>,
-) -> Result<Config, ToolError> {
+fn load_config_for(arguments: &ConfigArgs, recordings: &[PathBuf]) -> Result<Config, ToolError> {
     let are_tracks = !recordings.is_empty() && recordings.iter().all(|path| Recording::is_tracks(path));
     match existing_config_files(arguments) {
         Err(ToolError::NoConfiguration) if are_tracks => Ok(Config::default()),
-        files => Ok(load(&files?)?),
+        files => Ok(Config::load_to_learn(&files?)?),
     }
 }
 
@@ -104,7 +129,8 @@ fn running_config(arguments: &ConfigArgs) -> Result<Taken, ToolError> {
     Ok(taken::running(&existing_config_files(arguments)?)?)
 }
 
-/// As [`load_config`], for the command that makes the calibration: it does not need to exist yet.
+/// As [`load_config`], for the commands that make what a station needs, or read films of their own: job, calibration and the station's own
+/// recording do not need to exist yet.
 ///
 /// # Errors
 /// Every fault in it.
@@ -120,12 +146,20 @@ fn existing_config_files(arguments: &ConfigArgs) -> Result<Vec<PathBuf>, ToolErr
     Ok(files)
 }
 
+/// The variable that names a configuration where no option does.
+const CONFIG_VARIABLE: &str = "ANDON_CONFIG";
+
+/// Whether somebody has named a configuration.
+fn is_named(arguments: &ConfigArgs) -> bool {
+    !arguments.files.is_empty() || std::env::var_os(CONFIG_VARIABLE).is_some()
+}
+
 /// The configuration files that are in force.
 fn config_files(arguments: &ConfigArgs) -> Vec<PathBuf> {
     if !arguments.files.is_empty() {
         return arguments.files.clone();
     }
-    if let Some(named) = std::env::var_os("ANDON_CONFIG") {
+    if let Some(named) = std::env::var_os(CONFIG_VARIABLE) {
         return vec![named.into()];
     }
     DEFAULT_CONFIGS.iter().map(PathBuf::from).find(|path| path.exists()).into_iter().collect()
@@ -147,18 +181,4 @@ fn each_frame(
         eprintln!("{warning}");
     }
     Ok(())
-}
-
-/// A progress bar on standard error that counts frames. It shows nothing where standard error is not a terminal.
-fn progress(count: Option<u64>, what: &Path) -> ProgressBar {
-    let name = what.file_name().unwrap_or(what.as_os_str()).to_string_lossy().into_owned();
-    let (bar, template) = match count {
-        Some(count) => {
-            (ProgressBar::new(count), "{msg:28} [{bar:32}] {pos}/{len} frames, {per_sec}, {eta} left")
-        }
-        None => (ProgressBar::new_spinner(), "{msg:28} {spinner} {pos} frames, {per_sec}"),
-    };
-    // The templates above are constants that are well formed.
-    let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    bar.with_style(style.progress_chars("=> ")).with_message(name)
 }

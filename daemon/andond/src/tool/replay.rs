@@ -1,6 +1,6 @@
 //! `andond replay`: a recording judged by a taught job.
 
-use std::io::{Write, stdout};
+use std::io::Write;
 use std::path::Path;
 use std::slice::from_ref;
 
@@ -13,13 +13,12 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use shm_schemas::PartId;
 
-use super::{ToolError, job, load_config_for, progress};
+use super::{ToolError, is_named, job, load_config_for, progress};
 use crate::cli::Replay;
 use crate::compatibility;
-use crate::config::Config;
 use crate::picture::Annotator;
 use crate::recording::Recording;
-use crate::report::{Names, VerdictLine, verdict_sentence};
+use crate::report::{Names, Teller, VerdictLine, on_recording};
 
 /// Exit code: an anomaly was found.
 const ANOMALY: u8 = 1;
@@ -32,15 +31,20 @@ const NOT_JUDGED: u8 = 2;
 /// What is missing or damaged.
 pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let file = job::load(&arguments.job)?;
-    let config = load_config_for(&arguments.config, from_ref(&arguments.recording), Config::load)?;
+    let config = load_config_for(&arguments.config, from_ref(&arguments.recording))?;
+    let misfit = |misfit| ToolError::Misfit { path: arguments.job.clone(), misfit };
+    // A track file is of no station, unless one is named.
+    if !Recording::is_tracks(&arguments.recording) || is_named(&arguments.config) {
+        compatibility::station(&file, &config).map_err(misfit)?;
+    }
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    compatibility::recording(&file, recording.header())
-        .map_err(|misfit| ToolError::Misfit { path: arguments.job.clone(), misfit })?;
+    compatibility::recording(&file, recording.header()).map_err(misfit)?;
     let names = Names::of_job(&file);
     let mut printer = Printer {
         names: &names,
         json: arguments.json,
         seq: 0,
+        teller: Teller::default(),
         anomaly: false,
         not_judged: false,
         judged: false,
@@ -64,6 +68,7 @@ struct Printer<'a> {
     names: &'a Names,
     json: bool,
     seq: u64,
+    teller: Teller,
     anomaly: bool,
     not_judged: bool,
     judged: bool,
@@ -75,12 +80,12 @@ impl Printer<'_> {
         self.anomaly |= verdict.outcome == Outcome::Anomaly;
         self.not_judged |= verdict.outcome == Outcome::NotJudged;
         self.judged |= verdict.level == Level::Job && verdict.outcome == Outcome::Ok;
-        let mut out = stdout().lock();
+        let mut out = anstream::stdout().lock();
         if self.json {
             serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names))?;
             writeln!(out)
         } else {
-            writeln!(out, "{}", verdict_sentence(verdict, self.names))
+            self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names).write(&mut out)
         }
     }
 
@@ -110,8 +115,10 @@ fn replay(
         loop {
             let frame = recording.next_frame()?;
             let verdicts = judge_next(frame.as_ref(), &mut encoder, &mut judge, &mut newest);
-            bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
-                .map_err(ToolError::Print)?;
+            if !verdicts.is_empty() {
+                bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
+                    .map_err(ToolError::Print)?;
+            }
             if let (Some(annotator), Some(view)) = (annotator.as_mut(), recording.view()) {
                 let couples: &[Couple] = newest.as_ref().map_or(&[], |couples| &couples.hands);
                 match &frame {

@@ -20,7 +20,7 @@ use crate::report::{EventLine, Names};
 /// # Errors
 /// What is missing or damaged.
 pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
-    let config = load_config_for(&arguments.config, from_ref(&arguments.recording), Config::load)?;
+    let config = load_config_for(&arguments.config, from_ref(&arguments.recording))?;
     if let Some(file) = &arguments.plot {
         check_writable(file)?;
     }

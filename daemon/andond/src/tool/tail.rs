@@ -1,19 +1,21 @@
 //! `andond tail`: follows the verdicts of a running station.
 
-use std::io::{ErrorKind, IsTerminal, Write, stdout};
+use std::io::Write;
 use std::time::Duration;
 
 use andon_core::verdict::{Level, Outcome, Verdict};
-use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, UtcTime, Wake};
+use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, Wake};
 use shm_schemas::{Health, RoleId, Verdict as Message};
 
+use super::clock::Clock;
 use super::join::join;
-use super::{ToolError, job, running_config};
+use super::known::KnownJobs;
+use super::{ToolError, running_config};
 use crate::cli::{self, Tail};
 use crate::config::Config;
 use crate::exit::Code;
 use crate::outage::{Outage, Outages};
-use crate::report::{Names, VerdictLine, verdict_sentence};
+use crate::report::{Teller, VerdictLine};
 use crate::sight::{self, SightChange, SightChanges};
 use crate::wire;
 
@@ -32,7 +34,13 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
     let mut verdicts: Reader<Message> = node.reader()?;
     let mut health: Reader<Health> = node.reader()?;
     let mut sight = SightChanges::default();
-    let names = names(&config);
+    let mut printer = Printer {
+        arguments,
+        known: KnownJobs::of(&config),
+        config,
+        clock: Clock::new(arguments.utc),
+        teller: Teller::default(),
+    };
     let mut lost = 0;
     loop {
         match node.wait(&mut [&mut verdicts, &mut health], WAIT)? {
@@ -47,16 +55,14 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
                 tell_sight(change);
             }
             if let Some(outage) = outages.receive(&health) {
-                tell_outage(&outage);
+                tell_outage(&outage, &printer.clock);
             }
         }
-        outages.look(MonotonicTime::now()).iter().for_each(tell_outage);
+        for outage in outages.look(MonotonicTime::now()) {
+            tell_outage(&outage, &printer.clock);
+        }
         while let Some(message) = verdicts.take()? {
-            if let Err(error) = print(arguments, &message, &names) {
-                // The reader has seen enough, as `head` does.
-                let is_over = error.kind() == ErrorKind::BrokenPipe;
-                return if is_over { Ok(Code::Stopped) } else { Err(ToolError::Print(error)) };
-            }
+            printer.print(&message).map_err(ToolError::Print)?;
         }
         if verdicts.lost() > lost {
             eprintln!("{} verdicts were not shown; `andond history` has them", verdicts.lost() - lost);
@@ -74,54 +80,54 @@ fn tell_sight(change: SightChange) {
 }
 
 /// Says when a role is down, and when it is back: from when to when nobody watched.
-fn tell_outage(outage: &Outage) {
+fn tell_outage(outage: &Outage, clock: &Clock) {
     let role = outage.role.name();
     let is_beside = matches!(outage.role, RoleId::Steward | RoleId::Journal | RoleId::Plc);
     let what = if is_beside { "" } else { "not watching " };
     match outage.ended {
-        None => eprintln!("{what}since {}: {role} is down", clock(outage.began)),
+        None => eprintln!("{what}since {}: {role} is down", clock.time_of(outage.began)),
         Some(ended) => {
-            eprintln!("{what}from {} to {}: {}", clock(outage.began), clock(ended), outage.why());
+            eprintln!(
+                "{what}from {} to {}: {}",
+                clock.time_of(outage.began),
+                clock.time_of(ended),
+                outage.why()
+            );
         }
     }
 }
 
-/// The UTC time of day at which the monotonic clock showed this.
-fn clock(then: MonotonicTime) -> String {
-    let utc_ns = UtcTime::at(then).nanoseconds();
-    jiff::Timestamp::from_nanosecond(utc_ns.into())
-        .map_or_else(|_| utc_ns.to_string(), |time| time.strftime("%H:%M:%S UTC").to_string())
+struct Printer<'a> {
+    arguments: &'a Tail,
+    config: Config,
+    known: KnownJobs,
+    clock: Clock,
+    teller: Teller,
 }
 
-/// What the job of the station calls its steps and objects; without it, what the configuration calls the objects.
-fn names(config: &Config) -> Names {
-    let job = config.station.job.as_deref().and_then(|path| job::load(path).ok());
-    job.map_or_else(|| objects(config), |job| Names::of_job(&job))
-}
-
-fn objects(config: &Config) -> Names {
-    Names::new(config.objects.iter().map(|object| (object.id, object.name.clone())))
-}
-
-fn print(arguments: &Tail, message: &Message, names: &Names) -> std::io::Result<()> {
-    let Some(verdict) = wire::verdict::read(message).filter(|verdict| is_wanted(arguments, verdict)) else {
-        return Ok(());
-    };
-    let mut out = stdout().lock();
-    if arguments.json {
-        serde_json::to_writer(
-            &mut out,
-            &VerdictLine::new(message.stamp.seq, &verdict, &message.part, names),
-        )?;
-        writeln!(out)?;
-    } else {
-        let sentence = verdict_sentence(&verdict, names);
-        match colour(&verdict).filter(|_| out.is_terminal()) {
-            Some(colour) => writeln!(out, "\x1b[{colour}m{sentence}\x1b[0m")?,
-            None => writeln!(out, "{sentence}")?,
+impl Printer<'_> {
+    fn print(&mut self, message: &Message) -> std::io::Result<()> {
+        let verdict = wire::verdict::read(message);
+        let Some(verdict) = verdict.filter(|verdict| is_wanted(self.arguments, verdict)) else {
+            return Ok(());
+        };
+        // The file of a job that was loaded after this began.
+        if self.known.of_hash(message.model_hash).is_none() {
+            self.known = KnownJobs::of(&self.config);
         }
+        let names = self.known.names(message.model_hash);
+        // Without colours where they are not wanted, or where this is no terminal.
+        let mut out = anstream::stdout().lock();
+        if self.arguments.json {
+            let line = VerdictLine::new(message.stamp.seq, &verdict, &message.part, names);
+            serde_json::to_writer(&mut out, &line)?;
+            writeln!(out)?;
+        } else {
+            let when = self.clock.time(message.decided_utc_ns);
+            self.teller.tell(&when, &verdict, names).write(&mut out)?;
+        }
+        out.flush()
     }
-    out.flush()
 }
 
 fn is_wanted(arguments: &Tail, verdict: &Verdict) -> bool {
@@ -132,13 +138,4 @@ fn is_wanted(arguments: &Tail, verdict: &Verdict) -> bool {
     };
     let is_wanted_outcome = !arguments.nok || verdict.outcome != Outcome::Ok;
     is_wanted_outcome && arguments.level.is_none_or(|wanted| wanted == level)
-}
-
-/// Red for an anomaly, yellow for what could not be judged, green for a job that is right.
-fn colour(verdict: &Verdict) -> Option<u8> {
-    match verdict.outcome {
-        Outcome::Anomaly => Some(31),
-        Outcome::NotJudged => Some(33),
-        Outcome::Ok => (verdict.level == Level::Job).then_some(32),
-    }
 }

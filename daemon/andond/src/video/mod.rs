@@ -4,6 +4,7 @@
 //! `capture` runs in that binary. The tools start it to decode a film, or to make a film of pictures, over a [`pipe`].
 
 pub mod pipe;
+mod still;
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -12,6 +13,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use pipe::{PictureFormat, PipeReader, PipeWriter};
+
+use crate::config::Config;
+pub use still::StillEncoder;
 
 /// Why a film could not be read or written, and what to do about it.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +38,9 @@ pub enum VideoError {
         /// The helper's message.
         message: String,
     },
+    /// The camera of a station cannot be opened, or sends no more.
+    #[error("{0}")]
+    Camera(String),
     /// The pipe broke.
     #[error("{file}: the pipe to andond-video broke: {source}")]
     Pipe {
@@ -121,24 +128,35 @@ impl Drop for Helper {
     }
 }
 
-/// A film that is decoded by `andond-video`, one picture at a time.
+/// A film, or what a camera sees, decoded by `andond-video`, one picture at a time.
 pub struct Film {
     helper: Helper,
     pictures: PipeReader<std::process::ChildStdout>,
-    file: PathBuf,
+    /// `None` for the camera of a station.
+    file: Option<PathBuf>,
 }
 
 impl Film {
     /// Starts decoding `file`: a film, or a folder of pictures that is played at `rate_hz`.
     pub fn open(file: &Path, rate_hz: f32) -> Result<Self, VideoError> {
         let rate_hz = rate_hz.to_string();
-        let mut helper =
-            Helper::spawn(&["decode".into(), file.into(), rate_hz.into()], Stdio::null(), Stdio::piped())?;
+        Self::start(&["decode".into(), file.into(), rate_hz.into()], Some(file.into()))
+    }
+
+    /// Starts reading the camera or the recording that a configuration names.
+    pub fn watch(config: &Config) -> Result<Self, VideoError> {
+        let files = config.files.iter().flat_map(|file| ["--config".into(), file.into()]);
+        let arguments: Vec<OsString> = std::iter::once("watch".into()).chain(files).collect();
+        Self::start(&arguments, None)
+    }
+
+    fn start(arguments: &[OsString], file: Option<PathBuf>) -> Result<Self, VideoError> {
+        let mut helper = Helper::spawn(arguments, Stdio::null(), Stdio::piped())?;
         // The handle exists because standard output is piped above.
         let Some(stdout) = helper.child.stdout.take() else { unreachable!("standard output is piped") };
         match PipeReader::new(stdout) {
-            Ok(pictures) => Ok(Self { helper, pictures, file: file.into() }),
-            Err(_) => Err(VideoError::Film { file: file.into(), message: helper.final_message() }),
+            Ok(pictures) => Ok(Self { helper, pictures, file }),
+            Err(_) => Err(failed(file, &mut helper)),
         }
     }
 
@@ -149,14 +167,22 @@ impl Film {
 
     /// Advances to the next picture and returns its time since the first in nanoseconds, `None` after the last.
     pub fn advance(&mut self) -> Result<Option<u64>, VideoError> {
-        self.pictures
-            .advance()
-            .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.final_message() })
+        let Self { helper, pictures, file } = self;
+        pictures.advance().map_err(|_| failed(file.clone(), helper))
     }
 
     /// The picture that [`Film::advance`] has reached.
     pub fn picture(&self) -> &[u8] {
         self.pictures.picture()
+    }
+}
+
+/// Why the helper gave no picture.
+fn failed(file: Option<PathBuf>, helper: &mut Helper) -> VideoError {
+    let message = helper.final_message();
+    match file {
+        Some(file) => VideoError::Film { file, message },
+        None => VideoError::Camera(message),
     }
 }
 

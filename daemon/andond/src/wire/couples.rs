@@ -12,7 +12,8 @@ pub fn write(couples: &Couples, message: &mut Message) {
     message.undone = couples.undone.bits();
     message.flags |= bit(couples.is_captured, flag::CAPTURED)
         | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN)
-        | bit(couples.is_carried_unseen, flag::CARRIED_UNSEEN);
+        | bit(couples.is_carried_unseen, flag::CARRIED_UNSEEN)
+        | bit(couples.is_bench_hidden, flag::BENCH_HIDDEN);
     for (couple, place) in couples.hands.iter().zip(message.hands.iter_mut()) {
         *place = HandCouple {
             x_c: couple.context.0,
@@ -51,6 +52,7 @@ pub fn read(message: &Message) -> Couples {
         is_captured: message.flags & flag::CAPTURED != 0,
         has_moved_unseen: message.flags & flag::MOVED_UNSEEN != 0,
         is_carried_unseen: message.flags & flag::CARRIED_UNSEEN != 0,
+        is_bench_hidden: message.flags & flag::BENCH_HIDDEN != 0,
         undone: ActivitySet::from_bits(message.undone),
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
@@ -97,6 +99,7 @@ mod tests {
             is_captured: true,
             has_moved_unseen: true,
             is_carried_unseen: true,
+            is_bench_hidden: true,
             undone,
             hands,
         };

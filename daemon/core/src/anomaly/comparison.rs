@@ -73,6 +73,10 @@ pub(super) struct Extent {
 /// The ends of an IU: its beginning and its end.
 const ENDS: u32 = 2;
 
+/// The share of an IU up to which what was hidden in it is assumed to have gone on like the rest. Short gaps hide no reversal, so beyond it
+/// half of the strokes could seem to be all of them.
+const MAX_ASSUMED: f32 = 0.25;
+
 impl Extent {
     /// The minimum and the maximum number of frames that the IU may have. A frame that was not seen may shift either end by one.
     pub(super) fn possible_frames(&self) -> [u32; 2] {
@@ -90,10 +94,13 @@ impl Extent {
         hidden.max(self.measures.cut_reversals).saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
     }
 
-    /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen, for at most half of the time. What
-    /// happened before it or after it is not known.
+    /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen; none where so much was hidden that
+    /// this is not known. What happened before it or after it is not known.
     pub(super) fn assumed_reversals(&self) -> u32 {
-        let hidden = self.measures.hidden.min(0.5);
+        let hidden = self.measures.hidden;
+        if hidden > MAX_ASSUMED {
+            return 0;
+        }
         let assumed = self.measures.reversals as f32 * hidden / (1.0 - hidden);
         (libm::roundf(assumed) as u32).min(self.measures.hidden_reversals)
     }

@@ -188,7 +188,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);
         if outcome != Outcome::NotJudged {
-            progress.set_done(number, nominal);
+            progress.set_done(self.side, number, nominal);
         }
     }
 

@@ -33,6 +33,8 @@ pub(super) struct Progress<'a> {
     first_step: Option<u16>,
     /// Activities that were done right.
     done: ActivitySet,
+    /// Activities that had not come when another one was right that must come behind them, because they may have come unseen.
+    excused: ActivitySet,
     /// Activities that were done but not judged.
     unjudged: ActivitySet,
     /// Activities that were tried and done wrong.
@@ -85,6 +87,7 @@ impl<'a> Progress<'a> {
             activities: 0,
             first_step: None,
             done: ActivitySet::EMPTY,
+            excused: ActivitySet::EMPTY,
             unjudged: ActivitySet::EMPTY,
             wrong: ActivitySet::EMPTY,
             waiting: [ActivitySet::EMPTY; HANDS],
@@ -424,13 +427,15 @@ impl<'a> Progress<'a> {
     }
 
     /// Whether a nominal activity that is in order may belong to another job than the open one: it must not come again and comes again, or
-    /// one was right that must come behind it, because it may have come unseen.
+    /// one was right that must come behind it, because it may have come unseen. If it was not the other job's, the order was wrong.
     pub(super) fn may_be_of_another_job(&self, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
             let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
             let mut right = self.done.without(self.wrong).iter();
             let may_precede = self.may_precede.contains(activity);
-            comes_again || may_precede && right.any(|other| self.job.law(other).after().contains(activity))
+            comes_again
+                || self.excused.contains(activity)
+                || may_precede && right.any(|other| self.job.law(other).after().contains(activity))
         })
     }
 
@@ -477,8 +482,14 @@ impl<'a> Progress<'a> {
         self.underway[side.index()] = self.activities_of(candidates.iter());
     }
 
-    pub(super) fn set_done(&mut self, number: u16, nominal: usize) {
+    /// A hand has done a nominal activity; what must come before it and has not come is excused.
+    pub(super) fn set_done(&mut self, side: Side, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
+        let came = self.tried() | self.underway[side.other().index()];
+        let before = activity.iter().fold(ActivitySet::EMPTY, |all, one| all | self.job.law(one).after());
+        if !activity.intersects(self.wrong) {
+            self.excused |= (before & self.required()).without(came);
+        }
         self.done |= activity;
         self.begin_seen_with(number, activity);
     }

@@ -152,6 +152,8 @@ pub struct Couples {
     pub has_moved_unseen: bool,
     /// An object moves that a hand was at when it was last seen: that hand carries it, unseen.
     pub is_carried_unseen: bool,
+    /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since: what becomes of it is not known.
+    pub is_bench_hidden: bool,
     /// The activities that have not been done: an object that they move for good lies where it does at the beginning of the job.
     pub undone: ActivitySet,
     /// Right hand, then left hand.

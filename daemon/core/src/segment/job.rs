@@ -23,16 +23,22 @@ struct OpenJob {
 /// A job begins with the first touch or on command. It ends on command; once [`job_matched`](Self::job_matched) was set, with the touch
 /// that begins the next job; and after a *pause*, when no hand has been seen for `idle_end_ms`, if it is matched or if objects have
 /// moved meanwhile. A pause in which every object stays where it is does not end a job: it goes on when the worker is back. Frames
-/// that are missing are no pause.
+/// that are missing are no pause. A pause shows that the next job has not begun only as long as the bench is in sight.
 #[derive(Clone, Debug)]
 pub struct JobSegmenter {
     hands: [Segmenter; HANDS],
     period_ns: u64,
+    /// A bench that is hidden for longer is out of sight.
+    hidden_ns: u64,
     idle_end_ns: u64,
     /// The time of the newest couples.
     newest_ns: u64,
     /// For how long no hand has been seen and nothing has moved, in frames that were captured.
     handless_ns: u64,
+    /// For how long the bench has been in sight besides.
+    resting_ns: u64,
+    /// When the bench was last seen.
+    bench_ns: u64,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
     /// A hand that was not seen has carried something since the last job: the next one may have begun.
@@ -51,9 +57,12 @@ impl JobSegmenter {
         Ok(Self {
             hands: [Segmenter::new(Side::Right, method)?, Segmenter::new(Side::Left, method)?],
             period_ns: method.period_ns(),
+            hidden_ns: (u64::from(method.persist_frames) + 1) * method.period_ns(),
             idle_end_ns: u64::from(method.idle_end_ms) * 1_000_000,
             newest_ns: 0,
             handless_ns: 0,
+            resting_ns: 0,
+            bench_ns: 0,
             has_paused: false,
             may_have_begun: false,
             is_disturbed: false,
@@ -92,13 +101,22 @@ impl JobSegmenter {
     fn watch_for_pause(&mut self, couples: &Couples) {
         let elapsed_ns = couples.captured_ns.saturating_sub(self.newest_ns);
         if couples.has_moved_unseen || couples.hands.iter().any(Couple::is_hand_seen) {
-            self.handless_ns = 0;
+            (self.handless_ns, self.resting_ns) = (0, 0);
         } else if couples.is_captured && self.newest_ns > 0 {
-            self.handless_ns = self.handless_ns.saturating_add(elapsed_ns.min(2 * self.period_ns));
+            let elapsed_ns = elapsed_ns.min(2 * self.period_ns);
+            self.handless_ns = self.handless_ns.saturating_add(elapsed_ns);
+            self.resting_ns = self.resting_ns.saturating_add(elapsed_ns);
+        }
+        let is_out_of_sight = couples.captured_ns.saturating_sub(self.bench_ns) > self.hidden_ns;
+        if !couples.is_bench_hidden {
+            self.bench_ns = couples.captured_ns;
+        }
+        if is_out_of_sight {
+            (self.resting_ns, self.has_paused) = (0, false);
         }
         self.is_disturbed |= couples.has_moved_unseen;
         self.may_have_begun |= self.job.is_none() && couples.is_carried_unseen;
-        self.has_paused |= self.job.is_none() && self.handless_ns >= self.idle_end_ns;
+        self.has_paused |= self.job.is_none() && self.resting_ns >= self.idle_end_ns;
         self.has_paused &= !couples.has_moved_unseen && !self.may_have_begun;
     }
 

@@ -111,6 +111,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 is_captured: true,
                 has_moved_unseen: false,
                 is_carried_unseen: false,
+                is_bench_hidden: false,
                 undone: ActivitySet::EMPTY,
                 hands,
             }

@@ -4,8 +4,9 @@ use super::candidates::Selection;
 use super::compare::{Analysis, AnalysisError};
 use super::drilling::Drilling;
 use super::order::Order;
-use super::picture::{self, Execution, LEGEND, Shown, draw_order, elbow, escaped, heat, warping};
+use super::picture::{self, Execution, LEGEND, Shown, draw_order, elbow, heat, warping};
 use crate::cluster::{MotionClusters, Table};
+use crate::html::{document, escaped};
 use crate::warp::Warp;
 use std::fmt::Write as _;
 use std::io;
@@ -35,13 +36,6 @@ impl Report {
     }
 }
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:980px;margin:2rem auto;padding:0 1rem;color:#1f2328;background:#fff}\
-h1{font-size:1.6rem}h2{font-size:1.2rem;margin:2.2rem 0 .4rem}h3{font-size:1rem;margin:1.4rem 0 .3rem}\
-figure{margin:.6rem 0}figcaption{color:#57606a;font-size:.92rem;max-width:46rem}svg{max-width:100%;height:auto}\
-table{border-collapse:collapse;margin:.5rem 0;font-variant-numeric:tabular-nums}th,td{padding:.22rem .7rem;border-bottom:1px solid #d0d7de;text-align:right}\
-th:first-child,td:first-child{text-align:left}.l{text-align:left}.z{color:#8b949e}.f{font-weight:600;background:#ddf0ff}.scroll{overflow-x:auto}\
-@media(prefers-color-scheme:dark){body{color:#e6edf3;background:#0d1117}figcaption{color:#9da7b3}th,td{border-color:#30363d}.z{color:#6e7681}.f{background:#12324f}}";
-
 /// Draws an analysis. `source` says what was analysed.
 ///
 /// # Errors
@@ -68,16 +62,7 @@ pub fn report(
         page.order(order);
     }
     page.traces(analysis)?;
-    Ok(Report {
-        page: format!(
-            "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
-             <meta name=\"color-scheme\" content=\"light dark\"><title>{0}</title><style>{STYLE}</style>\
-             <body>{1}</body></html>\n",
-            escaped(&format!("Analysis of {source}")),
-            page.html
-        ),
-        files: page.files,
-    })
+    Ok(Report { page: document(&format!("Analysis of {source}"), &page.html), files: page.files })
 }
 
 struct Page {

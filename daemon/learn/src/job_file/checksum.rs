@@ -1,5 +1,6 @@
-//! The checksum of a job file: the SHA-256 digest of its text without the digest itself.
+//! The checksum of a job file: the SHA-256 digest of its text without the digest itself and without the names of the steps.
 
+use super::names;
 use crate::digest::sha256_hex;
 
 /// The beginning of the line with the checksum; the digest follows.
@@ -12,6 +13,7 @@ pub(super) fn seal(text: &str) -> String {
 
 /// The digest that this text should have, and the digest that it has. `None` if it has none.
 pub(super) fn check(text: &str) -> Option<(String, &str)> {
+    let text = names::before(text);
     let at = line_start(text)? + KEY.len();
     let end = at + text[at..].find('"')?;
     Some((sha256_hex([&text[..at], &text[end..]].concat().as_bytes()), &text[at..end]))

@@ -5,13 +5,14 @@
 
 mod checksum;
 mod error;
+mod names;
 mod parse;
 mod runs;
 mod text;
 mod validate;
 
 pub use error::{JobFault, JobFileError};
-pub(crate) use text::context_words;
+pub(crate) use text::{context_words, sequence_words};
 
 use crate::recording::{NamedObject, object_name};
 use crate::rule::{BoundsRule, ThresholdRule};
@@ -163,6 +164,9 @@ pub struct JobFile {
     pub activities: Vec<TaughtActivity>,
     /// Where it comes from.
     pub provenance: Provenance,
+    /// What people call the steps, by their numbers; empty of a job that was taught before steps had names. No hash covers them: whoever
+    /// changes a name has changed no job.
+    pub step_names: Vec<String>,
 }
 
 impl JobFile {
@@ -212,9 +216,9 @@ impl JobFile {
         first.into_iter().flat_map(|taught| &taught.ius).map(|iu| iu.context).collect()
     }
 
-    /// What an activity of the job is called: which hand does what with which parts.
+    /// What an activity of the job is called: by the file, or else by what is done with which parts.
     pub fn step_name(&self, number: usize) -> String {
-        text::sequence_words(&self.step_contexts(number), |id| self.object_name(id))
+        self.step_names.get(number).cloned().unwrap_or_else(|| self.proposed_name(number))
     }
 
     /// What a person calls an object: its name, or its id if the file does not have it.

@@ -44,6 +44,15 @@ struct JobText {
     rests: Vec<u16>,
     step: Vec<StepText>,
     activity: Vec<ActivityText>,
+    /// A file without this section was taught before steps had names.
+    #[serde(default)]
+    names: NamesText,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NamesText {
+    steps: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -277,6 +286,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         activities: activities.collect::<Result<_, _>>()?,
         method: method_of(text.method),
         provenance: provenance_of(text.provenance),
+        step_names: text.names.steps,
     })
 }
 

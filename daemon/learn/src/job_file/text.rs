@@ -1,6 +1,6 @@
 //! From a job to its text. The text is written here and not by a serialiser, so that it has comments for the people who read it.
 
-use super::{FORMAT, JobFile, Relation, TaughtActivity, TaughtIu, VERSION, checksum, runs};
+use super::{FORMAT, JobFile, Relation, TaughtActivity, TaughtIu, VERSION, checksum, names, runs};
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use andon_core::bounds::{Around, Bounds, Range};
@@ -77,7 +77,9 @@ impl JobFile {
             "# of frames, and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl."
         );
         self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
-        checksum::seal(&text)
+        let mut text = checksum::seal(&text);
+        names::append(&mut text, &self.step_names);
+        text
     }
 
     fn provenance_text(&self, text: &mut String) {
@@ -136,7 +138,8 @@ impl JobFile {
         );
         line!(text, "# ended (end), or came first without enough evidence for a law (usual).");
         for (number, step) in self.steps.iter().enumerate() {
-            line!(text, "\n[[step]]\n# {number}: {}", self.step_name(number).replace(char::is_control, " "));
+            let words = sequence_words(&self.step_contexts(number), |id| self.object_name(id));
+            line!(text, "\n[[step]]\n# {number}: {}", words.replace(char::is_control, " "));
             line!(text, "required = {}\nonce = {}\nruns = {}", step.is_required, step.is_once, step.runs);
             let after: Vec<String> = step.after.iter().map(relation_text).collect();
             line!(text, "after = [{}]", after.join(", "));
@@ -314,10 +317,10 @@ pub(crate) fn sequence_words(contexts: &[Context], name: impl Fn(u16) -> String)
 }
 
 /// The hand of a context, which holds its number (`ID_h` in the paper).
-const fn hand_name(hand: u16) -> &'static str {
+pub(super) const fn hand_name(hand: u16) -> &'static str {
     if hand == Side::Left as u16 { Side::Left.name() } else { Side::Right.name() }
 }
 
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }

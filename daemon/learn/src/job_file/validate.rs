@@ -37,6 +37,21 @@ pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
                 job.steps.len()
             )
         })
+    })?;
+    names(job)
+}
+
+/// A name stands in tables and at the end of a line.
+fn names(job: &JobFile) -> Result<(), JobFault> {
+    let (given, needed) = (job.step_names.len(), job.steps.len());
+    rule(given == 0 || given == needed, "names.steps", || {
+        format!("there are {given} names for {needed} steps: give each one, in the order of the steps")
+    })?;
+    job.step_names.iter().enumerate().try_for_each(|(index, name)| {
+        let is_possible = !name.trim().is_empty() && !name.contains(char::is_control);
+        rule(is_possible, &format!("names.steps[{index}]"), || {
+            format!("{name:?} is no name: it needs a letter, and stands on one line")
+        })
     })
 }
 

@@ -12,6 +12,7 @@ mod meetings;
 mod noticed;
 mod options;
 mod order;
+mod page;
 mod people;
 mod reach;
 mod relation;
@@ -26,6 +27,7 @@ pub use iu_report::IuReport;
 pub use meetings::Unsure;
 pub use options::{TeachError, TeachOptions};
 pub use order::OrderReport;
+pub use page::page;
 pub use report::TeachReport;
 pub use sequence::Disagreement;
 pub use trust::{Blind, Doubt, Measure, Outlier};
@@ -233,7 +235,7 @@ fn job_file(
     agreement: &Agreement,
     activities: Vec<TaughtActivity>,
 ) -> JobFile {
-    JobFile {
+    let mut job = JobFile {
         id: options.id,
         name: options.name.clone(),
         rests: agreement.rests.clone(),
@@ -253,7 +255,10 @@ fn job_file(
             order: options.order_matters,
             sources: sources(runs, agreement),
         },
-    }
+        step_names: Vec::new(),
+    };
+    job.name_steps(&options.step_names);
+    job
 }
 
 fn sources(runs: &[Run], agreement: &Agreement) -> Vec<Source> {

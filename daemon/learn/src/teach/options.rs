@@ -5,6 +5,7 @@ use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
 use andon_core::capacity::IU_FRAMES;
 use andon_core::config::Method;
+use andon_core::couple::Context;
 use andon_core::dtw::Refused;
 use andon_core::job::LocalCost;
 
@@ -41,6 +42,8 @@ pub struct TeachOptions {
     pub examine_runs: bool,
     /// Whether each run is judged by what the others teach, which takes as many times as long.
     pub try_runs: bool,
+    /// The names that people have given to steps, each with the contexts of its IUs; other steps get a proposal.
+    pub step_names: Vec<(Vec<Context>, String)>,
 }
 
 impl TeachOptions {
@@ -65,6 +68,7 @@ impl TeachOptions {
             find_meetings: true,
             examine_runs: true,
             try_runs: false,
+            step_names: Vec::new(),
         }
     }
 
@@ -79,6 +83,7 @@ impl TeachOptions {
             bounds: from.bounds,
             strictness: from.strictness.unwrap_or_default(),
             order_matters: from.order,
+            step_names: job.named_contexts(),
             ..Self::new(&job.name, date, job.method)
         }
     }

@@ -158,79 +158,110 @@ impl TeachReport {
         })
     }
 
-    fn words(&self, context: Context) -> String {
+    /// A context in words, with the names of the objects.
+    pub(super) fn words(&self, context: Context) -> String {
         context_words(context, |id| object_name(&self.objects, id))
     }
 }
 
 impl fmt::Display for TeachReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for line in summary(self.used(), self.runs, &self.doubts, &|context| self.words(context)) {
+        for line in self.summary() {
             writeln!(f, "{line}")?;
         }
         for warning in self.warnings() {
             writeln!(f, "note: {warning}")?;
         }
         write!(f, "{}", self.order)?;
-        if let Some(rejected) = &self.rejected {
-            writeln!(f, "{}", rejected_words(self.order.runs, rejected))?;
-        }
-        if self.min_rate_hz > 0.0 {
-            writeln!(
-                f,
-                "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
-                self.min_rate_hz, self.rate_hz
-            )?;
+        for line in self.findings() {
+            writeln!(f, "{line}")?;
         }
         self.write_table(f)?;
-        self.write_promise(f)
+        if self.has_measures() {
+            write!(f, "{}", self.noticed())?;
+        }
+        for line in self.promise() {
+            writeln!(f, "{line}")?;
+        }
+        Ok(())
     }
 }
 
 impl TeachReport {
-    /// What the bounds promise, and what they notice for it.
-    fn write_promise(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let number = self.strictness.number();
-        if self.false_alarms <= 0.0 {
-            return Ok(());
+    /// Whether the job can be used and why, in one sentence; then, for each doubt, what to do about it.
+    pub(super) fn summary(&self) -> Vec<String> {
+        summary(self.used(), self.runs, &self.doubts, &|context| self.words(context))
+    }
+
+    /// Which runs the others would have rejected, and how many frames the job needs.
+    pub(super) fn findings(&self) -> Vec<String> {
+        let rejected = self.rejected.as_ref().map(|rejected| rejected_words(self.order.runs, rejected));
+        let rate = (self.min_rate_hz > 0.0).then(|| {
+            format!(
+                "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
+                self.min_rate_hz, self.rate_hz
+            )
+        });
+        rejected.into_iter().chain(rate).collect()
+    }
+
+    /// Whether what was measured in metres and seconds has bounds.
+    pub(super) fn has_measures(&self) -> bool {
+        self.false_alarms > 0.0
+    }
+
+    /// What the bounds notice.
+    pub(super) fn noticed(&self) -> Noticed<'_> {
+        Noticed { ius: &self.ius, rate_hz: self.rate_hz }
+    }
+
+    /// What the bounds promise.
+    pub(super) fn promise(&self) -> Vec<String> {
+        if !self.has_measures() {
+            return Vec::new();
         }
-        write!(f, "{}", Noticed { ius: &self.ius, rate_hz: self.rate_hz })?;
-        writeln!(
-            f,
-            "strictness {number} of {}: of {:.0} right jobs these measures accuse one; --strictness changes it",
-            Strictness::MAX,
-            1.0 / self.false_alarms
-        )?;
-        writeln!(f, "{}", what_more_would_bring(self.order.runs, self.false_alarms))
+        vec![
+            format!(
+                "strictness {} of {}: of {:.0} right jobs these measures accuse one; --strictness changes it",
+                self.strictness.number(),
+                Strictness::MAX,
+                1.0 / self.false_alarms
+            ),
+            what_more_would_bring(self.order.runs, self.false_alarms),
+        ]
     }
 
     fn write_table(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "activity  IU  shown  frames          reversals   distance         threshold  context")?;
+        writeln!(f)?;
+        writeln!(
+            f,
+            "step  IU  shown  seconds       reversals   distance         threshold  what touches what"
+        )?;
         for iu in &self.ius {
             writeln!(
                 f,
-                "{:>8}  {:>2}  {:>5}  {:<14}  {:<10}  {:>6.2} +- {:<5.2}  {:>9.2}  {}",
+                "{:>4}  {:>2}  {:>5}  {:<12}  {:<10}  {:>6.2} +- {:<5.2}  {:>9.2}  {}",
                 iu.activity + 1,
                 iu.iu + 1,
                 iu.demonstrations,
-                range(iu.frames),
-                range(iu.reversals),
+                range(iu.frames, |frames| self.seconds(frames)),
+                range(iu.reversals, |count| count.to_string()),
                 iu.mean_distance,
                 iu.distance_deviation,
                 iu.threshold,
                 self.words(iu.context)
             )?;
         }
-        writeln!(
-            f,
-            "shown: number of demonstrations; frames ({:.0} a second) and reversals of",
-            self.rate_hz
-        )?;
-        writeln!(
-            f,
-            "the motion: from the minimum to the maximum that is right; distance: DTW distances of the"
-        )?;
-        writeln!(f, "demonstrations, mean and standard deviation; threshold: the maximum that is right")
+        writeln!(f, "  shown: number of demonstrations")?;
+        writeln!(f, "  seconds, reversals of the motion: from the minimum to the maximum that is right")?;
+        writeln!(f, "  distance: of the demonstrations from the learned motion (DTW), mean and deviation")?;
+        writeln!(f, "  threshold: the maximum distance that is right")?;
+        writeln!(f)
+    }
+
+    /// So many frames of the grid as seconds.
+    pub(super) fn seconds(&self, frames: u32) -> String {
+        format!("{:.1}", f64::from(frames) / f64::from(self.rate_hz))
     }
 }
 
@@ -262,10 +293,11 @@ fn rejected_words(used: usize, rejected: &[String]) -> String {
     )
 }
 
-fn range(bounds: Bounds) -> String {
-    if bounds.max == u32::MAX {
-        format!("{}..", bounds.min)
-    } else {
-        format!("{}..{}", bounds.min, bounds.max)
+/// Bounds in words.
+pub(super) fn range(bounds: Bounds, value: impl Fn(u32) -> String) -> String {
+    match (bounds.min, bounds.max) {
+        (0, u32::MAX) => "any".to_owned(),
+        (min, u32::MAX) => format!("from {}", value(min)),
+        (min, max) => format!("{} to {}", value(min), value(max)),
     }
 }

@@ -1,9 +1,10 @@
 //! The bench plane from a picture of markers whose positions on the bench are known.
 
-use super::plane::{Matrix, Plane, apply, centre_of_corners};
+use super::error::CalibrationError;
+use super::misfit::{self, MarkerResidual, Pair};
+use super::plane::{Matrix, Plane, apply, centre_of_corners, pixel_of};
 use crate::config::{MarkerObject, MarkersConfig};
 use crate::dictionary::Dictionary;
-use crate::error::PerceptionError;
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
 use crate::metric::{BenchFrame, Lens};
@@ -11,15 +12,15 @@ use crate::points::{BenchPoint, PixelPoint};
 use opencv::core::{Point2d, Vector};
 use opencv::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// A homography has 8 unknowns, and a point gives 2.
-const MIN_MARKERS: usize = 4;
+pub(super) const MIN_MARKERS: usize = 4;
 /// Maximum relative error of a marker's sides. Corners are found to 0.1 px, which is 0.3 % of a marker of 30 px. A marker that
 /// lies 1 cm from its stated position, 40 cm from the next, makes 2.5 %.
-const MAX_SIDE_ERROR: f64 = 0.02;
+pub(super) const MAX_SIDE_ERROR: f64 = 0.02;
 /// Maximum distance of a marker from its stated position, in metres: the accuracy of a ruler on a bench.
-const MAX_CENTRE_ERROR_M: f64 = 0.003;
+pub(super) const MAX_CENTRE_ERROR_M: f64 = 0.003;
 
 /// Three markers are in a line where their triangle is lower than this share of its longest side: a ruler places a marker no better.
 const MIN_HEIGHT: f64 = 0.01;
@@ -53,77 +54,26 @@ pub struct Calibration {
     pub bench_from_image: [[f64; 3]; 3],
     /// Maximum relative error of a marker's sides when it was made.
     pub side_error: f64,
-    /// Maximum distance of a marker from its stated position when it was made, in metres.
+    /// Maximum distance of a marker from where the others, with their sides, placed it when it was made, in metres.
     pub centre_error_m: f64,
 }
 
-/// Why there is no calibration.
-#[derive(Debug, thiserror::Error)]
-pub enum CalibrationError {
-    /// Too few markers were named.
-    #[error(
-        "{0} markers are named for the calibration: at least {MIN_MARKERS} are needed, no three of these in a line"
-    )]
-    TooFew(usize),
-    /// A marker has no usable position or size, or is named twice.
-    #[error(
-        "marker {0} of the calibration: its position and its side must be finite numbers, its side over 0 m, and its id named once"
-    )]
-    Marker(u16),
-    /// Markers were not found in the picture.
-    #[error(
-        "markers {0:?} were not found in the picture: lay them flat, whole and well lit in the camera's view"
-    )]
-    NotSeen(Vec<u16>),
-    /// A marker does not fit its stated position.
-    #[error(
-        "marker {id} does not fit its stated position (its side is off by {:.1} %, its position by {:.1} mm): check ids, positions and sides", 100.0 * side_error, 1000.0 * centre_error_m
-    )]
-    Residual {
-        /// The marker.
-        id: u16,
-        /// Relative error of its sides.
-        side_error: f64,
-        /// Distance from its stated position, in metres.
-        centre_error_m: f64,
-    },
-    /// No four markers lie so that no three of them are in a line.
-    #[error(
-        "the positions of the markers give no plane: four of them must lie so that no three are in a line"
-    )]
-    Degenerate,
-    /// The positions are those of a mirrored bench.
-    #[error("the positions of the markers are mirrored: x runs to the right and y away from the worker")]
-    Mirrored,
-    /// It was made with another camera or another lens.
-    #[error(
-        "the calibration is {pixels:.1} px off for this camera: calibrate again with this camera and this size of picture"
-    )]
-    OtherCamera {
-        /// How far it is off in the picture, in pixels.
-        pixels: f64,
-    },
-    /// The picture could not be searched.
-    #[error(transparent)]
-    Picture(#[from] PerceptionError),
-    /// The file cannot be read or written.
-    #[error("the calibration {} cannot be {verb}: {source}", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-        /// `read` or `written`.
-        verb: &'static str,
-        /// The system's reason.
-        source: std::io::Error,
-    },
-    /// The file is no calibration.
-    #[error("{} is not a calibration: {reason}", path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
+/// What a picture says of markers at stated positions.
+#[derive(Debug)]
+pub struct Examination {
+    /// Every marker by the others; where one is wrong, by all but that one.
+    pub markers: Vec<MarkerResidual>,
+    /// The plane that is fitted to the markers: homogeneous pixels to homogeneous metres in the bench frame.
+    pub bench_from_image: [[f64; 3]; 3],
+    /// The calibration, or why it is refused.
+    pub outcome: Result<Calibration, CalibrationError>,
+}
+
+impl Examination {
+    /// The pixel that shows a point of the bench; `None` where no pixel does.
+    pub fn pixel(&self, point: BenchPoint) -> Option<[f32; 2]> {
+        pixel_of(&self.bench_from_image, point).map(Into::into)
+    }
 }
 
 impl Calibration {
@@ -191,12 +141,24 @@ impl Calibration {
 /// The homography is fitted to the markers' centres; their sides, which it was not fitted to, tell whether it is right.
 ///
 /// # Errors
-/// [`CalibrationError`]; a calibration whose residuals are too large is refused.
+/// [`CalibrationError`]; a calibration whose residuals are too large is refused, with what is wrong.
 pub fn calibrate(
     image: &ImageView<'_>,
     markers: &[BenchMarker],
     dictionary: Dictionary,
 ) -> Result<Calibration, CalibrationError> {
+    examine(image, markers, dictionary)?.outcome
+}
+
+/// As [`calibrate`], with how well every marker fits, also where the calibration is refused.
+///
+/// # Errors
+/// [`CalibrationError`] where markers are missing, or can give no plane.
+pub fn examine(
+    image: &ImageView<'_>,
+    markers: &[BenchMarker],
+    dictionary: Dictionary,
+) -> Result<Examination, CalibrationError> {
     if markers.len() < MIN_MARKERS {
         return Err(CalibrationError::TooFew(markers.len()));
     }
@@ -211,19 +173,46 @@ pub fn calibrate(
         return Err(CalibrationError::Degenerate);
     }
     let pairs = find(image, markers, dictionary)?;
-    let bench_from_image = fit(&pairs)?;
+    let centres: Vec<_> =
+        pairs.iter().map(|(known, found)| (centre_of_corners(&found.corners), known.centre)).collect();
+    let bench_from_image = fit(&centres)?;
+    let markers = misfit::residuals(&pairs);
     let calibration = Calibration {
         width: image.width(),
         height: image.height(),
         bench_from_image,
         side_error: 0.0,
-        centre_error_m: 0.0,
+        centre_error_m: markers.iter().map(MarkerResidual::distance_m).fold(0.0, f64::max),
     };
-    let plane = calibration.plane().ok_or(CalibrationError::Degenerate)?;
-    if is_mirrored(&plane, &pairs) {
+    let outcome = judge(calibration, &pairs);
+    // Beside one that is wrong the others would seem to be wrong as well.
+    let without_it = outcome.as_ref().err().and_then(CalibrationError::one_marker);
+    let by_others = without_it.and_then(|id| misfit::without(&pairs, id));
+    let (markers, bench_from_image) = by_others.unwrap_or((markers, bench_from_image));
+    Ok(Examination { markers, bench_from_image, outcome })
+}
+
+/// The calibration, if the markers fit.
+fn judge(mut calibration: Calibration, pairs: &[Pair]) -> Result<Calibration, CalibrationError> {
+    // Where markers are exchanged, the centres may have no plane with a horizon, and still what is wrong can be said.
+    let plane = calibration.plane().unwrap_or(Plane::without_foot(calibration.bench_from_image));
+    // Two markers that are exchanged across the bench mirror it as well, and make its squares oblique.
+    let is_only_mirrored = |(known, found): &Pair| {
+        is_mirrored(&plane, found) && side_error(&plane, &found.corners, known.side_m) <= misfit::ALIKE
+    };
+    if pairs.iter().all(is_only_mirrored) {
         return Err(CalibrationError::Mirrored);
     }
-    with_residuals(calibration, &plane, &pairs)
+    for (known, found) in pairs {
+        let side_error = side_error(&plane, &found.corners, known.side_m);
+        let centre_error_m = plane.at(centre_of_corners(&found.corners)).distance(known.centre);
+        // Written so that NaN is refused.
+        if !(side_error <= MAX_SIDE_ERROR && centre_error_m <= MAX_CENTRE_ERROR_M) {
+            return Err(misfit::explain(pairs, &plane));
+        }
+        calibration.side_error = calibration.side_error.max(side_error);
+    }
+    if calibration.plane().is_none() { Err(CalibrationError::Degenerate) } else { Ok(calibration) }
 }
 
 /// Whether four of the markers lie so that no three of them are in a line: otherwise many planes fit them.
@@ -244,7 +233,7 @@ fn find(
     image: &ImageView<'_>,
     markers: &[BenchMarker],
     dictionary: Dictionary,
-) -> Result<Vec<(BenchMarker, Marker)>, CalibrationError> {
+) -> Result<Vec<Pair>, CalibrationError> {
     let objects: Vec<_> =
         markers.iter().map(|marker| MarkerObject { id: marker.id, side_m: marker.side_m as f32 }).collect();
     let config = MarkersConfig { dictionary, objects, ..MarkersConfig::default() };
@@ -259,12 +248,11 @@ fn find(
     Ok(pairs)
 }
 
-fn fit(pairs: &[(BenchMarker, Marker)]) -> Result<Matrix, CalibrationError> {
+/// The homography that comes nearest to taking pixels to these points of the bench.
+pub(super) fn fit(points: &[(PixelPoint, BenchPoint)]) -> Result<Matrix, CalibrationError> {
     let solve = || -> opencv::Result<Option<Matrix>> {
-        let centres = pairs.iter().map(|(_, found)| centre_of_corners(&found.corners));
-        let image: Vector<Point2d> = centres.map(|PixelPoint { x, y }| Point2d::new(x, y)).collect();
-        let bench: Vector<Point2d> =
-            pairs.iter().map(|(known, _)| Point2d::new(known.centre.x, known.centre.y)).collect();
+        let image: Vector<Point2d> = points.iter().map(|(pixel, _)| Point2d::new(pixel.x, pixel.y)).collect();
+        let bench: Vector<Point2d> = points.iter().map(|(_, point)| Point2d::new(point.x, point.y)).collect();
         let matrix = opencv::calib3d::find_homography_ext_def(&image, &bench)?;
         if matrix.rows() != 3 || matrix.cols() != 3 {
             return Ok(None);
@@ -282,34 +270,13 @@ fn fit(pairs: &[(BenchMarker, Marker)]) -> Result<Matrix, CalibrationError> {
 }
 
 /// A marker's corners run clockwise in the picture, where y is down, and therefore clockwise on the bench, where y is up.
-fn is_mirrored(plane: &Plane, pairs: &[(BenchMarker, Marker)]) -> bool {
-    pairs.iter().any(|(_, found)| {
-        let [a, b, c, _] = found.corners.map(|corner| plane.at(corner));
-        (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x) >= 0.0
-    })
-}
-
-/// The calibration with its residuals, or why it is refused.
-fn with_residuals(
-    mut calibration: Calibration,
-    plane: &Plane,
-    pairs: &[(BenchMarker, Marker)],
-) -> Result<Calibration, CalibrationError> {
-    for (known, found) in pairs {
-        let side_error = side_error(plane, &found.corners, known.side_m);
-        let centre_error_m = plane.at(centre_of_corners(&found.corners)).distance(known.centre);
-        // Written so that NaN is refused.
-        if !(side_error <= MAX_SIDE_ERROR && centre_error_m <= MAX_CENTRE_ERROR_M) {
-            return Err(CalibrationError::Residual { id: known.id, side_error, centre_error_m });
-        }
-        calibration.side_error = calibration.side_error.max(side_error);
-        calibration.centre_error_m = calibration.centre_error_m.max(centre_error_m);
-    }
-    Ok(calibration)
+fn is_mirrored(plane: &Plane, found: &Marker) -> bool {
+    let [a, b, c, _] = found.corners.map(|corner| plane.at(corner));
+    (b.x - a.x) * (c.y - b.y) - (b.y - a.y) * (c.x - b.x) >= 0.0
 }
 
 /// Maximum relative error of the two mean sides and the two diagonals.
-fn side_error(plane: &Plane, corners: &[PixelPoint; 4], side_m: f64) -> f64 {
+pub(super) fn side_error(plane: &Plane, corners: &[PixelPoint; 4], side_m: f64) -> f64 {
     let [a, b, c, d] = corners.map(|corner| plane.at(corner));
     let diagonal_m = side_m * std::f64::consts::SQRT_2;
     [

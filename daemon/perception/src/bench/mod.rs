@@ -5,10 +5,14 @@
 //! and hand and thing are compared on one scale.
 
 mod calibration;
+mod error;
+mod misfit;
 mod plane;
 mod scale;
 
-pub use calibration::{BenchMarker, Calibration, CalibrationError, calibrate};
+pub use calibration::{BenchMarker, Calibration, Examination, calibrate, examine};
+pub use error::CalibrationError;
+pub use misfit::MarkerResidual;
 
 use crate::config::MarkerObject;
 use crate::detections::{HANDS, LANDMARKS, OBJECTS};

@@ -39,6 +39,16 @@ impl Plane {
         (foot.x.is_finite() && foot.y.is_finite()).then_some(Self { bench_from_image, foot })
     }
 
+    /// As [`Plane::seen_through`], where nothing above the plane is asked for: its foot is not known.
+    pub(crate) fn without_foot(bench_from_image: Matrix) -> Self {
+        Self { bench_from_image, foot: BenchPoint::default() }
+    }
+
+    /// Homogeneous pixels to homogeneous metres.
+    pub(crate) fn bench_from_image(&self) -> Matrix {
+        self.bench_from_image
+    }
+
     /// Where the line of sight of a pixel meets the plane.
     pub(crate) fn at(&self, pixel: PixelPoint) -> BenchPoint {
         apply(&self.bench_from_image, pixel)
@@ -68,6 +78,13 @@ impl Plane {
         let yaw = (x[1] - y[0]).atan2(x[0] + y[1]);
         Square { side_m: untilted_side_m(x, y), yaw }
     }
+}
+
+/// The pixel that shows a point of the bench; `None` where the homography is singular.
+pub(crate) fn pixel_of(bench_from_image: &Matrix, point: BenchPoint) -> Option<PixelPoint> {
+    let image_from_bench = inverse(bench_from_image)?;
+    let BenchPoint { x, y } = apply(&image_from_bench, PixelPoint::new(point.x, point.y));
+    (x.is_finite() && y.is_finite()).then_some(PixelPoint { x, y })
 }
 
 fn centre_of_picture(width: usize, height: usize) -> PixelPoint {

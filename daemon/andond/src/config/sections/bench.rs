@@ -1,7 +1,7 @@
 //! The sections `[bench]` and `[[objects]]`: what is in front of the camera.
 
 use crate::config::keys::Keys;
-use crate::config::value::{Text, several, within, words};
+use crate::config::value::{Text, counted_within, several, within, words};
 use andon_core::capacity;
 use andon_core::input::Space;
 use std::path::PathBuf;
@@ -50,7 +50,13 @@ pub struct Object {
 
 impl Object {
     pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
-        k.required("id", &mut self.id, within(1, 65_535, ""), "5", "The id of the object's marker.");
+        k.required(
+            "id",
+            &mut self.id,
+            counted_within(1, 65_535, "0 stands for no object in verdicts and registers"),
+            "5",
+            "The id of the object's marker.",
+        );
         k.required("name", &mut self.name, Text::Line, r#""polisher""#, "What people call it.");
         k.required(
             "marker_side_m",

@@ -6,7 +6,9 @@ mod watched;
 use std::path::{Path, PathBuf};
 
 use andon_ipc::{Node, Port, Reader, Writer};
-use shm_schemas::{AuditKind, Command as CommandMessage, Couples, JudgePhase, Refusal, RoleId, Verdict};
+use shm_schemas::{
+    AuditKind, Command as CommandMessage, CommandSource, Couples, JudgePhase, Refusal, RoleId, Verdict,
+};
 
 use super::RoleError;
 use super::audit::Auditor;
@@ -33,7 +35,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         asked_by: "configuration",
     };
     let mut cycle = Cycle::new(node)?;
-    let mut job = config.station.job.clone();
+    let mut job = jobs::chosen(config).or_else(|| config.station.job.clone());
     loop {
         let next = match &job {
             Some(path) => watch(path, config, &mut ports, &mut cycle)?,
@@ -47,6 +49,14 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
             return Ok(());
         }
         job = next;
+    }
+}
+
+/// Who has asked for a job, for the journal.
+fn who(source: CommandSource) -> &'static str {
+    match source {
+        CommandSource::Plc => "plc",
+        CommandSource::Tool => "andond use",
     }
 }
 
@@ -77,9 +87,9 @@ impl Ports {
     ) -> Result<(), RoleError> {
         self.state.answer(number, answer);
         match (command, answer) {
-            (Command::LoadJob { job_id, .. }, Err(refusal)) => {
+            (Command::LoadJob { job_id, source, .. }, Err(refusal)) => {
                 let what = format!("job {job_id} refused: {}", refusal.name());
-                self.auditor.record(cycle, AuditKind::Job, "plc", &what)
+                self.auditor.record(cycle, AuditKind::Job, who(source), &what)
             }
             _ => Ok(()),
         }
@@ -94,7 +104,7 @@ impl Ports {
             }
             match wire::command::read(&message) {
                 Ok(command) => {
-                    log!(code::COMMAND, "{command:?}");
+                    log!(code::COMMAND, "{command}");
                     return Ok(Some((message.number, command)));
                 }
                 Err(unknown) => {
@@ -149,8 +159,9 @@ impl Role for Session<'_, '_> {
         while let Some((number, command)) = self.ports.take_command(cycle)? {
             let answer = self.obey(command, cycle)?;
             self.ports.answer(number, command, answer, cycle)?;
-            if self.next.is_some() {
-                self.ports.asked_by = "plc";
+            if let (Some(path), Command::LoadJob { source, .. }) = (&self.next, command) {
+                self.ports.asked_by = who(source);
+                jobs::choose(self.config, path);
                 // The next session tells it, when it has the job.
                 return Ok(Turn::Left);
             }
@@ -202,7 +213,11 @@ impl Session<'_, '_> {
             (Command::Abort, None) => {}
             (Command::Abort, Some(watched)) => watched.finish(self.ports, cycle)?,
             (Command::SetPart { part, source }, _) => return Ok(state.set_part(part, source)),
-            (Command::LoadJob { job_id, model_hash }, watched) => {
+            (Command::LoadJob { job_id, model_hash, source }, watched) => {
+                if let Err(refusal) = state.may_load(source) {
+                    log!(code::COMMAND_REFUSED, "job {job_id} is not loaded. {}", refusal.meaning());
+                    return Ok(Err(refusal));
+                }
                 let found = match jobs::select(self.config, Wanted { job_id, model_hash }) {
                     Ok(found) => found,
                     Err(refusal) => return Ok(Err(refusal)),

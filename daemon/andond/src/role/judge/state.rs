@@ -13,6 +13,8 @@ use super::super::output::Output;
 pub(super) struct State {
     writer: Output<Writer<Judging>>,
     now: Judging,
+    /// Whether the PLC has loaded a job: then it chooses them.
+    is_job_of_plc: bool,
     last_sent: Option<(Judging, Instant)>,
 }
 
@@ -21,7 +23,7 @@ impl State {
     pub(super) fn new(node: &Node, is_enabled: bool) -> Result<Self, Error> {
         let now =
             Judging { phase: JudgePhase::NoJob.code(), is_enabled: is_enabled.into(), ..Judging::default() };
-        Ok(Self { writer: Output::beside(node.writer()?), now, last_sent: None })
+        Ok(Self { writer: Output::beside(node.writer()?), now, is_job_of_plc: false, last_sent: None })
     }
 
     pub(super) fn port(&mut self) -> &mut dyn Port {
@@ -48,6 +50,17 @@ impl State {
         }
         (self.now.part, self.now.part_source) = (part, source.code());
         Ok(())
+    }
+
+    /// Why nobody may load a job at this request, if so. The PLC's counts, if it loads any, and it has looked itself whether a job runs.
+    pub(super) fn may_load(&mut self, source: CommandSource) -> Result<(), Refusal> {
+        self.is_job_of_plc |= source == CommandSource::Plc;
+        match source {
+            CommandSource::Plc => Ok(()),
+            CommandSource::Tool if self.is_job_of_plc => Err(Refusal::JobOfPlc),
+            CommandSource::Tool if self.now.phase == JudgePhase::Running.code() => Err(Refusal::Busy),
+            CommandSource::Tool => Ok(()),
+        }
     }
 
     /// The job in force.

@@ -2,9 +2,11 @@
 //!
 //! It is served in the role's own loop, so a client may take its time only for so long.
 
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use crate::http::receive;
 
 /// A client of this machine has sent its request by then.
 const PATIENCE: Duration = Duration::from_millis(200);
@@ -40,7 +42,7 @@ impl Server {
 fn answer(mut stream: TcpStream, text: impl FnOnce() -> String) -> io::Result<()> {
     stream.set_nonblocking(false)?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    let (status, kind, body) = match request(&mut stream)? {
+    let (status, kind, body) = match receive(&mut stream, REQUEST, PATIENCE, parse)?.unwrap_or(Request::Bad) {
         Request::Metrics => ("200 OK", OPEN_METRICS, text()),
         Request::OtherPath => ("404 Not Found", PLAIN, "the metrics are at /metrics\n".into()),
         Request::OtherMethod => ("405 Method Not Allowed", PLAIN, "only GET is served\n".into()),
@@ -59,27 +61,6 @@ enum Request {
     OtherPath,
     OtherMethod,
     Bad,
-}
-
-fn request(stream: &mut TcpStream) -> io::Result<Request> {
-    let until = Instant::now() + PATIENCE;
-    let (mut inbox, mut filled) = ([0; REQUEST], 0);
-    while filled < REQUEST {
-        let left = until.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(ErrorKind::TimedOut.into());
-        }
-        stream.set_read_timeout(Some(left))?;
-        let received = stream.read(&mut inbox[filled..])?;
-        if received == 0 {
-            return Err(ErrorKind::UnexpectedEof.into());
-        }
-        filled += received;
-        if let Some(request) = parse(&inbox[..filled]) {
-            return Ok(request);
-        }
-    }
-    Ok(Request::Bad)
 }
 
 /// The request, once all of it has come.

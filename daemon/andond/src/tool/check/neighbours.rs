@@ -8,17 +8,23 @@ use crate::config::{Config, Source};
 
 /// What this station shares with one beside it.
 pub(super) fn faults(config: &Config) -> Vec<String> {
-    let Some((own, before)) = config.files.split_last() else { return Vec::new() };
-    let mut faults = Vec::new();
-    for path in beside(own, &config.files) {
-        let files: Vec<&Path> = before.iter().map(PathBuf::as_path).chain([path.as_path()]).collect();
-        // A file that is no station of its own, or has faults, is no neighbour.
-        let Ok(other) = Config::load(&files) else { continue };
-        faults.extend(
-            shared(config, &other).map(|what| format!("{what}, as the station in {}", path.display())),
-        );
-    }
-    faults
+    let what_is_shared = |(path, other): (PathBuf, Config)| {
+        let said = move |what| format!("{what}, as the station in {}", path.display());
+        shared(config, &other).map(said).collect::<Vec<_>>()
+    };
+    stations(config).flat_map(what_is_shared).collect()
+}
+
+/// The other stations of the same folder, with their files.
+pub(in crate::tool) fn stations(config: &Config) -> impl Iterator<Item = (PathBuf, Config)> {
+    let own_and_before = config.files.split_last();
+    own_and_before.into_iter().flat_map(|(own, before)| {
+        beside(own, &config.files).into_iter().filter_map(move |path| {
+            let files: Vec<&Path> = before.iter().map(PathBuf::as_path).chain([path.as_path()]).collect();
+            // A file that is no station of its own, or has faults, is no neighbour.
+            Some((path.clone(), Config::load(&files).ok()?))
+        })
+    })
 }
 
 /// The other files of the folder, in the order of their names.

@@ -3,8 +3,8 @@
 
 mod film;
 mod summary;
-mod supervisor;
-mod usage;
+pub(super) mod supervisor;
+pub(super) mod usage;
 mod watch;
 
 use std::io::ErrorKind;
@@ -14,14 +14,14 @@ use std::time::{Duration, Instant};
 
 use andon_core::verdict::Verdict;
 use andon_ipc::{Node, Station, Stop};
-use indicatif::ProgressBar;
 use shm_schemas::RoleId;
 
+use super::progress::Progress;
 use super::{ToolError, config_files, job, progress};
-use crate::cli::{Demo, Speed};
+use crate::cli::{ConfigArgs, Demo, Speed};
 use crate::config::Config;
 use crate::exit::Code;
-use crate::report::{Names, verdict_sentence};
+use crate::report::{Names, Teller, on_recording};
 use crate::wire;
 use summary::{Row, Summary};
 use supervisor::Running;
@@ -41,6 +41,14 @@ const ROLES: [(&str, RoleId); 6] = [
 /// The name of the demo's station.
 const STATION: &str = "demo";
 
+/// Where the clips, the job and the parts of the demo are: in a source tree, then in an installation.
+const CLIPS: [&str; 2] = ["tests/footage", "/usr/share/andon"];
+const JOBS: [&str; 2] = ["config/jobs/polish-and-measure.toml", "/etc/andon/jobs/polish-and-measure.toml"];
+const STATIONS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/stations/film.toml"];
+
+/// What to read next.
+const PAGES: [&str; 2] = ["README.md", "/usr/share/doc/andon/README.md"];
+
 /// What to do about a folder without clips.
 const CLIPS_REMEDY: &str = "name a folder with films (.mp4) with --clips";
 
@@ -55,11 +63,14 @@ const SILENCE: Duration = Duration::from_secs(30);
 /// # Errors
 /// What is missing, or the role that ended, with the end of its log.
 pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
-    let file = job::load(&arguments.job)?;
+    let job = arguments.job.clone().unwrap_or_else(|| existing(JOBS));
+    let file = job::load(&job)?;
     let names = Names::of_job(&file);
-    let clips = clips(&arguments.clips)?;
-    let mut line = Line::start(arguments, &clips[0])?;
+    let folder = arguments.clips.clone().unwrap_or_else(|| existing(CLIPS));
+    let clips = clips(&folder)?;
+    let mut line = Line::start(&configs(&arguments.config), &job, &clips[0])?;
     println!("watching the job {:?} with {} roles, one process each", file.name, ROLES.len() + 1);
+    println!("{} clips; an IU is the time in which a hand touches the same parts", clips.len());
     let mut played = Vec::new();
     for clip in &clips {
         let Some(outcome) = line.play(clip, arguments, &names)? else { return Ok(Code::Stopped) };
@@ -69,7 +80,8 @@ pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
     line.print_usage();
     let rate_hz = file.method.rate_hz;
     let rows = clips.iter().zip(&played).map(|(clip, received)| Row::new(clip, received, rate_hz)).collect();
-    println!("\n{}", Summary { rows, rate_hz, needed_hz: file.min_rate_hz });
+    let pages = existing(PAGES);
+    print!("\n{}", Summary { rows, rate_hz, needed_hz: file.min_rate_hz, pages: &pages });
     // Afterwards: drawing would take the processor from the line.
     if let Some(folder) = &arguments.annotate {
         for (clip, received) in clips.iter().zip(&played) {
@@ -77,6 +89,19 @@ pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
         }
     }
     Ok(Code::Stopped)
+}
+
+/// The first of the paths that there is; the first of all where there is none, so that the error names it.
+fn existing(paths: [&str; 2]) -> PathBuf {
+    paths.into_iter().find(|path| Path::new(path).exists()).unwrap_or(paths[0]).into()
+}
+
+/// The configuration files that were named, or those of the demo's bench. An installation has the parts in the station that plays a film.
+fn configs(arguments: &ConfigArgs) -> Vec<PathBuf> {
+    if arguments.files.is_empty() && std::env::var_os("ANDON_CONFIG").is_none() {
+        return vec![existing(STATIONS)];
+    }
+    config_files(arguments)
 }
 
 /// The films of a folder, by name.
@@ -99,7 +124,7 @@ fn free_port() -> std::io::Result<u16> {
 
 /// A folder that is removed with the demo. It holds sockets, whose paths must be short: where TMPDIR is too long, it is made
 /// under /tmp.
-fn own_folder() -> std::io::Result<tempfile::TempDir> {
+pub(super) fn own_folder() -> std::io::Result<tempfile::TempDir> {
     let folder = tempfile::Builder::new().prefix("andon-").tempdir()?;
     if Station::under(STATION, &folder.path().join(STATION)).is_ok() {
         return Ok(folder);
@@ -149,10 +174,10 @@ struct Outcome {
 }
 
 impl Line {
-    fn start(arguments: &Demo, clip: &Path) -> Result<Self, ToolError> {
+    fn start(configs: &[PathBuf], job: &Path, clip: &Path) -> Result<Self, ToolError> {
         let folder = own_folder().map_err(no_files)?;
-        let mut configs = config_files(&arguments.config);
-        configs.push(own_config(folder.path(), &arguments.job, clip).map_err(no_files)?);
+        let mut configs = configs.to_vec();
+        configs.push(own_config(folder.path(), job, clip).map_err(no_files)?);
         let config = Config::load(&configs)?;
         let mut roles = vec![Running::start("steward", &configs, folder.path())?];
         let stop = Stop::on_signals()?;
@@ -192,7 +217,7 @@ impl Line {
         let bar = progress(None, clip);
         println!("\n{}", clip.file_name().unwrap_or_default().to_string_lossy());
         let mut received = Received::default();
-        let mut newest = Instant::now();
+        let (mut newest, mut teller) = (Instant::now(), Teller::default());
         while !received.finished {
             let before = (received.verdicts.len(), received.detections.len());
             let wait = Duration::from_millis(500);
@@ -200,7 +225,7 @@ impl Line {
             if !goes_on? {
                 return Ok(None);
             }
-            print_new(&received, before.0, names, &bar);
+            print_new(&received, before.0, names, &mut teller, &bar)?;
             bar.set_position(received.detections.len() as u64);
             if before != (received.verdicts.len(), received.detections.len()) {
                 newest = Instant::now();
@@ -228,8 +253,11 @@ impl Line {
             Speed::Max => "max",
         };
         let clip = std::path::absolute(clip).map_err(no_files)?;
-        std::fs::write(&path, format!("[camera]\nsource = \"video\"\npath = {clip:?}\nspeed = {speed:?}\n"))
-            .map_err(no_files)?;
+        std::fs::write(
+            &path,
+            format!("[camera]\nsource = \"video\"\npath = {clip:?}\nspeed = {speed:?}\nloop = false\n"),
+        )
+        .map_err(no_files)?;
         Ok(path)
     }
 
@@ -251,13 +279,24 @@ impl Line {
 }
 
 /// Prints the verdicts from number `from` on.
-fn print_new(received: &Received, from: usize, names: &Names, bar: &ProgressBar) {
-    let new: Vec<Verdict> = received.verdicts[from..].iter().filter_map(wire::verdict::read).collect();
-    bar.suspend(|| {
-        for verdict in new {
-            println!("{}", verdict_sentence(&verdict, names));
-        }
+fn print_new(
+    received: &Received,
+    from: usize,
+    names: &Names,
+    teller: &mut Teller,
+    bar: &Progress,
+) -> Result<(), ToolError> {
+    if received.verdicts.len() == from {
+        return Ok(());
+    }
+    let mut new = received.verdicts[from..].iter().filter_map(wire::verdict::read);
+    let printed = bar.suspend(|| {
+        let mut out = anstream::stdout().lock();
+        new.try_for_each(|verdict: Verdict| {
+            teller.tell(&on_recording(verdict.decided_ns), &verdict, names).write(&mut out)
+        })
     });
+    printed.map_err(ToolError::Print)
 }
 
 impl Outcome {

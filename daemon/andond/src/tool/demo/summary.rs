@@ -55,14 +55,16 @@ fn said(verdicts: &[Verdict]) -> Option<Outcome> {
 }
 
 /// All clips.
-pub(super) struct Summary {
+pub(super) struct Summary<'a> {
     pub(super) rows: Vec<Row>,
     /// How many frames per second the method has, and how many the job needs.
     pub(super) rate_hz: f32,
     pub(super) needed_hz: f32,
+    /// The page to read next.
+    pub(super) pages: &'a Path,
 }
 
-impl fmt::Display for Summary {
+impl fmt::Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.rows.iter().map(|row| row.clip.len()).max().unwrap_or_default().max(4);
         writeln!(f, "{:width$}  expected  said        frames/s  right", "clip")?;
@@ -76,26 +78,38 @@ impl fmt::Display for Summary {
             let [expected, said] = [row.expected, row.said].map(word);
             writeln!(f, "{:width$}  {expected:8}  {said:10}  {:8.1}  {right}", row.clip, row.managed_hz)?;
         }
-        let count = |is_right| self.rows.iter().filter(|row| row.is_right() == is_right).count();
-        let not_judged =
-            self.rows.iter().filter(|row| row.said.is_none_or(|said| said == Outcome::NotJudged));
-        writeln!(
-            f,
-            "{} clips: {} right, {} wrong, {} not judged",
-            self.rows.len(),
-            count(Some(true)),
-            count(Some(false)),
-            not_judged.count()
-        )?;
+        writeln!(f, "\n{}", self.sentence())?;
         let slowest = self.rows.iter().map(|row| row.managed_hz).fold(f32::INFINITY, f32::min);
         if slowest < self.needed_hz {
             writeln!(
                 f,
-                "this machine manages {slowest:.1} of {:.0} frames per second, the job needs {:.1}: steps with fewer are not judged",
+                "this machine manages {slowest:.1} of {:.0} frames per second, and {:.1} are needed: steps with fewer are not judged. \
+                 `--speed max` plays the clips without losing any",
                 self.rate_hz, self.needed_hz
             )?;
         }
-        Ok(())
+        writeln!(
+            f,
+            "\nnext: `andond demo --annotate FOLDER` draws what was seen and said on the clips; your own parts:"
+        )?;
+        writeln!(f, "      {}, \"Ten minutes to a job of your own\"", self.pages.display())
+    }
+}
+
+impl Summary<'_> {
+    /// What came of the clips, in a sentence.
+    fn sentence(&self) -> String {
+        let count = |is: fn(&Row) -> bool| self.rows.iter().filter(|row| is(row)).count();
+        let known = count(|row| row.expected.is_some());
+        let right = count(|row| row.is_right() == Some(true));
+        let accused = count(|row| row.is_right() == Some(false) && row.expected == Some(Outcome::Ok));
+        let missed = count(|row| row.is_right() == Some(false) && row.expected == Some(Outcome::Anomaly));
+        let unjudged = count(|row| row.said.is_none_or(|said| said == Outcome::NotJudged));
+        let all = if right == known && known > 0 { "All is as it should be: " } else { "" };
+        format!(
+            "{all}of {known} clips {right} were judged rightly; {accused} correct ones were accused, {missed} faulty ones were called right, \
+             {unjudged} were not judged."
+        )
     }
 }
 
@@ -124,7 +138,8 @@ mod tests {
             row("p2_wrong_object_r1.mp4", Some(Outcome::NotJudged), 7.5),
             row("mine.mp4", Some(Outcome::Ok), 29.5),
         ];
-        let text = Summary { rows, rate_hz: 30.0, needed_hz: 10.0 }.to_string();
+        let text =
+            Summary { rows, rate_hz: 30.0, needed_hz: 10.0, pages: Path::new("README.md") }.to_string();
         let lines: Vec<String> =
             text.lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
         assert_eq!(
@@ -134,8 +149,13 @@ mod tests {
                 "p1_none_r2.mp4 ok ANOMALY 29.5 NO",
                 "p2_wrong_object_r1.mp4 ANOMALY NOT JUDGED 7.5 not judged",
                 "mine.mp4 - ok 29.5 -",
-                "4 clips: 1 right, 1 wrong, 1 not judged",
-                "this machine manages 7.5 of 30 frames per second, the job needs 10.0: steps with fewer are not judged",
+                "",
+                "of 3 clips 1 were judged rightly; 1 correct ones were accused, 0 faulty ones were called right, 1 were not judged.",
+                "this machine manages 7.5 of 30 frames per second, and 10.0 are needed: steps with fewer are not judged. \
+                 `--speed max` plays the clips without losing any",
+                "",
+                "next: `andond demo --annotate FOLDER` draws what was seen and said on the clips; your own parts:",
+                "README.md, \"Ten minutes to a job of your own\"",
             ]
         );
     }
@@ -143,6 +163,10 @@ mod tests {
     #[test]
     fn a_machine_that_keeps_up_is_not_spoken_of() {
         let rows = vec![row("p1_none_r1.mp4", Some(Outcome::Ok), 29.5)];
-        assert!(!Summary { rows, rate_hz: 30.0, needed_hz: 10.0 }.to_string().contains("machine"));
+        assert!(
+            !Summary { rows, rate_hz: 30.0, needed_hz: 10.0, pages: Path::new("README.md") }
+                .to_string()
+                .contains("this machine")
+        );
     }
 }

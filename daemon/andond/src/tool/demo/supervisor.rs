@@ -16,8 +16,8 @@ const LOG_LINES: usize = 3;
 const GRACE: Duration = Duration::from_secs(3);
 
 /// A role that runs.
-pub(super) struct Running {
-    pub(super) name: &'static str,
+pub(in crate::tool) struct Running {
+    pub(in crate::tool) name: &'static str,
     child: Child,
     log: PathBuf,
 }
@@ -26,7 +26,11 @@ impl Running {
     /// Starts `andond run NAME` with these configuration files; what it logs goes into `folder`.
     ///
     /// The roles of a demo have configurations of their own: each capture plays another clip.
-    pub(super) fn start(name: &'static str, configs: &[PathBuf], folder: &Path) -> Result<Self, ToolError> {
+    pub(in crate::tool) fn start(
+        name: &'static str,
+        configs: &[PathBuf],
+        folder: &Path,
+    ) -> Result<Self, ToolError> {
         let failed = |path: &Path| {
             let what = path.display().to_string();
             |source| ToolError::Demo { what, source }
@@ -48,12 +52,12 @@ impl Running {
         Ok(Self { name, child, log })
     }
 
-    pub(super) fn pid(&self) -> u32 {
+    pub(in crate::tool) fn pid(&self) -> u32 {
         self.child.id()
     }
 
     /// Fails with the end of the role's log when the role has ended.
-    pub(super) fn check(&mut self) -> Result<(), ToolError> {
+    pub(in crate::tool) fn check(&mut self) -> Result<(), ToolError> {
         match self.child.try_wait() {
             Ok(None) => Ok(()),
             Ok(Some(status)) => {
@@ -67,7 +71,7 @@ impl Running {
     }
 
     /// Asks it to stop, and kills it when it does not stop in time.
-    pub(super) fn stop(&mut self) {
+    pub(in crate::tool) fn stop(&mut self) {
         let pid = i32::try_from(self.child.id()).ok().and_then(Pid::from_raw);
         if let Some(pid) = pid
             && matches!(self.child.try_wait(), Ok(None))

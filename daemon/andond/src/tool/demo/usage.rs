@@ -4,18 +4,18 @@ use std::fs;
 
 /// Processor time and memory of a process.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Usage {
+pub(in crate::tool) struct Usage {
     /// Seconds of processor time since its start.
-    pub(super) cpu_s: f64,
+    pub(in crate::tool) cpu_s: f64,
     /// Memory of its own that is resident, in MiB.
-    pub(super) own_mib: f64,
+    pub(in crate::tool) own_mib: f64,
     /// Shared memory that it has touched, in MiB.
-    pub(super) shared_mib: f64,
+    pub(in crate::tool) shared_mib: f64,
 }
 
 impl Usage {
     /// Adds a process that ran after the others: time adds up, memory does not.
-    pub(super) fn add(&mut self, other: Self) {
+    pub(in crate::tool) fn add(&mut self, other: Self) {
         self.cpu_s += other.cpu_s;
         self.own_mib = self.own_mib.max(other.own_mib);
         self.shared_mib = self.shared_mib.max(other.shared_mib);
@@ -23,7 +23,7 @@ impl Usage {
 }
 
 /// What the process has used so far; zero when it has ended.
-pub(super) fn of(pid: u32) -> Usage {
+pub(in crate::tool) fn of(pid: u32) -> Usage {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
     let status = fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
     Usage {

@@ -1,33 +1,32 @@
 //! `andond teach`: from recordings of correct runs to a job file. The same recordings give the same bytes, whether they were given at once
 //! or one after the other (`--add`, `--without`).
 
+mod bench;
+mod live;
+mod number;
 mod sources;
 
 pub use sources::SourceError;
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use andon_core::config::Method;
-use andon_core::input::Space;
 use andon_learn::analysis::draw_order;
-use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::JobFile;
-use andon_learn::recording as learn;
 use andon_learn::rule::ThresholdRule;
-use andon_learn::run::Run;
 use andon_learn::strictness::Strictness;
-use andon_learn::teach::{TeachOptions, teach};
+use andon_learn::teach::{TeachOptions, TeachReport, page, teach};
 
-use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_for};
+use super::runs::{common_space, read_runs};
+use super::{ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn};
 use crate::atomic;
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
 use crate::config::Config;
 use crate::exit::Code;
-use crate::recording::Recording;
-use sources::{Wanted, file_name};
+use crate::role;
+use sources::Wanted;
 
 /// Share of correct executions that may be accused under the rule `conformal`.
 const FALSE_ALARMS: f64 = 0.01;
@@ -38,30 +37,58 @@ const FALSE_ALARMS: f64 = 0.01;
 /// What is missing or damaged, an existing file, or why nothing can be learned.
 pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty());
-    if arguments.out.exists() && !is_changed && !arguments.force {
-        return Err(ToolError::Exists(arguments.out.clone()));
-    }
     let before = is_changed.then(|| job::load(&arguments.out)).transpose()?;
-    for file in [Some(&arguments.out), arguments.plot.as_ref()].into_iter().flatten() {
+    for file in
+        [Some(&arguments.out), arguments.plot.as_ref(), arguments.report.as_ref()].into_iter().flatten()
+    {
+        if file.exists() && !is_changed && !arguments.force {
+            return Err(ToolError::Exists(file.clone()));
+        }
         check_writable(file)?;
     }
-    let recordings = recordings(arguments, before.as_ref())?;
-    let config = load_config_for(&arguments.config, &recordings, Config::load_to_learn)?;
+    let mut recordings = recordings(arguments, before.as_ref())?;
+    let config = match arguments.live {
+        true => load_config_to_learn(&arguments.config)?,
+        false => load_config_for(&arguments.config, &recordings)?,
+    };
+    if arguments.live {
+        let Some(shown) = live::show(arguments, &config)? else { return Ok(Code::Declined) };
+        recordings.extend(shown);
+    }
     let options = options(arguments, before.as_ref(), &recordings, &config)?;
-    let runs = read_runs(&recordings, &config, &options.method)?;
+    // In the order of their names, whichever way they were given, so that the same recordings teach the same job.
+    let mut runs = read_runs(&recordings, &config, &options.method, &|| ())?;
+    runs.sort_by(|one, other| (&one.name, &one.sha256).cmp(&(&other.name, &other.sha256)));
     let (job, report) = teach(&runs, &options)?;
     println!("{report}");
+    write(arguments, &config, &job, &report)
+}
+
+/// Writes what was asked for. What cannot be trusted is only drawn and described.
+fn write(arguments: &Teach, config: &Config, job: &JobFile, report: &TeachReport) -> Result<Code, ToolError> {
+    let save = |path: &Path, text: &str| atomic::write(path, text.as_bytes()).map_err(cannot_write(path));
     if let Some(plot) = &arguments.plot {
-        let picture = draw_order(&job, report.rejected.as_deref());
-        std::fs::write(plot, picture).map_err(cannot_write(plot))?;
+        save(plot, &draw_order(job, report.rejected.as_deref()))?;
         println!("drawn: {}", plot.display());
     }
+    if let Some(path) = &arguments.report {
+        save(path, &page(job, report, &draw_order(job, report.rejected.as_deref())))?;
+        println!("report: {}", path.display());
+    }
+    let out = &arguments.out;
     if !report.is_trusted() && !arguments.force {
-        println!("not written: {}; --force writes it all the same", arguments.out.display());
+        println!("not written: {}; --force writes it all the same", out.display());
         return Ok(Code::Declined);
     }
-    atomic::write(&arguments.out, job.to_toml().as_bytes()).map_err(cannot_write(&arguments.out))?;
-    println!("written: {}", arguments.out.display());
+    save(out, &job.to_toml())?;
+    println!("written: {}, job {} {:?} of hash {:016x}", out.display(), job.id, job.name, job.model_hash());
+    for other in number::others_with(job.id, out, config) {
+        eprintln!(
+            "note: {} has the number {} as well: only their hashes tell them apart",
+            other.display(),
+            job.id
+        );
+    }
     Ok(Code::Stopped)
 }
 
@@ -94,7 +121,15 @@ fn options(
         });
     }
     options.try_runs = true;
-    options.id = arguments.id.unwrap_or(options.id);
+    // A job that is taught again is still the same one to people and to the PLC.
+    let there = role::read_job(&arguments.out).ok();
+    options.id = arguments.id.unwrap_or_else(|| match &there {
+        Some(job) => job.id,
+        None => number::number_for(&arguments.out, config),
+    });
+    if let Some(job) = there {
+        options.name = job.name;
+    }
     options.order_matters = arguments.order.or(options.order_matters);
     if let Some(name) = &arguments.name {
         options.name.clone_from(name);
@@ -125,71 +160,4 @@ fn today() -> String {
     jiff::Timestamp::from_second(since_1970.as_secs() as i64)
         .map(|now| now.strftime("%Y-%m-%d").to_string())
         .unwrap_or_default()
-}
-
-/// The space that all recordings share.
-fn common_space(recordings: &[PathBuf], config: &Config) -> Result<Space, ToolError> {
-    let mut space = None;
-    for path in recordings {
-        let own = Recording::open(path, config)?.header().space;
-        if *space.get_or_insert(own) != own {
-            return Err(ToolError::MixedSpaces(path.clone()));
-        }
-    }
-    Ok(space.unwrap_or(config.method.space))
-}
-
-/// Reads the recordings, as many at a time as the machine has processors: each is decoded in a process of its own. They come in the order of
-/// their names, whichever way they were given, so that the same recordings teach the same job.
-fn read_runs(recordings: &[PathBuf], config: &Config, method: &Method) -> Result<Vec<Run>, ToolError> {
-    let next = Mutex::new(0..recordings.len());
-    let runs: Mutex<Vec<Option<Result<Run, ToolError>>>> =
-        Mutex::new((0..recordings.len()).map(|_| None).collect());
-    let work = || {
-        // A poisoned lock means that another worker panicked, which ends the process anyway.
-        while let Some(index) = next.lock().ok().and_then(|mut next| next.next()) {
-            let run = read_run(&recordings[index], config, method);
-            if let Ok(mut runs) = runs.lock() {
-                runs[index] = Some(run);
-            }
-        }
-    };
-    std::thread::scope(|scope| {
-        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from).min(recordings.len()) {
-            scope.spawn(work);
-        }
-    });
-    let mut runs: Vec<Run> =
-        runs.into_inner().unwrap_or_default().into_iter().flatten().collect::<Result<_, _>>()?;
-    runs.sort_by(|one, other| (&one.name, &one.sha256).cmp(&(&other.name, &other.sha256)));
-    Ok(runs)
-}
-
-fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, ToolError> {
-    let mut recording = Recording::open(path, config)?;
-    let mut frames = Vec::new();
-    each_frame(&mut recording, path, |frame| {
-        frames.push(frame);
-        Ok(())
-    })?;
-    let refused = |source| ToolError::Read { path: path.into(), source, remedy: "let this user read it" };
-    let sha256 = sha256_hex(&bytes_of(path).map_err(refused)?);
-    let recording = learn::Recording { header: recording.header().clone(), frames, truncation: None };
-    Run::new(&file_name(path), &sha256, &recording, method)
-        .map_err(|source| ToolError::Run { path: path.into(), source })
-}
-
-/// The bytes that the hash of a recording covers: those of a file, or of the pictures of a folder one after the other.
-fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
-    if !path.is_dir() {
-        return std::fs::read(path);
-    }
-    let mut files: Vec<_> =
-        std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
-    files.sort();
-    let mut bytes = Vec::new();
-    for file in files.iter().filter(|file| file.is_file()) {
-        bytes.extend(std::fs::read(file)?);
-    }
-    Ok(bytes)
 }

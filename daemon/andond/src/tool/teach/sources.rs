@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use andon_learn::digest::sha256_hex;
 use andon_learn::job_file::{JobFile, Source};
 
-use super::bytes_of;
+use crate::tool::runs::{bytes_of, file_name};
 
 /// Why the recordings that a job was taught from cannot be used again.
 #[derive(Debug, thiserror::Error)]
@@ -141,11 +141,6 @@ impl Wanted<'_> {
         }
         folders
     }
-}
-
-/// The name of a recording without its folder, as a job file has it.
-pub(super) fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
 fn folders(paths: &[PathBuf]) -> String {

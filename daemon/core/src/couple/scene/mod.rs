@@ -75,6 +75,8 @@ pub(super) struct Scene {
     moved_unseen: u32,
     /// Bit k: something was carried by a hand that was not seen k frames before the newest.
     carried_unseen: u32,
+    /// Bit k: what lay on the bench was hidden k frames before the newest.
+    bench_hidden: u32,
     /// For how many frames no hand has been seen.
     handless_frames: u32,
     hands: [Recent<HandPose>; HANDS],
@@ -116,6 +118,7 @@ impl Scene {
             clear: [0; HANDS],
             moved_unseen: 0,
             carried_unseen: 0,
+            bench_hidden: 0,
             handless_frames: 0,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             objects,
@@ -157,6 +160,7 @@ impl Scene {
         self.update_grips();
         self.push_moved_unseen();
         self.push_carried_unseen();
+        self.push_bench_hidden();
         self.push_clear();
         self.push_rivals();
     }
@@ -273,6 +277,7 @@ impl Scene {
             is_captured: self.captured >> age & 1 == 1,
             has_moved_unseen: self.moved_unseen >> age & 1 == 1,
             is_carried_unseen: self.carried_unseen >> age & 1 == 1,
+            is_bench_hidden: self.bench_hidden >> age & 1 == 1,
             undone: self.undone(age),
             hands,
         }

@@ -11,5 +11,4 @@ pub(super) use elbow::elbow;
 pub(super) use heat::{LEGEND, heat};
 pub use order::draw_order;
 pub(super) use selection::selection;
-pub(super) use svg::escaped;
 pub(super) use warping::{Execution, Shown, warping};

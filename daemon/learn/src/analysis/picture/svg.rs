@@ -1,5 +1,6 @@
 //! Text of an SVG picture.
 
+use crate::html::escaped;
 use std::fmt::Write as _;
 
 /// Colours of text, lines and marks. They are the same in every picture, so that a page can have several.
@@ -64,9 +65,4 @@ impl Svg {
         self.text += "</svg>\n";
         self.text
     }
-}
-
-/// Escapes text for XML and HTML.
-pub(in crate::analysis) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,39 +1,68 @@
 //! `andond history`: queries the journal, also while it is written.
 
-use std::io::{BufWriter, ErrorKind, stdout};
+mod plot;
+mod summary;
+mod table;
+
+use std::io::{BufWriter, Write};
 use std::time::Duration;
 
-use andon_journal::{Format, History, JournalError, Query};
+use andon_journal::{Entry, History, JournalError, Query};
 use jiff::Timestamp;
 
+use super::clock::Clock;
+use super::known::KnownJobs;
 use super::part::part_id;
-use super::{ToolError, running_config};
+use super::{ToolError, cannot_write, check_writable, running_config};
 use crate::cli::History as Arguments;
 use crate::exit::Code;
+use summary::Summary;
+use table::Table;
 
 /// Runs the command.
 ///
 /// # Errors
-/// A time that cannot be read, and a journal that is not there or damaged.
+/// A time that cannot be read, a job that is not known, and a journal that is not there or damaged.
 pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
     let since = arguments.since.as_deref();
     let since_utc_ns = since.map(|text| since_ns(text, Timestamp::now())).transpose()?;
     let part = arguments.part.as_deref().map(|id| part_id("--part", id)).transpose()?;
-    let query = Query { since_utc_ns, job_id: arguments.job, part, nok: arguments.nok };
-    let path = running_config(&arguments.config)?.config.journal_path();
-    let history = History::open(&path)?;
-    let mut out = BufWriter::new(stdout().lock());
-    let format = if arguments.csv { Format::Csv } else { Format::Table };
-    let written = if arguments.audit {
-        history.write_deeds(since_utc_ns, format, &mut out)
+    let config = running_config(&arguments.config)?.config;
+    let known = KnownJobs::of(&config);
+    let job_id = arguments.job.as_deref().map(|job| known.number(job)).transpose()?;
+    let query = Query { since_utc_ns, job_id, part, nok: arguments.nok };
+    arguments.plot.as_deref().map(check_writable).transpose()?;
+    let history = History::open(&config.journal_path())?;
+    let clock = Clock::new(arguments.utc);
+    let mut out = BufWriter::new(anstream::stdout().lock());
+    if arguments.csv {
+        match arguments.audit {
+            true => history.write_deeds_csv(since_utc_ns, &mut out)?,
+            false => history.write_csv(&query, &mut out)?,
+        }
+    } else if arguments.audit {
+        write!(out, "{}", table::deeds_header(&clock)).map_err(ToolError::Print)?;
+        history.visit_deeds(since_utc_ns, |deed| Ok(table::write_deed(&deed, &clock, &mut out)?))?;
+    } else if arguments.summary || arguments.plot.is_some() {
+        let mut summary = Summary::new(&known);
+        history.visit(&query, |entry| {
+            summary.add(&entry);
+            Ok(())
+        })?;
+        if arguments.summary {
+            write!(out, "{}", summary.text(&clock)).map_err(ToolError::Print)?;
+        }
+        if let Some(plot) = &arguments.plot {
+            std::fs::write(plot, plot::draw(&summary, &clock)).map_err(cannot_write(plot))?;
+            writeln!(out, "drawn: {}", plot.display()).map_err(ToolError::Print)?;
+        }
     } else {
-        history.write(&query, format, &mut out)
-    };
-    match written {
-        // The reader has seen enough, as `head` does.
-        Err(JournalError::Export(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(Code::Stopped),
-        outcome => Ok(outcome.map(|()| Code::Stopped)?),
+        let mut table = Table::new(&known, &clock);
+        write!(out, "{}", table.header()).map_err(ToolError::Print)?;
+        history.visit(&query, |entry: Entry| Ok::<(), JournalError>(table.write(&entry, &mut out)?))?;
     }
+    out.flush().map_err(ToolError::Print)?;
+    Ok(Code::Stopped)
 }
 
 /// A time, or a span before now, as nanoseconds since 1970 UTC.

@@ -1,0 +1,134 @@
+//! Verdicts one after the other: one line per fault, and what follows from it indented beneath.
+
+use std::io::{self, Write};
+
+use andon_core::verdict::{Level, Note, Outcome, Verdict};
+use anstyle::{AnsiColor, Style};
+
+use super::Names;
+use super::words::{because, verdict_sentence};
+
+/// What has been told of the job that is under way.
+#[derive(Debug, Default)]
+pub struct Teller {
+    faults: Vec<Fault>,
+    /// The steps that have come, right or wrong.
+    done: Vec<u16>,
+    /// The fault that the last line is about.
+    last: Option<usize>,
+}
+
+#[derive(Debug)]
+struct Fault {
+    verdict: Verdict,
+    when: String,
+}
+
+/// One line of text, and how it looks on a terminal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// The text; it begins with the time.
+    pub text: String,
+    /// Its colour, if it has one.
+    pub style: Style,
+}
+
+impl Line {
+    /// Writes the line in its colour; a stream that shows none takes that away.
+    ///
+    /// # Errors
+    /// Those of the stream.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        let Self { text, style } = self;
+        writeln!(out, "{style}{text}{style:#}")
+    }
+}
+
+impl Teller {
+    /// The line of the next verdict. `when` is its time as people read it there: of the day on a running line, in seconds on a recording.
+    pub fn tell(&mut self, when: &str, verdict: &Verdict, names: &Names) -> Line {
+        let cause = self.faults.iter().position(|fault| follows(verdict, &fault.verdict));
+        let fault = cause.map(|index| &self.faults[index]);
+        // A job has a time of its own, unless it ends with its fault.
+        let has_time = |fault: &Fault| verdict.level == Level::Job && fault.when != when;
+        let is_beneath = cause.is_some() && cause == self.last && !fault.is_some_and(has_time);
+        let text = match fault {
+            Some(_) if is_beneath => {
+                format!("{:width$}{}", "", so(verdict, names), width = when.chars().count() + 23)
+            }
+            Some(fault) => {
+                let (then, sentence) = (fault.when.trim_start(), verdict_sentence(verdict, names));
+                let what = if verdict.outcome == Outcome::Anomaly { "the fault" } else { "what was missing" };
+                let because = format!("job, for {what} at {then}: ");
+                format!("{when}  {}", sentence.replacen("job: ", &because, 1))
+            }
+            None => format!("{when}  {}{}", verdict_sentence(verdict, names), self.next(verdict, names)),
+        };
+        if verdict.level == Level::Activity {
+            self.done.extend(verdict.nearest);
+        }
+        self.last = cause;
+        if verdict.outcome != Outcome::Ok && cause.is_none() {
+            self.last = Some(self.faults.len());
+            self.faults.push(Fault { verdict: *verdict, when: when.to_owned() });
+        }
+        if verdict.level == Level::Job {
+            *self = Self::default();
+        }
+        Line { text, style: style(verdict) }
+    }
+
+    /// Which step would have been next, where one came that is none of the job.
+    fn next(&self, verdict: &Verdict, names: &Names) -> String {
+        let is_other = verdict.note == Some(Note::Step) && verdict.level == Level::Activity;
+        let steps = 0..names.steps().len() as u16;
+        let next = steps.filter(|step| is_other && !self.done.contains(step)).min();
+        next.map(|step| format!(" Next would be {}.", names.step(step))).unwrap_or_default()
+    }
+}
+
+/// Whether a verdict only says what another one has said of a part of it.
+fn follows(verdict: &Verdict, fault: &Verdict) -> bool {
+    let is_part = match (fault.level, verdict.level) {
+        (Level::Iu, Level::Activity) => (fault.side, fault.activity) == (verdict.side, verdict.activity),
+        (Level::Iu | Level::Activity, Level::Job) => true,
+        _ => false,
+    };
+    let of = |verdict: &Verdict| (verdict.outcome, verdict.reason, verdict.broken);
+    // A measure may be known more exactly at the end.
+    let measure = |verdict: &Verdict| verdict.measured.map(|measured| measured.measure);
+    is_part
+        && verdict.outcome != Outcome::Ok
+        && of(fault) == of(verdict)
+        && measure(fault) == measure(verdict)
+}
+
+/// What follows for the step or the job.
+fn so(verdict: &Verdict, names: &Names) -> String {
+    let what = match (verdict.level, verdict.nearest) {
+        (Level::Job, _) => "the job".to_owned(),
+        (_, Some(step)) => names.step(step),
+        (_, None) => "the step".to_owned(),
+    };
+    match verdict.outcome {
+        Outcome::NotJudged => format!("so {what} is not judged"),
+        _ => format!("so {what} is wrong"),
+    }
+}
+
+/// Red for an anomaly, yellow for what could not be judged and for what should be looked at, green for a job that is right.
+fn style(verdict: &Verdict) -> Style {
+    let colour = match verdict.outcome {
+        Outcome::Anomaly => AnsiColor::Red,
+        Outcome::NotJudged => AnsiColor::Yellow,
+        Outcome::Ok if verdict.note.is_some() => AnsiColor::Yellow,
+        Outcome::Ok if verdict.level == Level::Job => AnsiColor::Green,
+        Outcome::Ok => return Style::new(),
+    };
+    Style::new().fg_color(Some(colour.into()))
+}
+
+/// Why a verdict is as it is, in one line; for a picture, which shows the rest.
+pub fn reason_words(verdict: &Verdict, names: &Names) -> String {
+    because(verdict, names).unwrap_or_default()
+}

@@ -1,0 +1,198 @@
+//! What people read of each kind of verdict, word for word.
+#![allow(clippy::unwrap_used)]
+
+use andon_core::couple::Context;
+use andon_core::input::Side;
+use andon_core::verdict::{
+    BrokenOrder, Level, Measure, Measured, Note, OrderFault, Outcome, Reason, Verdict,
+};
+
+use super::*;
+
+const STEPS: [(&str, &[[u16; 4]]); 2] = [
+    ("polish", &[[1, 5, 0, 0], [1, 5, 5, 6], [1, 5, 0, 0]]),
+    ("measure", &[[1, 6, 0, 0], [1, 6, 6, 3], [0, 0, 6, 3]]),
+];
+
+fn names() -> Names {
+    let objects = [(5, "polisher"), (6, "brick"), (3, "meter")];
+    Names::new(objects.map(|(id, name)| (id, name.to_owned()))).with_steps(&STEPS)
+}
+
+/// The second IU of the first step, and wrong.
+fn wrong(reason: Reason) -> Verdict {
+    Verdict {
+        level: Level::Iu,
+        outcome: Outcome::Anomaly,
+        reason,
+        side: Some(Side::Right),
+        nearest: Some(0),
+        activity: 0,
+        iu: Some(1),
+        context: Context([1, 5, 5, 6]),
+        distance: None,
+        threshold: None,
+        captured_percent: None,
+        measured: None,
+        broken: None,
+        note: None,
+        early: false,
+        began_ns: 0,
+        ended_ns: 1_000_000_000,
+        decided_ns: 1_250_000_000,
+    }
+}
+
+fn strokes(value: f32) -> Option<Measured> {
+    Some(Measured { measure: Measure::Strokes, value, shown_min: 6.0, shown_max: 6.0 })
+}
+
+#[track_caller]
+fn reads(verdict: Verdict, expected: &str) {
+    assert_eq!(verdict_sentence(&verdict, &names()), expected);
+}
+
+#[test]
+fn another_part_is_told_with_the_one_that_was_expected() {
+    let first = Verdict { iu: Some(0), context: Context([1, 6, 0, 0]), ..wrong(Reason::WrongObject) };
+    reads(first, "right  ANOMALY     step 1 IU 1: took the brick; expected the polisher");
+    let at = Verdict { context: Context([1, 5, 5, 3]), ..wrong(Reason::WrongObject) };
+    reads(at, "right  ANOMALY     step 1 IU 2: the polisher at the meter; expected at the brick");
+    let unknown = Verdict { iu: Some(0), context: Context([1, 9, 0, 0]), ..wrong(Reason::WrongObject) };
+    reads(unknown, "right  ANOMALY     step 1 IU 1: took object 9; expected the polisher");
+    let put_down = Verdict { context: Context([1, 5, 0, 0]), ..wrong(Reason::WrongOrder) };
+    reads(put_down, "right  ANOMALY     step 1 IU 2: polisher in hand; expected polisher at brick");
+}
+
+#[test]
+fn the_other_hand_is_told_with_the_one_that_was_shown() {
+    let left =
+        Verdict { side: Some(Side::Left), context: Context([2, 5, 5, 6]), ..wrong(Reason::WrongObject) };
+    reads(left, "left   ANOMALY     step 1 IU 2: polisher at brick, left hand; shown with the right");
+    let noted = Verdict {
+        level: Level::Activity,
+        outcome: Outcome::Ok,
+        side: Some(Side::Left),
+        note: Some(Note::OtherHand),
+        iu: None,
+        ..wrong(Reason::None)
+    };
+    reads(noted, "left   ok          step 1 (polish): left hand, shown with the right; was it right?");
+}
+
+#[test]
+fn a_measure_is_told_with_its_unit_and_what_was_shown() {
+    let short = Verdict { measured: strokes(3.0), ..wrong(Reason::TooShort) };
+    reads(short, "right  ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6");
+    assert_eq!(names().expected(&short).as_deref(), Some("6 strokes"));
+    assert_eq!(names().got(&short).as_deref(), Some("3 strokes"));
+    assert_eq!(names().fault(&short).as_deref(), Some("step 1 (polish): too few strokes"));
+    let unseen = Verdict { outcome: Outcome::NotJudged, reason: Reason::Blind, ..short };
+    reads(
+        unseen,
+        "right  NOT JUDGED  step 1 IU 2: polisher at brick: the hand or the part was out of sight for too long; \
+         measured: 3 strokes, shown 6",
+    );
+    let path = Measured { measure: Measure::Path, value: 1.04, shown_min: 0.49, shown_max: 0.54 };
+    let path = Verdict { measured: Some(path), ..short };
+    assert_eq!(names().got(&path).as_deref(), Some("25 cm off the shown path"));
+    assert_eq!(names().expected(&path).as_deref(), Some("a path of 49 to 54 cm"));
+}
+
+#[test]
+fn a_motion_and_an_order_are_told_against_what_was_shown() {
+    let motion = Verdict { distance: Some(3.5), threshold: Some(2.25), ..wrong(Reason::Motion) };
+    reads(
+        motion,
+        "right  ANOMALY     step 1 IU 2: polisher at brick: the motion differs from what was shown (distance 3.50, at most 2.25)",
+    );
+    let broken = |fault| Some(BrokenOrder { fault, activity: 0, runs: 5 });
+    let order = |level, fault| Verdict {
+        level,
+        nearest: Some(1),
+        iu: None,
+        broken: broken(fault),
+        ..wrong(Reason::WrongOrder)
+    };
+    reads(
+        order(Level::Activity, OrderFault::NotBegun),
+        "right  ANOMALY     step 2 (measure): came before step 1 (polish); shown after it in all 5 runs",
+    );
+    reads(
+        order(Level::Activity, OrderFault::NotEnded),
+        "right  ANOMALY     step 2 (measure): began before step 1 (polish) had ended; shown after its end in all 5 runs",
+    );
+    reads(
+        Verdict { side: None, ..order(Level::Job, OrderFault::NotBegun) },
+        "       ANOMALY     job: step 2 (measure) came before step 1 (polish); shown after it in all 5 runs",
+    );
+    reads(
+        Verdict { nearest: Some(0), ..order(Level::Activity, OrderFault::Again) },
+        "right  ANOMALY     step 1 (polish): done again; shown once in all 5 runs",
+    );
+    let ended =
+        Verdict { level: Level::Job, nearest: Some(1), side: None, iu: None, ..wrong(Reason::NotCompleted) };
+    reads(ended, "       ANOMALY     job: ended without step 2 (measure)");
+}
+
+#[test]
+fn what_is_right_is_told_in_few_words() {
+    let right = Verdict { outcome: Outcome::Ok, early: true, ..wrong(Reason::None) };
+    reads(right, "right  ok          step 1 IU 2: polisher at brick");
+    reads(Verdict { level: Level::Activity, iu: None, ..right }, "right  ok          step 1 (polish)");
+    let job = Verdict { level: Level::Job, iu: None, side: None, nearest: None, ..right };
+    reads(job, "       ok          job");
+    reads(
+        Verdict { note: Some(Note::Again), ..job },
+        "       ok          job: a step done again, shown once; was it right?",
+    );
+    let other = Verdict { nearest: None, context: Context([1, 3, 0, 0]), ..right };
+    reads(other, "right  ok          other step IU 2: meter in hand");
+}
+
+#[test]
+fn a_fault_is_one_line_and_what_follows_from_it_stands_indented_beneath() {
+    let fault = Verdict { measured: strokes(3.0), ..wrong(Reason::TooShort) };
+    let step = Verdict { level: Level::Activity, iu: None, ..fault };
+    let job = Verdict { level: Level::Job, side: None, ..step };
+    let right = Verdict { nearest: Some(1), outcome: Outcome::Ok, measured: None, ..wrong(Reason::None) };
+    let told = |verdicts: &[(&str, Verdict)]| -> Vec<String> {
+        let mut teller = Teller::default();
+        verdicts.iter().map(|(when, verdict)| teller.tell(when, verdict, &names()).text).collect()
+    };
+    assert_eq!(
+        told(&[
+            ("14:03:07", fault),
+            ("14:03:07", step),
+            ("14:03:09", right),
+            ("14:03:12", job),
+            ("14:03:20", job)
+        ]),
+        [
+            "14:03:07  right  ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6",
+            "                               so step 1 (polish) is wrong",
+            "14:03:09  right  ok          step 2 IU 2: polisher at brick",
+            "14:03:12         ANOMALY     job, for the fault at 14:03:07: step 1 (polish): 3 strokes, shown 6",
+            // The next job has its own faults.
+            "14:03:20         ANOMALY     job: step 1 (polish): 3 strokes, shown 6",
+        ]
+    );
+    assert_eq!(
+        told(&[("   5.57 s", fault), ("   5.57 s", step), ("   5.57 s", job)])[1..],
+        [
+            "                                so step 1 (polish) is wrong",
+            "                                so the job is wrong"
+        ]
+    );
+}
+
+#[test]
+fn a_line_has_its_colour_and_a_stream_without_colours_takes_it_away() {
+    let line = Teller::default().tell("14:03:07", &wrong(Reason::TooLong), &names());
+    let mut coloured = Vec::new();
+    line.write(&mut coloured).unwrap();
+    assert!(coloured.starts_with(b"\x1b[31m14:03:07") && coloured.ends_with(b"\x1b[0m\n"));
+    let mut plain = anstream::StripStream::new(Vec::new());
+    line.write(&mut plain).unwrap();
+    assert_eq!(String::from_utf8(plain.into_inner()).unwrap(), format!("{}\n", line.text));
+}

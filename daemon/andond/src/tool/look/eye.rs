@@ -1,0 +1,121 @@
+//! Looks at one picture after the other, as the line does, and at markers that the station does not know.
+
+use andon_core::input::Side;
+use andon_perception::sight::SeenMarker;
+use andon_perception::{ImageView, MarkerFinder, Perceiver, Picture, PixelFormat};
+use shm_schemas::{Detections, HandCode, flag};
+
+use super::source::View;
+use crate::config::Config;
+use crate::picture::{Marked, with_seen};
+use crate::recording::RecordingError;
+use crate::tool::ToolError;
+use crate::video::pipe::PictureFormat;
+use crate::{perception, wire};
+
+/// What one picture showed.
+#[derive(Clone)]
+pub(super) struct Glance {
+    /// What the line sees in it.
+    pub(super) seen: Detections,
+    /// How well it can be seen.
+    pub(super) picture: Picture,
+    /// Markers of the station's dictionary that belong to no part.
+    pub(super) others: Vec<SeenMarker>,
+    /// Markers of another dictionary may be among these.
+    pub(super) foreign: usize,
+}
+
+impl Glance {
+    /// How much it shows: markers and hands.
+    pub(super) fn shows(&self) -> usize {
+        let parts = self.seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0).count();
+        parts + self.others.len() + self.seen.hands().len()
+    }
+
+    /// The corners of a part's marker, in pixels.
+    pub(super) fn part(&self, id: u16) -> Option<[[f32; 2]; 4]> {
+        let mut seen = self.seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0);
+        seen.find(|object| object.id == id).map(|object| object.corners_px)
+    }
+
+    pub(super) fn has_hand(&self, side: Side) -> bool {
+        let code = match side {
+            Side::Right => HandCode::Right.code(),
+            Side::Left => HandCode::Left.code(),
+        };
+        self.seen.hands().iter().any(|hand| hand.hand == code)
+    }
+}
+
+/// The side of a marker in pixels: the mean of its four edges.
+pub(super) fn side_px(corners: &[[f32; 2]; 4]) -> f32 {
+    let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+    edges.map(|(from, to)| (from[0] - to[0]).hypot(from[1] - to[1])).sum::<f32>() / 4.0
+}
+
+/// Follows one source.
+pub(super) struct Eye {
+    perceiver: Perceiver,
+    finder: MarkerFinder,
+    /// By id.
+    names: Vec<(u16, String)>,
+    needed_px: f32,
+}
+
+impl Eye {
+    /// Where the hands come with the pictures, no hand is looked for.
+    pub(super) fn new(config: &Config, has_hands: bool) -> Result<Self, ToolError> {
+        let mut config = config.clone();
+        // A calibration that is awaited cannot be read yet, and pixels need none.
+        config.bench.calibration = None;
+        if has_hands {
+            config.perception.hands.clear();
+        }
+        let dictionary = config.perception.dictionary;
+        Ok(Self {
+            perceiver: perception::perceiver(&config).map_err(RecordingError::from)?,
+            finder: MarkerFinder::new(dictionary).map_err(RecordingError::from)?,
+            names: config.objects.iter().map(|object| (object.id, object.name.clone())).collect(),
+            needed_px: dictionary.needed_side_px() as f32,
+        })
+    }
+
+    pub(super) fn glance(&mut self, view: &View<'_>) -> Result<Glance, ToolError> {
+        let (width, height) = (view.format.width as usize, view.format.height as usize);
+        let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, view.picture);
+        let image = image.map_err(RecordingError::from)?;
+        let perceived = self.perceiver.perceive(image, view.at_ns).map_err(RecordingError::from)?;
+        let mut seen = Detections { source_ns: view.at_ns, ..Detections::default() };
+        wire::detections::write(&perceived, &mut seen);
+        if let Some(by_line) = view.seen {
+            (seen.hands, seen.hands_len) = (by_line.hands, by_line.hands_len);
+        }
+        let mut others = self.finder.find(&image).map_err(RecordingError::from)?;
+        others.retain(|marker| self.names.iter().all(|(id, _)| *id != marker.id));
+        Ok(Glance { seen, picture: perceived.picture, others, foreign: perceived.foreign_markers })
+    }
+
+    /// A picture with what was seen in it.
+    pub(super) fn annotated(
+        &self,
+        format: PictureFormat,
+        picture: &[u8],
+        glance: &Glance,
+    ) -> Result<Vec<u8>, ToolError> {
+        let parts = self.names.iter().filter_map(|(id, name)| {
+            let corners_px = glance.part(*id)?;
+            let side = side_px(&corners_px);
+            let words = format!("{name} {side:.0} px");
+            Some(Marked { corners_px, words, is_doubtful: side.round() < self.needed_px })
+        });
+        let others = glance.others.iter().map(|marker| Marked {
+            corners_px: marker.corners,
+            words: format!("marker {}, no part", marker.id),
+            is_doubtful: true,
+        });
+        let marked: Vec<Marked> = parts.chain(others).collect();
+        with_seen(format, picture, &marked, &glance.seen)
+            .map_err(|error| ToolError::Annotate(crate::picture::AnnotateError::OpenCv(error)))
+    }
+}

@@ -1,0 +1,185 @@
+//! What a person should know of what was seen: one sentence for each thing, with what to do where it is not good enough.
+
+use andon_core::input::Side;
+use serde::Serialize;
+
+use super::eye::{Glance, side_px};
+use crate::config::{Config, Object};
+use crate::video::pipe::PictureFormat;
+
+/// Mean grey level below which it is too dark. The shipped clips darkened by ffmpeg's `eq=brightness=-0.25` have 12: without a camera's noise
+/// all is found there, and with it there is no reserve.
+const DARK: f32 = 15.0;
+/// Share of white pixels from which on parts of the bench are dazzled: paper that is as white as a marker's edge has no edge to it.
+const DAZZLED: f32 = 0.15;
+/// Noise, in grey levels, from which on hands begin to be missed. With ffmpeg's `noise=alls=20:allf=t` the shipped clips have 13, and the hand
+/// is found in 98.9 % of the frames; with `alls=40` they have 26, and 1 %.
+const NOISY: f32 = 10.0;
+/// Of the step across an edge, less than this lies within two pixels where the lens is out of focus. Blurred by ffmpeg's `gblur=2` the shipped
+/// clips have 0.63, and every marker is found as before; by `gblur=3` they have 0.57, and markers of 30 pixels are lost.
+const SOFT: f32 = 0.6;
+/// A marker this near to the edge of the picture leaves it with the next movement, in sides of the marker.
+const EDGE_SIDES: f32 = 0.5;
+
+/// One sentence.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(super) struct Line {
+    /// Nothing needs to be done.
+    pub(super) is_good: bool,
+    /// What it is about, such as the name of a part.
+    pub(super) about: String,
+    pub(super) sentence: String,
+}
+
+fn line(is_good: bool, about: &str, sentence: impl Into<String>) -> Line {
+    Line { is_good, about: about.to_owned(), sentence: sentence.into() }
+}
+
+/// Everything that the pictures say, in the order in which it is put right.
+pub(super) fn sentences(glances: &[Glance], config: &Config, format: PictureFormat) -> Vec<Line> {
+    if glances.is_empty() {
+        return Vec::new();
+    }
+    let mut lines = vec![light(glances), sharpness(glances)];
+    let needed_px = config.perception.dictionary.needed_side_px() as f32;
+    lines.extend(config.objects.iter().map(|object| part(glances, object, needed_px, format)));
+    lines.extend(config.perception.hands.iter().map(|side| hand(glances, *side)));
+    lines.extend(strangers(glances));
+    lines
+}
+
+fn mean(values: impl Iterator<Item = f32>) -> f32 {
+    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    if count > 0.0 { sum / count } else { 0.0 }
+}
+
+/// The middle one; of an even number the greater.
+fn median(mut values: Vec<f32>) -> Option<f32> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
+fn light(glances: &[Glance]) -> Line {
+    let grey = |glance: &Glance| mean(glance.picture.cells.iter().flatten().map(|level| f32::from(*level)));
+    let (level, white, noise) = (
+        mean(glances.iter().map(grey)),
+        mean(glances.iter().map(|glance| glance.picture.white)),
+        mean(glances.iter().map(|glance| glance.picture.noise)),
+    );
+    let figures = format!("mean level {level:.0} of 255, noise {noise:.0}, {:.0} % white", 100.0 * white);
+    let advice = if level < DARK {
+        "it is dark: more light, or a longer exposure"
+    } else if white > DAZZLED {
+        "parts of the picture are white: less light, or a shorter exposure"
+    } else if noise > NOISY {
+        "the picture is noisy: more light, so that the camera amplifies less"
+    } else {
+        return line(true, "light", figures);
+    };
+    line(false, "light", format!("{advice} ({figures})"))
+}
+
+fn sharpness(glances: &[Glance]) -> Line {
+    match median(glances.iter().filter_map(|glance| glance.picture.sharpness).collect()) {
+        None => line(
+            false,
+            "sharpness",
+            "no sharp edge is in the picture: put parts into view, or focus the lens",
+        ),
+        Some(share) if share < SOFT => {
+            let sentence = format!(
+                "{:.0} % of an edge lies within two pixels, and {:.0} % are needed: focus the lens at the height of the parts, and clean it",
+                100.0 * share,
+                100.0 * SOFT
+            );
+            line(false, "sharpness", sentence)
+        }
+        Some(share) => {
+            line(true, "sharpness", format!("{:.0} % of an edge lies within two pixels", 100.0 * share))
+        }
+    }
+}
+
+/// A part by its marker: whether it is seen, and is large enough in the picture.
+fn part(glances: &[Glance], object: &Object, needed_px: f32, format: PictureFormat) -> Line {
+    let seen: Vec<[[f32; 2]; 4]> = glances.iter().filter_map(|glance| glance.part(object.id)).collect();
+    let about = object.name.as_str();
+    let Some(width) = median(seen.iter().map(side_px).collect()) else {
+        let sentence = format!(
+            "its marker {} is not seen: is it in view, flat, whole, with white around it, and printed by `andond markers`?",
+            object.id
+        );
+        return line(false, about, sentence);
+    };
+    let share = share(seen.len(), glances.len());
+    if width.round() < needed_px {
+        // Rounded up, so that it is enough.
+        let print_mm = (1000.0 * object.marker_side_m * needed_px / width).ceil();
+        let sentence = format!(
+            "its marker is {width:.0} px wide; {needed_px:.0} are needed: come nearer, or print it at {print_mm:.0} mm ({share})"
+        );
+        return line(false, about, sentence);
+    }
+    let near_edge = seen.iter().filter(|corners| is_at_edge(corners, format)).count();
+    if 2 * near_edge > seen.len() {
+        let sentence = format!(
+            "it lies at the edge of the picture, and is lost when it is moved: turn the camera ({share})"
+        );
+        return line(false, about, sentence);
+    }
+    line(true, about, format!("its marker is {width:.0} px wide; {needed_px:.0} are needed ({share})"))
+}
+
+fn is_at_edge(corners: &[[f32; 2]; 4], format: PictureFormat) -> bool {
+    let room = EDGE_SIDES * side_px(corners);
+    let is_near = |at: f32, length: u32| at < room || at > length as f32 - 1.0 - room;
+    corners.iter().any(|[x, y]| is_near(*x, format.width) || is_near(*y, format.height))
+}
+
+fn hand(glances: &[Glance], side: Side) -> Line {
+    let about = format!("{} hand", side.name());
+    match glances.iter().filter(|glance| glance.has_hand(side)).count() {
+        // Nobody needs to work while the bench is set up.
+        0 => line(true, &about, "not seen: hold it over the bench to try it"),
+        seen => line(true, &about, share(seen, glances.len())),
+    }
+}
+
+/// Markers that belong to no part.
+fn strangers(glances: &[Glance]) -> Option<Line> {
+    let mut ids: Vec<u16> =
+        glances.iter().flat_map(|glance| glance.others.iter().map(|marker| marker.id)).collect();
+    ids.sort_unstable();
+    // What is read once is a lucky pattern.
+    let often = |id: &u16| ids.iter().filter(|other| *other == id).count() * 4 > glances.len();
+    let mut known: Vec<u16> = ids.iter().filter(|id| often(id)).copied().collect();
+    known.dedup();
+    if !known.is_empty() {
+        let listed: Vec<String> = known.iter().map(u16::to_string).collect();
+        let (word, are, them) =
+            if known.len() == 1 { ("marker", "is", "it") } else { ("markers", "are", "them") };
+        let sentence = format!(
+            "{word} {} {are} in view and in no [[objects]]: add {them} to the station file, or take {them} away; those of the bench may lie there \
+             for `andond calibrate`",
+            listed.join(", ")
+        );
+        return Some(line(false, "others", sentence));
+    }
+    let is_foreign = glances.iter().filter(|glance| glance.foreign > 0).count() * 2 > glances.len();
+    is_foreign.then(|| {
+        let sentence =
+            "markers of another dictionary are in view: print those of `andond markers`, or name theirs in perception.dictionary";
+        line(false, "others", sentence)
+    })
+}
+
+fn share(seen: usize, of: usize) -> String {
+    if of == 1 {
+        "seen".to_owned()
+    } else {
+        format!("seen in {:.0} % of the pictures", 100.0 * seen as f32 / of as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,141 @@
+//! `andond look`: shows what the camera sees, and says what to improve.
+
+mod eye;
+mod findings;
+mod page;
+mod source;
+mod terminal;
+
+use std::io::{IsTerminal as _, stdout};
+use std::net::{Ipv4Addr, SocketAddr};
+use std::path::Path;
+
+use super::{ToolError, existing_config_files, stills};
+use crate::cli::Look;
+use crate::config::Config;
+use crate::exit::Code;
+use crate::video::pipe::PictureFormat;
+use eye::{Eye, Glance};
+use findings::sentences;
+use page::Page;
+use source::Source;
+
+/// A live page need not show more pictures than this per second, and looking at more would take time from the line.
+const PAGE_HZ: f64 = 10.0;
+/// What the page says rests on as many pictures: some seconds.
+const PAGE_PICTURES: usize = 30;
+
+/// Runs the command.
+///
+/// # Errors
+/// A source that cannot be opened, and a picture that cannot be written.
+pub fn run(arguments: &Look) -> Result<Code, ToolError> {
+    for (option, path) in [("--save", &arguments.save), ("--annotated", &arguments.annotated)] {
+        if let Some(path) = path {
+            stills::check(option, path)?;
+        }
+    }
+    let config = Config::load_to_learn(&existing_config_files(&arguments.config)?)?;
+    match arguments.page {
+        Some(port) => show_page(arguments, &config, port),
+        None => look_once(arguments, &config),
+    }
+}
+
+/// The picture that shows most, and what was seen in it.
+struct Best {
+    picture: Vec<u8>,
+    glance: Glance,
+}
+
+fn look_once(arguments: &Look, config: &Config) -> Result<Code, ToolError> {
+    let mut source = Source::open(arguments.source.as_deref(), config)?;
+    let mut eye = Eye::new(config, source.sees_hands())?;
+    let until_ns = source.is_live().then_some((f64::from(arguments.seconds) * 1e9) as u64);
+    let mut best: Option<Best> = None;
+    let mut glances = Vec::new();
+    while let Some(view) = source.next()? {
+        let glance = eye.glance(&view)?;
+        if best.as_ref().is_none_or(|best| glance.shows() > best.glance.shows()) {
+            best = Some(Best { picture: view.picture.to_vec(), glance: glance.clone() });
+        }
+        let is_over = until_ns.is_some_and(|until_ns| view.at_ns >= until_ns);
+        glances.push(glance);
+        if is_over {
+            break;
+        }
+    }
+    let format = source.format();
+    let Some(best) = best else { return Err(ToolError::NothingSeen(source.name())) };
+    let annotated = eye.annotated(format, &best.picture, &best.glance)?;
+    if let Some(path) = &arguments.save {
+        stills::write(path, format, &best.picture)?;
+    }
+    if let Some(path) = &arguments.annotated {
+        stills::write(path, format, &annotated)?;
+    }
+    if stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none() {
+        print!("{}", terminal::picture(&annotated, format));
+    }
+    print!("{}", report(&source.name(), format, &glances, config));
+    for path in arguments.save.iter().chain(&arguments.annotated) {
+        println!("{}", path.display());
+    }
+    Ok(Code::Stopped)
+}
+
+/// The sentences below one another, with what to improve marked.
+fn report(name: &str, format: PictureFormat, glances: &[Glance], config: &Config) -> String {
+    let lines = sentences(glances, config, format);
+    let count = glances.len();
+    let pictures = if count == 1 { "one picture".to_owned() } else { format!("{count} pictures") };
+    let width = lines.iter().map(|line| line.about.chars().count()).max().unwrap_or_default();
+    let mut text = format!("{name}: {} x {} pixels, {pictures}\n", format.width, format.height);
+    for line in lines {
+        let mark = if line.is_good { "ok     " } else { "IMPROVE" };
+        text += &format!("  {mark}  {:width$}  {}\n", line.about, line.sentence);
+    }
+    text
+}
+
+/// Shows the source in a page until it is interrupted; a recording begins again at its end.
+fn show_page(arguments: &Look, config: &Config, port: u16) -> Result<Code, ToolError> {
+    let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+    let page = Page::serve(address).map_err(|source| ToolError::Page { address, source })?;
+    println!("http://{}/ shows it on this machine; stop with Ctrl-C", page.address());
+    loop {
+        let mut source = Source::open(arguments.source.as_deref(), config)?;
+        let mut eye = Eye::new(config, source.sees_hands())?;
+        show_source(&mut source, &mut eye, &page, config)?;
+        if source.is_live() {
+            return Ok(Code::Stopped);
+        }
+    }
+}
+
+fn show_source(source: &mut Source, eye: &mut Eye, page: &Page, config: &Config) -> Result<(), ToolError> {
+    let format = source.format();
+    let mut encoder = crate::video::StillEncoder::new("jpg", format)?;
+    let mut glances: Vec<Glance> = Vec::new();
+    let name = source.name();
+    let mut next_ns = 0;
+    while let Some(view) = source.next_at_its_time()? {
+        if view.at_ns < next_ns {
+            continue;
+        }
+        next_ns = view.at_ns + (1e9 / PAGE_HZ) as u64;
+        let glance = eye.glance(&view)?;
+        let annotated = eye.annotated(format, view.picture, &glance)?;
+        if glances.len() == PAGE_PICTURES {
+            glances.remove(0);
+        }
+        glances.push(glance);
+        page.show(encoder.encode(&annotated)?, &name, sentences(&glances, config, format));
+    }
+    Ok(())
+}
+
+/// The name of a recording, without its folder.
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

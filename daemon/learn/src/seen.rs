@@ -1,0 +1,65 @@
+//! What was seen in one run, for the person who has just shown it.
+
+use crate::job_file::sequence_words;
+use crate::recording::object_name;
+use crate::run::Run;
+use std::fmt;
+
+/// What was seen in one run. `Display` says it in one line.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seen {
+    /// From the first frame to the last, in seconds.
+    pub duration_s: f64,
+    /// Frames per second, from the median time between two of them.
+    pub rate_hz: f64,
+    /// Which hand did what with which parts, and for how many seconds, in the order in which it began.
+    pub steps: Vec<(String, f64)>,
+    /// The parts that were in no frame.
+    pub unseen: Vec<String>,
+    /// Whether a hand was in any frame.
+    pub has_hands: bool,
+}
+
+impl Seen {
+    /// Looks at a run.
+    pub fn of(run: &Run) -> Self {
+        let frames = run.frames();
+        let captured = |frame: Option<&andon_core::input::Frame>| frame.map_or(0, |frame| frame.captured_ns);
+        let is_unseen =
+            |id: u16| !frames.iter().any(|frame| frame.objects.iter().any(|object| object.id == id));
+        let unseen = run.objects.iter().filter(|object| is_unseen(object.shape.id));
+        let steps = run.activities.iter().map(|activity| {
+            let began_ns = activity.ius.first().map_or(0, |iu| iu.began_ns);
+            let name = sequence_words(&activity.contexts(), |id| object_name(&run.objects, id));
+            (name, seconds(began_ns, activity.ended_ns()))
+        });
+        Self {
+            duration_s: seconds(captured(frames.first()), captured(frames.last())),
+            rate_hz: run.captured_rate_hz(),
+            steps: steps.collect(),
+            unseen: unseen.map(|object| object.name.clone()).collect(),
+            has_hands: frames.iter().any(|frame| !frame.hands.is_empty()),
+        }
+    }
+}
+
+fn seconds(from_ns: u64, to_ns: u64) -> f64 {
+    to_ns.saturating_sub(from_ns) as f64 * 1e-9
+}
+
+impl fmt::Display for Seen {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:.1} s at {:.0} frames a second: ", self.duration_s, self.rate_hz)?;
+        let steps: Vec<String> =
+            self.steps.iter().map(|(name, seconds)| format!("{name} ({seconds:.1} s)")).collect();
+        match (steps.is_empty(), self.has_hands) {
+            (false, _) => write!(f, "{}", steps.join(", "))?,
+            (true, true) => write!(f, "no hand touched a part")?,
+            (true, false) => write!(f, "no hand was seen")?,
+        }
+        if !self.unseen.is_empty() {
+            write!(f, "; never seen: {}", self.unseen.join(", "))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,121 @@
+//! The report as a page.
+
+use super::iu_report::IuReport;
+use super::report::{TeachReport, range};
+use crate::html::{document, escaped};
+use crate::job_file::JobFile;
+
+/// The report of a job as one self-contained HTML page. `picture` is the drawing of its steps and their order, as SVG.
+pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
+    let title = format!("Job {} “{}”", job.id, job.name);
+    let mut body = format!("<h1>{}</h1>", escaped(&title));
+    body += &summary(report);
+    body += "<h2>The steps and their order</h2>";
+    body += &figure(
+        picture,
+        "How to read it: each step is below those that come before it, in the column of the hand that does it. What all runs show is law where \
+         the evidence is enough; otherwise another order is only noted.",
+    );
+    body += &list("ol", report.order.steps.iter().map(|(name, sentences)| step(name, sentences)));
+    body += &list("ul", report.findings().iter().map(|line| escaped(line)));
+    body += "<h2>What was learned of each IU</h2>";
+    body += &learned(job, report);
+    if report.has_measures() {
+        body += "<h2>What would be noticed</h2>";
+        body += &noticed(job, report);
+    }
+    body += "<h2>The recordings</h2>";
+    body += &recordings(job);
+    document(&title, &body)
+}
+
+/// The one sentence, what to do about each doubt, and the notes.
+fn summary(report: &TeachReport) -> String {
+    let class = if report.is_trusted() { "say" } else { "say no" };
+    let lines: Vec<String> = report.summary().iter().map(|line| escaped(line.trim())).collect();
+    let notes = list("ul", report.warnings().iter().map(|note| escaped(note)));
+    format!("<p class=\"{class}\">{}</p>{notes}", lines.join("<br>"))
+}
+
+fn step(name: &str, sentences: &[String]) -> String {
+    let sentences = list("ul", sentences.iter().map(|sentence| escaped(sentence)));
+    format!("{}{sentences}", escaped(name))
+}
+
+fn learned(job: &JobFile, report: &TeachReport) -> String {
+    let cells = |iu: &IuReport| {
+        let [name, number] = place(job, iu);
+        let context = escaped(&report.words(iu.context));
+        let seconds = range(iu.frames, |frames| report.seconds(frames)).replace(' ', "\u{a0}");
+        let reversals = range(iu.reversals, |count| count.to_string());
+        let distance = format!("{:.2}\u{a0}±\u{a0}{:.2}", iu.mean_distance, iu.distance_deviation);
+        let threshold = format!("{:.2}", iu.threshold);
+        vec![name, number, context, iu.demonstrations.to_string(), seconds, reversals, distance, threshold]
+    };
+    let head = ["step", "IU", "what touches what", "shown", "seconds", "reversals", "distance", "threshold"];
+    table(
+        &head,
+        report.ius.iter().map(cells),
+        "How to read it: one row for each Interaction Unit (IU), the time in which a hand touches the same objects. Shown is the number of \
+         demonstrations. Seconds and reversals of the motion are from the minimum to the maximum that is right. Distance is how far the motions of \
+         the demonstrations are from the learned one (DTW), mean and standard deviation; threshold is the largest that is right.",
+    )
+}
+
+fn noticed(job: &JobFile, report: &TeachReport) -> String {
+    let noticed = report.noticed();
+    let rows = report.ius.iter().filter_map(|iu| {
+        let [name, number] = place(job, iu);
+        Some([name, number].into_iter().chain(noticed.cells(iu)?).collect())
+    });
+    let head = ["step", "IU", "strokes", "seconds", "path cm", "stroke cm", "place cm", "degrees"];
+    let table = table(
+        &head,
+        rows,
+        "How to read it: the smallest difference from what was shown that would be noticed: by how much less, and by how much more. Any is a \
+         difference that is not looked for.",
+    );
+    format!("{table}{}", list("ul", report.promise().iter().map(|line| escaped(line))))
+}
+
+fn recordings(job: &JobFile) -> String {
+    let rows = job.provenance.sources.iter().map(|source| {
+        let used = if source.left_out { "left out" } else { "used" };
+        vec![escaped(&source.name), used.to_owned(), source.sha256.chars().take(16).collect()]
+    });
+    table(
+        &["name", "", "SHA-256 begins with"],
+        rows,
+        "How to read it: the recordings that the job was taught from; one that was left out disagrees with the others.",
+    )
+}
+
+/// The name of the step that an IU belongs to, and its number in it.
+fn place(job: &JobFile, iu: &IuReport) -> [String; 2] {
+    let step = format!("{}. {}", iu.activity + 1, job.step_name(usize::from(iu.activity)));
+    [escaped(&step), (iu.iu + 1).to_string()]
+}
+
+/// A table of cells that are HTML already, with how to read it.
+fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>, how_to_read: &str) -> String {
+    let row = |tag: &str, cells: &mut dyn Iterator<Item = String>| {
+        let cells: String = cells.map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
+        format!("<tr>{cells}</tr>")
+    };
+    let head = row("th", &mut head.iter().map(|cell| (*cell).to_owned()));
+    let rows: String = rows.map(|cells| row("td", &mut cells.into_iter())).collect();
+    format!(
+        "<div class=\"scroll\"><table>{head}{rows}</table></div><figcaption>{}</figcaption>",
+        escaped(how_to_read)
+    )
+}
+
+fn figure(svg: &str, how_to_read: &str) -> String {
+    format!("<figure>{svg}<figcaption>{}</figcaption></figure>", escaped(how_to_read))
+}
+
+/// A list of items that are HTML already; nothing where there is none.
+fn list(kind: &str, items: impl Iterator<Item = String>) -> String {
+    let items: String = items.map(|item| format!("<li>{item}</li>")).collect();
+    if items.is_empty() { items } else { format!("<{kind}>{items}</{kind}>") }
+}

@@ -1,0 +1,145 @@
+//! `andond jobs` and `andond use`: which jobs a station has, and another one for a running station, which its judge loads or refuses.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_tests::line::{Line, Modbus, PATIENCE, Settings, status};
+use std::process::Output;
+use std::time::Instant;
+
+/// A station with two jobs whose judge runs and to which nothing happens.
+fn idle() -> Line {
+    let mut line = Line::with_second_job(Settings::live());
+    for role in ["steward", "judge", "journal"] {
+        line.start(role);
+    }
+    line
+}
+
+fn said(output: &Output) -> String {
+    format!("{}{}", String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr))
+}
+
+/// The jobs of the station, as programs read them.
+fn jobs(line: &Line) -> Vec<serde_json::Value> {
+    let output = line.command("jobs", &["--json"]);
+    assert!(output.status.success(), "{}", said(&output));
+    String::from_utf8(output.stdout).unwrap().lines().map(|job| serde_json::from_str(job).unwrap()).collect()
+}
+
+/// The number of the job in force, once there is one.
+fn in_force(line: &Line) -> u64 {
+    let until = Instant::now() + PATIENCE;
+    loop {
+        if let Some(job) = jobs(line).iter().find(|job| job["in_force"] == true) {
+            return job["id"].as_u64().unwrap();
+        }
+        assert!(Instant::now() < until, "no job is in force:\n{}", line.log("judge"));
+    }
+}
+
+#[test]
+fn jobs_lists_each_with_number_name_hash_date_runs_and_where_it_is_used() {
+    let line = Line::with_second_job(Settings::live());
+    let found = jobs(&line);
+    let ids: Vec<_> =
+        found.iter().map(|job| (&job["id"], &job["name"], &job["runs"], &job["misfit"])).collect();
+    assert_eq!(ids.len(), 3, "the folder's, and that of the configuration: {ids:?}");
+    assert!(ids.iter().all(|job| *job.1 == "job" && *job.2 == 6 && job.3.is_null()), "{ids:?}");
+    assert!(found.iter().all(|job| job["in_force"] == false && job["hash"].as_str().unwrap().len() == 16));
+    let first: Vec<_> = found.iter().filter(|job| job["stations"] == serde_json::json!(["line"])).collect();
+    assert!(first.len() == 1 && first[0]["file"].as_str().unwrap().ends_with("/job.toml"), "{first:?}");
+
+    std::fs::write(line.path("jobs/broken.toml"), "no job").unwrap();
+    let output = line.command("jobs", &[]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.starts_with("number  name  hash              taught      runs  steps  file"), "{text}");
+    assert_eq!(text.lines().filter(|row| row.contains("first job of line")).count(), 1, "{text}");
+    let faults = String::from_utf8(output.stderr).unwrap();
+    assert!(faults.contains("broken.toml") && output.status.success(), "{faults}");
+}
+
+#[test]
+fn a_job_is_loaded_by_number_by_name_or_by_file_and_stays_when_the_judge_starts_again() {
+    let mut line = idle();
+    assert_eq!(in_force(&line), 1);
+    let output = line.command("use", &["2"]);
+    let text = said(&output);
+    assert!(output.status.success() && text.starts_with("job 2 \"job\" of hash "), "{text}");
+    assert!(text.contains("is in force until another is loaded or the station ends"), "{text}");
+    assert_eq!(in_force(&line), 2);
+    line.wait_for_log("judge", "AND-309", "load job 2 of hash ");
+    assert!(line.log("judge").contains("for a person or a scanner"), "{}", line.log("judge"));
+
+    line.role("judge").kill();
+    line.start("judge");
+    assert_eq!(in_force(&line), 2, "the judge goes on with it");
+
+    let several = line.command("use", &["job"]);
+    assert_eq!(several.status.code(), Some(64));
+    assert!(
+        said(&several).contains("several jobs are called so: give one of the files "),
+        "{}",
+        said(&several)
+    );
+    let file = line.path("jobs/one.toml");
+    assert!(line.command("use", &[file.to_str().unwrap()]).status.success());
+    assert_eq!(in_force(&line), 1);
+    let deeds = said(&line.command("history", &["--audit"]));
+    assert!(deeds.contains("andond use"), "{deeds}");
+}
+
+#[test]
+fn a_job_that_is_not_there_is_refused_with_those_that_are() {
+    let line = idle();
+    let output = line.command("use", &["polish"]);
+    assert_eq!(output.status.code(), Some(64));
+    let text = said(&output);
+    assert!(text.starts_with("polish: no job of this name or number is in "), "{text}");
+    assert!(text.contains("there are 1 \"job\", ") && text.contains("2 \"job\""), "{text}");
+    let mut foreign = std::fs::read_to_string(line.path("job.toml")).unwrap();
+    foreign = foreign.lines().filter(|row| !row.starts_with("checksum")).collect::<Vec<_>>().join("\n");
+    std::fs::write(line.path("foreign.toml"), foreign).unwrap();
+    let output = line.command("use", &[line.path("foreign.toml").to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(78), "{}", said(&output));
+}
+
+#[test]
+fn a_job_is_not_exchanged_while_a_piece_is_made() {
+    let mut line = Line::with_second_job(Settings::live());
+    let _watcher = line.up();
+    let until = Instant::now() + PATIENCE;
+    let refused = loop {
+        let output = line.command("use", &["2"]);
+        if !output.status.success() {
+            break output;
+        }
+        // It was between two pieces.
+        assert!(Instant::now() < until, "it is never refused");
+        line.command("use", &["1"]);
+    };
+    assert_eq!(refused.status.code(), Some(1));
+    let text = said(&refused);
+    assert!(
+        text.contains("job 2 \"job\" was not loaded: A job is running. Wait for its end: andond idle"),
+        "{text}"
+    );
+}
+
+#[test]
+fn where_the_plc_loads_the_jobs_nobody_else_does() {
+    let mut line = Line::with_second_job(Settings { writes: true, ..Settings::live() });
+    let mut watcher = line.up();
+    let mut plc = Modbus::connect_when_up(line.port);
+    plc.enable();
+    plc.wait_for(status::READY);
+    // It is refused while a job runs.
+    assert!((0..1000).any(|_| plc.load_job(2).is_none()));
+    let output = line.command("use", &["1"]);
+    let text = said(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(
+        text.contains("was not loaded: The PLC chooses the jobs of this station. Let it load this one."),
+        "{text}"
+    );
+    watcher.listen(std::time::Duration::ZERO);
+    assert_eq!(plc.job_in_force(), 2);
+}

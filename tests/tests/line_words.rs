@@ -1,0 +1,104 @@
+//! What a technician reads of a station that has run, word for word.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use andon_tests::line::{Line, Settings, andond};
+use andon_tests::simulator::Flaw;
+use std::io::{BufRead as _, BufReader};
+use std::process::{Command, Output, Stdio};
+
+fn text(output: &Output) -> String {
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout.clone()).unwrap()
+}
+
+/// A line whose worker has made too few strokes, and whose journal has it.
+fn line_with_a_fault() -> Line {
+    let mut line = Line::new(Settings { flaw: Flaw::J1, ..Settings::default() });
+    let mut watcher = line.launch();
+    let sent = watcher.until_judged();
+    watcher.until("the journal", |watcher| {
+        let journal = watcher.health(shm_schemas::RoleId::Journal);
+        journal.is_some_and(|journal| journal.received == sent)
+    });
+    assert_eq!(line.stop(), [""; 0]);
+    line
+}
+
+/// Lines without their times, whose digits are all the same.
+fn without_times(text: &str) -> Vec<String> {
+    let same =
+        |line: &str| -> String { line.chars().map(|c| if c.is_ascii_digit() { '0' } else { c }).collect() };
+    text.lines()
+        .map(|line| line.get(..19).map(same).unwrap_or_default() + line.get(19..).unwrap_or(line))
+        .collect()
+}
+
+#[test]
+fn history_names_parts_and_steps_in_local_time_with_one_line_per_fault_a_summary_and_a_picture() {
+    let line = line_with_a_fault();
+    let table = text(&line.command("history", &["--nok", "--utc"]));
+    let table = without_times(&table);
+    assert_eq!(table[0], "decided              hand   outcome     what, and why (UTC)");
+    let fault = "0000-00-00 00:00:00  right  ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6";
+    assert!(table[1].starts_with(fault), "{table:?}");
+    assert_eq!(table[2].trim_start(), "so step 1 (polisher at brick) is wrong");
+    let job = &table[3];
+    assert!(
+        job.contains("ANOMALY     job, for the fault at ") || job.contains("so the job is wrong"),
+        "{job}"
+    );
+
+    let summary = text(&line.command("history", &["--summary", "--utc"]));
+    assert!(summary.starts_with("1 piece from "), "{summary}");
+    assert!(summary.contains("  wrong           1  100.0 %\n"), "{summary}");
+    assert!(
+        summary.contains("wrong, by fault\n       1  step 1 (polisher at brick): too few strokes\n"),
+        "{summary}"
+    );
+
+    let plot = line.path("plot.svg");
+    text(&line.command("history", &["--plot", plot.to_str().unwrap()]));
+    let drawn = std::fs::read_to_string(plot).unwrap();
+    assert!(drawn.contains("1 wrong of 1 pieces, by fault") && drawn.ends_with("</svg>\n"), "{drawn}");
+}
+
+#[test]
+fn history_takes_a_job_by_its_name_and_refuses_one_that_is_not_there_with_those_that_are() {
+    let line = line_with_a_fault();
+    let job = std::fs::read(line.path("job.toml")).unwrap();
+    let name = andon_learn::job_file::JobFile::parse("job.toml", &job).unwrap().name;
+    let all = text(&line.command("history", &["--csv"]));
+    assert_eq!(text(&line.command("history", &["--csv", "--job", &name.to_uppercase()])), all);
+    let refused = line.command("history", &["--job", "no-such"]);
+    assert_eq!(refused.status.code(), Some(64));
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(said.contains("no-such: no job of the station has this name") && said.contains(&name), "{said}");
+}
+
+#[test]
+fn a_pipe_gets_no_colours_and_a_reader_that_has_seen_enough_ends_a_command_without_a_word() {
+    let line = line_with_a_fault();
+    let (job, tracks) = (line.path("job.toml"), line.tracks());
+    let commands: [&[&str]; 4] = [
+        &["replay", "--job", job.to_str().unwrap(), tracks.to_str().unwrap()],
+        &["history"],
+        &["config"],
+        &["segment", tracks.to_str().unwrap()],
+    ];
+    for arguments in commands {
+        let output = line.command(arguments[0], &arguments[1..]);
+        assert!(!output.stdout.is_empty() && !output.stdout.contains(&0x1b), "{arguments:?}");
+        let mut command = Command::new(andond());
+        command.args([arguments[0], "--config"]).arg(line.config()).args(&arguments[1..]);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        // Its reader is gone before the first line.
+        drop(child.stdout.take());
+        let errors: Vec<String> =
+            BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok).collect();
+        assert_eq!(errors, [""; 0], "{arguments:?}");
+        assert!(child.wait().unwrap().code().is_some(), "{arguments:?}");
+    }
+    let listed =
+        Command::new("sh").args(["-c", "\"$0\" explain | head -n 1"]).arg(andond()).output().unwrap();
+    assert_eq!((text(&listed).as_str(), listed.stderr.len()), ("Camera\n", 0));
+}
