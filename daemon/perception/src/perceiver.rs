@@ -15,6 +15,7 @@ use crate::points::PixelPoint;
 use crate::workers::Workers;
 use std::path::Path;
 use std::time::Instant;
+use tracing::trace_span;
 
 /// More threads than a picture has parts to look at are of no use.
 const MAX_THREADS: usize = 8;
@@ -62,6 +63,7 @@ impl Perceiver {
         image: ImageView<'_>,
         captured_ns: u64,
     ) -> Result<Detections, PerceptionError> {
+        let _span = trace_span!("frame").entered();
         let mut detections = Detections { captured_ns, ..Detections::default() };
         let Self { markers, hands, workers, bench, .. } = self;
         // Both look at the same picture, and neither needs what the other finds.
@@ -69,6 +71,7 @@ impl Perceiver {
             || see_hands(hands, workers, &image, captured_ns),
             || see_objects(markers, bench, &image, captured_ns),
         );
+        let _span = trace_span!("place").entered();
         objects?.enter(&mut detections);
         self.enter_hands(&seen?, &mut detections);
         self.follow_carried(&mut detections);
@@ -125,6 +128,7 @@ fn see_hands(
     image: &ImageView<'_>,
     captured_ns: u64,
 ) -> Result<SeenHands, PerceptionError> {
+    let _span = trace_span!("hands").entered();
     let mut seen = SeenHands::default();
     if let Some(tracker) = tracker {
         seen.hands = tracker.step(image, captured_ns, workers, &mut seen.spent)?;
@@ -156,10 +160,12 @@ fn see_objects(
     image: &ImageView<'_>,
     captured_ns: u64,
 ) -> Result<SeenObjects, PerceptionError> {
+    let _span = trace_span!("markers").entered();
     let began = Instant::now();
     let found = markers.find(image, bench.min_side_px(), |id| bench.side_m(id).is_some())?;
     bench.see([image.width(), image.height()], &found, captured_ns)?;
-    let picture = Picture::of(image, &markers.gray(image)?);
+    let gray = markers.gray(image)?;
+    let picture = trace_span!("measures").in_scope(|| Picture::of(image, &gray));
     Ok(SeenObjects {
         objects: found.iter().filter_map(|marker| placed(bench, marker)).collect(),
         foreign_markers: markers.foreign(),

@@ -16,6 +16,7 @@ use rayon::ThreadPool;
 use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Instant;
+use tracing::trace_span;
 
 /// Side of the landmark model's input in pixels.
 const INPUT: usize = 224;
@@ -85,8 +86,12 @@ impl OnnxLandmarks {
 
 impl LandmarkModel for OnnxLandmarks {
     fn landmarks(&mut self, image: &ImageView<'_>, region: Region) -> Result<Landmarks, PerceptionError> {
-        self.cropper.crop(image, region, INPUT, Border::Nearest, &mut self.input)?;
-        brighten(&mut self.input);
+        trace_span!("crop").in_scope(|| {
+            self.cropper.crop(image, region, INPUT, Border::Nearest, &mut self.input)?;
+            brighten(&mut self.input);
+            Ok::<_, PerceptionError>(())
+        })?;
+        let _span = trace_span!("landmark model").entered();
         let outputs = run(&mut self.session, RuntimeFile::LandmarkModel, INPUT, &self.input)?;
         let points = output(&outputs, RuntimeFile::LandmarkModel, "Identity", 3 * LANDMARKS)?;
         let presence = output(&outputs, RuntimeFile::LandmarkModel, "Identity_1", 1)?[0];
@@ -146,6 +151,7 @@ impl OnnxPalms {
         }
         let mut search = self.search.take().ok_or_else(lost)?;
         search.whole = Region::whole(image.width(), image.height());
+        let _span = trace_span!("shrink").entered();
         self.cropper.crop(image, search.whole, palm::INPUT, Border::Black, &mut search.input)?;
         Ok(search)
     }
@@ -197,6 +203,7 @@ struct Search {
 
 impl Search {
     fn run(&mut self) -> Result<Palms, PerceptionError> {
+        let _span = trace_span!("palm model").entered();
         brighten(&mut self.input);
         let outputs = run(&mut self.session, RuntimeFile::PalmModel, palm::INPUT, &self.input)?;
         let candidates = self.decoder.candidates();

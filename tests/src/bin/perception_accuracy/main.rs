@@ -8,6 +8,7 @@ mod clip;
 mod detected;
 mod errors;
 mod metric;
+mod profile;
 mod sight;
 mod speed;
 mod truth;
@@ -45,6 +46,8 @@ enum Measurement {
     Metric(metric::Arguments),
     /// How fast frames are looked at, as one line of JSON.
     Speed(speed::Arguments),
+    /// Draws which thread does what when while a frame is looked at.
+    Profile(profile::Arguments),
 }
 
 fn main() -> Result<(), Error> {
@@ -55,6 +58,7 @@ fn main() -> Result<(), Error> {
         Measurement::Sight(arguments) => sight::run(&arguments, &runtime),
         Measurement::Metric(arguments) => metric::run(&arguments, &runtime),
         Measurement::Speed(arguments) => speed::run(&arguments, &runtime),
+        Measurement::Profile(arguments) => profile::run(&arguments, &runtime),
     }
 }
 

@@ -73,17 +73,7 @@ impl Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
-    let truth = Truth::beside(&arguments.clip, &crate::clip::Change::default())?;
-    let sides = [Side::Right, Side::Left][..arguments.hands.clamp(1, 2)].to_vec();
-    let hands = HandsConfig { sides, landmark_model: arguments.landmarks, ..HandsConfig::default() };
-    let threads = ThreadsConfig { count: arguments.threads };
-    let mut show = Show {
-        pictures: arguments.pictures()?,
-        size: [arguments.size[0], arguments.size[1]],
-        perceiver: perceiver(runtime, &truth, hands, threads)?,
-        shown: 0,
-        hands: 0,
-    };
+    let mut show = Show::new(arguments, runtime)?;
     // The hands are found and every part has its memory.
     show.round(None)?;
     let (mut rate_hz, mut cpu_ms) = (Errors::default(), Errors::default());
@@ -113,7 +103,7 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
 }
 
 /// Pictures and who looks at them.
-struct Show {
+pub(crate) struct Show {
     pictures: Vec<Vec<u8>>,
     size: [usize; 2],
     perceiver: Perceiver,
@@ -122,8 +112,22 @@ struct Show {
 }
 
 impl Show {
+    pub(crate) fn new(arguments: &Arguments, runtime: &Path) -> Result<Self, Error> {
+        let truth = Truth::beside(&arguments.clip, &crate::clip::Change::default())?;
+        let sides = [Side::Right, Side::Left][..arguments.hands.clamp(1, 2)].to_vec();
+        let hands = HandsConfig { sides, landmark_model: arguments.landmarks, ..HandsConfig::default() };
+        let threads = ThreadsConfig { count: arguments.threads };
+        Ok(Self {
+            pictures: arguments.pictures()?,
+            size: [arguments.size[0], arguments.size[1]],
+            perceiver: perceiver(runtime, &truth, hands, threads)?,
+            shown: 0,
+            hands: 0,
+        })
+    }
+
     /// Shows every picture once, forwards and backwards in turn, so that nothing leaps. Returns how long each took, in milliseconds.
-    fn round(&mut self, rate_hz: Option<f64>) -> Result<Errors, Error> {
+    pub(crate) fn round(&mut self, rate_hz: Option<f64>) -> Result<Errors, Error> {
         let mut took_ms = Errors::default();
         let count = self.pictures.len() as u64;
         let began = Instant::now();
