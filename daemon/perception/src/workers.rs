@@ -4,27 +4,31 @@ use crate::config::ThreadsConfig;
 use crate::error::PerceptionError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Fixed threads.
+/// Fixed threads beside that of their caller, which is one of those that look.
 pub(crate) struct Workers(Option<ThreadPool>);
 
 impl Workers {
     /// # Errors
     /// [`PerceptionError::Threads`] when the system refuses the threads.
     pub(crate) fn new(config: &ThreadsConfig) -> Result<Self, PerceptionError> {
-        // A single one would only take the work from its caller.
-        Ok(Self(if config.count > 1 { Some(pool("look", config.count)?) } else { None }))
+        Ok(Self(if config.count > 1 { Some(pool("look", config.count - 1)?) } else { None }))
     }
 
-    /// Does both, side by side where there are two threads. The longer one comes first.
-    pub(crate) fn join<A: Send, B: Send>(
+    /// Does both, side by side where there are two threads: the first one in that of the caller, so that nobody has to be woken for the
+    /// longer one.
+    pub(crate) fn join<A, B: Send>(
         &self,
-        first: impl FnOnce() -> A + Send,
+        first: impl FnOnce() -> A,
         second: impl FnOnce() -> B + Send,
     ) -> (A, B) {
-        match &self.0 {
-            Some(pool) => pool.join(first, second),
-            None => (first(), second()),
-        }
+        let Some(pool) = &self.0 else { return (first(), second()) };
+        let mut done = None;
+        let first = pool.in_place_scope(|scope| {
+            scope.spawn(|_| done = Some(second()));
+            first()
+        });
+        // The scope has waited for it, and would have passed its panic on.
+        (first, done.expect("the second part has ended with its scope"))
     }
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct Arguments {
     #[arg(required = true)]
     clips: Vec<PathBuf>,
     /// The landmark model: full, quantised or lite.
-    #[arg(long, default_value = "full", value_parser = model_size)]
+    #[arg(long, default_value = "quantised", value_parser = model_size)]
     landmarks: ModelSize,
     /// Use the small palm model.
     #[arg(long)]

@@ -28,7 +28,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value_t = 1)]
     hands: usize,
     /// The landmark model: full, quantised or lite.
-    #[arg(long, default_value = "full", value_parser = crate::detected::model_size)]
+    #[arg(long, default_value = "quantised", value_parser = crate::detected::model_size)]
     landmarks: ModelSize,
     /// Threads that look at a frame side by side.
     #[arg(long, default_value_t = 2)]

@@ -43,7 +43,7 @@ impl Default for Perception {
     fn default() -> Self {
         Self {
             models: "/usr/lib/andon/models".into(),
-            hand_model: HandModel::Full,
+            hand_model: HandModel::Quantised,
             hands: vec![Side::Right, Side::Left],
             dictionary: Dictionary::default(),
         }
@@ -57,8 +57,8 @@ impl Perception {
             "hand_model",
             &mut self.hand_model,
             (),
-            "The hand models: the larger ones (full), the same with landmarks computed in bytes (quantised), or the smaller, \
-             less exact ones (lite).",
+            "The hand models: the larger ones with landmarks computed in bytes (quantised), the same as they were published, which \
+             take twice as long (full), or the smaller, less exact ones (lite).",
         );
         k.key(
             "hands",
