@@ -118,8 +118,7 @@ def bare():
 
 
 def measure():
-    """All figures, and the rows that are printed of them."""
-    subprocess.run(["cargo", "build", "--release", "--locked", "-p", "andond", "-p", "andon-video"], cwd=ROOT, check=True, stdout=sys.stderr)
+    """All figures, and the rows that are printed of them. `make line` has built the programs."""
     bare_ms = in_peers_environment("--bare")
     report, rows = {"bare_landmark_model_ms": bare_ms, "films": []}, []
     for size in SIZES:

@@ -108,10 +108,11 @@ fn tracker(
     runtime: &Path,
     config: &HandsConfig,
 ) -> Result<Tracker<OnnxPalms, OnnxLandmarks>, PerceptionError> {
+    let palms = OnnxPalms::new(runtime, config)?;
     // A second hand that is followed only until it is known whose it is takes its turn with the first one's model.
     let landmarks = config.sides.iter().map(|_| OnnxLandmarks::new(runtime, config.landmark_model));
     let landmarks = landmarks.collect::<Result<_, _>>()?;
-    Ok(Tracker::new(OnnxPalms::new(runtime, config)?, landmarks, config.clone()))
+    Ok(Tracker::new(palms, landmarks, config.clone()))
 }
 
 /// The hands of a picture, in pixels.
