@@ -48,7 +48,7 @@ test: setup test-packages lint
 	cargo test --locked --workspace $(OBJDETECT) --test camera a_camera_that_this_build_does_not_support
 
 # Prints one table and writes target/bench/report.json. The Python peers are fetched once, into target/bench/venv.
-bench: test-packages
+bench: setup test-packages line
 	python3 tests/benches/report.py
 
 # Kills, stops and restarts every role and the PLC's program at random, 1,000 kills, which a quiet machine does in half an hour; of a hundred

@@ -6,7 +6,7 @@ mod ipc_support;
 use andon_ipc::{Channel, ChannelMessage, Error, Heartbeat, Limits, Node, Steward, Stop, Wake, Writer};
 use ipc_support::{Bench, PATIENCE, SMALL};
 use shm_schemas::{
-    Command, Health, Layout, Message, MessageId, RoleId, RoleState, Stamp, Verdict, VerdictLevel,
+    Command, Health, Layout, Message, MessageId, RoleId, RoleState, Stamp, Verdict, VerdictLevel, flag,
 };
 use std::time::Duration;
 
@@ -167,6 +167,24 @@ fn the_newest_frame_is_taken_and_older_ones_are_counted_as_skipped() {
     let frame = reader.take_newest().unwrap().unwrap();
     assert_eq!(frame.colour().unwrap(), [3; 12]);
     assert_eq!((frame.header().stamp.seq, reader.skipped(), reader.lost()), (3, 2, 0));
+}
+
+#[test]
+fn no_frame_of_a_source_that_waits_is_skipped_for_a_newer_one() {
+    let bench = Bench::new("waits");
+    let _steward = bench.steward();
+    let node = bench.node(RoleId::Perceive);
+    let mut reader = node.frame_reader().unwrap();
+    let mut writer = node.frame_writer().unwrap();
+    for _ in 1..=2 {
+        let mut loan = writer.loan(0).unwrap();
+        loan.header_mut().flags = flag::PACED;
+        writer.send(loan).unwrap();
+    }
+    for seq in 1..=2 {
+        assert_eq!(reader.take_newest().unwrap().unwrap().header().stamp.seq, seq);
+    }
+    assert_eq!(reader.skipped(), 0);
 }
 
 #[test]

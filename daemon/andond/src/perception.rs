@@ -2,7 +2,7 @@
 
 use andon_core::input::Side;
 use andon_perception::bench::{Calibration, CalibrationError};
-use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig, ModelSize};
+use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig, ModelSize, ThreadsConfig};
 use andon_perception::detections;
 use andon_perception::{Perceiver, PerceptionConfig, PerceptionError};
 
@@ -28,6 +28,7 @@ pub fn perceiver(config: &Config) -> Result<Perceiver, SetupError> {
         runtime: config.perception.models.clone(),
         hands: hands(config),
         markers: markers(config),
+        threads: ThreadsConfig::default(),
     };
     Ok(Perceiver::new(&settings, calibration(config)?)?)
 }
@@ -43,6 +44,7 @@ pub fn calibration(config: &Config) -> Result<Option<Calibration>, CalibrationEr
 fn hands(config: &Config) -> HandsConfig {
     let size = match config.perception.hand_model {
         HandModel::Full => ModelSize::Full,
+        HandModel::Quantised => ModelSize::Quantised,
         HandModel::Lite => ModelSize::Lite,
     };
     let side = |side: &Side| match side {

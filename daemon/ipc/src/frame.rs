@@ -9,7 +9,7 @@ use crate::subscription::Subscription;
 use crate::wait::{Wake, sealed};
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut::SampleMut;
-use shm_schemas::{FrameHeader, MessageId, RoleId};
+use shm_schemas::{FrameHeader, MessageId, RoleId, flag};
 use std::os::fd::BorrowedFd;
 
 const CHANNEL: Channel = Channel::Frame;
@@ -191,7 +191,8 @@ impl FrameReader {
     }
 
     /// The newest frame; older ones that wait are skipped and counted by [`FrameReader::skipped`]. For live sources,
-    /// where a late frame is worth less than the next one.
+    /// where a late frame is worth less than the next one. Of a source that waits for its readers nothing is skipped: until its first
+    /// frame has come, its reader cannot know that it waits.
     ///
     /// # Errors
     /// As [`FrameReader::take`].
@@ -199,7 +200,11 @@ impl FrameReader {
         let mut newest = None;
         while let Some(sample) = self.take()? {
             self.skipped += u64::from(newest.is_some());
+            let waits = sample.header().flags & flag::PACED != 0;
             newest = Some(sample);
+            if waits {
+                break;
+            }
         }
         Ok(newest)
     }

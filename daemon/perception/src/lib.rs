@@ -30,6 +30,7 @@ mod pixel_format;
 mod points;
 mod print;
 pub mod sight;
+mod workers;
 
 pub use config::PerceptionConfig;
 pub use detections::Detections;

@@ -2,15 +2,23 @@
 
 use crate::bench::{Bench, Calibration};
 use crate::carried::{CarriedObjects, PlacedHand};
-use crate::config::{HandsConfig, MarkersConfig, PerceptionConfig};
-use crate::detections::{Detections, HANDS, HandDetection, OBJECTS, ObjectDetection, PlacedObject, Side};
+use crate::config::{HandsConfig, MarkersConfig, PerceptionConfig, ThreadsConfig};
+use crate::detections::{
+    Detections, HANDS, HandDetection, OBJECTS, ObjectDetection, PlacedObject, Side, Spent,
+};
 use crate::error::PerceptionError;
-use crate::hands::{OnnxModels, Tracker};
+use crate::hands::{Found, OnnxLandmarks, OnnxPalms, Tracker};
 use crate::image::ImageView;
 use crate::markers::{Marker, Markers};
 use crate::picture::Picture;
 use crate::points::PixelPoint;
+use crate::workers::Workers;
+use std::path::Path;
 use std::time::Instant;
+use tracing::trace_span;
+
+/// More threads than a picture has parts to look at are of no use.
+const MAX_THREADS: usize = 8;
 
 /// Frames in, detections out.
 ///
@@ -18,7 +26,8 @@ use std::time::Instant;
 pub struct Perceiver {
     markers: Markers,
     /// None where no hand is wanted.
-    hands: Option<Tracker<OnnxModels>>,
+    hands: Option<Tracker<OnnxPalms, OnnxLandmarks>>,
+    workers: Workers,
     bench: Bench,
     carried: CarriedObjects,
 }
@@ -31,16 +40,14 @@ impl Perceiver {
     /// [`PerceptionError::Setting`]; [`PerceptionError::Missing`], [`PerceptionError::Unreadable`],
     /// [`PerceptionError::Corrupt`] and [`PerceptionError::Refused`] for a model or ONNX Runtime.
     pub fn new(config: &PerceptionConfig, calibration: Option<Calibration>) -> Result<Self, PerceptionError> {
-        let PerceptionConfig { runtime, hands, markers } = config;
+        let PerceptionConfig { runtime, hands, markers, threads } = config;
         check_hands(hands)?;
         check_markers(markers)?;
-        let models = match hands.sides.is_empty() {
-            true => None,
-            false => Some(OnnxModels::new(runtime, hands)?),
-        };
+        check_threads(threads)?;
         Ok(Self {
             markers: Markers::new(markers)?,
-            hands: models.map(|models| Tracker::new(models, hands.clone())),
+            hands: if hands.sides.is_empty() { None } else { Some(tracker(runtime, hands)?) },
+            workers: Workers::new(threads)?,
             bench: Bench::new(calibration, &markers.objects),
             carried: CarriedObjects::default(),
         })
@@ -56,36 +63,24 @@ impl Perceiver {
         image: ImageView<'_>,
         captured_ns: u64,
     ) -> Result<Detections, PerceptionError> {
+        let _span = trace_span!("frame").entered();
         let mut detections = Detections { captured_ns, ..Detections::default() };
-        self.perceive_objects(&image, &mut detections)?;
-        self.perceive_hands(&image, &mut detections)?;
+        let Self { markers, hands, workers, bench, .. } = self;
+        // Both look at the same picture, and neither needs what the other finds.
+        let (seen, objects) = workers.join(
+            || see_hands(hands, workers, &image, captured_ns),
+            || see_objects(markers, bench, &image, captured_ns),
+        );
+        let _span = trace_span!("place").entered();
+        objects?.enter(&mut detections);
+        self.enter_hands(&seen?, &mut detections);
         self.follow_carried(&mut detections);
         Ok(detections)
     }
 
-    fn perceive_objects(
-        &mut self,
-        image: &ImageView<'_>,
-        detections: &mut Detections,
-    ) -> Result<(), PerceptionError> {
-        let began = Instant::now();
-        let found =
-            self.markers.find(image, self.bench.min_side_px(), |id| self.bench.side_m(id).is_some())?;
-        self.bench.see([image.width(), image.height()], &found, detections.captured_ns)?;
-        detections.foreign_markers = self.markers.foreign();
-        detections.picture = Picture::of(image, &self.markers.gray(image)?);
-        detections.objects = found.iter().filter_map(|marker| placed(&self.bench, marker)).collect();
-        detections.spent.markers_ns = began.elapsed().as_nanos() as u64;
-        Ok(())
-    }
-
-    fn perceive_hands(
-        &mut self,
-        image: &ImageView<'_>,
-        detections: &mut Detections,
-    ) -> Result<(), PerceptionError> {
-        let Some(tracker) = &mut self.hands else { return Ok(()) };
-        for found in tracker.step(image, detections.captured_ns, &mut detections.spent)? {
+    /// Places the hands on the bench, whose scale rests on the markers of the same picture.
+    fn enter_hands(&mut self, seen: &SeenHands, detections: &mut Detections) {
+        for found in &seen.hands {
             let landmarks_m = self.bench.hand(found.side as usize, &found.landmarks_px.map(PixelPoint::from));
             let hand = HandDetection {
                 side: found.side,
@@ -97,8 +92,9 @@ impl Perceiver {
             // There is room: the tracker follows no more hands than fit.
             let _ = detections.hands.push(hand);
         }
-        detections.hands_in_view = tracker.followed();
-        Ok(())
+        detections.hands_in_view = seen.in_view;
+        detections.spent.palm_ns = seen.spent.palm_ns;
+        detections.spent.landmarks_ns = seen.spent.landmarks_ns;
     }
 
     fn follow_carried(&mut self, detections: &mut Detections) {
@@ -106,6 +102,77 @@ impl Perceiver {
         let objects: heapless::Vec<_, OBJECTS> = detections.objects.iter().map(PlacedObject::from).collect();
         detections.carried = self.carried.step(detections.captured_ns, &hands, &objects);
     }
+}
+
+fn tracker(
+    runtime: &Path,
+    config: &HandsConfig,
+) -> Result<Tracker<OnnxPalms, OnnxLandmarks>, PerceptionError> {
+    let palms = OnnxPalms::new(runtime, config)?;
+    // A second hand that is followed only until it is known whose it is takes its turn with the first one's model.
+    let landmarks = config.sides.iter().map(|_| OnnxLandmarks::new(runtime, config.landmark_model));
+    let landmarks = landmarks.collect::<Result<_, _>>()?;
+    Ok(Tracker::new(palms, landmarks, config.clone()))
+}
+
+/// The hands of a picture, in pixels.
+#[derive(Default)]
+struct SeenHands {
+    hands: heapless::Vec<Found, HANDS>,
+    in_view: usize,
+    spent: Spent,
+}
+
+fn see_hands(
+    tracker: &mut Option<Tracker<OnnxPalms, OnnxLandmarks>>,
+    workers: &Workers,
+    image: &ImageView<'_>,
+    captured_ns: u64,
+) -> Result<SeenHands, PerceptionError> {
+    let _span = trace_span!("hands").entered();
+    let mut seen = SeenHands::default();
+    if let Some(tracker) = tracker {
+        seen.hands = tracker.step(image, captured_ns, workers, &mut seen.spent)?;
+        seen.in_view = tracker.followed();
+    }
+    Ok(seen)
+}
+
+/// The objects of a picture on the bench, and its measures.
+struct SeenObjects {
+    objects: heapless::Vec<ObjectDetection, OBJECTS>,
+    foreign_markers: usize,
+    picture: Picture,
+    markers_ns: u64,
+}
+
+impl SeenObjects {
+    fn enter(self, detections: &mut Detections) {
+        detections.objects = self.objects;
+        detections.foreign_markers = self.foreign_markers;
+        detections.picture = self.picture;
+        detections.spent.markers_ns = self.markers_ns;
+    }
+}
+
+fn see_objects(
+    markers: &mut Markers,
+    bench: &mut Bench,
+    image: &ImageView<'_>,
+    captured_ns: u64,
+) -> Result<SeenObjects, PerceptionError> {
+    let _span = trace_span!("markers").entered();
+    let began = Instant::now();
+    let found = markers.find(image, bench.min_side_px(), |id| bench.side_m(id).is_some())?;
+    bench.see([image.width(), image.height()], &found, captured_ns)?;
+    let gray = markers.gray(image)?;
+    let picture = trace_span!("measures").in_scope(|| Picture::of(image, &gray));
+    Ok(SeenObjects {
+        objects: found.iter().filter_map(|marker| placed(bench, marker)).collect(),
+        foreign_markers: markers.foreign(),
+        picture,
+        markers_ns: began.elapsed().as_nanos() as u64,
+    })
 }
 
 fn placed(bench: &Bench, marker: &Marker) -> Option<ObjectDetection> {
@@ -136,6 +203,13 @@ fn check_hands(config: &HandsConfig) -> Result<(), PerceptionError> {
     }
     if *search_every_frames == 0 {
         return refused("search_every_frames", 0, "1 or more");
+    }
+    Ok(())
+}
+
+fn check_threads(config: &ThreadsConfig) -> Result<(), PerceptionError> {
+    if !(1..=MAX_THREADS).contains(&config.count) {
+        return refused("threads", config.count, "1 to 8");
     }
     Ok(())
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig};
+use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig, ThreadsConfig};
 use andon_perception::detections::ObjectDetection;
 use andon_perception::{Dictionary, ImageView, Perceiver, PerceptionConfig, PerceptionError, PixelFormat};
 use common::{DAYLIGHT, Drawn, Light, centre_px, gray, picture, straight_down};
@@ -23,6 +23,7 @@ fn config(ids: &[u16]) -> PerceptionConfig {
         runtime: "unused".into(),
         hands: HandsConfig { sides: Vec::new(), ..HandsConfig::default() },
         markers: MarkersConfig { objects, ..MarkersConfig::default() },
+        threads: ThreadsConfig::default(),
     }
 }
 

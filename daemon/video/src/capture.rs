@@ -131,7 +131,8 @@ impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Camera<O> {
 
     /// Sends the next picture. A source that gives none is dropped, and opened again later.
     fn capture(&mut self, mut source: Box<dyn Source>, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
-        let mut frame = self.frames.loan(cycle, source.frame_bytes())?;
+        self.frames.wait_for_room(cycle)?;
+        let mut frame = self.frames.loan(source.frame_bytes())?;
         if source.next_picture(frame.bytes_mut()).map_err(RoleError::Source)?.is_none() {
             return Err(RoleError::Source("the camera sends no more pictures".into()));
         }

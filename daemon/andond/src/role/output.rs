@@ -37,11 +37,20 @@ impl<W: Publish> Output<W> {
         &mut self.writer
     }
 
-    /// A place for one message, once there is room. `bytes` is the length of a frame; other messages have their own.
+    /// A place for one message. `bytes` is the length of a frame; other messages have their own.
+    ///
+    /// # Errors
+    /// The station's shared memory.
+    pub fn loan(&self, bytes: usize) -> Result<W::Loan, RoleError> {
+        Ok(self.writer.loan(bytes)?)
+    }
+
+    /// Waits until there is room for one more message. What is loaned may be filled before that: the next message of a recording is read
+    /// while its reader works on the one before.
     ///
     /// # Errors
     /// [`RoleError::Stopped`] and [`RoleError::NoProgress`] while it waits; the station's shared memory.
-    pub fn loan(&mut self, cycle: &mut Cycle<'_>, bytes: usize) -> Result<W::Loan, RoleError> {
+    pub fn wait_for_room(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let is_paced = cycle.is_paced() && !self.followed.is_empty();
         if is_paced != self.is_paced {
             self.is_paced = is_paced;
@@ -51,10 +60,10 @@ impl<W: Publish> Output<W> {
         if self.is_paced {
             cycle.wait_for_room(&mut self.writer)?;
         }
-        Ok(self.writer.loan(bytes)?)
+        Ok(())
     }
 
-    /// Sends what was loaned.
+    /// Sends what was loaned, for which there is room.
     ///
     /// # Errors
     /// The station's shared memory.
@@ -71,9 +80,10 @@ impl<T: ChannelMessage> Output<Writer<T>> {
     /// Sends one message, which rests on the newest message taken.
     ///
     /// # Errors
-    /// As [`Output::loan`].
+    /// As [`Output::wait_for_room`].
     pub fn send(&mut self, cycle: &mut Cycle<'_>, fill: impl FnOnce(&mut T)) -> Result<(), RoleError> {
-        let mut message = self.loan(cycle, size_of::<T>())?;
+        self.wait_for_room(cycle)?;
+        let mut message = self.loan(size_of::<T>())?;
         message.follow(cycle.stamp());
         fill(&mut message);
         self.send_loan(cycle, message)

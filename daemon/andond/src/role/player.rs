@@ -99,7 +99,7 @@ where
 
     fn play(&mut self, mut round: Round<R>, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         cycle.rest_on(Stamp::default(), self.flags);
-        let mut message = self.output.loan(cycle, round.recording.message_bytes())?;
+        let mut message = self.output.loan(round.recording.message_bytes())?;
         let Some(time) = round.recording.next(&mut message)? else {
             // Once more from the start, as if the source had gone on.
             self.round_began = self.round_began + round.newest + round.recording.interval();
@@ -110,6 +110,7 @@ where
         if !self.is_paced() && !cycle.wait_until(due)? {
             return Ok(Turn::Idle);
         }
+        self.output.wait_for_room(cycle)?;
         // A message counts as captured when it is due, so that its latencies compare with those of a camera.
         let captured = if self.is_paced() { MonotonicTime::now() } else { due };
         self.publish(message, captured, self.round_began + time, cycle)?;
@@ -120,7 +121,8 @@ where
     /// Says that nothing follows.
     fn end(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         self.flags |= flag::END_OF_STREAM;
-        let message = self.output.loan(cycle, 0)?;
+        self.output.wait_for_room(cycle)?;
+        let message = self.output.loan(0)?;
         self.publish(message, MonotonicTime::now(), self.round_began, cycle)?;
         log!(code::RECORDING_ENDED, "the recording is at its end");
         self.has_ended = true;

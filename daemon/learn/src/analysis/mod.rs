@@ -20,5 +20,5 @@ pub use drilling::Drilling;
 pub use kind::Kind;
 pub use matrix::Matrix;
 pub use order::Order;
-pub use picture::draw_order;
+pub use picture::{Svg, draw_order};
 pub use report::{Report, report};

@@ -40,10 +40,15 @@ class ConversionError(Exception):
 
 def convert(tflite):
     """The bytes of the ONNX model that computes what the .tflite model with these bytes computes."""
+    return translate(tflite, Graph)
+
+
+def translate(tflite, graph):
+    """The bytes of the ONNX model that a class of graphs makes of a .tflite model with these bytes."""
     if tflite[4:8] != b"TFL3":
         raise ConversionError("it is not a TensorFlow Lite model (no TFL3 mark)")
     try:
-        return _Graph(Table.root(tflite)).serialise()
+        return graph(Table.root(tflite)).serialise()
     except (struct.error, IndexError) as error:
         raise ConversionError("the TensorFlow Lite model is cut short or damaged (%s)" % error) from error
 
@@ -53,7 +58,7 @@ def _require(condition, what):
         raise ConversionError("unsupported: " + what)
 
 
-def _permuted(data, shape, order):
+def permuted(data, shape, order):
     """Row-major `data` of `shape` with its axes in another order, row-major again."""
     strides = [1] * len(shape)
     for axis in range(len(shape) - 2, -1, -1):
@@ -70,7 +75,9 @@ def _same_padding(size, kernel, stride, dilation=1):
     return total // 2, total - total // 2
 
 
-class _Graph:
+class Graph:
+    """A .tflite graph and the ONNX graph that it becomes."""
+
     def __init__(self, model):
         codes = [max(code.scalar(0, "b"), code.scalar(3, "i")) for code in model.tables(1)]
         subgraphs = model.tables(2)
@@ -152,7 +159,7 @@ class _Graph:
             name = "c%d_%d" % (stored, len(self.constants) + self.has_clip_bounds)
             own_shape = self.shapes[stored]
             if order:
-                values = _permuted(values, own_shape, order)
+                values = permuted(values, own_shape, order)
                 own_shape = [own_shape[axis] for axis in order]
             self.initializers.append(onnx.tensor(name, shape or own_shape, onnx.FLOAT, values.tobytes()))
             self.constants[key] = name
@@ -202,7 +209,7 @@ class _Graph:
             pads = [top, left, bottom, right]
         self._node(
             "Conv",
-            [self.pictures[inputs[0]], *self._weights(inputs, weight_order)],
+            self._terms(inputs, weight_order),
             name + "p",
             group=groups,
             kernel_shape=[kernel_height, kernel_width],
@@ -211,6 +218,14 @@ class _Graph:
             pads=pads,
         )
         self._activated(options.scalar(activation_field, "b"), name + "p", name)
+
+    def _terms(self, inputs, weight_order):
+        """The names of what a convolution takes: picture, weights and, where there is one, bias."""
+        return [self.pictures[inputs[0]], *self._weights(inputs, weight_order)]
+
+    def _addend(self, index):
+        """The name of a picture that is added to another one."""
+        return self.pictures[index]
 
     def _prelu(self, inputs, output, _options):
         # As a x + (1 - a) relu(x): ONNX Runtime's PRelu takes 40 % of the palm model's time and breaks its blocked layout.
@@ -228,7 +243,7 @@ class _Graph:
     def _add(self, inputs, output, options):
         _require(self.shapes[inputs[0]] == self.shapes[inputs[1]], "ADD that broadcasts")
         name = self._output(output)
-        self._node("Add", [self.pictures[index] for index in inputs], name + "p")
+        self._node("Add", [self._addend(index) for index in inputs], name + "p")
         self._activated(options.scalar(0, "b") if options else _NO_ACTIVATION, name + "p", name)
 
     def _max_pool_2d(self, inputs, output, options):

@@ -6,6 +6,9 @@ The numbers are the field numbers of onnx.proto3.
 import struct
 
 FLOAT = 1
+UINT8 = 2
+INT8 = 3
+INT32 = 6
 INT64 = 7
 
 # Opset 13 is the smallest that has every operator used here. It came with IR version 7; ONNX 1.10 to 1.12 wrote 8.

@@ -113,6 +113,19 @@ impl Grid {
         }
     }
 
+    /// Whether each of the `size` x `size` places has four neighbours in a picture with this last column and row. A pixel at the border
+    /// is left out for what rounding may add. False for what is no number.
+    fn lies_within(&self, last: [i32; 2], size: usize) -> bool {
+        let far = (size - 1) as f32;
+        [0, 1].into_iter().all(|axis| {
+            let ends = [[0.0, 0.0], [far, 0.0], [0.0, far], [far, far]];
+            ends.into_iter().all(|[column, row]| {
+                let place = self.first[axis] + column * self.along[axis] + row * self.down[axis];
+                (1.0..(last[axis] - 1) as f32).contains(&place)
+            })
+        })
+    }
+
     /// The same places in a part of the picture that was shrunk. Pixel centres are whole numbers; a picture begins half a pixel
     /// before the first.
     fn shrunk(self, window: &Window, scale: [f32; 2]) -> Self {
@@ -129,11 +142,25 @@ impl Grid {
 /// Fills `tensor` with what the picture shows at the places of the grid, bilinear.
 fn sample(image: &ImageView<'_>, grid: &Grid, size: usize, border: Border, tensor: &mut [f32]) {
     let sampler = Sampler::new(image, border);
+    if !grid.lies_within(sampler.last, size) {
+        fill(grid, size, tensor, |x, y| sampler.at(x, y));
+        return;
+    }
+    // The compiler knows the number of bytes of a pixel then, which halves the time.
+    match sampler.pixel_bytes {
+        3 => fill(grid, size, tensor, |x, y| sampler.within::<3>(x, y)),
+        4 => fill(grid, size, tensor, |x, y| sampler.within::<4>(x, y)),
+        _ => fill(grid, size, tensor, |x, y| sampler.within::<1>(x, y)),
+    }
+}
+
+/// Fills `tensor` with a colour for each place of the grid.
+fn fill(grid: &Grid, size: usize, tensor: &mut [f32], colour: impl Fn(f32, f32) -> [f32; 3]) {
     for (row, line) in tensor.chunks_exact_mut(3 * size).enumerate() {
         let start = [0, 1].map(|axis| grid.first[axis] + row as f32 * grid.down[axis]);
         for (column, pixel) in line.chunks_exact_mut(3).enumerate() {
             let [x, y] = [0, 1].map(|axis| start[axis] + column as f32 * grid.along[axis]);
-            pixel.copy_from_slice(&sampler.at(x, y));
+            pixel.copy_from_slice(&colour(x, y));
         }
     }
 }
@@ -157,6 +184,31 @@ impl<'a> Sampler<'a> {
             last: [image.width() as i32 - 1, image.height() as i32 - 1],
             border,
         }
+    }
+
+    /// As [`Sampler::at`], to the bit, for a point that has four neighbours in the picture, whose pixels have `BYTES` bytes.
+    fn within<const BYTES: usize>(&self, x: f32, y: f32) -> [f32; 3] {
+        // Of a number over 0 the whole part is the next lower whole number.
+        let (left, top) = (x as u32, y as u32);
+        let (right_share, bottom_share) = (x - left as f32, y - top as f32);
+        let first = top as usize * self.stride + left as usize * BYTES;
+        let above = &self.data[first..first + 2 * BYTES];
+        let below = &self.data[first + self.stride..first + self.stride + 2 * BYTES];
+        let weights = [
+            (1.0 - right_share) * (1.0 - bottom_share),
+            right_share * (1.0 - bottom_share),
+            (1.0 - right_share) * bottom_share,
+            right_share * bottom_share,
+        ];
+        self.rgb.map(|offset| {
+            // A grey pixel has one byte for all; the masks only tell the compiler that no offset leaves the pixel.
+            let offset = offset % BYTES;
+            let sum = weights[0] * f32::from(above[offset])
+                + weights[1] * f32::from(above[BYTES + offset])
+                + weights[2] * f32::from(below[offset])
+                + weights[3] * f32::from(below[BYTES + offset]);
+            sum / 255.0
+        })
     }
 
     /// Red, green and blue at a point, 0..1.
@@ -263,6 +315,20 @@ mod tests {
             let nearest = cropped(&view(&data), region, 192, Border::Nearest);
             assert!(black.iter().all(|value| *value == 0.0), "{side}");
             assert!(nearest.iter().all(|value| (value - 200.0 / 255.0).abs() < 1e-3), "{side}");
+        }
+    }
+
+    #[test]
+    fn within_the_picture_the_fast_way_gives_the_same_bits_as_the_one_for_its_border() {
+        let data: Vec<u8> = (0..WIDTH * HEIGHT * 4).map(|index| (index * 7919 % 251) as u8).collect();
+        for format in [PixelFormat::Gray8, PixelFormat::Bgr8, PixelFormat::Rgb8, PixelFormat::Bgra8] {
+            let image = ImageView::new(WIDTH, HEIGHT, WIDTH * format.bytes(), format, &data).unwrap();
+            let region = Region { centre: [330.3, 211.7], side: 280.0, rotation: 0.4 };
+            let (grid, sampler) = (Grid::new(region, 224), Sampler::new(&image, Border::Black));
+            assert!(grid.lies_within(sampler.last, 224), "the fast way was not taken");
+            let mut careful = vec![f32::NAN; 224 * 224 * 3];
+            fill(&grid, 224, &mut careful, |x, y| sampler.at(x, y));
+            assert_eq!(cropped(&image, region, 224, Border::Black), careful, "{format:?}");
         }
     }
 

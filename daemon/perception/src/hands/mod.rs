@@ -5,6 +5,7 @@
 
 mod crop;
 mod light;
+mod look;
 mod models;
 mod palm;
 mod region;
@@ -15,5 +16,5 @@ mod tracker;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use models::OnnxModels;
-pub(crate) use tracker::Tracker;
+pub(crate) use models::{OnnxLandmarks, OnnxPalms};
+pub(crate) use tracker::{Found, Tracker};

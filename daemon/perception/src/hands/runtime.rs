@@ -16,7 +16,7 @@ const LIBRARY: &str = "libonnxruntime.so";
 static ENVIRONMENT: Mutex<Option<Environment>> = Mutex::new(None);
 
 /// Loads ONNX Runtime from a folder. A process that has loaded it keeps the one it has.
-pub(super) fn environment(folder: &Path) -> Result<Environment, PerceptionError> {
+fn environment(folder: &Path) -> Result<Environment, PerceptionError> {
     let mut loaded = ENVIRONMENT.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(environment) = &*loaded {
         return Ok(environment.clone());
@@ -35,15 +35,11 @@ pub(super) fn environment(folder: &Path) -> Result<Environment, PerceptionError>
 }
 
 /// Loads a model that runs in the caller's thread alone.
-pub(super) fn session(
-    environment: &Environment,
-    folder: &Path,
-    file: &str,
-    what: RuntimeFile,
-) -> Result<Session, PerceptionError> {
+pub(super) fn session(folder: &Path, file: &str, what: RuntimeFile) -> Result<Session, PerceptionError> {
+    let environment = environment(folder)?;
     let (path, bytes) = checked(folder, file, what)?;
     let load = || -> ort::Result<Session> {
-        Session::builder(environment)?
+        Session::builder(&environment)?
             .with_optimization_level(GraphOptimizationLevel::Level3)?
             .with_intra_threads(1)?
             .with_inter_threads(1)?

@@ -2,17 +2,17 @@
 
 #![allow(clippy::unwrap_used)]
 
-use super::models::{HandModels, Landmarks};
+use super::models::{LandmarkModel, Landmarks, PalmModel};
 use super::palm::{Palm, Palms};
 use super::region::Region;
 use super::tracker::{Found, Tracker};
-use crate::config::HandsConfig;
+use crate::config::{HandsConfig, ThreadsConfig};
 use crate::detections::{HANDS, LANDMARKS, Side, Spent};
 use crate::error::PerceptionError;
 use crate::image::ImageView;
 use crate::pixel_format::PixelFormat;
-use std::cell::RefCell;
-use std::rc::Rc;
+use crate::workers::Workers;
+use std::sync::{Arc, Mutex, MutexGuard};
 
 const FRAME_NS: u64 = 33_333_333;
 
@@ -28,6 +28,8 @@ struct Scripted {
 struct Script {
     hands: Vec<Scripted>,
     palm_detections: usize,
+    /// The palms of the picture that was searched last.
+    searched: Palms,
     /// The next landmarks lie this far beside the hand.
     slip: f32,
     /// The number of the next looks that read the hand as one of the other side, with its fingers in the opposite order.
@@ -35,21 +37,39 @@ struct Script {
 }
 
 #[derive(Clone, Default)]
-struct Models(Rc<RefCell<Script>>);
+struct Models(Arc<Mutex<Script>>);
 
-impl HandModels for Models {
-    fn palms(&mut self, _: &ImageView<'_>) -> Result<Palms, PerceptionError> {
-        let mut script = self.0.borrow_mut();
-        script.palm_detections += 1;
-        Ok(script.hands.iter().map(|hand| palm(hand.wrist)).collect())
+impl Models {
+    fn script(&self) -> MutexGuard<'_, Script> {
+        self.0.lock().unwrap()
+    }
+}
+
+impl PalmModel for Models {
+    fn palms(&mut self, image: &ImageView<'_>) -> Result<Palms, PerceptionError> {
+        self.begin(image)?;
+        Ok(self.finish()?.0)
     }
 
+    fn begin(&mut self, _: &ImageView<'_>) -> Result<(), PerceptionError> {
+        let mut script = self.script();
+        script.palm_detections += 1;
+        script.searched = script.hands.iter().map(|hand| palm(hand.wrist)).collect();
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(Palms, u64), PerceptionError> {
+        Ok((std::mem::take(&mut self.script().searched), 0))
+    }
+}
+
+impl LandmarkModel for Models {
     /// The hand whose middle is nearest to the middle of the region, if it lies inside.
     fn landmarks(&mut self, _: &ImageView<'_>, region: Region) -> Result<Landmarks, PerceptionError> {
         let away = |hand: &Scripted| {
             (hand.wrist[0] - region.centre[0]).hypot(hand.wrist[1] - 100.0 - region.centre[1])
         };
-        let mut script = self.0.borrow_mut();
+        let mut script = self.script();
         let slip = std::mem::take(&mut script.slip);
         let is_misread = script.misread > 0;
         script.misread = script.misread.saturating_sub(1);
@@ -104,7 +124,8 @@ fn landmarks([x, y]: [f32; 2]) -> [[f32; 2]; LANDMARKS] {
 /// A bench with a tracker over it and a clock.
 struct Bench {
     script: Models,
-    tracker: Tracker<Models>,
+    tracker: Tracker<Models, Models>,
+    workers: Workers,
     now_ns: u64,
 }
 
@@ -112,7 +133,9 @@ impl Bench {
     fn wanting(sides: &[Side]) -> Self {
         let script = Models::default();
         let config = HandsConfig { sides: sides.to_vec(), ..HandsConfig::default() };
-        Self { tracker: Tracker::new(script.clone(), config), script, now_ns: 0 }
+        let looks = sides.iter().map(|_| script.clone()).collect();
+        let tracker = Tracker::new(script.clone(), looks, config);
+        Self { tracker, workers: Workers::new(&ThreadsConfig::default()).unwrap(), script, now_ns: 0 }
     }
 
     fn frame(&mut self, hands: &[Scripted]) -> heapless::Vec<Found, HANDS> {
@@ -121,13 +144,13 @@ impl Bench {
 
     fn frame_after(&mut self, frames: u64, hands: &[Scripted]) -> heapless::Vec<Found, HANDS> {
         self.now_ns += frames * FRAME_NS;
-        self.script.0.borrow_mut().hands = hands.to_vec();
+        self.script.script().hands = hands.to_vec();
         let image = ImageView::new(1280, 720, 1280, PixelFormat::Gray8, &[0; 1280 * 720]).unwrap();
-        self.tracker.step(&image, self.now_ns, &mut Spent::default()).unwrap()
+        self.tracker.step(&image, self.now_ns, &self.workers, &mut Spent::default()).unwrap()
     }
 
     fn palm_detections(&self) -> usize {
-        self.script.0.borrow().palm_detections
+        self.script.script().palm_detections
     }
 }
 
@@ -175,7 +198,7 @@ fn wanting_two_hands_with_one_in_view_searches_every_tenth_frame() {
     }
     assert_eq!(bench.palm_detections(), 11);
     let found =
-        (0..10).map(|_| bench.frame(&[hand(300.0, 0.9), hand(900.0, 0.1)])).find(|hands| hands.len() == 2);
+        (0..11).map(|_| bench.frame(&[hand(300.0, 0.9), hand(900.0, 0.1)])).find(|hands| hands.len() == 2);
     assert_eq!(sides(&found.unwrap()), [Side::Right, Side::Left]);
 }
 
@@ -186,7 +209,7 @@ fn an_unwanted_hand_is_not_reported_and_does_not_keep_palm_detection_busy() {
         assert!(bench.frame(&[hand(300.0, 0.1)]).is_empty());
     }
     assert_eq!(bench.palm_detections(), 4);
-    assert!((0..10).any(|_| sides(&bench.frame(&[hand(300.0, 0.1), hand(900.0, 0.9)])) == [Side::Right]));
+    assert!((0..11).any(|_| sides(&bench.frame(&[hand(300.0, 0.1), hand(900.0, 0.9)])) == [Side::Right]));
 }
 
 #[test]
@@ -256,7 +279,7 @@ fn two_tracks_on_one_hand_become_one() {
 fn landmarks_that_leap_are_looked_at_again() {
     let mut bench = Bench::wanting(&[Side::Right]);
     bench.frame(&[hand(300.0, 0.9)]);
-    bench.script.0.borrow_mut().slip = 200.0;
+    bench.script.script().slip = 200.0;
     let hands = bench.frame(&[hand(300.0, 0.9)]);
     assert_eq!(bench.palm_detections(), 2);
     assert_eq!(hands[0].landmarks_px[0], [300.0, 500.0]);
@@ -268,7 +291,7 @@ fn a_hand_that_is_read_as_one_of_the_other_side_is_looked_at_nearer() {
     let right = hand(300.0, 0.95);
     bench.frame(&[right]);
     for (misread, is_read) in [(1, true), (2, true), (3, false)] {
-        bench.script.0.borrow_mut().misread = misread;
+        bench.script.script().misread = misread;
         let hands = bench.frame(&[right]);
         assert_eq!(sides(&hands), [Side::Right], "{misread} looks");
         assert_eq!(hands[0].landmarks_px == landmarks(right.wrist), is_read, "{misread} looks");

@@ -1,12 +1,15 @@
 //! Follows hands from frame to frame.
 
-use super::models::{HandModels, Landmarks};
+use super::look::Look;
+use super::models::{LandmarkModel, Landmarks, PalmModel};
+use super::palm::Palms;
 use super::region::Region;
 use super::side::Evidence;
 use crate::config::HandsConfig;
 use crate::detections::{HANDS, LANDMARKS, Side, Spent};
 use crate::error::PerceptionError;
 use crate::image::ImageView;
+use crate::workers::Workers;
 use heapless::Vec;
 use std::time::Instant;
 
@@ -21,13 +24,6 @@ const REMEMBERED_OVERLAP: f32 = 0.1;
 const MAX_SHIFT: f32 = 0.5;
 /// Maximum factor by which its side changes from one frame to the next: an opening fist changes by 1.3.
 const MAX_GROWTH: f32 = 1.6;
-/// Below this probability of the side that a hand has, its landmarks may be those of the other side: from above, the back of a right
-/// hand and the palm of a left one have the same outline, with the fingers in the opposite order.
-const SURE_OF_SIDE: f32 = 0.8;
-/// The regions in which the hand is looked at again then, as shares of the one in which it was expected: the nearer, the more of its
-/// fingers the model sees.
-const NEARER: [f32; 2] = [0.9, 0.8];
-
 /// A hand of a frame; fields as in [`HandDetection`](crate::detections::HandDetection).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Found {
@@ -54,24 +50,33 @@ struct Lost {
 }
 
 /// Follows up to two hands.
-pub(crate) struct Tracker<M> {
-    models: M,
+pub(crate) struct Tracker<P, L> {
+    palms: P,
+    /// The first hand that is followed, and the second one where there are two to look with.
+    looks: Vec<Look<L>, HANDS>,
     config: HandsConfig,
     tracks: Vec<Track, HANDS>,
     lost: Vec<Lost, HANDS>,
     previous_ns: Option<u64>,
     frames_since_search: u32,
+    /// Whether a search has begun beside the followed hands. The next frame takes what it has found, and waits for it where it must: the
+    /// same frames give the same hands however fast the machine is.
+    is_searching: bool,
 }
 
-impl<M: HandModels> Tracker<M> {
-    pub(crate) fn new(models: M, config: HandsConfig) -> Self {
+impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
+    /// `landmarks` is one model for each hand that is looked at side by side with another; there is at least one.
+    pub(crate) fn new(palms: P, landmarks: Vec<L, HANDS>, config: HandsConfig) -> Self {
+        let looks = landmarks.into_iter().map(|model| Look::new(model, config.min_hand_score)).collect();
         Self {
-            models,
+            palms,
+            looks,
             config,
             tracks: Vec::new(),
             lost: Vec::new(),
             previous_ns: None,
             frames_since_search: 0,
+            is_searching: false,
         }
     }
 
@@ -83,6 +88,7 @@ impl<M: HandModels> Tracker<M> {
         &mut self,
         image: &ImageView<'_>,
         captured_ns: u64,
+        workers: &Workers,
         spent: &mut Spent,
     ) -> Result<Vec<Found, HANDS>, PerceptionError> {
         let after_gap = self.previous_ns.is_some_and(|previous| {
@@ -96,11 +102,10 @@ impl<M: HandModels> Tracker<M> {
         if after_gap {
             self.search_after_gap(image, captured_ns, spent)?;
         } else {
-            self.follow(image, captured_ns, spent)?;
-            if self.must_search(followed) {
-                self.search(image, spent)?;
-            }
+            self.follow(image, captured_ns, workers)?;
+            self.search_where_one_is_missing(image, followed, spent)?;
         }
+        spent.landmarks_ns += self.looks.iter_mut().map(Look::spent_ns).sum::<u64>();
         match self.tracks.as_mut_slice() {
             [first, second] => first.evidence.settle_pair(&mut second.evidence),
             tracks => tracks.iter_mut().for_each(|track| track.evidence.settle()),
@@ -127,7 +132,7 @@ impl<M: HandModels> Tracker<M> {
         }
         self.search(image, spent)?;
         for track in old {
-            self.look(image, track.region, spent)?;
+            self.look(image, track.region)?;
         }
         Ok(())
     }
@@ -137,104 +142,105 @@ impl<M: HandModels> Tracker<M> {
         &mut self,
         image: &ImageView<'_>,
         captured_ns: u64,
-        spent: &mut Spent,
+        workers: &Workers,
     ) -> Result<(), PerceptionError> {
-        for track in std::mem::take(&mut self.tracks) {
-            let seen = self.landmarks(image, track.region, spent)?;
-            let seen = self.look_nearer(image, track.region, track.evidence, seen, spent)?;
+        let tracks = std::mem::take(&mut self.tracks);
+        let follow = |look: &mut Look<L>, track: &Track| look.follow(image, track.region, track.evidence);
+        let mut seen: Vec<Landmarks, HANDS> = Vec::new();
+        match (tracks.as_slice(), self.looks.as_mut_slice()) {
+            ([one, other], [look, other_look]) => {
+                let (one, other) = workers.join(|| follow(look, one), || follow(other_look, other));
+                seen.extend([one?, other?]);
+            }
+            (tracks, [look, ..]) => {
+                for track in tracks {
+                    seen.extend([follow(look, track)?]);
+                }
+            }
+            (_, []) => {}
+        }
+        for (track, seen) in tracks.iter().zip(&seen) {
             let next = Region::of_landmarks(&seen.points_px);
             let is_new = self.tracks.iter().all(|other| other.region.overlap(&next) <= SAME_HAND);
             if seen.presence < self.config.min_hand_score || jumped(track.region, next) {
-                self.remember(&track, captured_ns);
+                self.remember(track, captured_ns);
             } else if is_new {
-                self.keep(track.evidence, next, &seen);
+                self.keep(track.evidence, next, seen);
             }
         }
         Ok(())
+    }
+
+    /// Searches while nothing is followed, and beside what is followed otherwise: a hand that is missing does not hold up the other one.
+    fn search_where_one_is_missing(
+        &mut self,
+        image: &ImageView<'_>,
+        followed: usize,
+        spent: &mut Spent,
+    ) -> Result<(), PerceptionError> {
+        let has_searched = std::mem::take(&mut self.is_searching);
+        if has_searched && self.is_one_missing() && !self.tracks.is_empty() {
+            let (palms, took_ns) = self.palms.finish()?;
+            spent.palm_ns += took_ns;
+            self.look_at(image, &palms)?;
+        }
+        if !self.must_search(followed) {
+            return Ok(());
+        }
+        if self.tracks.is_empty() {
+            return self.search(image, spent);
+        }
+        self.frames_since_search = 0;
+        self.is_searching = true;
+        self.palms.begin(image)
+    }
+
+    fn is_one_missing(&self) -> bool {
+        self.config
+            .sides
+            .iter()
+            .any(|side| self.tracks.iter().all(|track| track.evidence.side() != Some(*side)))
     }
 
     /// Whether palm detection has to run: a wanted hand is missing, and no hand is followed, one was just lost, or the pause
     /// since the last search is over.
     fn must_search(&self, followed: usize) -> bool {
-        let missing = self
-            .config
-            .sides
-            .iter()
-            .any(|side| self.tracks.iter().all(|track| track.evidence.side() != Some(*side)));
         let lost_now = self.tracks.len() < followed;
         let is_due = self.frames_since_search >= self.config.search_every_frames;
-        missing && self.tracks.len() < HANDS && (self.tracks.is_empty() || lost_now || is_due)
+        self.is_one_missing() && self.tracks.len() < HANDS && (self.tracks.is_empty() || lost_now || is_due)
     }
 
     /// Looks for hands in the whole picture.
     fn search(&mut self, image: &ImageView<'_>, spent: &mut Spent) -> Result<(), PerceptionError> {
         self.frames_since_search = 0;
+        self.is_searching = false;
         let begin = Instant::now();
-        let palms = self.models.palms(image)?;
+        let palms = self.palms.palms(image)?;
         spent.palm_ns += begin.elapsed().as_nanos() as u64;
-        for palm in &palms {
-            self.look(image, palm.region(), spent)?;
-        }
-        Ok(())
+        self.look_at(image, &palms)
+    }
+
+    fn look_at(&mut self, image: &ImageView<'_>, palms: &Palms) -> Result<(), PerceptionError> {
+        palms.iter().try_for_each(|palm| self.look(image, palm.region()))
     }
 
     /// Looks for a hand in a region, unless a followed hand is in it.
-    fn look(
-        &mut self,
-        image: &ImageView<'_>,
-        region: Region,
-        spent: &mut Spent,
-    ) -> Result<(), PerceptionError> {
+    fn look(&mut self, image: &ImageView<'_>, region: Region) -> Result<(), PerceptionError> {
         let taken = |tracks: &[Track], region: &Region| {
             tracks.iter().any(|track| track.region.overlap(region) > SAME_HAND)
         };
+        let Some(look) = self.looks.first_mut() else { return Ok(()) };
         if self.tracks.is_full() || taken(&self.tracks, &region) {
             return Ok(());
         }
-        let seen = self.landmarks(image, region, spent)?;
+        let seen = look.at(image, region)?;
         let next = Region::of_landmarks(&seen.points_px);
         if seen.presence >= self.config.min_hand_score && !taken(&self.tracks, &next) {
-            let evidence = self.recall(&next);
-            let seen = self.look_nearer(image, region, evidence, seen, spent)?;
+            let evidence = recall(&mut self.lost, &next);
+            let seen = look.nearer(image, region, evidence, seen)?;
             self.keep(evidence, Region::of_landmarks(&seen.points_px), &seen);
         }
         Ok(())
-    }
-
-    /// What is seen of a hand where it is looked at nearer, if what was seen in its region is not sure to be of its side. The first look
-    /// stays the evidence for the side: of several, the one that agrees would always be found.
-    fn look_nearer(
-        &mut self,
-        image: &ImageView<'_>,
-        region: Region,
-        evidence: Evidence,
-        first: Landmarks,
-        spent: &mut Spent,
-    ) -> Result<Landmarks, PerceptionError> {
-        let Some(side) = evidence.side() else { return Ok(first) };
-        let mut best = first;
-        for share in NEARER {
-            if best.presence < self.config.min_hand_score || best.is_of(side) >= SURE_OF_SIDE {
-                break;
-            }
-            let seen = self.landmarks(image, Region { side: share * region.side, ..region }, spent)?;
-            if seen.presence >= self.config.min_hand_score && seen.is_of(side) > best.is_of(side) {
-                best = seen;
-            }
-        }
-        Ok(Landmarks { right: first.right, ..best })
-    }
-
-    fn landmarks(
-        &mut self,
-        image: &ImageView<'_>,
-        region: Region,
-        spent: &mut Spent,
-    ) -> Result<Landmarks, PerceptionError> {
-        let begin = Instant::now();
-        let seen = self.models.landmarks(image, region)?;
-        spent.landmarks_ns += begin.elapsed().as_nanos() as u64;
-        Ok(seen)
     }
 
     fn keep(&mut self, mut evidence: Evidence, region: Region, seen: &Landmarks) {
@@ -250,19 +256,6 @@ impl<M: HandModels> Tracker<M> {
         }
         // There is room now.
         let _ = self.lost.push(Lost { region: track.region, evidence: track.evidence, since_ns: now_ns });
-    }
-
-    /// The evidence for the hand that was lost here, if one was.
-    fn recall(&mut self, region: &Region) -> Evidence {
-        let nearest = (0..self.lost.len()).max_by(|&a, &b| {
-            self.lost[a].region.overlap(region).total_cmp(&self.lost[b].region.overlap(region))
-        });
-        match nearest {
-            Some(index) if self.lost[index].region.overlap(region) > REMEMBERED_OVERLAP => {
-                self.lost.swap_remove(index).evidence
-            }
-            _ => Evidence::default(),
-        }
     }
 
     /// Drops hands that are not wanted. One is followed only while it may still turn out to be a wanted one.
@@ -285,6 +278,18 @@ impl<M: HandModels> Tracker<M> {
                 Some(Found { side, score: presence, landmarks_px: points_px, shape_m })
             })
             .collect()
+    }
+}
+
+/// The evidence for the hand that was lost here, if one was.
+fn recall(lost: &mut Vec<Lost, HANDS>, region: &Region) -> Evidence {
+    let nearest = (0..lost.len())
+        .max_by(|&a, &b| lost[a].region.overlap(region).total_cmp(&lost[b].region.overlap(region)));
+    match nearest {
+        Some(index) if lost[index].region.overlap(region) > REMEMBERED_OVERLAP => {
+            lost.swap_remove(index).evidence
+        }
+        _ => Evidence::default(),
     }
 }
 

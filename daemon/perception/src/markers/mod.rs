@@ -15,6 +15,7 @@ use foreign::Foreign;
 use heapless::Vec;
 use opencv::core::{Mat, Point2f, Size, Vector};
 use opencv::{imgproc, prelude::*};
+use tracing::trace_span;
 
 /// A marker in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +74,7 @@ impl Markers {
     ) -> Result<Found, PerceptionError> {
         let halve = min_side_px.is_some_and(|side| side / (2.0 * self.modules) >= MIN_MODULE_PX);
         self.detect(image, halve).map_err(while_doing("looking for markers"))?;
+        let _span = trace_span!("corners").entered();
         let gray = gray_view(image, &self.gray)?;
         let scale = match halve {
             true => [image.width(), image.height()].map(|side| side as f64 / (side / 2) as f64),
@@ -125,9 +127,12 @@ impl Markers {
             PixelFormat::Rgba8 => Some(imgproc::COLOR_RGBA2GRAY),
         };
         image.with_pixels(|pixels| {
+            let to_gray = trace_span!("grey").entered();
             if let Some(code) = code {
                 imgproc::cvt_color_def(pixels, &mut self.gray, code)?;
             }
+            drop(to_gray);
+            let _span = trace_span!("ArUco").entered();
             if halve {
                 let size = Size::new((image.width() / 2) as i32, (image.height() / 2) as i32);
                 if code.is_some() {

@@ -5,7 +5,7 @@ use crate::errors::{Errors, distance};
 use crate::truth::TrueFrame;
 use crate::{Error, perceiver};
 use andon_perception::Detections;
-use andon_perception::config::{HandsConfig, ModelSize};
+use andon_perception::config::{HandsConfig, ModelSize, ThreadsConfig};
 use andon_perception::detections::{HandDetection, ObjectDetection, Side};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -15,15 +15,18 @@ pub(crate) struct Arguments {
     /// Clips with their truth beside them.
     #[arg(required = true)]
     clips: Vec<PathBuf>,
-    /// Use the small landmark model.
-    #[arg(long)]
-    lite_landmarks: bool,
+    /// The landmark model: full, quantised or lite.
+    #[arg(long, default_value = "quantised", value_parser = model_size)]
+    landmarks: ModelSize,
     /// Use the small palm model.
     #[arg(long)]
     lite_palm: bool,
     /// Look for both hands.
     #[arg(long)]
     both: bool,
+    /// Threads that look at a frame side by side.
+    #[arg(long, default_value_t = 2)]
+    threads: usize,
     /// An ffmpeg filter that changes pixels and moves none, such as `noise=alls=20:allf=t`.
     #[arg(long)]
     filter: Option<String>,
@@ -52,13 +55,21 @@ impl Arguments {
     }
 
     fn hands(&self) -> HandsConfig {
-        let size = |lite| if lite { ModelSize::Lite } else { ModelSize::Full };
         HandsConfig {
             sides: if self.both { vec![Side::Right, Side::Left] } else { vec![self.side()] },
-            landmark_model: size(self.lite_landmarks),
-            palm_model: size(self.lite_palm),
+            landmark_model: self.landmarks,
+            palm_model: if self.lite_palm { ModelSize::Lite } else { ModelSize::Full },
             ..HandsConfig::default()
         }
+    }
+}
+
+pub(crate) fn model_size(name: &str) -> Result<ModelSize, String> {
+    match name {
+        "full" => Ok(ModelSize::Full),
+        "quantised" => Ok(ModelSize::Quantised),
+        "lite" => Ok(ModelSize::Lite),
+        _ => Err("full, quantised or lite".into()),
     }
 }
 
@@ -82,7 +93,8 @@ fn measure(
     scores: &mut [&mut Score],
 ) -> Result<(), Error> {
     let mut clip = Clip::open(path, &arguments.change())?;
-    let mut perceiver = perceiver(runtime, &clip.truth, arguments.hands())?;
+    let threads = ThreadsConfig { count: arguments.threads };
+    let mut perceiver = perceiver(runtime, &clip.truth, arguments.hands(), threads)?;
     scores.iter_mut().for_each(|score| score.previous.clear());
     while let Some(Shown { index, captured_ns, image, truth, .. }) = clip.next()? {
         if index % arguments.every == 0 {

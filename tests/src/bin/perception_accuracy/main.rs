@@ -8,10 +8,12 @@ mod clip;
 mod detected;
 mod errors;
 mod metric;
+mod profile;
 mod sight;
+mod speed;
 mod truth;
 
-use andon_perception::config::{HandsConfig, MarkersConfig};
+use andon_perception::config::{HandsConfig, MarkersConfig, ThreadsConfig};
 use andon_perception::{Perceiver, PerceptionConfig};
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -42,6 +44,10 @@ enum Measurement {
     Sight(sight::Arguments),
     /// How far landmarks and markers are from the truth in three dimensions.
     Metric(metric::Arguments),
+    /// How fast frames are looked at, as one line of JSON.
+    Speed(speed::Arguments),
+    /// Draws which thread does what when while a frame is looked at.
+    Profile(profile::Arguments),
 }
 
 fn main() -> Result<(), Error> {
@@ -51,11 +57,18 @@ fn main() -> Result<(), Error> {
         Measurement::Carried { clips } => carried::run(&clips, &runtime),
         Measurement::Sight(arguments) => sight::run(&arguments, &runtime),
         Measurement::Metric(arguments) => metric::run(&arguments, &runtime),
+        Measurement::Speed(arguments) => speed::run(&arguments, &runtime),
+        Measurement::Profile(arguments) => profile::run(&arguments, &runtime),
     }
 }
 
 /// A perceiver for the objects of a clip.
-fn perceiver(runtime: &Path, truth: &Truth, hands: HandsConfig) -> Result<Perceiver, Error> {
+fn perceiver(
+    runtime: &Path,
+    truth: &Truth,
+    hands: HandsConfig,
+    threads: ThreadsConfig,
+) -> Result<Perceiver, Error> {
     let markers = MarkersConfig { objects: truth.objects.clone(), ..MarkersConfig::default() };
-    Ok(Perceiver::new(&PerceptionConfig { runtime: runtime.into(), hands, markers }, None)?)
+    Ok(Perceiver::new(&PerceptionConfig { runtime: runtime.into(), hands, markers, threads }, None)?)
 }

@@ -7,15 +7,21 @@ use andon_core::input::Side;
 use andon_perception::Dictionary;
 use std::path::PathBuf;
 
-/// The weight of the hand landmark model.
+/// The weight of the hand models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HandModel {
-    /// The more exact one.
+    /// The larger ones.
     Full,
-    /// Twice as fast.
+    /// The larger ones; that of landmarks computes most of its convolutions with bytes.
+    Quantised,
+    /// The smaller ones, which are less exact.
     Lite,
 }
-words!(HandModel { HandModel::Full = "full", HandModel::Lite = "lite" });
+words!(HandModel {
+    HandModel::Full = "full",
+    HandModel::Quantised = "quantised",
+    HandModel::Lite = "lite",
+});
 
 words!(Side, Side::ALL, Side::name);
 words!(Dictionary, Dictionary::all(), Dictionary::name);
@@ -37,7 +43,7 @@ impl Default for Perception {
     fn default() -> Self {
         Self {
             models: "/usr/lib/andon/models".into(),
-            hand_model: HandModel::Full,
+            hand_model: HandModel::Quantised,
             hands: vec![Side::Right, Side::Left],
             dictionary: Dictionary::default(),
         }
@@ -51,7 +57,8 @@ impl Perception {
             "hand_model",
             &mut self.hand_model,
             (),
-            "The hand model: more exact (full) or twice as fast (lite).",
+            "The hand models: the larger ones with landmarks computed in bytes (quantised), the same as they were published, which \
+             take twice as long (full), or the smaller, less exact ones (lite).",
         );
         k.key(
             "hands",

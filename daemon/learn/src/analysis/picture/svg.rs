@@ -17,13 +17,14 @@ const STYLE: &str = "<style>\
 .c0{stroke:#6cb6ff}.c1{stroke:#c297ff}.c2{stroke:#57d364}.c3{stroke:#e3b341}.c4{stroke:#f778ba}.c5{stroke:#9da7b3}}\
 </style>";
 
-/// A picture that is being drawn.
-pub(super) struct Svg {
+/// A picture that is being drawn. Lengths are in pixels from its upper left corner; a class is one of its style sheet.
+pub struct Svg {
     text: String,
 }
 
 impl Svg {
-    pub(super) fn new(width: f64, height: f64, title: &str) -> Self {
+    /// An empty picture of this size.
+    pub fn new(width: f64, height: f64, title: &str) -> Self {
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width:.0} {height:.0}\" width=\"{width:.0}\" role=\"img\">\
              <title>{}</title>",
@@ -33,21 +34,24 @@ impl Svg {
         Self { text }
     }
 
-    pub(super) fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
+    /// Adds text whose base line begins at a point.
+    pub fn text(&mut self, x: f64, y: f64, class: &str, text: &str) {
         self.add(format_args!(
             "<text x=\"{x:.1}\" y=\"{y:.1}\" class=\"t {class}\">{}</text>",
             escaped(text)
         ));
     }
 
-    pub(super) fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
+    /// Adds a straight line.
+    pub fn line(&mut self, class: &str, from: [f64; 2], to: [f64; 2]) {
         let ([x1, y1], [x2, y2]) = (from, to);
         self.add(format_args!(
             "<line class=\"{class}\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>"
         ));
     }
 
-    pub(super) fn polyline(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
+    /// Adds a line through points.
+    pub fn polyline(&mut self, class: &str, points: impl IntoIterator<Item = [f64; 2]>) {
         let mut all = String::new();
         for [x, y] in points {
             // Writing to a string cannot fail.
@@ -56,12 +60,14 @@ impl Svg {
         self.add(format_args!("<polyline class=\"{class}\" points=\"{}\"/>", all.trim_end()));
     }
 
-    pub(super) fn add(&mut self, element: std::fmt::Arguments<'_>) {
+    /// Adds an element of SVG as it is.
+    pub fn add(&mut self, element: std::fmt::Arguments<'_>) {
         // Writing to a string cannot fail.
         let _ = self.text.write_fmt(element);
     }
 
-    pub(super) fn finish(mut self) -> String {
+    /// The whole picture.
+    pub fn finish(mut self) -> String {
         self.text += "</svg>\n";
         self.text
     }

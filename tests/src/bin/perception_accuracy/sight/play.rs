@@ -5,7 +5,7 @@ use super::deeds::{CLEARED, Case, Deed};
 use crate::Error;
 use crate::clip::{Change, Clip};
 use crate::truth::Truth;
-use andon_perception::config::{HandsConfig, MarkersConfig};
+use andon_perception::config::{HandsConfig, MarkersConfig, ThreadsConfig};
 use andon_perception::sight::{Expected, Look, Sight, Trouble};
 use andon_perception::{Dictionary, ImageView, Perceiver, PerceptionConfig, PixelFormat};
 use std::ops::Range;
@@ -163,5 +163,8 @@ fn perceiver(runtime: &Path, truth: &Truth, wrong: Option<&Deed>) -> Result<Perc
         Some(Deed::HideHands) => hands.sides.clear(),
         _ => {}
     }
-    Ok(Perceiver::new(&PerceptionConfig { runtime: runtime.into(), hands, markers }, None)?)
+    Ok(Perceiver::new(
+        &PerceptionConfig { runtime: runtime.into(), hands, markers, threads: ThreadsConfig::default() },
+        None,
+    )?)
 }
