@@ -6,9 +6,9 @@
 mod capture;
 
 use andon_core::anomaly::Judge;
-use andon_core::config::{Contact, Method};
+use andon_core::config::Method;
 use andon_core::couple::Couples;
-use andon_core::input::{Frame, Space};
+use andon_core::input::Frame;
 use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
@@ -33,6 +33,12 @@ fn shop_job() -> JobFile {
     taught(&(1..=5).map(|person| shop(person, Flaw::None)).collect::<Vec<_>>(), Method::default(), true)
 }
 
+/// The runs of these people that are right.
+fn right_by(job: &JobFile, persons: std::ops::Range<u64>) -> Vec<(u64, Recording)> {
+    let shown = persons.map(|person| (person, shop(person, Flaw::None)));
+    shown.filter(|(_, whole)| jobs(&judged(job, whole)) == [Outcome::Ok]).collect()
+}
+
 fn at_s(recording: &Recording, frame: &Frame) -> f64 {
     (frame.captured_ns - recording.frames[0].captured_ns) as f64 * 1e-9
 }
@@ -51,17 +57,8 @@ fn accused(verdicts: &[Verdict]) -> Vec<&Verdict> {
 }
 
 fn mocap() -> (JobFile, Vec<Recording>) {
-    let contact = Contact { on_m: 0.08, off_m: 0.11 };
-    let method = Method {
-        space: Space::Metric,
-        rate_hz: capture::RATE_HZ,
-        hand_contact: contact,
-        object_contact: contact,
-        persist_frames: 10,
-        ..Method::default()
-    };
     let all: Vec<Recording> = (1..=9).map(|number| capture::Capture::read(number).recording()).collect();
-    (taught(&all, method, true), all)
+    (taught(&all, capture::method(), true), all)
 }
 
 /// No frame shows the marker of the part.
@@ -69,11 +66,7 @@ fn mocap() -> (JobFile, Vec<Recording>) {
 fn a_part_that_is_never_seen_accuses_nobody() {
     let job = shop_job();
     let mut found = Vec::new();
-    for person in 6..10 {
-        let whole = shop(person, Flaw::None);
-        if jobs(&judged(&job, &whole)) != [Outcome::Ok] {
-            continue;
-        }
+    for (person, whole) in right_by(&job, 6..10) {
         for object in &whole.header.objects {
             let id = object.shape.id;
             let left =
@@ -150,11 +143,7 @@ fn a_part_that_is_elsewhere_for_one_frame_accuses_nobody() {
     let job = shop_job();
     let mut found = Vec::new();
     let mut of = 0;
-    for person in 6..8 {
-        let whole = shop(person, Flaw::None);
-        if jobs(&judged(&job, &whole)) != [Outcome::Ok] {
-            continue;
-        }
+    for (person, whole) in right_by(&job, 6..8) {
         for object in &whole.header.objects {
             for frame in (30..whole.frames.len() - 30).step_by(7) {
                 let mut left = whole.clone();
@@ -197,11 +186,7 @@ fn encode_that_starts_again_in_the_middle_of_a_step_accuses_nobody() {
     let job = shop_job();
     let mut found = Vec::new();
     let mut of = 0;
-    for person in 6..10 {
-        let whole = shop(person, Flaw::None);
-        if jobs(&judged(&job, &whole)) != [Outcome::Ok] {
-            continue;
-        }
+    for (person, whole) in right_by(&job, 6..10) {
         for tenths in (10..100).step_by(5) {
             for gap_s in [0.3, 1.0, 2.0, 3.0] {
                 if f64::from(tenths) / 10.0 + gap_s > length_s(&whole) - 1.0 {

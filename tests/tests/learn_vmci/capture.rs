@@ -1,5 +1,6 @@
 //! The runs as recorded by motion capture, and what is composed of them.
 
+use andon_core::config::{Contact, Method};
 use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
 use andon_core::object::ObjectShape;
 use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
@@ -263,4 +264,19 @@ fn mean(points: &[Option<Point>]) -> Option<Point> {
     let count = seen.len() as f32;
     (!seen.is_empty())
         .then(|| [0, 1, 2].map(|axis| seen.iter().map(|point| point[axis]).sum::<f32>() / count))
+}
+
+/// The constants for these recordings.
+pub(crate) fn method() -> Method {
+    Method {
+        space: Space::Metric,
+        rate_hz: RATE_HZ,
+        // A finger tip is up to 6 cm from the centre of the tips, where the box is taken.
+        hand_contact: Contact { on_m: 0.08, off_m: 0.11 },
+        // This is the distance from the centre of the box to its resting place in the other runs.
+        object_contact: Contact { on_m: 0.08, off_m: 0.11 },
+        // This is a sixth of a second, like five frames at 30 Hz.
+        persist_frames: 10,
+        ..Method::default()
+    }
 }

@@ -4,7 +4,7 @@
 
 mod capture;
 
-use andon_core::config::{Contact, Method};
+use andon_core::config::Method;
 use andon_core::couple::Context;
 use andon_core::input::{Side, Space};
 use andon_core::object::Meeting;
@@ -17,25 +17,11 @@ use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
 use andon_tests::deletion::{jobs, judged, try_deletions};
 use andon_tests::environment;
-use capture::{BOX, Capture, RATE_HZ, SHELF, TABLE};
+use capture::{BOX, Capture, SHELF, TABLE, method};
 use std::sync::LazyLock;
 
 /// The numbers of the recorded runs.
 const RUNS: std::ops::RangeInclusive<u32> = 1..=9;
-
-fn method() -> Method {
-    Method {
-        space: Space::Metric,
-        rate_hz: RATE_HZ,
-        // A finger tip is up to 6 cm from the centre of the tips, where the box is taken.
-        hand_contact: Contact { on_m: 0.08, off_m: 0.11 },
-        // This is the distance from the centre of the box to its resting place in the other runs.
-        object_contact: Contact { on_m: 0.08, off_m: 0.11 },
-        // This is a sixth of a second, like five frames at 30 Hz.
-        persist_frames: 10,
-        ..Method::default()
-    }
-}
 
 fn run(capture: &Capture) -> Run {
     Run::new("run", "", &capture.recording(), &method()).unwrap()

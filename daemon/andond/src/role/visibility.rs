@@ -28,8 +28,6 @@ enum Change {
 struct LastSeen {
     /// `None` before the first time.
     time: Option<SourceTime>,
-    /// When it was looked for first.
-    began: Option<SourceTime>,
     is_missed: bool,
 }
 
@@ -67,6 +65,8 @@ struct Hand {
 pub(super) struct Visibility {
     /// `method.blind_ms`.
     blind: Duration,
+    /// The time of the first frame.
+    began: Option<SourceTime>,
     objects: Vec<Object>,
     hands: [Hand; 2],
 }
@@ -80,6 +80,7 @@ impl Visibility {
         };
         Self {
             blind: Duration::from_millis(config.method.blind_ms.into()),
+            began: None,
             objects: config.objects.iter().map(object).collect(),
             hands: Side::ALL.map(|side| Hand { side, seen: LastSeen::default(), touched: None }),
         }
@@ -126,7 +127,8 @@ impl Visibility {
 
     fn changes(&mut self, frame: &Frame, couples: &[Couples]) -> Vec<Change> {
         let now = SourceTime::from_nanoseconds(frame.captured_ns);
-        let look = Look { now, blind: self.blind, frame, couples };
+        let watched = now.since(*self.began.get_or_insert(now));
+        let look = Look { now, watched, blind: self.blind, frame, couples };
         let objects = self.objects.iter_mut().filter_map(|object| object.change(&look));
         objects.chain(self.hands.iter_mut().filter_map(|hand| hand.change(&look))).collect()
     }
@@ -135,6 +137,8 @@ impl Visibility {
 /// What there is to see at one time.
 struct Look<'a> {
     now: SourceTime,
+    /// Since the first frame.
+    watched: Duration,
     blind: Duration,
     frame: &'a Frame,
     couples: &'a [Couples],
@@ -154,9 +158,8 @@ impl Object {
         if look.frame.objects.iter().any(|seen| seen.id == object) {
             self.seen.time = Some(look.now);
         }
-        let began = *self.seen.began.get_or_insert(look.now);
         if self.seen.time.is_none() {
-            let is_missed = look.now.since(began) > UNUSED && self.seen.becomes_missed();
+            let is_missed = look.watched > UNUSED && self.seen.becomes_missed();
             return is_missed.then_some(Change::MarkerNeverSeen { object });
         }
         let hidden = self.seen.hidden(look.now);

@@ -50,6 +50,11 @@ impl Context {
         self.is_touch() && self.0[3] != 0
     }
 
+    /// Whether this object is touched by the hand or by another object, or was until the hand let go. Its id is not 0.
+    pub fn involves(self, object: u16) -> bool {
+        self.0[1..].contains(&object)
+    }
+
     /// The context if this hand touched what is touched.
     #[must_use]
     pub fn by_hand(self, side: Side) -> Self {

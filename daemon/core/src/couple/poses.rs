@@ -64,6 +64,43 @@ impl Source {
     }
 }
 
+/// What hands and objects have in common in one frame of the grid.
+pub(super) trait Pose {
+    /// Where it is, in metres in the bench frame.
+    fn place(&self) -> Point;
+    fn source(&self) -> Source;
+    /// Frames since it was seen.
+    fn unseen(&self) -> u32;
+}
+
+impl Pose for HandPose {
+    fn place(&self) -> Point {
+        self.middle_knuckle
+    }
+
+    fn source(&self) -> Source {
+        self.source
+    }
+
+    fn unseen(&self) -> u32 {
+        self.unseen
+    }
+}
+
+impl Pose for ObjectPose {
+    fn place(&self) -> Point {
+        self.position
+    }
+
+    fn source(&self) -> Source {
+        self.source
+    }
+
+    fn unseen(&self) -> u32 {
+        self.unseen
+    }
+}
+
 /// A hand in one frame of the grid.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HandPose {

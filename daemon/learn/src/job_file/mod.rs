@@ -199,7 +199,7 @@ impl JobFile {
     /// The shapes of the objects as the encoder needs them, which then says for which activities too little is seen.
     pub fn shapes(&self) -> Vec<ObjectShape> {
         let used_by = |id: u16| -> ActivitySet {
-            let uses = |taught: &&TaughtActivity| taught.ius.iter().any(|iu| iu.context.0[1..].contains(&id));
+            let uses = |taught: &&TaughtActivity| taught.ius.iter().any(|iu| iu.context.involves(id));
             self.activities.iter().filter(uses).map(|taught| usize::from(taught.activity)).collect()
         };
         let shape =

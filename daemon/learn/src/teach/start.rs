@@ -83,5 +83,5 @@ fn seen(id: u16, run: &Run, space: Space) -> impl Iterator<Item = (u64, Point)> 
 }
 
 fn acts_on(activity: &Activity, id: u16) -> bool {
-    activity.ius.iter().any(|iu| iu.context.0[1..].contains(&id))
+    activity.ius.iter().any(|iu| iu.context.involves(id))
 }

@@ -166,7 +166,10 @@ impl<'a> Progress<'a> {
     /// looks like is not known.
     pub(super) fn may_use_never_seen(&self, object: u16) -> bool {
         let never_seen = self.never_seen.unwrap_or_default();
-        !never_seen.is_empty() && self.activities_with(|ius| uses(ius, object)).intersects(never_seen)
+        !never_seen.is_empty()
+            && self
+                .activities_with(|ius| ius.iter().any(|iu| iu.context.involves(object)))
+                .intersects(never_seen)
     }
 
     /// What has not been done is not missing.
@@ -266,7 +269,7 @@ impl<'a> Progress<'a> {
     pub(super) fn has_parts_of(&self, context: Context) -> bool {
         let has = |id: u16| {
             let mut ius = self.job.activities.iter().flat_map(|nominal| nominal.ius);
-            ius.any(|iu| iu.context.0[1..].contains(&id))
+            ius.any(|iu| iu.context.involves(id))
         };
         context.0[1..].iter().all(|id| *id == 0 || self.job.rests.contains(id) || has(*id))
     }
@@ -523,9 +526,4 @@ impl<'a> Progress<'a> {
             },
         }
     }
-}
-
-/// Whether a hand acts on the object in one of these IUs, or on something that touches it.
-fn uses(ius: &[NominalIu<'_>], object: u16) -> bool {
-    ius.iter().any(|iu| iu.context.0[1..].contains(&object))
 }

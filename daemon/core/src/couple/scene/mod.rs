@@ -18,7 +18,7 @@ use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
 use heapless::Vec;
 use in_hand::{InHand, Meets};
-use leap::{LastSeen, Leap};
+use leap::Leap;
 use meeting::Shape;
 use start::Start;
 
@@ -184,14 +184,8 @@ impl Scene {
             seen[index] = seen[index].or_else(|| HandPose::seen(hand, self.method.space));
         }
         for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
-            let before = *poses.ago(0);
-            let positions = [0, 1].map(|age| (poses.ago(age).middle_knuckle, poses.ago(age).source));
-            let last = LastSeen::new(positions, before.unseen);
-            let is_believed = |seen: &HandPose| {
-                last.is_none_or(|last| leap.believes(&last, seen.middle_knuckle, &self.method))
-            };
-            let seen = seen.filter(is_believed);
-            poses.push(seen.unwrap_or(before.held()));
+            let seen = seen.filter(|seen| leap.believes(poses, seen, &self.method));
+            poses.push(seen.unwrap_or(poses.ago(0).held()));
         }
     }
 
@@ -203,12 +197,7 @@ impl Scene {
             }
         }
         for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
-            let positions = [0, 1].map(|age| (node.poses.ago(age).position, node.poses.ago(age).source));
-            let last = LastSeen::new(positions, node.poses.ago(0).unseen);
-            let is_believed = |seen: &ObjectPose| {
-                last.is_none_or(|last| node.leap.believes(&last, seen.position, &self.method))
-            };
-            *seen = seen.filter(is_believed);
+            *seen = seen.filter(|seen| node.leap.believes(&node.poses, seen, &self.method));
         }
         let (moved_m, persist) = (self.moved_m(), u32::from(self.method.persist_frames));
         for (index, seen) in seen.iter().enumerate() {
