@@ -21,8 +21,8 @@ const NEAR: usize = 1;
 const FAR: usize = 4;
 /// Up to this grey level a pixel is black: the noise of a covered sensor stays below.
 const BLACK_LEVEL: u8 = 16;
-/// From this grey level on a pixel is white: video keeps the last levels free.
-const WHITE_LEVEL: u8 = 250;
+/// From this grey level on a pixel is white: noise takes some levels from one that is as bright as it can be, and video keeps the last ones free.
+const WHITE_LEVEL: u8 = 244;
 /// Minimum step across an edge, in grey levels.
 const EDGE: f32 = 16.0;
 /// A step across an edge is over this many times the noise.

@@ -158,8 +158,17 @@ impl Camera {
         let since_ns = together.iter().map(|moved| moved.left_ns).max()?;
         let arrived_ns = together.iter().map(|moved| moved.arrived_ns).min()?;
         let last_ns = together.iter().map(|moved| moved.arrived_ns).max()?;
-        let alone: Vec<Move> = together.iter().filter(|moved| !moved.is_handled).copied().collect();
-        let shift = Shift::of(&alone)?;
+        let alone = together.iter().filter(|moved| !moved.is_handled);
+        let pushed_ns = alone.map(|moved| moved.left_ns).max()?;
+        // A part that was in a hand before the camera was pushed, or is in one for longer, has gone a way of its own as well.
+        let must_fit = |moved: &&Move| {
+            let is_carried =
+                moved.left_ns + at_once_ns < pushed_ns || moved.arrived_ns > arrived_ns + at_once_ns;
+            !moved.is_handled || !is_carried
+        };
+        // One marker alone does not say to within a pixel where the other end of the picture was turned to.
+        let fitting: Vec<Move> = together.iter().filter(must_fit).copied().collect();
+        let shift = Shift::of(&fitting)?;
         // What lies in the middle of a turn is hardly moved by it, and what is on its way may pass by where it lay.
         let has_stayed = self.places.iter().any(|place| {
             place.lay.is_some_and(|(lay, lay_since_ns, seen_ns)| {
@@ -168,14 +177,7 @@ impl Camera {
                 is_there && !is_within(MOVED, &lay, &shift.takes(&lay))
             })
         });
-        let pushed_ns = alone.iter().map(|moved| moved.left_ns).max()?;
-        // A part that was in a hand before the camera was pushed, or is in one for longer, has gone a way of its own as well.
-        let must_fit = |moved: &Move| {
-            let is_carried =
-                moved.left_ns + at_once_ns < pushed_ns || moved.arrived_ns > arrived_ns + at_once_ns;
-            !moved.is_handled || !is_carried
-        };
-        if has_stayed || together.iter().any(|moved| must_fit(moved) && !shift.moves(moved)) {
+        if has_stayed || !fitting.iter().all(|moved| shift.moves(moved)) {
             return None;
         }
         let as_one: Vec<Move> = together.iter().filter(|moved| shift.moves(moved)).copied().collect();

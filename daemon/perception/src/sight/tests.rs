@@ -327,6 +327,8 @@ fn a_picture_measures_what_was_done_to_it() {
     let (black, white) = (measured(&[0; 640 * 480]), measured(&[255; 640 * 480]));
     assert_eq!((black.black, black.white, black.edges, black.sharpness), (1.0, 0.0, 0.0, None));
     assert_eq!((white.white, white.cells, white.patches), (1.0, [[255; 3]; CELLS], 0.0));
+    let over_exposed: Vec<u8> = (0..640 * 480).map(|index| 255 - (index * 7 % 10) as u8).collect();
+    assert_eq!(measured(&over_exposed).white, 1.0);
     assert!(sharp.patches > 20.0 && (measured(&striped(1, 40)).patches / sharp.patches - 1.0).abs() < 0.05);
     assert_eq!(measured(&striped(1, 40)), measured(&striped(1, 40)));
     let mut other = striped(1, 40);

@@ -67,6 +67,25 @@ fn a_camera_is_moved_although_a_hand_is_at_a_part_and_another_part_is_hidden() {
 }
 
 #[test]
+fn a_camera_is_turned_although_only_one_marker_lies_far_from_the_hand() {
+    let look = |_| {
+        let mut look = seen_from(0.06, [0.0; 2]);
+        let far_away = look.markers[2].corners[0];
+        hand_at(&mut look, far_away);
+        look.markers.remove(1);
+        // A third of a pixel at the corners of the one is six pixels at the other.
+        let corners = &mut look.markers[0].corners;
+        let middle = [(corners[0][0] + corners[2][0]) / 2.0, (corners[0][1] + corners[2][1]) / 2.0];
+        for corner in corners {
+            let [x, y] = [corner[0] - middle[0], corner[1] - middle[1]];
+            *corner = [corner[0] - 0.016 * y, corner[1] + 0.016 * x];
+        }
+        look
+    };
+    assert_eq!(said_after(true, 5.0, look).1, [MOVED]);
+}
+
+#[test]
 fn parts_that_are_moved_one_by_one_or_each_elsewhere_or_by_a_hand_do_not_move_the_camera() {
     let at = |places: [[f32; 2]; 3]| {
         let mut look = seen_from(0.0, [0.0; 2]);
