@@ -280,6 +280,29 @@ fn an_object_that_was_moved_while_it_was_hidden_may_have_been_used_until_a_hand_
 }
 
 #[test]
+fn what_is_seen_apart_from_a_hand_that_has_let_go_is_not_what_it_took() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (CUP, [0.0, 0.02]), (BOX, [0.3, 0.0])]);
+    bench
+        .hand(Side::Right, [0.0, -0.3])
+        .rest(20)
+        .go([0.0, 0.0], 20)
+        .hide(CUP)
+        .hold(Side::Right, TOOL)
+        .rest(10);
+    bench.show(CUP).go([0.3, 0.01], 30).rest(20).let_go(Side::Right).go([0.3, -0.3], 30).rest(30);
+    let couples = couples_of(&bench, Side::Right);
+    let is_rivalled = |is_release: bool| -> Vec<bool> {
+        let all = couples.iter().filter(|couple| couple.context.0[2] == TOOL && couple.context.0[3] == BOX);
+        all.filter(|couple| couple.context.is_release() == is_release)
+            .map(|couple| couple.is_rivalled)
+            .collect()
+    };
+    let (held, released) = (is_rivalled(false), is_rivalled(true));
+    assert!(!held.is_empty() && held.iter().all(|is| *is), "it may hold the cup: {held:?}");
+    assert!(!released.is_empty() && !released[released.len() - 1], "it holds nothing: {released:?}");
+}
+
+#[test]
 fn the_activities_of_an_object_are_out_of_sight_until_it_is_seen_and_when_it_is_hidden_for_long() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.3])]);
     bench.hide(TOOL).hand(Side::Right, [-0.3, 0.0]).rest(10).show(TOOL).rest(10).hide(TOOL).rest(40);

@@ -375,6 +375,54 @@ fn after_the_second_half_of_an_activity_its_first_half_begins_another_one() {
     assert_eq!(jobs_of(&[&back, &whole[..]].concat()), ["NotJudged Blind", "JobOk"]);
 }
 
+/// The verdicts on pieces of which a part is brought to the table and back. Of the second piece only the way back is seen. While the hand is not
+/// seen before that, the part may move.
+fn second_half_after(is_carried_unseen: bool) -> Vec<String> {
+    let whole = [bring(3, 2, 1), bring(2, 3, 5)].concat();
+    let job = teach(&[&whole]);
+    let frames: usize = whole.iter().map(|part| part.frames).sum();
+    let pieces = [&whole[..], &[idle(30), away(70), idle(90)], &bring(2, 3, 5)].concat();
+    let mut couples = stream(&pieces, &[]);
+    for couples in &mut couples[frames + 50..frames + 80] {
+        couples.is_carried_unseen = is_carried_unseen;
+    }
+    judged(&job, &couples).iter().map(short).filter(|verdict| !verdict.starts_with('r')).collect()
+}
+
+#[test]
+fn what_was_carried_unseen_before_the_first_touch_may_be_the_beginning_of_the_next_piece() {
+    assert_eq!(second_half_after(true), ["JobOk", "NotJudged Blind"]);
+    assert_eq!(second_half_after(false), ["JobOk", "JobAnomaly WrongOrder"]);
+}
+
+#[test]
+fn an_activity_that_must_have_ended_unseen_swallows_no_other_piece() {
+    let halves = [bring(3, 2, 1), bring(2, 3, 5)];
+    let job = teach(&[&halves
+        .map(|half| half.map(|part| if part.context == [0; 4] { idle(1) } else { part }))
+        .concat()]);
+    // A hand that has let go is never idle: what it left there lies there until it comes back.
+    let [to_table, back] = halves.map(|half| half[..4].to_vec());
+    let hidden = Part { seen: false, frames: 100, ..to_table[3] };
+    let mut couples = stream(&[&to_table[..], &[hidden], &to_table, &back, &to_table, &back].concat(), &[]);
+    for couples in &mut couples {
+        couples.hands[1].is_clear = true;
+    }
+    let verdicts = judged(&job, &couples);
+    let verdicts: Vec<_> = verdicts.iter().map(short).filter(|verdict| !verdict.starts_with('r')).collect();
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
+    assert_eq!(verdicts.last().unwrap(), "JobOk", "{verdicts:?}");
+}
+
+#[test]
+fn a_job_begins_with_its_first_step_although_a_hand_steadied_something_before() {
+    let job = polish_and_measure();
+    let right = [&[idle(120)][..], &polish(6), &measure()].concat();
+    let mut couples = stream(&right, &[idle(60), part([2, 5, 5, 6], 20, Still), idle(20)]);
+    couples[105].has_moved_unseen = true;
+    assert_eq!(judged_cold_by(&job, couples).last().unwrap(), "JobOk", "the next piece is put in place");
+}
+
 /// The verdicts of a judge that sees the tool first in the hand, at a part that the job does not bring it to.
 fn elsewhere_at_first(is_object_new: bool) -> Vec<String> {
     let mut couples = stream(&[idle(30), part([1, 5, 5, 3], 10, Still), idle(20)], &[]);

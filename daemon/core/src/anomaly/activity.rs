@@ -139,7 +139,7 @@ impl OpenActivity {
     ) -> u16 {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        if has_been_idle || self.junction.hidden > self.min_idle_frames {
+        if self.ius > 0 && (has_been_idle || self.junction.hidden > self.min_idle_frames) {
             self.note_possible_end(job);
         }
         self.places_before = self.places;
@@ -210,9 +210,10 @@ impl OpenActivity {
         }
     }
 
-    /// The hand was idle, or may have been: what was not judged may have been all of it.
+    /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.
     fn note_possible_end(&mut self, job: &Job<'_>) {
-        self.may_have_ended |= self.unjudged_reason.is_some() && self.may_be_complete(job);
+        let is_doubtful = self.unjudged_reason.is_some() || !self.has_certainly_ended(job);
+        self.may_have_ended |= is_doubtful && self.may_be_complete(job);
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.
@@ -225,6 +226,11 @@ impl OpenActivity {
         let hidden = self.junction.hidden;
         let mut all = self.places.iter().zip(job.activities);
         all.any(|(places, nominal)| places.may_be_complete(nominal.ius, hidden))
+    }
+
+    /// Whether it must have ended unseen: what has come since then is no part of it.
+    pub(super) fn must_have_ended(&self) -> bool {
+        self.may_have_ended && self.places.iter().all(|places| places.is_empty())
     }
 
     /// Whether all of it has come, some of it unseen, if the hand is idle now.

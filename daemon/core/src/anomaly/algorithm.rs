@@ -61,7 +61,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.comparisons.clear();
         let is_certain = !self.watch.is_doubtful();
         let was_idle = self.watch.was_idle();
-        let before = (self.watch.hidden_before(), self.watch.has_been_idle());
+        let before = (self.watch.hidden_before(), self.watch.begin_iu());
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
         let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
@@ -465,7 +465,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(nominal) = activity.matched(self.side, progress) else {
             // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
-            if self.watch.was_idle() && activity.has_ended_if_idle(job) {
+            if self.watch.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
                 segmenter.activity_matched(&[]);
             }
             return;

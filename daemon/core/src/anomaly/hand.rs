@@ -284,6 +284,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (outcome, reason, nominal) = self.without_accusation((outcome, reason, nominal), progress);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
+        if activity.step == Step::NotShown {
+            progress.set_no_step(activity.number);
+        }
         let note = activity.note(self.side, progress.job);
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
         let measured = activity.measured.filter(|_| outcome == Outcome::Anomaly);

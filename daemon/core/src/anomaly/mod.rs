@@ -304,6 +304,13 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         }
         bench.progress.set_undone(couples.undone);
         bench.progress.set_out_of_sight(couples.out_of_sight);
+        if couples.is_carried_unseen {
+            bench.progress.set_carried_unseen();
+            let hands = bench.hands.iter_mut().zip(&couples.hands);
+            hands
+                .filter(|(_, couple)| !couple.is_hand_seen())
+                .for_each(|(hand, _)| hand.watch.may_be_rest = true);
+        }
         if couples.has_moved_unseen {
             bench.progress.set_moved_unseen();
             // What a hand does with the same part afterwards may be another activity, and so may what it did meanwhile.

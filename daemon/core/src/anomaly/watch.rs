@@ -162,9 +162,9 @@ impl Watch {
         self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new
     }
 
-    /// The hand was certainly idle for as long at some time since it last acted, up to the couple before the newest.
-    pub(super) fn has_been_idle(&self) -> bool {
-        self.has_been_idle
+    /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle for as long at some time since the one before it.
+    pub(super) fn begin_iu(&mut self) -> bool {
+        core::mem::take(&mut self.has_been_idle)
     }
 
     /// It takes less to see that a hand holds something.

@@ -141,11 +141,21 @@ impl<'a> Progress<'a> {
         };
     }
 
-    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece.
+    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece; before its first step, the step
+    /// may have been hidden.
     pub(super) fn set_moved_unseen(&mut self) {
         if self.is_open && self.activities > 0 && !self.is_matched() {
-            self.unjudged_reason = self.unjudged_reason.or(Some(Missed::reason(&self.missed)));
+            if self.first_step.is_some() {
+                self.unjudged_reason = self.unjudged_reason.or(Some(Missed::reason(&self.missed)));
+            } else {
+                (self.is_start_seen, self.may_precede) = (false, self.all());
+            }
         }
+    }
+
+    /// A hand that is not seen carries something: before the first touch that was seen, the next job may have begun.
+    pub(super) fn set_carried_unseen(&mut self) {
+        self.is_start_expected &= self.is_open;
     }
 
     /// The bench shows that these activities have not been done. What has been away from there meanwhile may have been brought back.
@@ -375,6 +385,11 @@ impl<'a> Progress<'a> {
         self.activities = number.saturating_add(1);
         self.first_step = self.first_step.or(is_step.then_some(number));
         number
+    }
+
+    /// The activity with this number turned out to be none of the job's steps.
+    pub(super) fn set_no_step(&mut self, number: u16) {
+        self.first_step = self.first_step.filter(|first| *first != number);
     }
 
     /// The number of the activity that a nominal activity fulfils.

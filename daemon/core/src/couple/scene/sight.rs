@@ -158,7 +158,7 @@ impl Scene {
     }
 
     /// An object that was hidden, lies where it lay, and that the hand was not near meanwhile, was not taken. One that is seen in the
-    /// hand was.
+    /// hand was. One that is seen apart from a hand that has let go is not what the hand takes next.
     pub(super) fn push_rivals(&mut self) {
         let moved_m = self.moved_m();
         for (object, node) in self.objects.iter_mut().enumerate() {
@@ -167,13 +167,16 @@ impl Scene {
                 && before.source == Source::Covered
                 && squared_distance(pose.position, before.position) <= moved_m * moved_m;
             for (hand, touches) in self.touches.iter().enumerate() {
-                let edge = touches[object];
+                let (edge, interaction) = (touches[object], self.interactions[hand]);
                 let touched = &mut node.may_be_touched[hand];
                 *touched |= !edge.is_known() || edge.is_near();
-                node.is_rival[hand] &= if self.interactions[hand].held() == Some(object) {
-                    pose.source != Source::Seen || !edge.is_known() || !edge.is_near()
-                } else {
-                    !is_back || *touched
+                let is_seen_apart = pose.source == Source::Seen && edge.is_known() && !edge.is_near();
+                node.is_rival[hand] &= match interaction {
+                    _ if interaction.held() == Some(object) => {
+                        pose.source != Source::Seen || !edge.is_known() || !edge.is_near()
+                    }
+                    Interaction::Released { .. } if is_seen_apart => false,
+                    _ => !is_back || *touched,
                 };
                 // What it was when it was seen again is decided once and for all.
                 *touched = if pose.source == Source::Seen { node.is_rival[hand] } else { *touched };
