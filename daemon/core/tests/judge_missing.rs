@@ -3,10 +3,12 @@
 
 mod common;
 
+use andon_core::couple::{Context, Couple, Couples, Sight};
+use andon_core::job::Job;
 use andon_core::set::ActivitySet;
-use andon_core::verdict::Outcome;
+use andon_core::verdict::{Level, Outcome, Verdict};
 use common::script::{idle, stream};
-use common::work::{judged, measure, polish, polish_and_measure};
+use common::work::{IN_ORDER, judged, measure, polish, polish_and_measure};
 
 #[test]
 fn couples_that_are_missing_accuse_nobody() {
@@ -21,6 +23,53 @@ fn couples_that_are_missing_accuse_nobody() {
             assert_eq!(accused, None, "without {missing} from {first}");
         }
     }
+}
+
+/// What the judge says where the encoder starts again after this many couples. It does not see at once what a hand holds.
+fn with_a_restart(job: &Job<'_>, whole: &[Couples], first: usize) -> Vec<Verdict> {
+    let mut left = whole.to_vec();
+    left.drain(first..first + 6);
+    for couples in &mut left[first..first + 8] {
+        couples.hands = couples.hands.map(|hand| Couple::idle(hand.side, hand.captured_ns));
+        couples.hands.iter_mut().for_each(|hand| (hand.sight[0], hand.is_clear) = (Sight::Seen, true));
+    }
+    judged(job, &left)
+}
+
+#[test]
+fn an_encoder_that_starts_again_accuses_nobody() {
+    let whole = stream(&[polish(6), measure(), polish(6), measure()].concat(), &[]);
+    for job in [polish_and_measure(), Job { laws: &IN_ORDER, ..polish_and_measure() }] {
+        for first in 5..whole.len() - 60 {
+            let verdicts = with_a_restart(&job, &whole, first);
+            let accused = verdicts.iter().find(|verdict| verdict.outcome == Outcome::Anomaly);
+            assert_eq!(accused, None, "from {first}");
+        }
+    }
+}
+
+#[test]
+fn an_encoder_that_starts_again_knows_only_the_parts_that_it_sees() {
+    let job = polish_and_measure();
+    let mut whole = stream(&[polish(6), measure()].concat(), &[]);
+    let (first, end) = (170, whole.len() - 15);
+    // The meter is hidden until the brick has been measured.
+    for couples in &mut whole[first..end] {
+        couples.out_of_sight = ActivitySet::of(1);
+        let context = &mut couples.hands[0].context;
+        *context =
+            if context.is_release() { Context::IDLE } else { Context([context.0[0], context.0[1], 0, 0]) };
+    }
+    let outcomes = |couples: &[Couples]| -> Vec<Outcome> {
+        judged(&job, couples)
+            .iter()
+            .filter(|verdict| verdict.level == Level::Job)
+            .map(|verdict| verdict.outcome)
+            .collect()
+    };
+    assert_eq!(outcomes(&whole), [Outcome::Anomaly], "it was seen before");
+    whole.drain(first..first + 6);
+    assert_eq!(outcomes(&whole), [Outcome::NotJudged]);
 }
 
 #[test]

@@ -75,10 +75,14 @@ pub(super) struct OpenActivity {
     newest: (Context, Junction),
     /// What was not seen since the newest IU began.
     junction: Junction,
+    /// It may be the rest of one that was done before.
+    may_be_rest: bool,
     /// A hand that is idle for no longer than this may not have let go.
     min_idle_frames: u32,
     /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
     may_have_ended: bool,
+    /// It may use an object that had not been seen up to some time in it, and what it looks like without that is not known.
+    pub(super) may_use_never_seen: bool,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }
@@ -122,8 +126,10 @@ impl OpenActivity {
             places_before: places,
             newest: (context, Junction::default()),
             junction: Junction::default(),
+            may_be_rest: hidden == u32::MAX,
             min_idle_frames,
             may_have_ended: false,
+            may_use_never_seen: false,
             is_concluded: false,
         }
     }
@@ -275,6 +281,11 @@ impl OpenActivity {
             Against::Following(_) => self.unjudged_reason.is_none(),
         };
         is_certain && !self.may_have_ended
+    }
+
+    /// Whether it is also certain that all of it comes now, and not only the rest.
+    pub(super) fn is_order_certain(&self) -> bool {
+        self.is_place_certain() && !self.may_be_rest
     }
 
     /// Something did not fit, and was not judged because something else may have happened unseen.

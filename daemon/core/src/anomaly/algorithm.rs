@@ -31,6 +31,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             progress.set_start_seen(number, activity.as_shown(context));
         }
         self.activity = Some(activity);
+        self.note_never_seen(progress);
+    }
+
+    /// Takes note of whether the open activity may use an object that has not been seen.
+    fn note_never_seen(&mut self, progress: &Progress<'a>) {
+        if let Some(activity) = &mut self.activity {
+            activity.may_use_never_seen |= progress.may_use_never_seen(activity.context.0[1]);
+        }
     }
 
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
@@ -40,6 +48,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let hidden = self.watch.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
         progress.count_missed(couple, is_captured, hidden > 0);
+        self.note_never_seen(progress);
         if let Some(activity) = &mut self.activity {
             activity.add_hidden(self.watch.newly_hidden());
             // An IU that began in doubt is confirmed elsewhere.
@@ -396,15 +405,15 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let accuses_nobody = self.accuses_nobody();
         let Some(activity) = &mut self.activity else { return };
         let Against::Candidates(candidates) = activity.against else { return };
-        let is_place_certain = activity.is_place_certain();
-        let is_certain = is_place_certain || self.iu.is_some_and(|iu| iu.is_certain);
+        let is_order_certain = activity.is_order_certain();
+        let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
         if activity.is_concluded || accuses_nobody || !is_certain {
             return;
         }
         // Wherever in it the hand may be, it is too early for all of it while the bench shows that what comes before has not been done.
         let fault = |nominal| {
             let fault = progress.order_fault(self.side, nominal);
-            fault.filter(|broken| is_place_certain || progress.is_undone(broken))
+            fault.filter(|broken| is_order_certain || progress.is_undone(broken))
         };
         let mut faults = candidates.iter().map(fault);
         if let Some(broken) = faults.try_fold(None, |first, fault| Some(first.or(Some(fault?)))) {
@@ -419,7 +428,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             );
             return;
         }
-        if !is_place_certain {
+        if !is_order_certain {
             return;
         }
         let mut notes = candidates.iter().map(|nominal| progress.order_note(self.side, nominal));
@@ -495,6 +504,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()
+            || self.watch.is_doubtful()
             || activity.may_be_complete(progress.job)
             || activity.is_astray() && activity.unjudged_reason.is_some();
         let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());

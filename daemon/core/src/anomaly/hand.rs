@@ -175,7 +175,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.broken = activity.broken.or(broken);
         let is_too_early = broken.is_some_and(|broken| progress.is_undone(&broken));
         let unjudged_reason = activity.unjudged_reason;
-        let (is_place_certain, number) = (activity.is_place_certain(), activity.number);
+        let (is_order_certain, number) = (activity.is_order_certain(), activity.number);
         let (outcome, reason, early) = match unjudged_reason {
             Some(reason) => (Outcome::NotJudged, reason, early),
             None if broken.is_none() && progress.may_be_of_another_job(nominal) => {
@@ -183,7 +183,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None, early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if is_place_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder, false),
+            None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder, false),
             None => (Outcome::NotJudged, unseen_reason, early),
         };
         self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);
@@ -201,7 +201,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
         let accuses_nobody = self.accuses_nobody();
-        if is_wrong && !accuses_nobody && self.may_use_never_seen(progress) {
+        let may_use_never_seen = self.activity.as_ref().is_some_and(|activity| activity.may_use_never_seen);
+        if is_wrong && !accuses_nobody && may_use_never_seen {
             self.conclude_unjudged(Reason::Blind, progress, emit);
             return;
         }
@@ -241,21 +242,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// The open activity may be one that uses an object which was never seen.
-    fn may_use_never_seen(&self, progress: &Progress<'_>) -> bool {
-        self.activity.as_ref().is_some_and(|activity| progress.may_use_never_seen(activity.context.0[1]))
-    }
-
     /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
     fn without_accusation(
         &mut self,
         (outcome, reason, nominal): (Outcome, Reason, Option<usize>),
-        progress: &Progress<'_>,
     ) -> (Outcome, Reason, Option<usize>) {
         let accuses_nobody = self.accuses_nobody();
-        let may_use_never_seen = self.may_use_never_seen(progress);
         match &mut self.activity {
-            Some(_) if outcome == Outcome::Anomaly && may_use_never_seen => {
+            Some(activity) if outcome == Outcome::Anomaly && activity.may_use_never_seen => {
                 (Outcome::NotJudged, Reason::Blind, nominal)
             }
             Some(activity) if outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none() => {
@@ -281,7 +275,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
             return;
         }
-        let (outcome, reason, nominal) = self.without_accusation((outcome, reason, nominal), progress);
+        let (outcome, reason, nominal) = self.without_accusation((outcome, reason, nominal));
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
         if activity.step == Step::NotShown {

@@ -91,6 +91,7 @@ use crate::verdict::Verdict;
 use hand::HandJudge;
 use missed::Missed;
 use progress::Progress;
+use watch::Watch;
 
 /// Why work cannot be judged against a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -201,6 +202,9 @@ pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
     blind_ns: u64,
     /// The newest couples, unless others follow that do not come from the same frames.
     newest: Option<Couples>,
+    /// In how many of the next couples it may still not be seen what a hand held when others were missing.
+    unsettled: u32,
+    settling: u32,
     segmenter: JobSegmenter,
     bench: Bench<'a, M>,
 }
@@ -240,6 +244,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             period_ns: method.period_ns(),
             blind_ns: u64::from(method.blind_ms) * 1_000_000,
             newest: None,
+            unsettled: 0,
+            settling: Watch::settling(&method),
             segmenter,
             bench: Bench {
                 hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, &method)),
@@ -258,7 +264,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     }
 
     /// Takes the next couples. Where some are missing before them, as those that were on their way when the encoder ended and started again,
-    /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight.
+    /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
+    /// what a hand holds.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         if let Some(newest) = self.newest.replace(*couples) {
             let until_ns = couples.captured_ns.saturating_sub(self.period_ns / 2);
@@ -268,9 +275,16 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 let captured_ns = newest.captured_ns + elapsed_ns;
                 self.take(&newest.unseen_at(captured_ns, couples.known_ns, sight), emit);
                 elapsed_ns += self.period_ns;
+                self.unsettled = self.settling;
+                self.bench.progress.forget_seen();
             }
         }
-        self.take(couples, emit);
+        let mut couples = *couples;
+        if self.unsettled > 0 {
+            self.unsettled -= 1;
+            couples.hands.iter_mut().for_each(|couple| couple.is_doubtful = true);
+        }
+        self.take(&couples, emit);
     }
 
     fn take(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
@@ -305,7 +319,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         bench.progress.set_undone(couples.undone);
         bench.progress.set_out_of_sight(couples.out_of_sight);
         if couples.is_carried_unseen {
-            bench.progress.set_carried_unseen();
+            bench.progress.doubt_start();
             let hands = bench.hands.iter_mut().zip(&couples.hands);
             hands
                 .filter(|(_, couple)| !couple.is_hand_seen())
@@ -333,8 +347,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Self { segmenter, bench, .. } = self;
         let is_disturbed = segmenter.is_disturbed() || couples.has_moved_unseen;
         let begins_next = couples.hands.iter().any(|couple| {
+            let may_go_on = bench.hands[couple.side.index()].watch.may_go_on_touching(couple.context);
             segmenter.begins_activity(couple)
-                && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed)
+                && bench.progress.begins_next_job(couple.side, couple.context, is_disturbed, may_go_on)
         });
         // What comes out wrong only now may be done again in this job.
         let wrong = bench.progress.wrong();
@@ -384,6 +399,10 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         match *event {
             segment::Event::JobBegan { began_ns, is_start_seen } => {
+                let mut touches = couples.iter().flat_map(|couples| &couples.hands);
+                if touches.any(|couple| hands[couple.side.index()].watch.may_go_on_touching(couple.context)) {
+                    progress.doubt_start();
+                }
                 progress.begin(began_ns, is_start_seen);
                 if is_start_seen {
                     hands.iter_mut().for_each(|hand| hand.watch.begin());

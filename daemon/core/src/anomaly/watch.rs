@@ -172,6 +172,11 @@ impl Watch {
         IDLE_CHANGES * self.persist_frames
     }
 
+    /// How many frames an encoder that starts needs to see that a hand holds something.
+    pub(super) fn settling(method: &Method) -> u32 {
+        IDLE_CHANGES * u32::from(method.persist_frames)
+    }
+
     fn is_idle_for_long(&self) -> bool {
         self.idle_frames > self.min_idle_frames()
     }
@@ -231,6 +236,11 @@ impl Watch {
     /// Whether an IU that begins with this context may have begun before: it goes on from before a doubt, or an object was seen for the first time.
     pub(super) fn may_go_on(&self, context: Context) -> bool {
         self.is_object_new || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
+    }
+
+    /// Whether the hand may go on with what it touched before a doubt.
+    pub(super) fn may_go_on_touching(&self, context: Context) -> bool {
+        context.is_touch() && self.may_go_on(context)
     }
 
     /// How long the hand has been hidden; 0 for a hand that has never been seen, because the bench may be worked at with one hand.

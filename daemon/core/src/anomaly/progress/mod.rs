@@ -58,8 +58,10 @@ pub(super) struct Progress<'a> {
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     undone: ActivitySet,
-    /// The activities that use an object which has not been seen since the last job ended; `None` before the first frame.
+    /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
     never_seen: Option<ActivitySet>,
+    /// The activities that may have been done while that object had not been seen.
+    overlooked: ActivitySet,
     /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
@@ -104,6 +106,7 @@ impl<'a> Progress<'a> {
             undone_first: ActivitySet::EMPTY,
             undone: ActivitySet::EMPTY,
             never_seen: None,
+            overlooked: ActivitySet::EMPTY,
             is_start_expected: false,
             hidden_frames: 0,
             missed,
@@ -135,6 +138,7 @@ impl<'a> Progress<'a> {
             undone_first,
             undone,
             never_seen: self.never_seen,
+            overlooked: self.overlooked,
             hidden_frames: self.hidden_frames,
             is_open: true,
             ..Self::new(self.job, self.missed)
@@ -153,8 +157,8 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// A hand that is not seen carries something: before the first touch that was seen, the next job may have begun.
-    pub(super) fn set_carried_unseen(&mut self) {
+    /// The next job may have begun before the first touch that was seen.
+    pub(super) fn doubt_start(&mut self) {
         self.is_start_expected &= self.is_open;
     }
 
@@ -162,6 +166,7 @@ impl<'a> Progress<'a> {
     pub(super) fn set_undone(&mut self, undone: ActivitySet) {
         self.seen_undone = undone;
         self.undone = self.undone & undone;
+        self.overlooked = self.overlooked.without(undone);
         if !self.is_open {
             self.undone_first |= undone;
         }
@@ -169,7 +174,14 @@ impl<'a> Progress<'a> {
 
     /// These activities use an object that is out of sight.
     pub(super) fn set_out_of_sight(&mut self, activities: ActivitySet) {
-        self.never_seen = Some(self.never_seen.map_or(activities, |before| before & activities));
+        let never_seen = self.never_seen.map_or(activities, |before| before & activities);
+        self.never_seen = Some(never_seen);
+        self.overlooked |= never_seen;
+    }
+
+    /// What was seen of the objects is forgotten, as by an encoder that has started again.
+    pub(super) fn forget_seen(&mut self) {
+        self.never_seen = None;
     }
 
     /// Whether what a hand does with this object may be an activity that uses another one which was never seen in this job. What such an activity
@@ -223,7 +235,7 @@ impl<'a> Progress<'a> {
 
     /// What was hidden up to now does not matter any more.
     fn forget_hidden(&mut self) {
-        self.hidden_frames = 0;
+        (self.hidden_frames, self.overlooked) = (0, ActivitySet::EMPTY);
         self.missed.iter_mut().for_each(Missed::forget);
     }
 
@@ -309,8 +321,15 @@ impl<'a> Progress<'a> {
     /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
     /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose
     /// start was not seen ends wherever a first activity begins that may have come before. A job with a fault also ends where the bench is
-    /// rearranged: there is no other sign of its end if something was done instead of an activity. Takes note of an end that is only assumed.
-    pub(super) fn begins_next_job(&mut self, side: Side, context: Context, is_disturbed: bool) -> bool {
+    /// rearranged: there is no other sign of its end if something was done instead of an activity. Takes note of an end that is only assumed,
+    /// as where the hand may only go on with what it did before a doubt.
+    pub(super) fn begins_next_job(
+        &mut self,
+        side: Side,
+        context: Context,
+        is_disturbed: bool,
+        may_go_on: bool,
+    ) -> bool {
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
@@ -330,7 +349,7 @@ impl<'a> Progress<'a> {
             (opening.intersects(came) && !is_left, false)
         };
         // What was not judged may only go on now.
-        let is_certain = begins && !opening.intersects(self.unjudged);
+        let is_certain = begins && !may_go_on && !opening.intersects(self.unjudged);
         self.is_end_assumed = (begins || may_begin) && !is_certain;
         begins || may_begin
     }
@@ -373,7 +392,7 @@ impl<'a> Progress<'a> {
             self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
         let is_before = !self.is_start_seen && self.may_precede.contains(activity);
         let is_hidden = variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2);
-        let unknown = self.carried_on | self.never_seen.unwrap_or_default();
+        let unknown = self.carried_on | self.overlooked;
         let is_doubtful = self.is_doubtful || unknown.contains(activity);
         !self.undone.contains(activity) && (is_before || is_doubtful || is_hidden)
     }
@@ -493,7 +512,7 @@ impl<'a> Progress<'a> {
         self.undone_first = ActivitySet::EMPTY;
         self.is_start_expected = outcome == Outcome::Ok;
         self.forget_hidden();
-        self.never_seen = None;
+        self.forget_seen();
         emit(Verdict {
             level: Level::Job,
             outcome,
@@ -523,8 +542,10 @@ impl<'a> Progress<'a> {
         let not_completed = |lowest: usize| because(Reason::NotCompleted, Some(lowest as u16));
         let missing = self.required().without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
+        let is_end_certain = |_: &usize| !self.is_end_assumed;
         let certainly_missing = missing.lowest().filter(|_| !missing.iter().any(may_be_unseen));
-        let undone = (missing & self.undone).lowest().filter(|_| !self.is_end_assumed);
+        let certainly_missing = certainly_missing.filter(is_end_certain);
+        let undone = (missing & self.undone).lowest().filter(is_end_certain);
         match (self.fault.or(undone.map(not_completed)), self.unjudged_reason) {
             (Some(fault), _) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.
