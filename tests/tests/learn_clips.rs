@@ -4,7 +4,7 @@
 use andon_core::verdict::Outcome;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{Recording, read};
-use andon_tests::deletion::{jobs, judged, try_deletions};
+use andon_tests::deletion::{jobs, judged, try_deletions, try_two_pieces};
 use andon_tests::environment;
 use andon_tests::line::andond;
 use std::path::{Path, PathBuf};
@@ -38,5 +38,7 @@ fn nothing_is_accused_for_what_was_not_seen() {
         let tried = try_deletions(&job, &[&whole], seed, cases / 2);
         println!("{clip}: {} accused, {} of {} right", tried.accused.len(), tried.right, cases / 2);
         assert!(tried.accused.is_empty(), "{clip}: {:?}", tried.accused);
+        let tried = try_two_pieces(&job, &[&whole], seed, cases / 2);
+        assert!(tried.accused.is_empty(), "{clip}, two pieces: {:?}", tried.accused);
     }
 }

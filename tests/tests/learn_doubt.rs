@@ -10,7 +10,7 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{jobs, judged, length_s, one_after_the_other, try_deletions};
+use andon_tests::deletion::{jobs, judged, length_s, one_after_the_other, try_deletions, try_two_pieces};
 use andon_tests::environment;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, perform};
 
@@ -43,6 +43,8 @@ fn nothing_is_accused_for_what_was_not_seen() {
     let tried = try_deletions(&job, &accepted, seed(), cases);
     println!("{} of {cases} accused, {} right", tried.accused.len(), tried.right);
     assert!(tried.accused.is_empty(), "{:?}", tried.accused);
+    let tried = try_two_pieces(&job, &accepted, seed(), cases);
+    assert!(tried.accused.is_empty(), "two pieces: {:?}", tried.accused);
 }
 
 #[test]

@@ -5,16 +5,14 @@
 #[allow(dead_code)]
 mod capture;
 
-use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::Couples;
 use andon_core::input::Frame;
 use andon_core::verdict::{Level, Outcome, Verdict};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{jobs, judged, length_s, one_after_the_other};
+use andon_tests::deletion::{jobs, judged, judged_with_restart, length_s, one_after_the_other};
 use andon_tests::environment;
 use andon_tests::simulator::{Flaw, Noise, Performance, Random, TwoHanded, perform, perform_with_two_hands};
 
@@ -161,25 +159,6 @@ fn a_part_that_is_elsewhere_for_one_frame_accuses_nobody() {
     assert!(found.is_empty(), "{} of {of}: {:?}", found.len(), &found[..found.len().min(8)]);
 }
 
-/// What a judge gets where `encode` is killed and starts again: the couples that were held back never come, and a new encoder begins.
-fn with_encode_restarted(job: &JobFile, whole: &Recording, at: f64, gap_s: f64) -> Vec<Verdict> {
-    let part = |is_in: &dyn Fn(f64) -> bool| -> Vec<Couples> {
-        let mut part = whole.clone();
-        part.frames.retain(|frame| is_in(at_s(whole, frame)));
-        Run::new("run", "", &part, &job.method).unwrap().couples_for(job).unwrap().to_vec()
-    };
-    let mut couples = part(&|s| s < at);
-    couples.truncate(couples.len() - usize::from(job.method.persist_frames));
-    couples.extend(part(&|s| s >= at + gap_s));
-    job.with_job(|lent| {
-        let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method).unwrap();
-        let mut verdicts = Vec::new();
-        couples.iter().for_each(|couples| judge.step(couples, &mut |event| verdicts.extend(event.verdict())));
-        judge.finish(&mut |event| verdicts.extend(event.verdict()));
-        verdicts
-    })
-}
-
 /// Couples are missing between those of two encoders.
 #[test]
 fn encode_that_starts_again_in_the_middle_of_a_step_accuses_nobody() {
@@ -193,7 +172,7 @@ fn encode_that_starts_again_in_the_middle_of_a_step_accuses_nobody() {
                     continue;
                 }
                 of += 1;
-                let verdicts = with_encode_restarted(&job, &whole, f64::from(tenths) / 10.0, gap_s);
+                let verdicts = judged_with_restart(&job, &whole, (f64::from(tenths) / 10.0, gap_s));
                 if !accused(&verdicts).is_empty() {
                     found.push((person, f64::from(tenths) / 10.0, gap_s));
                 }

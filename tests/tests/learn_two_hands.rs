@@ -10,9 +10,9 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{self, Deletion, length_s, one_after_the_other, try_deletions};
+use andon_tests::deletion::{self, is_accused, length_s, try_deletions, try_two_pieces};
 use andon_tests::environment;
-use andon_tests::simulator::{Noise, Performance, Random, TwoHanded, perform_with_two_hands};
+use andon_tests::simulator::{Noise, Performance, TwoHanded, perform_with_two_hands};
 
 /// The percentage of the right jobs of others that must be accepted: five people do not show how all others move.
 const MIN_ACCEPTED: usize = 90;
@@ -40,10 +40,6 @@ fn taught(work: TwoHanded) -> JobFile {
 
 fn judged(job: &JobFile, recording: &Recording) -> Vec<Verdict> {
     run(recording).judge(job).unwrap()
-}
-
-fn is_accused(verdicts: &[Verdict]) -> bool {
-    verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly)
 }
 
 fn is_right(verdicts: &[Verdict]) -> bool {
@@ -134,14 +130,7 @@ fn nothing_is_accused_for_what_was_not_seen_where_parts_have_their_places() {
             all.iter().filter(|whole| is_right(&deletion::judged(&job, whole))).collect();
         let tried = try_deletions(&job, &right, seed, cases);
         assert!(tried.accused.is_empty(), "{work:?}: {:?}", tried.accused);
-        for case in 0..cases {
-            let mut random = Random::new(seed, &[case]);
-            let [one, next] = [(); 2].map(|()| right[random.index(right.len())]);
-            let deletion = Deletion::any(&mut random, length_s(one), one.header.objects.len());
-            let pieces = [&deletion.of(one, &mut random), next];
-            let both = one_after_the_other(&pieces, random.between(0.2, 3.0));
-            let accused = is_accused(&deletion::judged(&job, &both));
-            assert!(!accused, "{work:?}, case {case}: {deletion:?}, and then the next piece");
-        }
+        let tried = try_two_pieces(&job, &right, seed, cases);
+        assert!(tried.accused.is_empty(), "{work:?}, two pieces: {:?}", tried.accused);
     }
 }

@@ -15,7 +15,7 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{jobs, judged, try_deletions};
+use andon_tests::deletion::{jobs, judged, try_deletions, try_two_pieces};
 use andon_tests::environment;
 use capture::{BOX, Capture, SHELF, TABLE, method};
 use std::sync::LazyLock;
@@ -231,5 +231,7 @@ fn nothing_is_accused_for_what_was_not_seen() {
         assert!(!jobs(&judged(job, &whole)).contains(&Outcome::Anomaly), "run {number} as it was recorded");
         let tried = try_deletions(job, &[&whole], seed + u64::from(*number), cases / 9);
         assert!(tried.accused.is_empty(), "run {number}: {:?}", tried.accused);
+        let tried = try_two_pieces(job, &[&whole], seed + u64::from(*number), cases / 9);
+        assert!(tried.accused.is_empty(), "run {number}, two pieces: {:?}", tried.accused);
     }
 }

@@ -276,7 +276,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 self.take(&newest.unseen_at(captured_ns, couples.known_ns, sight), emit);
                 elapsed_ns += self.period_ns;
                 self.unsettled = self.settling;
-                self.bench.progress.forget_seen();
+            }
+            if self.unsettled == self.settling {
+                self.bench.forget();
             }
         }
         let mut couples = *couples;
@@ -393,6 +395,13 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 }
 
 impl<'a, M: Memory<'a>> Bench<'a, M> {
+    /// The encoder has started again: it knows nothing of what came before, and the next job may have begun.
+    fn forget(&mut self) {
+        self.progress.forget_seen();
+        self.progress.doubt_start();
+        self.hands.iter_mut().for_each(|hand| hand.watch.may_be_rest = true);
+    }
+
     /// Takes an event of the segmentation, which comes from `couples` or from a command.
     fn take(&mut self, event: &segment::Event, couples: Option<&Couples>, emit: &mut impl FnMut(Event)) {
         let Self { hands, progress } = self;

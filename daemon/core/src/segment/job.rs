@@ -41,7 +41,7 @@ pub struct JobSegmenter {
     bench_ns: u64,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
-    /// A hand that was not seen has carried something since the last job: the next one may have begun.
+    /// A hand that was not seen has carried something since the last job was done: the next one may have begun.
     may_have_begun: bool,
     /// Objects have moved unseen since a hand last acted.
     is_disturbed: bool,
@@ -115,7 +115,7 @@ impl JobSegmenter {
             (self.resting_ns, self.has_paused) = (0, false);
         }
         self.is_disturbed |= couples.has_moved_unseen;
-        self.may_have_begun |= self.job.is_none() && couples.is_carried_unseen;
+        self.may_have_begun |= self.job.is_none_or(|job| job.matched) && couples.is_carried_unseen;
         self.has_paused |= self.job.is_none() && self.resting_ns >= self.idle_end_ns;
         self.has_paused &= !couples.has_moved_unseen && !self.may_have_begun;
     }
