@@ -73,6 +73,23 @@ fn an_encoder_that_starts_again_knows_only_the_parts_that_it_sees() {
 }
 
 #[test]
+fn what_lies_where_it_lay_after_couples_were_missing_for_long_may_be_that_of_the_next_piece() {
+    let job = polish_and_measure();
+    let mut couples = stream(&[polish(6), measure(), polish(6)].concat(), &[]);
+    let frames: usize = polish(6).iter().map(|part| part.frames).sum();
+    let next = couples.len() - frames;
+    // The brick lies where it lay until it is measured, and so does that of the next piece.
+    couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::of(1));
+    for couples in &mut couples[next - 10..next] {
+        couples.undone = ActivitySet::first(2);
+    }
+    couples.drain(frames - 15..next - 8);
+    let verdicts = judged(&job, &couples);
+    let first = verdicts.iter().find(|verdict| verdict.level == Level::Job).unwrap();
+    assert_eq!(first.outcome, Outcome::NotJudged, "it may have been measured unseen");
+}
+
+#[test]
 fn what_uses_a_part_that_was_never_seen_accuses_nobody_and_what_does_not_is_still_found() {
     let job = polish_and_measure();
     // The tool comes away from where it was used too soon.

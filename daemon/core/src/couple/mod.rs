@@ -194,6 +194,7 @@ impl Couples {
             has_moved_unseen: false,
             is_carried_unseen: false,
             is_bench_hidden: true,
+            undone: if sight == Sight::Unseen { ActivitySet::EMPTY } else { self.undone },
             hands: self.hands.map(|couple| couple.unseen_at(captured_ns, sight)),
             ..*self
         }
