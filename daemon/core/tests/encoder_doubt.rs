@@ -203,17 +203,20 @@ fn an_object_that_is_first_seen_at_what_the_hand_holds_may_have_been_touched_bef
 #[test]
 fn a_bench_is_hidden_where_a_part_vanishes_without_a_hand_but_not_because_one_lies_under_another() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.0])]);
-    bench.hand(Side::Right, [0.3, 0.0]).rest(20).hide(BOX).rest(20).leave(Side::Right).rest(20);
+    bench.hand(Side::Right, [0.3, 0.0]).rest(20).hide(BOX).rest(40).leave(Side::Right).rest(20);
     let hidden = |frames: &[Frame]| -> Vec<usize> {
         let couples = encode(&bench.ids(), frames);
         (0..couples.len()).filter(|frame| couples[*frame].is_bench_hidden).collect()
     };
     assert_eq!(hidden(&bench.frames), []);
     let mut frames = bench.frames.clone();
-    hide_all(&mut frames[45..50]);
-    assert_eq!(hidden(&frames), (45..50).collect::<Vec<_>>());
+    hide_all(&mut frames[65..70]);
+    assert_eq!(hidden(&frames), (65..70).collect::<Vec<_>>());
+    frames[75].objects.clone_from(&bench.frames[0].objects);
+    assert_eq!(hidden(&frames), (65..70).chain(76..80).collect::<Vec<_>>(), "the box was in sight again");
+    let mut frames = bench.frames.clone();
     frames[55].objects.clone_from(&bench.frames[0].objects);
-    assert_eq!(hidden(&frames), (45..50).chain(56..60).collect::<Vec<_>>(), "the box was in sight again");
+    assert_eq!(hidden(&frames), (60..80).collect::<Vec<_>>(), "the box vanished just before the hand");
 }
 
 #[test]

@@ -396,6 +396,22 @@ fn what_was_carried_unseen_before_the_first_touch_may_be_the_beginning_of_the_ne
 }
 
 #[test]
+fn a_piece_of_which_no_hand_was_seen_is_not_judged() {
+    let job = polish_and_measure();
+    let mut couples = stream(&[away(300)], &[]);
+    couples[30..120].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
+    let said = jobs(&job, &couples);
+    assert_eq!(said, ["began in frame 30", "NotJudged Blind"]);
+    assert_eq!(jobs(&job, &couples[..150]), said, "the recording ends");
+    couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
+    assert_eq!(jobs(&job, &couples), said, "what lies where it lay may have been brought back");
+    // The next piece comes at once.
+    let mut couples = stream(&[&[away(100)][..], &polish(6), &measure()].concat(), &[]);
+    couples[30..95].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
+    assert_eq!(jobs(&job, &couples), ["began in frame 100", "NotJudged Blind", "JobOk"]);
+}
+
+#[test]
 fn an_activity_that_must_have_ended_unseen_swallows_no_other_piece() {
     let halves = [bring(3, 2, 1), bring(2, 3, 5)];
     let job = teach(&[&halves

@@ -295,6 +295,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         let Self { segmenter, bench, .. } = self;
         segmenter.job_matched(ends_job);
         segmenter.step(couples, &mut |event| bench.take(&event, Some(couples), emit));
+        if let Some(began_ns) = segmenter.take_unseen(false) {
+            bench.conclude_unseen(began_ns, emit);
+        }
         let Bench { hands, progress } = bench;
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         for (hand, couple) in hands.iter_mut().zip(&couples.hands) {
@@ -391,6 +394,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench, .. } = self;
         segmenter.finish(&mut |event| bench.take(&event, None, emit));
+        if let Some(began_ns) = segmenter.take_unseen(true) {
+            bench.conclude_unseen(began_ns, emit);
+        }
     }
 }
 
@@ -402,17 +408,28 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
         self.hands.iter_mut().for_each(|hand| hand.watch.may_be_rest = true);
     }
 
+    /// A hand that was not seen has worked since then: whatever it did is not judged.
+    fn conclude_unseen(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
+        let Self { progress, .. } = self;
+        progress.begin(began_ns, false);
+        progress.set_doubtful();
+        progress.forget_undone();
+        emit(Event::JobBegan { began_ns });
+        progress.conclude(true, &mut |verdict| emit(Event::Verdict(verdict)));
+    }
+
     /// Takes an event of the segmentation, which comes from `couples` or from a command.
     fn take(&mut self, event: &segment::Event, couples: Option<&Couples>, emit: &mut impl FnMut(Event)) {
         let Self { hands, progress } = self;
         let emit_verdict = &mut |verdict| emit(Event::Verdict(verdict));
         match *event {
-            segment::Event::JobBegan { began_ns, is_start_seen } => {
+            segment::Event::JobBegan { began_ns, is_start_seen, unseen_since_ns } => {
                 let mut touches = couples.iter().flat_map(|couples| &couples.hands);
                 if touches.any(|couple| hands[couple.side.index()].watch.may_go_on_touching(couple.context)) {
                     progress.doubt_start();
                 }
                 progress.begin(began_ns, is_start_seen);
+                progress.unseen_since_ns = unseen_since_ns;
                 if is_start_seen {
                     hands.iter_mut().for_each(|hand| hand.watch.begin());
                 }

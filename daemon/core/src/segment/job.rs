@@ -43,6 +43,8 @@ pub struct JobSegmenter {
     has_paused: bool,
     /// A hand that was not seen has carried something since the last job was done: the next one may have begun.
     may_have_begun: bool,
+    /// Since when something has been carried so, and nobody has been told.
+    unseen_since_ns: Option<u64>,
     /// Objects have moved unseen since a hand last acted.
     is_disturbed: bool,
     job: Option<OpenJob>,
@@ -65,6 +67,7 @@ impl JobSegmenter {
             bench_ns: 0,
             has_paused: false,
             may_have_begun: false,
+            unseen_since_ns: None,
             is_disturbed: false,
             job: None,
         })
@@ -115,7 +118,10 @@ impl JobSegmenter {
             (self.resting_ns, self.has_paused) = (0, false);
         }
         self.is_disturbed |= couples.has_moved_unseen;
-        self.may_have_begun |= self.job.is_none_or(|job| job.matched) && couples.is_carried_unseen;
+        if self.job.is_none_or(|job| job.matched) && couples.is_carried_unseen {
+            self.may_have_begun = true;
+            self.unseen_since_ns.get_or_insert(couples.captured_ns);
+        }
         self.has_paused |= self.job.is_none() && self.resting_ns >= self.idle_end_ns;
         self.has_paused &= !couples.has_moved_unseen && !self.may_have_begun;
     }
@@ -128,6 +134,13 @@ impl JobSegmenter {
     /// Whether objects have moved since a hand last began to act, while no hand was seen.
     pub fn is_disturbed(&self) -> bool {
         self.is_disturbed
+    }
+
+    /// Since when a hand that was not seen had worked while there was no job, if that has come to an end: a pause, or the end of the recording.
+    /// It is told once.
+    pub fn take_unseen(&mut self, has_ended: bool) -> Option<u64> {
+        let is_over = self.job.is_none() && (has_ended || self.handless_ns >= self.idle_end_ns);
+        self.unseen_since_ns.take_if(|_| is_over)
     }
 
     /// Begins a job on command, with the next couples. An open job ends first; objects that the hands touch count as new touches.
@@ -157,7 +170,8 @@ impl JobSegmenter {
     fn begin(&mut self, began_ns: u64, is_start_seen: bool, emit: &mut impl FnMut(Event)) {
         self.job = Some(OpenJob { began_ns, ended_ns: began_ns, touched: false, matched: false });
         (self.has_paused, self.may_have_begun) = (false, false);
-        emit(Event::JobBegan { began_ns, is_start_seen });
+        let unseen_since_ns = self.unseen_since_ns.take();
+        emit(Event::JobBegan { began_ns, is_start_seen, unseen_since_ns });
     }
 
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {

@@ -41,6 +41,8 @@ pub enum Event {
         began_ns: u64,
         /// Whether nothing of it can have happened before: it began on command, or after a pause in which nothing moved.
         is_start_seen: bool,
+        /// Since when a hand that was not seen had worked before, if nobody has been told: at this job, or at a piece before it.
+        unseen_since_ns: Option<u64>,
     },
     /// An activity began: the hand touches another object.
     ActivityBegan {

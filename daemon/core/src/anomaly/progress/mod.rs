@@ -29,6 +29,8 @@ pub(super) struct Progress<'a> {
     /// The time of the newest frame that they rest on.
     pub(super) known_ns: u64,
     began_ns: u64,
+    /// Since when a hand that was not seen had worked before it. If the job is right, that was another piece.
+    pub(super) unseen_since_ns: Option<u64>,
     /// How many activities have begun.
     activities: u16,
     /// The number of the first of them that is a step of the job, as far as its first IU shows.
@@ -90,6 +92,7 @@ impl<'a> Progress<'a> {
             now_ns: 0,
             known_ns: 0,
             began_ns: 0,
+            unseen_since_ns: None,
             activities: 0,
             first_step: None,
             done: ActivitySet::EMPTY,
@@ -513,7 +516,7 @@ impl<'a> Progress<'a> {
         self.is_start_expected = outcome == Outcome::Ok;
         self.forget_hidden();
         self.forget_seen();
-        emit(Verdict {
+        let verdict = Verdict {
             level: Level::Job,
             outcome,
             reason: fault.reason,
@@ -533,7 +536,13 @@ impl<'a> Progress<'a> {
             // A job that began on command may end before the frame that it was to begin with.
             ended_ns: self.now_ns.max(self.began_ns),
             decided_ns: self.known_ns,
-        });
+        };
+        if let Some(began_ns) = self.unseen_since_ns.take_if(|_| outcome == Outcome::Ok) {
+            let (outcome, reason) = (Outcome::NotJudged, Reason::Blind);
+            let ended_ns = self.began_ns;
+            emit(Verdict { outcome, reason, activity: 0, note: None, began_ns, ended_ns, ..verdict });
+        }
+        emit(verdict);
     }
 
     /// How the job came out, and why.

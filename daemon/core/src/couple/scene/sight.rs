@@ -81,13 +81,13 @@ impl Scene {
         self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried);
     }
 
-    /// Finds out whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What was hidden before
-    /// that, as a part under a lid, lies where a hand has left it.
+    /// Finds out whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What had been hidden
+    /// for longer than `blind_ms` by then, as a part under a lid, lies where a hand has left it.
     pub(super) fn push_bench_hidden(&mut self) {
         let mut poses = self.objects.iter().map(|node| node.poses.ago(0));
         let is_any_seen = poses.clone().any(|pose| pose.source == Source::Seen);
-        let has_vanished =
-            poses.any(|pose| pose.source != Source::Seen && pose.unseen <= self.handless_frames);
+        let since = self.handless_frames.saturating_add(self.blind_frames);
+        let has_vanished = poses.any(|pose| pose.source != Source::Seen && pose.unseen <= since);
         self.bench_hidden = self.bench_hidden << 1 | u32::from(!is_any_seen || has_vanished);
     }
 
