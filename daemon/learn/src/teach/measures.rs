@@ -5,7 +5,8 @@
 //! compared by their ratios, because people differ by them.
 
 use super::bounds::UNBOUNDED;
-use super::people::{OF_ONE_PERSON, People};
+use super::kind::{is_at_another, is_directed, is_repeated, is_timed};
+use super::people::{OF_ONE_PERSON, PRIOR_DURATION, People};
 use crate::statistics::{deviation, mean, median, student_t};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
@@ -20,13 +21,9 @@ const PRIOR_FREEDOM: f64 = 6.0;
 const PRIOR_STROKE: f64 = 0.12;
 const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
-pub(super) const PRIOR_DURATION: f64 = 0.2;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
-
-/// A motion with fewer reversals than this is not a repeated one.
-const MIN_REPEATED_REVERSALS: u32 = 3;
 
 /// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less: the way out of the contact is
 /// seen to go back before the contact ends, or only after that.
@@ -43,9 +40,6 @@ const STRAY_DETOUR_M: f64 = 0.1;
 
 /// Nobody notices that a step takes longer by this, in seconds: contacts begin and end by distance.
 const STRAY_S: f64 = 0.1;
-
-/// A shorter path has no direction, in metres.
-const MIN_DIRECTED_M: f32 = 0.1;
 
 /// The share of the job's rate of false alarms that each of the three measures has by which people differ so much that what is wrong is found
 /// only near the limit: half of a stroke, no pause at a part, one stroke less. The three other measures share the rest.
@@ -252,24 +246,6 @@ fn counts(values: impl Iterator<Item = u32> + Clone) -> Bounds {
 fn lengths(values: impl Iterator<Item = f32> + Clone) -> Range {
     let min = values.clone().min_by(f32::total_cmp).unwrap_or_default();
     Range { min, max: values.max_by(f32::total_cmp).unwrap_or_default() }
-}
-
-fn is_repeated(shown: &[Measures]) -> bool {
-    shown.iter().all(|measures| measures.reversals >= MIN_REPEATED_REVERSALS)
-}
-
-/// The directions of the bench are those of the parts on it only where one part moves along another.
-fn is_directed(context: Context, shown: &[Measures]) -> bool {
-    is_at_another(context) && shown.iter().all(|measures| measures.path_m >= MIN_DIRECTED_M)
-}
-
-/// Whether the time at another part shows that what is done there was done. Strokes are counted instead: who makes them quickly is right.
-pub(super) fn is_timed(context: Context, shown: &[Measures]) -> bool {
-    is_at_another(context) && !is_repeated(shown)
-}
-
-fn is_at_another(context: Context) -> bool {
-    context.0[3] != 0
 }
 
 /// The share by which the bounds of `runs` runs would be narrower with `more` of them, if these differ as the first ones do.

@@ -1,7 +1,7 @@
 //! Whether one person showed all the runs, and how much people differ here. They differ from each other more than each does from time to
 //! time, so what one person does is less than what is right.
 
-use super::measures::{PRIOR_DURATION, is_timed};
+use super::kind::is_timed;
 use super::measures_of;
 use super::sequence::Agreement;
 use crate::folder::person_of;
@@ -13,7 +13,10 @@ use crate::statistics::mean;
 const BETWEEN_PEOPLE: f64 = 0.14;
 const BETWEEN_RUNS: f64 = 0.08;
 
-/// The variance between runs of different people.
+/// The standard deviation of the logarithm of the time at another part, between runs of different people.
+pub(super) const PRIOR_DURATION: f64 = 0.2;
+
+/// The variance between runs of different people in the others.
 const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE * BETWEEN_PEOPLE;
 
 /// The share of it that is between the runs of one of them.
