@@ -1,6 +1,6 @@
 //! Statistics of small samples.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 
 /// The mean; 0 if there are no values.
 pub(crate) fn mean(values: &[f64]) -> f64 {
@@ -35,4 +35,9 @@ pub(crate) fn median_point(points: impl Iterator<Item = [f32; 3]> + Clone) -> [f
 pub(crate) fn student_t(freedom: f64, exceeded: f64) -> f64 {
     // The location and the scale are valid, and so is any positive freedom.
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - exceeded))
+}
+
+/// The value that chi-squared with `freedom` degrees of freedom stays below with this probability; infinite for 0.
+pub(crate) fn chi_squared(freedom: f64, probability: f64) -> f64 {
+    ChiSquared::new(freedom).map_or(f64::INFINITY, |distribution| distribution.inverse_cdf(probability))
 }

@@ -6,7 +6,7 @@ use super::measures_of;
 use super::sequence::Agreement;
 use crate::folder::person_of;
 use crate::run::{Iu, Run};
-use crate::statistics::mean;
+use crate::statistics::{chi_squared, mean};
 
 /// How people differ, and how one person does from run to run: the standard deviation of the logarithm of the pace and of the length of
 /// strokes.
@@ -22,13 +22,16 @@ const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE * BETWEEN_P
 /// The share of it that is between the runs of one of them.
 pub(super) const OF_ONE_PERSON: f64 = BETWEEN_RUNS * BETWEEN_RUNS / IN_GENERAL;
 
+/// How sure it must be that these people differ more than people in general do before they count for more.
+const SURE: f64 = 0.9;
+
 /// What the runs tell of the people who showed them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct People {
     /// How probable it is that one person showed all the runs: as the names of the files say it (`p<person>_...`), or else as the runs agree
     /// in their pace, in the length of their strokes and in their time at other parts; both may be expected where nothing is known.
     pub(super) one_person: f64,
-    /// How many times as much as people in general they differ, and 1 where it is less.
+    /// How many times as much as people in general they differ: 1 unless it is sure that it is more.
     pub(super) variety: f64,
 }
 
@@ -56,11 +59,11 @@ impl People {
     }
 }
 
-/// The standard deviation of these deviations, where it is more than that of people in general, which is 1.
+/// The standard deviation of these deviations, as a multiple of that of people in general; 1 where chance may explain that it is more.
 fn variety(deviations: &[Vec<f64>]) -> f64 {
-    let freedom: usize = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum();
+    let freedom = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum::<usize>() as f64;
     let squares: f64 = deviations.iter().flatten().map(|deviation| deviation.powi(2)).sum();
-    (squares / freedom.max(1) as f64).sqrt().max(1.0)
+    if squares > chi_squared(freedom, SURE) { (squares / freedom).sqrt() } else { 1.0 }
 }
 
 /// The logarithm of how much more probable these deviations are for one person than for a different one in each run.
@@ -118,8 +121,9 @@ mod tests {
     #[test]
     fn people_differ_as_much_as_all_that_is_measured_of_them_says() {
         assert!((variety(&[spread(2.0), spread(2.0), spread(2.0)]) - 2.0).abs() < 1e-9);
-        // What is more in one measure and less in another one is chance.
-        assert_eq!(variety(&[spread(1.3), spread(0.7), spread(0.9)]), 1.0);
+        // What is more in two measures and as usual in a third one is chance.
+        assert!(variety(&[spread(1.3), spread(1.3)]) > 1.0);
+        assert_eq!(variety(&[spread(1.3), spread(1.3), spread(0.9)]), 1.0);
         assert_eq!(variety(&[Vec::new(), Vec::new(), Vec::new()]), 1.0);
     }
 }
