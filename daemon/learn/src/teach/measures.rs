@@ -6,7 +6,7 @@
 
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_repeated, is_timed};
-use super::people::{OF_ONE_PERSON, PRIOR_DURATION, People};
+use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People};
 use crate::statistics::{deviation, mean, median, student_t};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
@@ -42,7 +42,7 @@ const STRAY_DETOUR_M: f64 = 0.1;
 const STRAY_S: f64 = 0.1;
 
 /// The share of the job's rate of false alarms that each of the three measures has by which people differ so much that what is wrong is found
-/// only near the limit: half of a stroke, no pause at a part, one stroke less. The three other measures share the rest.
+/// only near the limit: half of a stroke, no pause at a part, one stroke less. The four other measures share the rest.
 const NEAR_SHARE: f64 = 0.3;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
@@ -55,6 +55,7 @@ pub(super) struct Rates {
     axis: f64,
     place: f64,
     duration: f64,
+    pace: f64,
     people: People,
 }
 
@@ -70,7 +71,7 @@ impl Rates {
                 ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - 3.0 * NEAR_SHARE) / 3.0;
+        let other = (1.0 - 3.0 * NEAR_SHARE) / 4.0;
         Self {
             reversals: rate(NEAR_SHARE, &|_, _| true),
             stroke: rate(NEAR_SHARE, &|_, shown| is_repeated(shown)),
@@ -78,6 +79,7 @@ impl Rates {
             axis: rate(other, &|context, shown| is_directed(context, shown)),
             place: rate(other, &|context, _| is_at_another(context)),
             duration: rate(NEAR_SHARE, &is_timed),
+            pace: rate(other, &|context, shown| is_at_another(context) && is_repeated(shown)),
             people,
         }
     }
@@ -112,7 +114,8 @@ impl Rates {
     }
 
     /// The least duration of an IU at another part, in frames, from its demonstrations and their durations; 0 for other IUs: somebody may be
-    /// quick on the way. Only what is too short is asked for, so the whole rate is on that side.
+    /// quick on the way. Only what is too short is asked for, so the whole rate is on that side. Strokes are counted, so that their time
+    /// tells no more than that nobody makes them so quickly.
     pub(super) fn min_frames(
         &self,
         context: Context,
@@ -120,12 +123,16 @@ impl Rates {
         frames: &[u32],
         rate_hz: f32,
     ) -> u32 {
-        if !context.is_touch() || !is_timed(context, shown) || self.duration <= 0.0 {
+        let (prior, rate) = match is_timed(context, shown) {
+            true => (PRIOR_DURATION, self.duration),
+            false => (IN_GENERAL.sqrt(), self.pace),
+        };
+        if !context.is_touch() || !is_at_another(context) || rate <= 0.0 {
             return 0;
         }
         let stray = STRAY_S * f64::from(rate_hz);
         let durations: Vec<f64> = frames.iter().map(|frames| (f64::from(*frames) + stray).ln()).collect();
-        let (centre, apart) = self.interval(&durations, PRIOR_DURATION, 2.0 * self.duration);
+        let (centre, apart) = self.interval(&durations, prior, 2.0 * rate);
         ((centre - apart).exp() - stray).max(0.0) as u32
     }
 
@@ -306,6 +313,21 @@ mod tests {
         assert_eq!(bounds(&[13, 15, 13, 12, 13, 13, 13]), (11, 15));
         // Two runs may show the border, too.
         assert_eq!(bounds(&[12, 13]), (12, 13));
+    }
+
+    #[test]
+    fn strokes_may_be_quick_but_not_three_times_as_quick_as_shown() {
+        let shown = [Measures { reversals: 13, ..Measures::default() }; 7];
+        let frames = [120, 150, 135, 160, 128, 142, 155];
+        let min_frames = |context, shown: &[Measures]| {
+            let ius = [(context, shown)];
+            let rates = Rates::new(0.03, People::IN_GENERAL, ius.into_iter());
+            rates.min_frames(context, shown, &frames, 30.0)
+        };
+        let min = min_frames(Context([1, 5, 5, 6]), &shown);
+        assert!((140 / 3 + 10..140 * 2 / 3).contains(&min), "{min}");
+        // The way may be as quick as it likes.
+        assert_eq!(min_frames(Context([1, 5, 0, 0]), &shown), 0);
     }
 
     #[test]

@@ -17,7 +17,7 @@ const BETWEEN_RUNS: f64 = 0.08;
 pub(super) const PRIOR_DURATION: f64 = 0.2;
 
 /// The variance between runs of different people in the others.
-const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE * BETWEEN_PEOPLE;
+pub(super) const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE * BETWEEN_PEOPLE;
 
 /// The share of it that is between the runs of one of them.
 pub(super) const OF_ONE_PERSON: f64 = BETWEEN_RUNS * BETWEEN_RUNS / IN_GENERAL;
