@@ -19,7 +19,7 @@ pub(super) fn is_directed(context: Context, shown: &[Measures]) -> bool {
     is_at_another(context) && shown.iter().all(|measures| measures.path_m >= MIN_DIRECTED_M)
 }
 
-/// Whether the time at another part shows that what is done there was done. Strokes are counted instead: who makes them quickly is right.
+/// Whether the time at another part shows that what is done there was done. Strokes are counted instead, and people differ in how quickly they make them.
 pub(super) fn is_timed(context: Context, shown: &[Measures]) -> bool {
     is_at_another(context) && !is_repeated(shown)
 }
