@@ -1,7 +1,8 @@
 //! Algorithm 1 of the paper (III-D) for the activities of one hand.
 
 use super::activity::{Against, OpenActivity, Step, context_reason};
-use super::comparison::{Extent, Memory};
+use super::comparison::Memory;
+use super::extent::Extent;
 use super::hand::{Finding, HandJudge, OpenIu};
 use super::missed::Missed;
 use super::progress::Progress;

@@ -1,11 +1,10 @@
 //! The comparisons of an open IU with nominal IUs.
 
-use super::measure::GIVES_WAY;
+use super::extent::{Extent, GIVES_WAY};
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
 use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
-use crate::segment::{FRAMES_PER_REVERSAL, Measures};
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
@@ -45,85 +44,6 @@ impl ComparisonResult {
             0.0 => 0.0,
             distance if threshold > 0.0 => distance / threshold,
             _ => f64::INFINITY,
-        }
-    }
-}
-
-/// How long the IU is, what it measures, and what was not seen of it.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Extent {
-    pub(super) frames: u32,
-    /// In how many frames its motion was measured.
-    pub(super) measured: u32,
-    /// In how many frames a part of it was not seen, even where it was assumed.
-    pub(super) assumed: u32,
-    pub(super) measures: Measures,
-    /// Whether the IU has ended.
-    pub(super) ended: bool,
-    /// It may have begun as many frames earlier.
-    pub(super) gap_before: u32,
-    /// It may have ended as many frames earlier.
-    pub(super) gap_after: u32,
-    /// Its beginning or its end may be that of another stretch: the IU may be a part of one.
-    pub(super) may_be_part: bool,
-    /// What was not seen of it may have been something else.
-    pub(super) is_doubtful: bool,
-}
-
-/// The ends of an IU: its beginning and its end.
-const ENDS: u32 = 2;
-
-/// The share of an IU up to which what was hidden in it is assumed to have gone on like the rest. Short gaps hide no reversal, so beyond it
-/// half of the strokes could seem to be all of them.
-const MAX_ASSUMED: f32 = 0.25;
-
-impl Extent {
-    /// The minimum and the maximum number of frames that the IU may have. A frame that was not seen may shift either end by one.
-    pub(super) fn possible_frames(&self) -> [u32; 2] {
-        let shift = self.assumed.min(ENDS);
-        [
-            self.frames.saturating_sub(self.gap_after.saturating_add(shift)),
-            self.frames.saturating_add(self.gap_before).saturating_add(shift),
-        ]
-    }
-
-    /// How often the motion may have reversed in addition, in frames that were not seen, in a row or one by one.
-    pub(super) fn possible_reversals(&self) -> u32 {
-        let scattered = (self.measures.hidden * self.frames as f32) as u32 / FRAMES_PER_REVERSAL;
-        let hidden = self.measures.hidden_reversals.max(scattered);
-        hidden.max(self.measures.cut_reversals).saturating_add(self.gap_before / FRAMES_PER_REVERSAL)
-    }
-
-    /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen; none where so much was hidden that
-    /// this is not known. What happened before it or after it is not known.
-    pub(super) fn assumed_reversals(&self) -> u32 {
-        let hidden = self.measures.hidden;
-        if hidden > MAX_ASSUMED {
-            return 0;
-        }
-        let assumed = self.measures.reversals as f32 * hidden / (1.0 - hidden);
-        (libm::roundf(assumed) as u32).min(self.measures.hidden_reversals)
-    }
-
-    /// In how much of the IU something may have happened that was not seen, as a share of its frames; more than 1 if most of it lies in
-    /// a gap.
-    pub(super) fn hidden(&self) -> f32 {
-        let gaps = self.gap_before.saturating_add(self.gap_after);
-        self.measures.hidden + gaps as f32 / self.frames.max(1) as f32
-    }
-
-    /// Whether so much of the IU was measured that it can be right.
-    pub(super) fn is_known(&self) -> bool {
-        2 * self.measured >= self.frames
-    }
-
-    /// Whether what was not seen may explain this reason. A part of an IU may be too short, or another motion. What was hidden in the
-    /// middle was counted as if it were right; but two IUs in the same context may seem to be one if the one between them was hidden.
-    fn explains(&self, reason: Reason, is_unique: bool) -> bool {
-        match reason {
-            Reason::None => false,
-            Reason::TooShort => self.may_be_part,
-            _ => self.may_be_part || self.is_doubtful && !is_unique,
         }
     }
 }

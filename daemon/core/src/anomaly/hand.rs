@@ -1,7 +1,8 @@
 //! The judge of one hand: its open activity and IU, and their verdicts, each given once.
 
 use super::activity::{OpenActivity, Step};
-use super::comparison::{ComparisonResult, Comparisons, Extent, Memory};
+use super::comparison::{ComparisonResult, Comparisons, Memory};
+use super::extent::Extent;
 use super::missed::Missed;
 use super::progress::Progress;
 use super::watch::Watch;

@@ -1,14 +1,10 @@
 //! Which measure of an IU is not right.
 
-use super::comparison::Extent;
+use super::extent::{Extent, GIVES_WAY};
 use crate::bounds::{Around, Range};
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
 use crate::verdict::{Measure, Measured, Reason};
-
-/// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
-/// the rest.
-pub(super) const GIVES_WAY: f32 = 2.0;
 
 /// A stroke goes to and fro.
 const PER_STROKE: u32 = 2;

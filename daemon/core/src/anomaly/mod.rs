@@ -70,6 +70,7 @@ mod activity;
 mod algorithm;
 mod alignment;
 mod comparison;
+mod extent;
 mod hand;
 mod measure;
 mod missed;

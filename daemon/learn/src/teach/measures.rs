@@ -5,7 +5,8 @@
 //! compared by their ratios, because people differ by them.
 
 use super::bounds::UNBOUNDED;
-use super::people::People;
+use super::kind::{is_at_another, is_directed, is_repeated, is_timed};
+use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People};
 use crate::statistics::{deviation, mean, median, student_t};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
@@ -20,13 +21,9 @@ const PRIOR_FREEDOM: f64 = 6.0;
 const PRIOR_STROKE: f64 = 0.12;
 const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
-const PRIOR_DURATION: f64 = 0.2;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
-
-/// A motion with fewer reversals than this is not a repeated one.
-const MIN_REPEATED_REVERSALS: u32 = 3;
 
 /// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less: the way out of the contact is
 /// seen to go back before the contact ends, or only after that.
@@ -44,14 +41,9 @@ const STRAY_DETOUR_M: f64 = 0.1;
 /// Nobody notices that a step takes longer by this, in seconds: contacts begin and end by distance.
 const STRAY_S: f64 = 0.1;
 
-/// A shorter path has no direction, in metres.
-const MIN_DIRECTED_M: f32 = 0.1;
-
-/// The shares of the job's rate of false alarms that the measures have by which people differ so much that what is wrong is found only near
-/// the limit: half of a stroke, no pause at a part, one stroke less. The three other measures share the rest.
-const STROKE_SHARE: f64 = 0.33;
-const DURATION_SHARE: f64 = 0.24;
-const REVERSALS_SHARE: f64 = 0.34;
+/// The share of the job's rate of false alarms that each of the three measures has by which people differ so much that what is wrong is found
+/// only near the limit: half of a stroke, no pause at a part, one stroke less. The four other measures share the rest.
+const NEAR_SHARE: f64 = 0.3;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
 /// that have it share that equally.
@@ -63,6 +55,7 @@ pub(super) struct Rates {
     axis: f64,
     place: f64,
     duration: f64,
+    pace: f64,
     people: People,
 }
 
@@ -78,14 +71,15 @@ impl Rates {
                 ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - STROKE_SHARE - DURATION_SHARE - REVERSALS_SHARE) / 3.0;
+        let other = (1.0 - 3.0 * NEAR_SHARE) / 4.0;
         Self {
-            reversals: rate(REVERSALS_SHARE, &|_, _| true),
-            stroke: rate(STROKE_SHARE, &|_, shown| is_repeated(shown)),
+            reversals: rate(NEAR_SHARE, &|_, _| true),
+            stroke: rate(NEAR_SHARE, &|_, shown| is_repeated(shown)),
             path: rate(other, &|_, _| true),
             axis: rate(other, &|context, shown| is_directed(context, shown)),
             place: rate(other, &|context, _| is_at_another(context)),
-            duration: rate(DURATION_SHARE, &is_timed),
+            duration: rate(NEAR_SHARE, &is_timed),
+            pace: rate(other, &|context, shown| is_at_another(context) && is_repeated(shown)),
             people,
         }
     }
@@ -120,7 +114,8 @@ impl Rates {
     }
 
     /// The least duration of an IU at another part, in frames, from its demonstrations and their durations; 0 for other IUs: somebody may be
-    /// quick on the way. Only what is too short is asked for, so the whole rate is on that side.
+    /// quick on the way. Only what is too short is asked for, so the whole rate is on that side. Strokes are counted, so that their time
+    /// tells no more than that nobody makes them so quickly.
     pub(super) fn min_frames(
         &self,
         context: Context,
@@ -128,12 +123,16 @@ impl Rates {
         frames: &[u32],
         rate_hz: f32,
     ) -> u32 {
-        if !context.is_touch() || !is_timed(context, shown) || self.duration <= 0.0 {
+        let (prior, rate) = match is_timed(context, shown) {
+            true => (PRIOR_DURATION, self.duration),
+            false => (IN_GENERAL.sqrt(), self.pace),
+        };
+        if !context.is_touch() || !is_at_another(context) || rate <= 0.0 {
             return 0;
         }
         let stray = STRAY_S * f64::from(rate_hz);
         let durations: Vec<f64> = frames.iter().map(|frames| (f64::from(*frames) + stray).ln()).collect();
-        let (centre, apart) = self.interval(&durations, PRIOR_DURATION, 2.0 * self.duration);
+        let (centre, apart) = self.interval(&durations, prior, 2.0 * rate);
         ((centre - apart).exp() - stray).max(0.0) as u32
     }
 
@@ -256,24 +255,6 @@ fn lengths(values: impl Iterator<Item = f32> + Clone) -> Range {
     Range { min, max: values.max_by(f32::total_cmp).unwrap_or_default() }
 }
 
-fn is_repeated(shown: &[Measures]) -> bool {
-    shown.iter().all(|measures| measures.reversals >= MIN_REPEATED_REVERSALS)
-}
-
-/// The directions of the bench are those of the parts on it only where one part moves along another.
-fn is_directed(context: Context, shown: &[Measures]) -> bool {
-    is_at_another(context) && shown.iter().all(|measures| measures.path_m >= MIN_DIRECTED_M)
-}
-
-/// Whether the time at another part shows that what is done there was done. Strokes are counted instead: who makes them quickly is right.
-fn is_timed(context: Context, shown: &[Measures]) -> bool {
-    is_at_another(context) && !is_repeated(shown)
-}
-
-fn is_at_another(context: Context) -> bool {
-    context.0[3] != 0
-}
-
 /// The share by which the bounds of `runs` runs would be narrower with `more` of them, if these differ as the first ones do.
 pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) -> f64 {
     let width = |runs: usize| {
@@ -287,15 +268,16 @@ pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) ->
 pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: People) -> (f64, f64) {
     let People { one_person, variety } = people;
     let count = values.len() as f64;
-    let prior = variety * prior;
+    let prior = (variety * prior).powi(2);
     let freedom = PRIOR_FREEDOM + count - 1.0;
-    let squares = PRIOR_FREEDOM * prior.powi(2) + (count - 1.0) * deviation(values, 1).powi(2);
-    let of_many = squares / freedom * (1.0 + 1.0 / count);
+    let squares = (count - 1.0) * deviation(values, 1).powi(2);
+    let pooled = |prior: f64| (PRIOR_FREEDOM * prior + squares) / freedom * (1.0 + 1.0 / count);
+    let of_many = pooled(prior);
     // The mean is that person's, from whom another one differs, and both do from time to time.
-    let of_one = 2.0 * prior.powi(2) + deviation(values, 1).powi(2) * (1.0 + 1.0 / count);
+    let of_one = 2.0 * prior + pooled(OF_ONE_PERSON * prior);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
     // That these people differ more than others is known from the same runs, so it adds nothing to what they tell.
-    let known = if variety > 1.0 { PRIOR_FREEDOM.max(count - 1.0) } else { freedom };
+    let known = PRIOR_FREEDOM / variety.powi(2) + count - 1.0;
     // Half of them on each side.
     (mean(values), student_t(known, false_alarms / 2.0) * spread)
 }
@@ -334,12 +316,37 @@ mod tests {
     }
 
     #[test]
-    fn what_people_differ_in_more_than_others_rests_on_these_runs_alone() {
+    fn strokes_may_be_quick_but_not_three_times_as_quick_as_shown() {
+        let shown = [Measures { reversals: 13, ..Measures::default() }; 7];
+        let frames = [120, 150, 135, 160, 128, 142, 155];
+        let min_frames = |context, shown: &[Measures]| {
+            let ius = [(context, shown)];
+            let rates = Rates::new(0.03, People::IN_GENERAL, ius.into_iter());
+            rates.min_frames(context, shown, &frames, 30.0)
+        };
+        let min = min_frames(Context([1, 5, 5, 6]), &shown);
+        assert!((140 / 3 + 10..140 * 2 / 3).contains(&min), "{min}");
+        // The way may be as quick as it likes.
+        assert_eq!(min_frames(Context([1, 5, 0, 0]), &shown), 0);
+    }
+
+    #[test]
+    fn the_more_people_differ_the_less_is_known_of_them_beside_these_runs() {
         let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
-        let apart = |prior, people| interval(&values, prior, 0.01, people).1;
-        let much = People { variety: 3.0, ..People::IN_GENERAL };
-        // The spread is the same, and 6 degrees of freedom instead of 12.
-        let ratio = apart(0.1, much) / apart(0.3, People::IN_GENERAL);
-        assert!((ratio - student_t(6.0, 0.005) / student_t(12.0, 0.005)).abs() < 1e-9, "{ratio}");
+        let apart = |prior, variety| interval(&values, prior, 0.01, People { one_person: 0.0, variety }).1;
+        // The spread is the same, and 6 degrees of freedom and a quarter of 6 instead of 12.
+        let ratio = apart(0.1, 2.0) / apart(0.2, 1.0);
+        assert!((ratio - student_t(7.5, 0.005) / student_t(12.0, 0.005)).abs() < 1e-9, "{ratio}");
+    }
+
+    #[test]
+    fn runs_that_differ_as_those_of_many_people_do_are_not_widened_for_one_person_as_if_they_were_alike() {
+        let wider = |values: &[f64]| {
+            let apart = |one_person| interval(values, 0.14, 0.01, People { one_person, variety: 1.0 }).1;
+            apart(1.0) / apart(0.0)
+        };
+        let alike = [0.02, -0.04, 0.06, -0.02, 0.0, 0.04, -0.06];
+        let apart = alike.map(|value| 5.0 * value);
+        assert!(wider(&alike) > 1.7 && wider(&apart) < 1.4, "{} {}", wider(&alike), wider(&apart));
     }
 }

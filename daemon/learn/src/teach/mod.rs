@@ -6,6 +6,7 @@
 
 mod bounds;
 mod iu_report;
+mod kind;
 mod left_out;
 mod measures;
 mod meetings;

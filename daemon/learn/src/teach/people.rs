@@ -1,6 +1,8 @@
 //! Whether one person showed all the runs, and how much people differ here. They differ from each other more than each does from time to
 //! time, so what one person does is less than what is right.
 
+use super::kind::is_timed;
+use super::measures_of;
 use super::sequence::Agreement;
 use crate::folder::person_of;
 use crate::run::{Iu, Run};
@@ -11,6 +13,15 @@ use crate::statistics::{chi_squared, mean};
 const BETWEEN_PEOPLE: f64 = 0.14;
 const BETWEEN_RUNS: f64 = 0.08;
 
+/// The standard deviation of the logarithm of the time at another part, between runs of different people.
+pub(super) const PRIOR_DURATION: f64 = 0.2;
+
+/// The variance between runs of different people in the others.
+pub(super) const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE * BETWEEN_PEOPLE;
+
+/// The share of it that is between the runs of one of them.
+pub(super) const OF_ONE_PERSON: f64 = BETWEEN_RUNS * BETWEEN_RUNS / IN_GENERAL;
+
 /// How sure it must be that these people differ more than people in general do before they count for more.
 const SURE: f64 = 0.9;
 
@@ -18,7 +29,7 @@ const SURE: f64 = 0.9;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct People {
     /// How probable it is that one person showed all the runs: as the names of the files say it (`p<person>_...`), or else as the runs agree
-    /// in their pace and in the length of their strokes; both may be expected where nothing is known.
+    /// in their pace, in the length of their strokes and in their time at other parts; both may be expected where nothing is known.
     pub(super) one_person: f64,
     /// How many times as much as people in general they differ: 1 unless it is sure that it is more.
     pub(super) variety: f64,
@@ -29,9 +40,15 @@ impl People {
     pub(super) const IN_GENERAL: Self = Self { one_person: 0.0, variety: 1.0 };
 
     pub(super) fn of(runs: &[Run], agreement: &Agreement) -> Self {
-        let pace = |iu: &Iu| Some(f64::from(iu.frames));
-        let stroke = |iu: &Iu| iu.measures.stroke_m.map(f64::from);
-        let deviations = [deviations(runs, agreement, &pace), deviations(runs, agreement, &stroke)];
+        let in_general = IN_GENERAL.sqrt();
+        let stroke = |_, iu: &Iu| iu.measures.stroke_m.map(f64::from);
+        let pace = |is_timed: bool, iu: &Iu| (!is_timed).then_some(f64::from(iu.frames));
+        let time = |is_timed: bool, iu: &Iu| is_timed.then_some(f64::from(iu.frames));
+        let deviations = [
+            deviations(runs, agreement, in_general, &pace),
+            deviations(runs, agreement, in_general, &stroke),
+            deviations(runs, agreement, PRIOR_DURATION, &time),
+        ];
         let people: Option<Vec<u32>> =
             agreement.used_runs(runs).iter().map(|run| person_of(&run.name)).collect();
         let one_person = match people {
@@ -44,35 +61,69 @@ impl People {
 
 /// The standard deviation of these deviations, as a multiple of that of people in general; 1 where chance may explain that it is more.
 fn variety(deviations: &[Vec<f64>]) -> f64 {
-    let freedom: usize = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum();
+    let freedom = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum::<usize>() as f64;
     let squares: f64 = deviations.iter().flatten().map(|deviation| deviation.powi(2)).sum();
-    let in_general = BETWEEN_RUNS.powi(2) + BETWEEN_PEOPLE.powi(2);
-    let ratio = squares / in_general;
-    if ratio > chi_squared(freedom as f64, SURE) { (ratio / freedom as f64).sqrt() } else { 1.0 }
+    if squares > chi_squared(freedom, SURE) { (squares / freedom).sqrt() } else { 1.0 }
 }
 
 /// The logarithm of how much more probable these deviations are for one person than for a different one in each run.
 fn evidence_of_one(deviations: &[f64]) -> f64 {
-    let [one, many] = [BETWEEN_RUNS.powi(2), BETWEEN_RUNS.powi(2) + BETWEEN_PEOPLE.powi(2)];
     let freedom = deviations.len().saturating_sub(1) as f64;
     let squares: f64 = deviations.iter().map(|deviation| deviation.powi(2)).sum();
-    freedom / 2.0 * (many / one).ln() - squares / 2.0 * (1.0 / one - 1.0 / many)
+    -freedom / 2.0 * OF_ONE_PERSON.ln() - squares / 2.0 * (1.0 / OF_ONE_PERSON - 1.0)
 }
 
-/// By how much each run exceeds the others in something, as the mean over the IUs in which it was measured, in its logarithm.
-fn deviations(runs: &[Run], agreement: &Agreement, measured: &dyn Fn(&Iu) -> Option<f64>) -> Vec<f64> {
+/// By how much each run exceeds the others in something, as the mean over the IUs in which it was measured, in its logarithm and as a multiple of
+/// the standard deviation of people in general. `measured` is given whether the time of an IU tells what is done in it.
+fn deviations(
+    runs: &[Run],
+    agreement: &Agreement,
+    in_general: f64,
+    measured: &dyn Fn(bool, &Iu) -> Option<f64>,
+) -> Vec<f64> {
     let mut of_run: Vec<Vec<f64>> = vec![Vec::new(); runs.len()];
     for sequence in &agreement.sequences {
-        for (index, _) in sequence.contexts.iter().enumerate().filter(|(_, context)| context.is_touch()) {
+        for (index, context) in sequence.contexts.iter().enumerate().filter(|(_, context)| context.is_touch())
+        {
+            let is_timed = is_timed(*context, &measures_of(runs, sequence, index));
             let values: Vec<(usize, f64)> = sequence
                 .well_shown(runs, index)
-                .filter_map(|(run, iu)| Some((run, measured(iu)?.ln())))
+                .filter_map(|(run, iu)| Some((run, measured(is_timed, iu)?.ln())))
                 .collect();
             let centre = mean(&values.iter().map(|(_, value)| *value).collect::<Vec<_>>());
             for (run, value) in values {
-                of_run[run].push(value - centre);
+                of_run[run].push((value - centre) / in_general);
             }
         }
     }
     of_run.iter().filter(|values| !values.is_empty()).map(|values| mean(values)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Seven deviations with this standard deviation.
+    fn spread(deviation: f64) -> Vec<f64> {
+        let scale = deviation * (6.0_f64 / 28.0).sqrt();
+        (-3..=3).map(|step| scale * f64::from(step)).collect()
+    }
+
+    #[test]
+    fn people_who_are_alike_in_pace_and_strokes_by_chance_are_not_one_person_if_they_pause_as_people_do() {
+        let evidence = |all: &[f64]| all.iter().map(|one| evidence_of_one(&spread(*one))).sum::<f64>();
+        let alike = OF_ONE_PERSON.sqrt();
+        assert!(evidence(&[alike, alike]) > 3.0);
+        assert!(evidence(&[alike, alike, alike]) > 5.0);
+        assert!(evidence(&[0.6, 0.6]) > 0.0 && evidence(&[0.6, 0.6, 1.0]) < -3.0);
+    }
+
+    #[test]
+    fn people_differ_as_much_as_all_that_is_measured_of_them_says() {
+        assert!((variety(&[spread(2.0), spread(2.0), spread(2.0)]) - 2.0).abs() < 1e-9);
+        // What is more in two measures and as usual in a third one is chance.
+        assert!(variety(&[spread(1.3), spread(1.3)]) > 1.0);
+        assert_eq!(variety(&[spread(1.3), spread(1.3), spread(0.9)]), 1.0);
+        assert_eq!(variety(&[Vec::new(), Vec::new(), Vec::new()]), 1.0);
+    }
 }

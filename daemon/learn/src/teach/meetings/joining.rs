@@ -46,7 +46,8 @@ pub(super) fn of(
         return meeting(id, &[], contact, default);
     }
     let places: Vec<Place> = dwells.iter().map(|(run, dwell)| (*run, place_of(dwell))).collect();
-    at_learnt_places(id, &places, shown.len(), default)
+    let first: Vec<Point3<f32>> = shown.iter().filter_map(|run| run.first_place(with, at)).collect();
+    at_learnt_places(id, &places, &first, shown.len(), default)
 }
 
 /// How many runs show the first one to dwell at the second so that they may touch.
@@ -135,15 +136,23 @@ fn at_given_points(
 }
 
 /// Where and how near an object comes if nobody says where the two are touched. A place shown by fewer than half of the runs does not count.
-fn at_learnt_places(id: u16, places: &[Place], runs: usize, default: Contact) -> Option<Meeting> {
+/// `first` are the places at which it lies in the beginning: one that is wider apart than a place can be is another one.
+fn at_learnt_places(
+    id: u16,
+    places: &[Place],
+    first: &[Point3<f32>],
+    runs: usize,
+    default: Contact,
+) -> Option<Meeting> {
     let (near, others) = touching(places, runs);
     if near.is_empty() || 2 * runs_of(&near) < runs {
         return None;
     }
     let points = centres(&near.iter().map(|(_, place)| *place).collect::<Vec<_>>(), PLACES_M);
-    let apart = |(_, place): &Place| apart_m(&[*place], &points);
-    let distances: Vec<f64> = near.iter().map(|place| f64::from(apart(place))).collect();
-    let next_m = others.iter().map(apart).fold(f32::INFINITY, f32::min);
+    let apart = |place: &Point3<f32>| apart_m(&[*place], &points);
+    let distances: Vec<f64> = near.iter().map(|(_, place)| f64::from(apart(place))).collect();
+    let elsewhere = first.iter().map(apart).filter(|apart_m| *apart_m > WIDE_M);
+    let next_m = others.iter().map(|(_, place)| apart(place)).chain(elsewhere).fold(f32::INFINITY, f32::min);
     let contact = contact_of(&distances, default);
     let wide = widened(default, contact.on_m.max(WIDE_M.min(next_m / 2.0)));
     meeting(id, &points, wide, default)
@@ -171,5 +180,18 @@ mod tests {
         assert_eq!(touching_of(&[0.401, 0.402, 0.401, 0.402]), 0, "no part is as large");
         assert_eq!(touching_of(&[0.08, 0.08, 0.2, 0.08]), 3, "one run shows no contact");
         assert_eq!(touching_of(&[0.149, 0.151, 0.152, 0.148]), 4, "they are near within the noise");
+    }
+
+    #[test]
+    fn a_place_ends_before_where_a_part_lies_in_the_beginning() {
+        let default = Contact { on_m: 0.03, off_m: 0.045 };
+        let places: Vec<Place> = (0..4).map(|run| (run, Point3::new(0.12, 0.0, 0.0))).collect();
+        let on_m = |first_m: f32| {
+            let first = [Point3::new(0.12 + first_m, 0.0, 0.0)];
+            at_learnt_places(6, &places, &first, 4, default).map(|met| met.contact.on_m)
+        };
+        assert_eq!(on_m(0.4), Some(0.1));
+        assert_eq!(on_m(0.12), Some(0.06), "it is not half at the other part before it is carried there");
+        assert_eq!(on_m(0.05), Some(0.1), "it lies elsewhere on the same shelf");
     }
 }

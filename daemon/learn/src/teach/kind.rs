@@ -1,0 +1,30 @@
+//! What of an IU its demonstrations show to matter.
+
+use andon_core::couple::Context;
+use andon_core::segment::Measures;
+
+/// A motion with fewer reversals than this is not a repeated one.
+const MIN_REPEATED_REVERSALS: u32 = 3;
+
+/// A shorter path has no direction, in metres.
+const MIN_DIRECTED_M: f32 = 0.1;
+
+/// Whether the demonstrations repeat a motion.
+pub(super) fn is_repeated(shown: &[Measures]) -> bool {
+    shown.iter().all(|measures| measures.reversals >= MIN_REPEATED_REVERSALS)
+}
+
+/// The directions of the bench are those of the parts on it only where one part moves along another.
+pub(super) fn is_directed(context: Context, shown: &[Measures]) -> bool {
+    is_at_another(context) && shown.iter().all(|measures| measures.path_m >= MIN_DIRECTED_M)
+}
+
+/// Whether the time at another part shows that what is done there was done. Strokes are counted instead, and people differ in how quickly they make them.
+pub(super) fn is_timed(context: Context, shown: &[Measures]) -> bool {
+    is_at_another(context) && !is_repeated(shown)
+}
+
+/// Whether the IU is at another part.
+pub(super) fn is_at_another(context: Context) -> bool {
+    context.0[3] != 0
+}
