@@ -61,7 +61,7 @@ fn history_names_parts_and_steps_in_local_time_with_one_line_per_fault_a_summary
     let plot = line.path("plot.svg");
     text(&line.command("history", &["--plot", plot.to_str().unwrap()]));
     let drawn = std::fs::read_to_string(plot).unwrap();
-    assert!(drawn.contains("1 wrong of 1 pieces, by fault") && drawn.ends_with("</svg>\n"), "{drawn}");
+    assert!(drawn.contains("wrong, by fault: 1") && drawn.ends_with("</svg>\n"), "{drawn}");
 }
 
 #[test]

@@ -140,6 +140,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "how many were right, and what was wrong with the others",
                 "andond history --since 7d --summary",
             ),
+            ("the same as a picture", "andond history --since 7d --plot week.svg"),
             ("who has changed what", "andond history --since 7d --audit"),
         ],
     ),
@@ -202,7 +203,10 @@ pub(super) const EXIT_CODES: &[(&str, &str)] = &[
     ),
     ("2", "replay: nothing is wrong, but something could not be judged"),
     ("64", "the command line is wrong, or a file that it names cannot be used; the message says what to do"),
-    ("70", "something that it needs has failed, such as a running station; a unit starts the role again"),
+    (
+        "70",
+        "something that it needs has failed, such as a running station; check: the configuration is right, and this machine lacks what it needs, such as the camera; a unit starts the role again",
+    ),
     ("71", "it made no progress; a unit starts the role again"),
     ("72", "an error in andond itself (AND-614); a unit starts the role again"),
     (
