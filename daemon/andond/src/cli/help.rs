@@ -63,7 +63,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         "segment",
         &[
             ("see what a recording is divided into", "andond segment run1.tracks.jsonl"),
-            ("draw it", "andond segment run1.mp4 --plot run1.svg"),
+            (
+                "draw it, where the station does not say where parts are touched",
+                "andond segment run1.mp4 --job polish.toml --plot run1.svg",
+            ),
         ],
     ),
     (
