@@ -208,7 +208,7 @@ pub(super) const EXIT_CODES: &[(&str, &str)] = &[
     ("64", "the command line is wrong, or a file that it names cannot be used; the message says what to do"),
     (
         "70",
-        "something that it needs has failed, such as a running station; check: the configuration is right, and this machine lacks what it needs, such as the camera; a unit starts the role again",
+        "something that it needs has failed, such as a running station; a unit starts the role again; check: the configuration is right, and this machine lacks what it needs, such as the camera",
     ),
     ("71", "it made no progress; a unit starts the role again"),
     ("72", "an error in andond itself (AND-614); a unit starts the role again"),
@@ -216,6 +216,7 @@ pub(super) const EXIT_CODES: &[(&str, &str)] = &[
         "78",
         "the configuration is wrong, or what it names is missing or damaged; a unit does not start the role again",
     ),
+    ("141", "nobody reads what it prints any more, as behind `| head`"),
 ];
 
 /// The whole command line, with the examples of each command and the exit codes.
@@ -257,7 +258,7 @@ const WIDTH: usize = 100;
 
 /// A row of the table of exit codes. Clap would begin the second line of a meaning under the code.
 fn wrapped(code: &str, meaning: &str) -> String {
-    let mut rows = vec![format!("  {code:>2} ")];
+    let mut rows = vec![format!("  {code:>3} ")];
     for word in meaning.split(' ') {
         let row = rows.last_mut();
         match row {
@@ -265,7 +266,7 @@ fn wrapped(code: &str, meaning: &str) -> String {
                 row.push(' ');
                 row.push_str(word);
             }
-            _ => rows.push(format!("      {word}")),
+            _ => rows.push(format!("       {word}")),
         }
     }
     rows.join("\n") + "\n"
@@ -329,6 +330,7 @@ mod tests {
             Code::NoProgress,
             Code::Panic,
             Code::Configuration,
+            Code::Unread,
         ];
         for code in codes {
             let number = (code as u8).to_string();
