@@ -46,8 +46,7 @@ pub(super) fn of(
         return meeting(id, &[], contact, default);
     }
     let places: Vec<Place> = dwells.iter().map(|(run, dwell)| (*run, place_of(dwell))).collect();
-    let starts: Vec<Point3<f32>> = shown.iter().filter_map(|run| run.first_place(with, at)).collect();
-    at_learnt_places(id, &places, &starts, shown.len(), default)
+    at_learnt_places(id, &places, shown.len(), default)
 }
 
 /// How many runs show the first one to dwell at the second so that they may touch.
@@ -136,25 +135,16 @@ fn at_given_points(
 }
 
 /// Where and how near an object comes if nobody says where the two are touched. A place shown by fewer than half of the runs does not count.
-/// `starts` are the places from which it is brought: the contact has ended there, too, where it lies again for the next piece.
-fn at_learnt_places(
-    id: u16,
-    places: &[Place],
-    starts: &[Point3<f32>],
-    runs: usize,
-    default: Contact,
-) -> Option<Meeting> {
+fn at_learnt_places(id: u16, places: &[Place], runs: usize, default: Contact) -> Option<Meeting> {
     let (near, others) = touching(places, runs);
     if near.is_empty() || 2 * runs_of(&near) < runs {
         return None;
     }
     let points = centres(&near.iter().map(|(_, place)| *place).collect::<Vec<_>>(), PLACES_M);
-    let apart = |place: &Point3<f32>| apart_m(&[*place], &points);
-    let distances: Vec<f64> = near.iter().map(|(_, place)| f64::from(apart(place))).collect();
+    let apart = |(_, place): &Place| apart_m(&[*place], &points);
+    let distances: Vec<f64> = near.iter().map(|place| f64::from(apart(place))).collect();
+    let next_m = others.iter().map(apart).fold(f32::INFINITY, f32::min);
     let contact = contact_of(&distances, default);
-    // What lies on the same shelf at first touches it from the first frame on.
-    let starts = starts.iter().map(apart).filter(|start_m| *start_m > WIDE_M);
-    let next_m = others.iter().map(|(_, place)| apart(place)).chain(starts).fold(f32::INFINITY, f32::min);
     let wide = widened(default, contact.on_m.max(WIDE_M.min(next_m / 2.0)));
     meeting(id, &points, wide, default)
 }
@@ -167,22 +157,6 @@ mod tests {
     fn touching_of(distances_m: &[f32]) -> usize {
         let places: Vec<Place> = distances_m.iter().map(|x| Point3::new(*x, 0.0, 0.0)).enumerate().collect();
         touching(&places, distances_m.len()).0.len()
-    }
-
-    #[test]
-    fn a_contact_has_ended_where_the_part_is_taken_from() {
-        let default = Contact { on_m: 0.03, off_m: 0.045 };
-        let at = |x: f32| Point3::new(x, 0.0, 0.0);
-        let places: Vec<Place> = (0..4).map(|run| (run, at(0.158))).collect();
-        let ends_m = |starts: &[Point3<f32>]| {
-            at_learnt_places(6, &places, starts, 4, default).map(|met| met.contact.off_m)
-        };
-        assert_eq!(ends_m(&[at(0.6)]), Some(0.15));
-        assert!(
-            ends_m(&[at(0.6), at(0.273)]).is_some_and(|off_m| off_m < 0.115),
-            "it lies near the place at first"
-        );
-        assert_eq!(ends_m(&[at(0.16)]), Some(0.15), "it lies there at first");
     }
 
     #[test]

@@ -121,12 +121,6 @@ impl Trajectories {
         Some(at.inv_mul(&with))
     }
 
-    /// Where the first object lies at first, in the frame of reference of the second.
-    pub(super) fn first_place(&self, with: usize, at: usize) -> Option<Point3<f32>> {
-        let pose = (0..self.times_s.len()).find_map(|frame| self.relative_pose(with, at, frame))?;
-        Some(Point3::from(pose.translation.vector))
-    }
-
     /// Where the first object dwells at the second after one of them was carried there, each time.
     pub(super) fn dwells(&self, with: usize, at: usize) -> Vec<Dwell> {
         let place = |frame: usize| {
