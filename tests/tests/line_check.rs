@@ -17,10 +17,20 @@ fn check(line: &Line, more: &str) -> (Option<i32>, String) {
     (output.status.code(), said)
 }
 
-/// It must end with 78, and name each of these.
+/// It must end with 78, say that the configuration is wrong, and name each of these.
 fn refuses(line: &Line, more: &str, named: &[&str]) {
-    let (code, said) = check(line, more);
-    assert_eq!(code, Some(78), "{more}: {said}");
+    ends(line, more, 78, &[&["in the configuration, or in a file that it names:\n"], named].concat());
+}
+
+/// It must end with 70, say that only this machine is at fault, and name each of these.
+fn lacks(line: &Line, more: &str, named: &[&str]) {
+    let words = ["on this machine:\n", "no fault in the configuration, 1 fault on this machine"];
+    ends(line, more, 70, &[&words, named].concat());
+}
+
+fn ends(line: &Line, more: &str, code: i32, named: &[&str]) {
+    let (ended, said) = check(line, more);
+    assert_eq!(ended, Some(code), "{more}: {said}");
     for name in named {
         assert!(said.contains(name), "{more}: {name} is not named: {said}");
     }
@@ -58,28 +68,33 @@ fn models_or_a_library_that_are_missing_are_found() {
     std::fs::create_dir(&empty).unwrap();
     let station =
         format!("[camera]\nsource = \"video\"\npath = {film:?}\n[perception]\nmodels = {empty:?}\n");
-    refuses(&line, &station, &["perception: ", "make setup"]);
+    lacks(&line, &station, &["perception: ", "make setup"]);
     // The models without the library that runs them.
     for entry in std::fs::read_dir(models()).unwrap().flatten() {
         if entry.path().extension().is_some_and(|ending| ending == "onnx") {
             std::os::unix::fs::symlink(entry.path(), empty.join(entry.file_name())).unwrap();
         }
     }
-    refuses(&line, &station, &["perception: ", "onnxruntime"]);
+    lacks(&line, &station, &["perception: ", "onnxruntime"]);
 }
 
 #[test]
 fn a_camera_that_is_not_there_is_found() {
     let camera = "[camera]\nsource = \"v4l2\"\npath = \"x\"\ndevice = \"/dev/video99\"\nspeed = \"file\"\n";
     let station = format!("{camera}[perception]\nmodels = {:?}\n", models());
-    refuses(&line(), &station, &["camera: /dev/video99: no such device"]);
+    let films = "films can be taught from and judged without a camera";
+    lacks(&line(), &station, &["camera: /dev/video99: no such device", films]);
+    // What is wrong in the file is said beside it, and then the file must be corrected first.
+    let both = format!("{station}[journal]\npath = \"missing/j.sqlite\"\n");
+    let words = ["journal.path: ", "camera: ", "1 fault in the configuration, 1 fault on this machine"];
+    refuses(&line(), &both, &words);
 }
 
 #[test]
 fn a_realsense_camera_that_is_not_attached_is_found() {
     let camera = "[camera]\nsource = \"realsense\"\nspeed = \"file\"\n";
     let station = format!("{camera}[perception]\nmodels = {:?}\n", models());
-    refuses(&line(), &station, &["camera: ", "RealSense"]);
+    lacks(&line(), &station, &["camera: ", "RealSense"]);
 }
 
 #[test]
@@ -152,7 +167,7 @@ fn a_folder_of_jobs_that_is_missing_or_has_a_damaged_file_is_found_where_a_plc_m
 fn a_port_that_is_taken_is_found_and_a_line_that_runs_is_not_disturbed() {
     let mut line = Line::new(Settings::live());
     let taken = TcpListener::bind(("127.0.0.1", line.port)).unwrap();
-    refuses(&line, "", &["plc.port: 127.0.0.1:", "cannot be listened on"]);
+    lacks(&line, "", &["plc.port: 127.0.0.1:", "cannot be listened on"]);
     drop(taken);
     let _watcher = line.up();
     let (code, said) = check(&line, "");

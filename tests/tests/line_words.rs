@@ -61,7 +61,7 @@ fn history_names_parts_and_steps_in_local_time_with_one_line_per_fault_a_summary
     let plot = line.path("plot.svg");
     text(&line.command("history", &["--plot", plot.to_str().unwrap()]));
     let drawn = std::fs::read_to_string(plot).unwrap();
-    assert!(drawn.contains("1 wrong of 1 pieces, by fault") && drawn.ends_with("</svg>\n"), "{drawn}");
+    assert!(drawn.contains("wrong, by fault: 1") && drawn.ends_with("</svg>\n"), "{drawn}");
 }
 
 #[test]
@@ -98,11 +98,19 @@ fn a_pipe_gets_no_colours_and_a_reader_that_has_seen_enough_ends_a_command_witho
         let errors: Vec<String> =
             BufReader::new(child.stderr.take().unwrap()).lines().map_while(Result::ok).collect();
         assert_eq!(errors, [""; 0], "{arguments:?}");
-        assert!(child.wait().unwrap().code().is_some(), "{arguments:?}");
+        // 0 would say that all of it was right.
+        assert_eq!(child.wait().unwrap().code(), Some(141), "{arguments:?}");
     }
     let listed =
         Command::new("sh").args(["-c", "\"$0\" explain | head -n 1"]).arg(andond()).output().unwrap();
     assert_eq!((text(&listed).as_str(), listed.stderr.len()), ("Camera\n", 0));
+    let taught = line.path("taught.toml");
+    let mut teach = Command::new(andond());
+    teach.args(["teach", tracks.to_str().unwrap(), "--force", "--out", taught.to_str().unwrap()]);
+    let mut child = teach.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
+    drop(child.stdout.take());
+    child.wait().unwrap();
+    assert!(taught.is_file(), "what was learned is written before it is told");
 }
 
 /// What a command shows on a terminal.

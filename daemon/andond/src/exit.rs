@@ -24,6 +24,9 @@ pub enum Code {
     /// The configuration is wrong (`EX_CONFIG`), or a file that it names is missing or damaged. A restart would
     /// not help: the units do not try.
     Configuration = 78,
+    /// Nobody reads what a tool prints any more: what a shell says of a program that SIGPIPE has ended. With 0, `replay | head` would call a
+    /// recording right that nobody has judged to its end.
+    Unread = 141,
 }
 
 impl From<Code> for ExitCode {
@@ -52,7 +55,7 @@ pub fn exit_on_panic() {
         let message = panic.payload_as_str().unwrap_or("no message");
         // `println!` panics where the reader has seen enough, as `head` does. That is no defect, and there is nobody to tell.
         if message.starts_with("failed printing to std") && message.contains("Broken pipe") {
-            std::process::exit(i32::from(Code::Stopped as u8));
+            std::process::exit(i32::from(Code::Unread as u8));
         }
         log!(code::PANIC, "{message}, at {location}");
         // A tool has no log.

@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     match run(cli.command) {
         Ok(code) => code,
         // The reader has seen enough, as `head` does.
-        Err(failure) if is_reader_gone(&*failure) => Code::Stopped.into(),
+        Err(failure) if is_reader_gone(&*failure) => Code::Unread.into(),
         Err(failure) => {
             eprintln!("{failure}");
             failure.code().into()

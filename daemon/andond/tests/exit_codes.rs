@@ -245,3 +245,13 @@ fn a_demo_runs_where_tmpdir_is_too_long_for_sockets() {
     let output = command.current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
 }
+
+#[test]
+fn a_demo_whose_roles_cannot_start_ends_with_what_the_role_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let station = folder.path().join("no-models.toml");
+    std::fs::write(&station, "[perception]\nmodels = \"not-there\"\n").unwrap();
+    let demo = ["demo", "-c", "config/stations/demo.toml", "-c", station.to_str().unwrap()];
+    ends(&demo, 78, "the role perceive has ended (exit status: 78)");
+    ends(&demo, 78, "not-there/libonnxruntime.so does not exist; run `make setup`");
+}

@@ -299,14 +299,18 @@ fn films_and_track_files_teach_one_job_and_are_compared_together() {
                   within 15 cm, farther apart only if at least three runs show it";
     assert!(report.contains(beside), "{report}");
 
+    let segmented = |options: &[&str]| andond(&[&["segment", &one], options].concat());
+    let plain = String::from_utf8_lossy(&segmented(&[]).stderr).into_owned();
+    assert!(plain.contains("no hand touched a part where the station says"), "{plain}");
+    let by_job = String::from_utf8_lossy(&segmented(&["--job", &job]).stdout).into_owned();
+    assert!(by_job.contains("iu polisher at brick"), "{by_job}");
+
     let (folder, compared) = (path("compared"), path("report"));
     std::fs::create_dir(&folder).unwrap();
     std::fs::copy(&three, format!("{folder}/p2_none_r1.mp4")).unwrap();
-    let tracks = format!("{folder}/p1_none_r1.tracks.jsonl");
-    // Only `teach` learns where parts are touched.
-    let demo = ["-c", "config/stations/demo.toml"];
-    assert!(andond(&[&["tracks", &clip(runs[0]), "--out", &tracks], &demo[..]].concat()).status.success());
-    let output = andond(&[&["analyze", &folder, "--out", &compared], &demo[..]].concat());
+    std::fs::copy(&one, format!("{folder}/p1_none_r1.tracks.jsonl")).unwrap();
+    // Where parts are touched is learned from these recordings as well.
+    let output = andond(&[&["analyze", &folder, "--out", &compared], &config[..]].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let mut files = std::fs::read_dir(&compared).unwrap().map(|file| file.unwrap().path());
     let page = files.find(|file| file.extension().is_some_and(|ending| ending == "html")).unwrap();

@@ -12,7 +12,8 @@ use super::metres::{Named, named, side};
 pub struct New {
     /// Name of the station: 1 to 16 of the characters a-z, 0-9 and '-'
     pub name: String,
-    /// A part or a tool that carries a marker; can be repeated. Without a side of its own it has that of --side
+    /// A part or a tool that carries a marker, and the side of the marker's black square, as in brick=0.033; can be repeated. Without a side
+    /// of its own it has that of --side. Without any --part, a terminal is asked
     #[arg(long = "part", value_name = "NAME[=METRES]", value_parser = named)]
     pub parts: Vec<Named>,
     /// Side of the markers' black square, in metres [default: 0.04]

@@ -63,7 +63,10 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         "segment",
         &[
             ("see what a recording is divided into", "andond segment run1.tracks.jsonl"),
-            ("draw it", "andond segment run1.mp4 --plot run1.svg"),
+            (
+                "draw it, where the station does not say where parts are touched",
+                "andond segment run1.mp4 --job polish.toml --plot run1.svg",
+            ),
         ],
     ),
     (
@@ -140,6 +143,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
                 "how many were right, and what was wrong with the others",
                 "andond history --since 7d --summary",
             ),
+            ("the same as a picture", "andond history --since 7d --plot week.svg"),
             ("who has changed what", "andond history --since 7d --audit"),
         ],
     ),
@@ -202,13 +206,17 @@ pub(super) const EXIT_CODES: &[(&str, &str)] = &[
     ),
     ("2", "replay: nothing is wrong, but something could not be judged"),
     ("64", "the command line is wrong, or a file that it names cannot be used; the message says what to do"),
-    ("70", "something that it needs has failed, such as a running station; a unit starts the role again"),
+    (
+        "70",
+        "something that it needs has failed, such as a running station; a unit starts the role again; check: the configuration is right, and this machine lacks what it needs, such as the camera",
+    ),
     ("71", "it made no progress; a unit starts the role again"),
     ("72", "an error in andond itself (AND-614); a unit starts the role again"),
     (
         "78",
         "the configuration is wrong, or what it names is missing or damaged; a unit does not start the role again",
     ),
+    ("141", "nobody reads what it prints any more, as behind `| head`"),
 ];
 
 /// The whole command line, with the examples of each command and the exit codes.
@@ -250,7 +258,7 @@ const WIDTH: usize = 100;
 
 /// A row of the table of exit codes. Clap would begin the second line of a meaning under the code.
 fn wrapped(code: &str, meaning: &str) -> String {
-    let mut rows = vec![format!("  {code:>2} ")];
+    let mut rows = vec![format!("  {code:>3} ")];
     for word in meaning.split(' ') {
         let row = rows.last_mut();
         match row {
@@ -258,7 +266,7 @@ fn wrapped(code: &str, meaning: &str) -> String {
                 row.push(' ');
                 row.push_str(word);
             }
-            _ => rows.push(format!("      {word}")),
+            _ => rows.push(format!("       {word}")),
         }
     }
     rows.join("\n") + "\n"
@@ -322,6 +330,7 @@ mod tests {
             Code::NoProgress,
             Code::Panic,
             Code::Configuration,
+            Code::Unread,
         ];
         for code in codes {
             let number = (code as u8).to_string();

@@ -125,6 +125,9 @@ pub struct Segment {
     pub config: ConfigArgs,
     /// A film, a folder of pictures or a track file
     pub recording: PathBuf,
+    /// The job whose runs show where hands and parts meet [default: where the station says it]
+    #[arg(long, value_name = "FILE")]
+    pub job: Option<PathBuf>,
     /// Print one JSON object per event
     #[arg(long)]
     pub json: bool,

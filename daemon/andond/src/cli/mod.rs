@@ -6,6 +6,8 @@ mod help;
 mod jobs;
 pub mod metres;
 mod station;
+#[cfg(test)]
+mod written;
 
 use std::path::PathBuf;
 

@@ -7,7 +7,7 @@ use anstyle::{AnsiColor, Style};
 
 use super::Names;
 use super::instead::Instead;
-use super::words::{because, sentence, verdict_sentence};
+use super::words::{because, is_instead, sentence, verdict_sentence};
 
 /// What has been told of the job that is under way.
 #[derive(Debug, Default)]
@@ -25,6 +25,14 @@ pub struct Teller {
 struct Fault {
     verdict: Verdict,
     when: String,
+}
+
+impl Fault {
+    /// Of an IU in which something else was done than was expected, its step and both; only its own verdict knows them.
+    fn other_parts(&self, names: &Names) -> Option<String> {
+        let verdict = Some(&self.verdict).filter(|of| of.level == Level::Iu && is_instead(of))?;
+        Some(format!("{}: {}", names.step(verdict.nearest?), because(verdict, names)?))
+    }
 }
 
 /// One line of text, and how it looks on a terminal.
@@ -60,7 +68,11 @@ impl Teller {
                 format!("{:width$}{}", "", so(verdict, names), width = when.chars().count() + 23)
             }
             Some(fault) => {
-                let (then, sentence) = (fault.when.trim_start(), self.sentence(when, verdict, names));
+                let then = fault.when.trim_start();
+                let sentence = match fault.other_parts(names) {
+                    Some(why) => sentence(verdict, names, Some(why)),
+                    None => self.sentence(when, verdict, names),
+                };
                 let what = if verdict.outcome == Outcome::Anomaly { "the fault" } else { "what was missing" };
                 let because = format!("job, for {what} at {then}: ");
                 format!("{when}  {}", sentence.replacen("job: ", &because, 1))

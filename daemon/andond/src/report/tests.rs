@@ -153,6 +153,20 @@ fn a_fault_is_one_line_and_what_follows_from_it_stands_indented_beneath() {
     );
 }
 
+/// Only the verdict on the IU knows which parts were meant.
+#[test]
+fn a_job_that_ends_after_another_part_was_taken_tells_both_again() {
+    let taken = Verdict { iu: Some(0), context: Context([1, 6, 0, 0]), ..wrong(Reason::WrongObject) };
+    let job = Verdict { level: Level::Job, iu: None, side: None, context: Context([0; 4]), ..taken };
+    let mut teller = Teller::default();
+    teller.tell("14:03:07", &taken, &names());
+    assert_eq!(
+        teller.tell("14:03:09", &job, &names()).text,
+        "14:03:09         ANOMALY     job, for the fault at 14:03:07: step 1 (polish): took the brick; expected the polisher"
+    );
+    reads(job, "       ANOMALY     job: step 1 (polish): something else was done than was shown");
+}
+
 /// The meter is used instead of the polisher.
 #[test]
 fn a_part_that_was_taken_instead_of_another_is_told_with_the_step_that_was_missed_for_it() {

@@ -50,7 +50,7 @@ fn what(verdict: &Verdict, names: &Names) -> String {
 }
 
 /// Whether something else was done than was expected, which is more than that it was done otherwise.
-fn is_instead(verdict: &Verdict) -> bool {
+pub(super) fn is_instead(verdict: &Verdict) -> bool {
     verdict.outcome == Outcome::Anomaly
         && verdict.broken.is_none()
         && verdict.measured.is_none()
@@ -167,7 +167,8 @@ fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
     let other = verdict.nearest.and_then(|step| names.nominal(step, verdict.iu));
     let got = verdict.context;
     Some(match (got.0, other.map(|other| other.0)) {
-        _ if verdict.level != Level::Iu => format!("expected {expected}"),
+        // Which parts were meant is said of the IU.
+        _ if verdict.level != Level::Iu => "something else was done than was shown".to_owned(),
         // The same parts in the other hand.
         ([hand, a, b, c], Some([shown, d, e, f])) if [a, b, c] == [d, e, f] && hand != shown => {
             let of = |hand: u16| if hand == Side::Left as u16 { Side::Left } else { Side::Right };

@@ -1,6 +1,6 @@
 //! `andond analyze`: compares and clusters the interactions of a folder of recordings, and writes a report.
 
-use andon_learn::analysis::{Analysis, Kind, Order, report, selection};
+use andon_learn::analysis::{Analysis, Kind, Order, as_shown_to_meet, report, selection};
 use andon_learn::experiment::experiment_1;
 use andon_learn::teach::TeachOptions;
 
@@ -18,18 +18,20 @@ pub fn run(arguments: &Analyze) -> Result<Code, ToolError> {
     let cost = TeachOptions::new("", "", method).cost;
     let bar = percent_bar("clustering");
     let mut progress = |done: f64| bar.set_position((100.0 * done) as u64);
-    // The first experiment compares six kinds of its own, and has drilling beside them.
+    let met = as_shown_to_meet(&all, &method)?;
+    // The first experiment compares six kinds of its own, and has drilling beside them; it is that of the paper, whose station says where
+    // its objects are touched.
     let (analysis, drilling) = if is_experiment_1(&all) {
         let one = experiment_1(&all, &method, cost, SEED, &mut progress)?;
         (one.analysis, one.drilling)
     } else {
-        let kinds = Kind::of(&all);
-        (Analysis::new(&all, kinds, &method, cost, SEED, &mut progress)?, None)
+        let kinds = Kind::of(&met);
+        (Analysis::new(&met, kinds, &method, cost, SEED, &mut progress)?, None)
     };
     bar.finish_and_clear();
     let source = arguments.recordings.display().to_string();
-    let selection = selection(&all, &method, cost);
-    let order = Order::of(&all, &source, &method, cost);
+    let selection = selection(&met, &method, cost);
+    let order = Order::of(&met, &source, &method, cost);
     let report = report(&analysis, drilling.as_ref(), selection.as_ref(), order.as_ref(), &source)?;
     report.save(&arguments.out).map_err(cannot_write(&arguments.out))?;
     println!("written: {}", arguments.out.join("index.html").display());

@@ -25,15 +25,48 @@ use crate::{compatibility, perception};
 /// What a database of SQLite begins with.
 const SQLITE: &[u8] = b"SQLite format 3\0";
 
+/// The section of the key that names the camera or the recording.
+const CAMERA: &str = "camera";
+
 /// What the configuration names and cannot be used, with the remedies.
-#[derive(Debug)]
-pub struct Unusable(Vec<String>);
+#[derive(Debug, Default)]
+pub struct Unusable {
+    /// What a person must correct in the configuration, or in a file that it names.
+    file: Vec<String>,
+    /// What this machine lacks or does not give: the configuration may be right.
+    machine: Vec<String>,
+}
+
+impl Unusable {
+    /// A configuration that is right needs no other one, but a machine that can do what it says.
+    pub(super) fn code(&self) -> Code {
+        if self.file.is_empty() { Code::Fault } else { Code::Configuration }
+    }
+}
 
 impl fmt::Display for Unusable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|fault| writeln!(f, "{fault}"))?;
-        let faults = if self.0.len() == 1 { "fault" } else { "faults" };
-        write!(f, "{} {faults} in what the configuration names", self.0.len())
+        for (place, faults) in [
+            ("in the configuration, or in a file that it names", &self.file),
+            ("on this machine", &self.machine),
+        ] {
+            if !faults.is_empty() {
+                writeln!(f, "{place}:")?;
+                faults.iter().try_for_each(|fault| writeln!(f, "  {fault}"))?;
+            }
+        }
+        let faults = |count: usize| if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") };
+        match (self.file.len(), self.machine.len()) {
+            (file, 0) => write!(f, "{} in the configuration", faults(file)),
+            (0, machine) => write!(f, "no fault in the configuration, {} on this machine", faults(machine)),
+            (file, machine) => {
+                write!(f, "{} in the configuration, {} on this machine", faults(file), faults(machine))
+            }
+        }?;
+        if self.file.is_empty() && matches!(self.machine.as_slice(), [one] if one.starts_with(CAMERA)) {
+            write!(f, "; films can be taught from and judged without a camera")?;
+        }
+        Ok(())
     }
 }
 
@@ -44,20 +77,20 @@ impl fmt::Display for Unusable {
 pub fn run(arguments: &Check) -> Result<Code, ToolError> {
     let files = existing_config_files(&arguments.config)?;
     let config = Config::load(&files)?;
-    let mut checks = Checks { config: &config, faults: Vec::new() };
+    let mut checks = Checks { config: &config, faults: Unusable::default() };
     checks.job();
     checks.jobs();
     checks.perception();
     checks.journal();
-    checks.faults.extend(neighbours::faults(&config));
+    checks.faults.file.extend(neighbours::faults(&config));
     if config.ipc_station().is_ok_and(|station| station.is_in_use()) {
         println!("the line runs: its camera and its port are in use, and were not opened");
     } else {
         checks.source();
         checks.port();
     }
-    if !checks.faults.is_empty() {
-        return Err(ToolError::Unusable(Unusable(checks.faults)));
+    if !(checks.faults.file.is_empty() && checks.faults.machine.is_empty()) {
+        return Err(ToolError::Unusable(checks.faults));
     }
     let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
     println!("{}: station {:?}, no fault", names.join(", "), config.station.name);
@@ -66,12 +99,16 @@ pub fn run(arguments: &Check) -> Result<Code, ToolError> {
 
 struct Checks<'c> {
     config: &'c Config,
-    faults: Vec<String>,
+    faults: Unusable,
 }
 
 impl Checks<'_> {
     fn fault(&mut self, key: &str, what: impl fmt::Display) {
-        self.faults.push(format!("{key}: {what}"));
+        self.faults.file.push(format!("{key}: {what}"));
+    }
+
+    fn lacks(&mut self, key: &str, what: impl fmt::Display) {
+        self.faults.machine.push(format!("{key}: {what}"));
     }
 
     /// The job must be one, and fit the station.
@@ -114,7 +151,7 @@ impl Checks<'_> {
             return;
         }
         match perception::perceiver(self.config) {
-            Err(error) => self.fault("perception", error),
+            Err(error) => self.lacks("perception", error),
             Ok(_) => {
                 if let Err(error) = Placer::new(self.config) {
                     self.fault("bench.calibration", error);
@@ -147,8 +184,10 @@ impl Checks<'_> {
             (Source::Tracks, None) => Ok(()),
             _ => open_with_helper(self.config),
         };
-        if let Err(error) = opened {
-            self.fault("camera", error);
+        match opened {
+            Err(error) if self.config.camera.source.is_live() => self.lacks(CAMERA, error),
+            Err(error) => self.fault(CAMERA, error),
+            Ok(()) => (),
         }
     }
 
@@ -157,7 +196,7 @@ impl Checks<'_> {
         if plc.enable
             && let Err(error) = TcpListener::bind((plc.bind, plc.port))
         {
-            self.fault("plc.port", format!("{}:{} cannot be listened on: {error}", plc.bind, plc.port));
+            self.lacks("plc.port", format!("{}:{} cannot be listened on: {error}", plc.bind, plc.port));
         }
     }
 }

@@ -304,7 +304,6 @@ impl ToolError {
             | Self::Encoder(_)
             | Self::Method(_)
             | Self::Judge(_)
-            | Self::Unusable(_)
             | Self::Recording(RecordingError::Perception(_) | RecordingError::Setup(_))
             | Self::Station(_) => Code::Configuration,
             Self::Ipc(_)
@@ -317,6 +316,7 @@ impl ToolError {
             | Self::NoAnswer
             | Self::NoFrames
             | Self::PartRefused(_) => Code::Fault,
+            Self::Unusable(unusable) => unusable.code(),
             Self::RoleEnded { status, .. } if status.code() == Some(Code::Configuration as i32) => {
                 Code::Configuration
             }

@@ -3,12 +3,15 @@
 use std::io::{Write, stdout};
 use std::slice::from_ref;
 
+use andon_core::config::Method;
 use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
+use andon_learn::job_file::JobFile;
 
-use super::{ToolError, cannot_write, check_writable, each_frame, load_config_for};
+use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_for};
 use crate::cli::Segment;
+use crate::compatibility;
 use crate::config::Config;
 use crate::exit::Code;
 use crate::recording::Recording;
@@ -24,9 +27,17 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
     if let Some(file) = &arguments.plot {
         check_writable(file)?;
     }
+    let job = arguments.job.as_ref().map(|path| job::load(path)).transpose()?;
     let mut recording = Recording::open(&arguments.recording, &config)?;
-    let names = Names::of_objects(&recording.header().objects);
-    let segmented = segment(&mut recording, &config, arguments)?;
+    if let (Some(job), Some(path)) = (&job, &arguments.job) {
+        let misfit = |misfit| ToolError::Misfit { path: path.clone(), misfit };
+        compatibility::recording(job, recording.header()).map_err(misfit)?;
+    }
+    let names = Names::of_objects(job.as_ref().map_or(&recording.header().objects, |job| &job.objects));
+    let segmented = segment(&mut recording, &config, job.as_ref(), arguments)?;
+    if segmented.lines.is_empty() {
+        eprintln!("{}: {}", arguments.recording.display(), nothing(job.is_some()));
+    }
     let printed =
         if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };
     printed.map_err(ToolError::Print)?;
@@ -43,9 +54,27 @@ struct Segmented {
     lines: Vec<EventLine>,
 }
 
-fn segment(recording: &mut Recording, config: &Config, arguments: &Segment) -> Result<Segmented, ToolError> {
-    let method = andon_core::config::Method { space: recording.header().space, ..config.method() };
-    let mut encoder = Encoder::new(method, &recording.header().shapes())?;
+/// Why there is nothing to print, and what to do.
+fn nothing(by_job: bool) -> &'static str {
+    if by_job {
+        "no hand touched a part of the job; see with `andond look` whether hands and parts are seen"
+    } else {
+        "no hand touched a part where the station says that it is touched; name a job that was taught from such recordings with --job, \
+         because the runs show where"
+    }
+}
+
+/// Where a job is given, with its constants and where its runs show that hands and parts meet, as the judge does it.
+fn segment(
+    recording: &mut Recording,
+    config: &Config,
+    job: Option<&JobFile>,
+    arguments: &Segment,
+) -> Result<Segmented, ToolError> {
+    let own = Method { space: recording.header().space, ..config.method() };
+    let method = job.map_or(own, |job| job.method);
+    let shapes = job.map_or_else(|| recording.header().shapes(), JobFile::shapes);
+    let mut encoder = Encoder::new(method, &shapes)?;
     let mut segmenter = JobSegmenter::new(&method)?;
     let mut segmented = Segmented::default();
     let mut take = |couples: andon_core::couple::Couples| {

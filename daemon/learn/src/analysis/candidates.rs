@@ -53,7 +53,8 @@ pub struct Selection {
 }
 
 /// The selection of candidates for the activity of a folder that has the most rivals: nominal activities that begin with the same context. It
-/// is carried out by the first person of the folder, and the nominal activities are taught by all others. `None` where nothing is taught.
+/// is carried out by the first person of the folder, and the nominal activities are taught by all others, where hands and objects meet as the
+/// runs are encoded. `None` where nothing is taught.
 pub fn selection(all: &[Labelled], method: &Method, cost: LocalCost) -> Option<Selection> {
     let shown = all.first()?.person;
     let nominal = nominal(all, shown, method, cost);
@@ -95,8 +96,13 @@ fn nominal(
     if names.contains(CORRECT) {
         names.retain(|name| *name == CORRECT);
     }
-    let options =
-        TeachOptions { cost, measure_rate: false, examine_runs: false, ..TeachOptions::new("", "", *method) };
+    let options = TeachOptions {
+        cost,
+        measure_rate: false,
+        examine_runs: false,
+        find_meetings: false,
+        ..TeachOptions::new("", "", *method)
+    };
     let taught = |what: &str| -> Result<Vec<TaughtActivity>, TeachError> {
         let others = all.iter().filter(|one| one.what == what && one.person != left_out);
         let runs: Vec<Run> = others.map(|one| one.run.clone()).collect();

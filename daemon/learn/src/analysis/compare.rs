@@ -5,7 +5,8 @@ use super::matrix::Matrix;
 use crate::barycentre::Barycentres;
 use crate::cluster::{MotionClusters, Table, by_context, by_motion};
 use crate::folder::Labelled;
-use crate::run::Iu;
+use crate::run::{Iu, RunError};
+use crate::teach::TeachError;
 use crate::warp::{DistanceMatrix, Warp};
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
@@ -62,6 +63,12 @@ pub enum AnalysisError {
     /// An IU cannot be compared.
     #[error("an IU cannot be compared: {0}")]
     Iu(#[from] Refused),
+    /// The recordings cannot be encoded with the objects of all of them.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// Where hands and objects meet cannot be learned.
+    #[error(transparent)]
+    Teach(#[from] TeachError),
 }
 
 impl Analysis {

@@ -95,7 +95,7 @@ impl Page {
             analysis.people().len()
         ));
         let mut rows = String::from(
-            "<table><tr><th>IU</th><th class=\"l\">description</th><th>name of the runs</th><th>executions</th><th>frames of the barycentre</th></tr>",
+            "<table><tr><th>IU</th><th class=\"l\">description</th><th class=\"l\">name of the runs</th><th>executions</th><th>frames of the barycentre</th></tr>",
         );
         let mut csv = String::from("iu,description,name of the runs,executions,frames of the barycentre\n");
         for (index, kind) in analysis.kinds.iter().enumerate() {
@@ -104,7 +104,7 @@ impl Page {
             // Writing to a string cannot fail, here and below.
             let _ = write!(
                 rows,
-                "<tr><td>u{}</td><td class=\"l\">{}</td><td>{}</td><td>{count}</td><td>{frames}</td></tr>",
+                "<tr><td>u{}</td><td class=\"l\">{}</td><td class=\"l\">{}</td><td>{count}</td><td>{frames}</td></tr>",
                 index + 1,
                 escaped(&kind.label),
                 escaped(&kind.what)

@@ -55,6 +55,7 @@ fn learned(job: &JobFile, report: &TeachReport) -> String {
     let head = ["step", "IU", "what touches what", "shown", "seconds", "reversals", "distance", "threshold"];
     table(
         &head,
+        &["step", "what touches what"],
         report.ius.iter().map(cells),
         "How to read it: one row for each Interaction Unit (IU), the time in which a hand touches the same objects. Shown is the number of \
          demonstrations. Seconds and reversals of the motion are from the minimum to the maximum that is right. Distance is how far the motions of \
@@ -71,6 +72,7 @@ fn noticed(job: &JobFile, report: &TeachReport) -> String {
     let head = ["step", "IU", "strokes", "seconds", "path cm", "stroke cm", "place cm", "degrees"];
     let table = table(
         &head,
+        &["step"],
         rows,
         "How to read it: the smallest difference from what was shown that would be noticed: by how much less, and by how much more. Any is a \
          difference that is not looked for.",
@@ -83,8 +85,10 @@ fn recordings(job: &JobFile) -> String {
         let used = if source.left_out { "left out" } else { "used" };
         vec![escaped(&source.name), used.to_owned(), source.sha256.chars().take(16).collect()]
     });
+    let head = ["name", "", "SHA-256 begins with"];
     table(
-        &["name", "", "SHA-256 begins with"],
+        &head,
+        &head,
         rows,
         "How to read it: the recordings that the job was taught from; one that was left out disagrees with the others.",
     )
@@ -96,10 +100,19 @@ fn place(job: &JobFile, iu: &IuReport) -> [String; 2] {
     [escaped(&step), (iu.iu + 1).to_string()]
 }
 
-/// A table of cells that are HTML already, with how to read it.
-fn table(head: &[&str], rows: impl Iterator<Item = Vec<String>>, how_to_read: &str) -> String {
+/// A table of cells that are HTML already, with how to read it. The columns with the names in `words` hold words, the others numbers.
+fn table(
+    head: &[&str],
+    words: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
+    how_to_read: &str,
+) -> String {
     let row = |tag: &str, cells: &mut dyn Iterator<Item = String>| {
-        let cells: String = cells.map(|cell| format!("<{tag}>{cell}</{tag}>")).collect();
+        let cell = |(name, cell): (&&str, String)| {
+            let class = if words.contains(name) { " class=\"l\"" } else { "" };
+            format!("<{tag}{class}>{cell}</{tag}>")
+        };
+        let cells: String = head.iter().zip(cells).map(cell).collect();
         format!("<tr>{cells}</tr>")
     };
     let head = row("th", &mut head.iter().map(|cell| (*cell).to_owned()));

@@ -187,10 +187,9 @@ impl Line {
         for (name, _) in ROLES.into_iter().skip(1) {
             roles.push(Running::start(name, &configs, folder.path())?);
         }
-        let missing = channels.wait_for(&node, &ROLES.map(|(_, id)| id), START)?;
-        for role in &mut roles {
-            role.check()?;
-        }
+        // A role that has ended says why; waiting for it would only delay that.
+        let mut check = || roles.iter_mut().try_for_each(Running::check);
+        let missing = channels.wait_for(&node, &ROLES.map(|(_, id)| id), START, &mut check)?;
         if !missing.is_empty() {
             return Err(ToolError::NotUp(missing));
         }

@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 use andon_ipc::{Error, Node, Reader, Wake};
 use shm_schemas::{Couples, Detections, Health, RoleId, RoleState, Verdict, flag};
 
+use crate::tool::ToolError;
+
 /// The readers of the demo.
 pub(super) struct Channels {
     pub(super) detections: Reader<Detections>,
@@ -71,13 +73,14 @@ impl Channels {
         Ok(true)
     }
 
-    /// Waits until every one of the roles has given a sign of life; the roles that have not.
+    /// Waits until every one of the roles has given a sign of life; the roles that have not. `check` is asked meanwhile whether all run.
     pub(super) fn wait_for(
         &mut self,
         node: &Node,
         roles: &[RoleId],
         patience: Duration,
-    ) -> Result<Vec<RoleId>, Error> {
+        check: &mut dyn FnMut() -> Result<(), ToolError>,
+    ) -> Result<Vec<RoleId>, ToolError> {
         let began = Instant::now();
         let mut received = Received::default();
         let missing = |received: &Received| -> Vec<RoleId> {
@@ -88,7 +91,9 @@ impl Channels {
             if !self.listen(node, &mut received, Duration::from_millis(100))? {
                 break;
             }
+            check()?;
         }
+        check()?;
         Ok(missing(&received))
     }
 }

@@ -71,21 +71,23 @@ impl<'a> Summary<'a> {
         faults
     }
 
+    /// How many pieces there were, and when.
+    pub(super) fn span(&self, clock: &Clock) -> String {
+        let (Some(first), Some(last)) = (self.pieces.first(), self.pieces.last()) else {
+            return "no piece was finished".to_owned();
+        };
+        let all = self.pieces.len();
+        let pieces = if all == 1 { "piece" } else { "pieces" };
+        let [first, last] = [first, last].map(|piece| clock.date_time(piece.utc_ns));
+        format!("{all} {pieces} from {first} to {last} ({})", clock.zone())
+    }
+
     pub(super) fn text(&self, clock: &Clock) -> String {
         let mut text = String::new();
         // Writing to a `String` cannot fail.
         macro_rules! line { ($($words:tt)*) => {{ let _ = writeln!(text, $($words)*); }}; }
         let all = self.pieces.len();
-        match (self.pieces.first(), self.pieces.last()) {
-            (Some(first), Some(last)) => line!(
-                "{all} {} from {} to {} ({})",
-                if all == 1 { "piece" } else { "pieces" },
-                clock.date_time(first.utc_ns),
-                clock.date_time(last.utc_ns),
-                clock.zone()
-            ),
-            _ => line!("no piece was finished"),
-        }
+        line!("{}", self.span(clock));
         for (word, outcome) in
             [("right", Outcome::Ok), ("wrong", Outcome::Anomaly), ("not judged", Outcome::NotJudged)]
         {
@@ -103,10 +105,13 @@ impl<'a> Summary<'a> {
         }
         if self.unwatched > 0 {
             let seconds = self.unwatched_ns / 1_000_000_000;
-            line!("nobody watched {} times, {} min {} s in all", self.unwatched, seconds / 60, seconds % 60);
+            let times =
+                if self.unwatched == 1 { "once".to_owned() } else { format!("{} times", self.unwatched) };
+            line!("nobody watched {times}, {} min {} s in all", seconds / 60, seconds % 60);
         }
         if self.gaps > 0 {
-            line!("{} gaps: verdicts may be missing, `andond history` shows where", self.gaps);
+            let gaps = if self.gaps == 1 { "1 gap".to_owned() } else { format!("{} gaps", self.gaps) };
+            line!("{gaps}: verdicts may be missing, `andond history` shows where");
         }
         text
     }

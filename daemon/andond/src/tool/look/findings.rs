@@ -13,13 +13,16 @@ const DARK: f32 = 15.0;
 /// Share of white pixels from which on parts of the bench are dazzled: paper that is as white as a marker's edge has no edge to it.
 const DAZZLED: f32 = 0.15;
 /// Noise, in grey levels, from which on hands begin to be missed. With ffmpeg's `noise=alls=20:allf=t` the shipped clips have 13, and the hand
-/// is found in 98.9 % of the frames; with `alls=40` they have 26, and 1 %.
+/// is found in 99.4 % of the frames; with `alls=40` they have 26, and 1 %.
 const NOISY: f32 = 10.0;
 /// Of the step across an edge, less than this lies within two pixels where the lens is out of focus. Blurred by ffmpeg's `gblur=2` the shipped
 /// clips have 0.63, and every marker is found as before; by `gblur=3` they have 0.57, and markers of 30 pixels are lost.
 const SOFT: f32 = 0.6;
 /// A marker this near to the edge of the picture leaves it with the next movement, in sides of the marker.
 const EDGE_SIDES: f32 = 0.5;
+
+/// A hand that is seen in less than this share of the pictures, from the first to the last that shows it, is lost rather than withdrawn.
+const HELD: f32 = 0.5;
 
 /// One sentence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -155,11 +158,19 @@ fn is_at_edge(corners: &[[f32; 2]; 4], format: PictureFormat) -> bool {
 
 fn hand(glances: &[Glance], side: Side) -> Line {
     let about = format!("{} hand", side.name());
-    match glances.iter().filter(|glance| glance.has_hand(side)).count() {
+    let has_hand = |glance: &Glance| glance.has_hand(side);
+    let between = glances.iter().position(has_hand).zip(glances.iter().rposition(has_hand));
+    let Some((first, last)) = between else {
         // Nobody needs to work while the bench is set up.
-        0 => line(true, &about, "not seen: hold it over the bench to try it"),
-        seen => line(true, &about, share(seen, glances.len())),
+        return line(true, &about, "not seen: hold it over the bench to try it");
+    };
+    let seen = glances.iter().filter(|glance| glance.has_hand(side)).count();
+    let said = share(seen, glances.len());
+    if (seen as f32) < HELD * (last - first + 1) as f32 {
+        let advice = "it is lost again and again: more light, the wrist in view, or the hand bare";
+        return line(false, &about, format!("{advice} ({said})"));
     }
+    line(true, &about, said)
 }
 
 /// Markers that belong to no part.

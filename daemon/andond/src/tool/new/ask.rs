@@ -34,7 +34,8 @@ pub(super) fn answers(input: &mut impl BufRead, output: &mut impl Write, flags: 
     let mut person = Person { input, output };
     writeln!(
         person.output,
-        "Parts and tools that carry a marker, one on each line; an empty line ends the list."
+        "Parts and tools that carry a marker, one on each line: brick, or brick=0.033 with the side of its black square in metres.\nAn empty \
+         line ends the list."
     )?;
     loop {
         let question = format!("  part {}: ", answers.parts.len() + 1);

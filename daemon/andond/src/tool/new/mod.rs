@@ -117,7 +117,7 @@ fn summary(station: &Station, out: &Path) -> String {
     };
     format!(
         "{file}: the station {} with {count}\n{parts}\nNext:\n  andond markers -c {file}    print the markers, and stick them flat on the parts\n  \
-         andond check -c {file}      reports every fault of the file and of what it names\n  \
+         andond check -c {file}      says what is wrong in the file, and what this machine lacks\n  \
          andond look -c {file}       says whether light, sharpness and sizes are right\n  \
          andond teach run*.mp4 -c {file} --out JOB.toml    learns the job from five films of correct runs\n",
         station.name

@@ -63,32 +63,17 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let unseen = unseen::parts(&runs);
     let (job, report) =
         teach(&runs, &options).map_err(|nothing| unseen::explain(&unseen, &recordings, nothing))?;
+    // Before the report is printed: who reads its first line only, as with `head`, ends the process.
+    let written = write(arguments, &job, &report);
     println!("{report}");
     if !unseen.is_empty() {
         eprintln!("note: the job was learned without all parts: {}", unseen::words(&unseen, &recordings));
     }
-    write(arguments, &config, &job, &report)
-}
-
-/// Writes what was asked for. What cannot be trusted is only drawn and described.
-fn write(arguments: &Teach, config: &Config, job: &JobFile, report: &TeachReport) -> Result<Code, ToolError> {
-    let save = |path: &Path, text: &str| atomic::write(path, text.as_bytes()).map_err(cannot_write(path));
-    if let Some(plot) = &arguments.plot {
-        save(plot, &draw_order(job, report.rejected.as_deref()))?;
-        println!("drawn: {}", plot.display());
-    }
-    if let Some(path) = &arguments.report {
-        save(path, &page(job, report, &draw_order(job, report.rejected.as_deref())))?;
-        println!("report: {}", path.display());
-    }
-    let out = &arguments.out;
-    if !report.is_trusted() && !arguments.force {
-        println!("not written: {}; --force writes it all the same", out.display());
+    print!("{}", written?);
+    if !(report.is_trusted() || arguments.force) {
         return Ok(Code::Declined);
     }
-    save(out, &job.to_toml())?;
-    println!("written: {}, job {} {:?} of hash {:016x}", out.display(), job.id, job.name, job.model_hash());
-    for other in number::others_with(job.id, out, config) {
+    for other in number::others_with(job.id, &arguments.out, &config) {
         eprintln!(
             "note: {} has the number {} as well: only their hashes tell them apart",
             other.display(),
@@ -96,6 +81,26 @@ fn write(arguments: &Teach, config: &Config, job: &JobFile, report: &TeachReport
         );
     }
     Ok(Code::Stopped)
+}
+
+/// Writes what was asked for, and says what was written. What cannot be trusted is only drawn and described.
+fn write(arguments: &Teach, job: &JobFile, report: &TeachReport) -> Result<String, ToolError> {
+    let save = |path: &Path, text: &str| atomic::write(path, text.as_bytes()).map_err(cannot_write(path));
+    let mut said = String::new();
+    if let Some(plot) = &arguments.plot {
+        save(plot, &draw_order(job, report.rejected.as_deref()))?;
+        said += &format!("drawn: {}\n", plot.display());
+    }
+    if let Some(path) = &arguments.report {
+        save(path, &page(job, report, &draw_order(job, report.rejected.as_deref())))?;
+        said += &format!("report: {}\n", path.display());
+    }
+    let out = arguments.out.display();
+    if !report.is_trusted() && !arguments.force {
+        return Ok(said + &format!("not written: {out}; --force writes it all the same\n"));
+    }
+    save(&arguments.out, &job.to_toml())?;
+    Ok(said + &format!("written: {out}, job {} {:?} of hash {:016x}\n", job.id, job.name, job.model_hash()))
 }
 
 /// What to teach from: what was given, or what an existing job was taught from, with the changes that are asked for.

@@ -8,7 +8,10 @@ use crate::html::escaped;
 const SIDE: f64 = 560.0;
 
 /// Room for the names of rows and columns.
-const MARGIN: f64 = 62.0;
+const MARGIN: f64 = 72.0;
+
+/// About the width of one letter of a group's name.
+const LETTER: f64 = 8.5;
 
 /// With more rows than this there is no room for a name per row, so only the groups are named.
 const MAX_NAMED_ROWS: usize = 30;
@@ -68,23 +71,31 @@ fn names(svg: &mut Svg, matrix: &Matrix, cell: f64, group: impl Fn(usize) -> Str
             svg.line("k", [MARGIN, from], [MARGIN + SIDE, from]);
         }
         let name = group(same[0].0);
-        svg.text(middle, if matrix.rows.len() <= MAX_NAMED_ROWS { 14.0 } else { MARGIN - 8.0 }, "n m", &name);
+        let above = if matrix.rows.len() <= MAX_NAMED_ROWS { 28.0 } else { MARGIN - 8.0 };
+        if LETTER * name.chars().count() as f64 <= same.len() as f64 * cell {
+            svg.text(middle, above, "n m", &name);
+        } else {
+            upright(svg, middle + 4.0, above, "n", &name);
+        }
         if matrix.rows.len() <= MAX_NAMED_ROWS {
             for (index, (_, name)) in same.iter().enumerate() {
                 let at = from + (index as f64 + 0.5) * cell;
                 svg.text(MARGIN - 5.0, at + 3.5, "s e", name);
-                svg.add(format_args!(
-                    "<text class=\"t s\" transform=\"translate({:.1} {:.1}) rotate(-90)\">{}</text>",
-                    at + 3.5,
-                    MARGIN - 5.0,
-                    escaped(name)
-                ));
+                upright(svg, at + 3.5, MARGIN - 5.0, "s", name);
             }
         } else {
             svg.text(MARGIN - 8.0, middle + 4.0, "n e", &name);
         }
         begin += same.len();
     }
+}
+
+/// Text that is read from below, for a column that is narrower than its name.
+fn upright(svg: &mut Svg, x: f64, y: f64, class: &str, text: &str) {
+    svg.add(format_args!(
+        "<text class=\"t {class}\" transform=\"translate({x:.1} {y:.1}) rotate(-90)\">{}</text>",
+        escaped(text)
+    ));
 }
 
 fn legend(svg: &mut Svg, max_distance: f64) {

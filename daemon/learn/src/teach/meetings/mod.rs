@@ -95,10 +95,11 @@ fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
     widened(default, (centre + apart) as f32)
 }
 
-/// The contact that begins within `on_m`, rounded to whole millimetres and no less than the default; it ends in proportion.
+/// The contact that begins within `on_m`, rounded up to whole millimetres and no less than the default; it ends in proportion, to the nearest
+/// tenth of a millimetre.
 fn widened(default: Contact, on_m: f32) -> Contact {
     let on_m = f32::max(default.on_m, (1000.0 * on_m).ceil() / 1000.0);
-    Contact { on_m, off_m: on_m * default.off_m / default.on_m }
+    Contact { on_m, off_m: (10_000.0 * on_m * default.off_m / default.on_m).round() / 10_000.0 }
 }
 
 /// The distance of two sets of points.

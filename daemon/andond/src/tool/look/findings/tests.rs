@@ -112,8 +112,14 @@ fn a_hand_is_said_to_be_seen_or_not_and_none_is_no_fault() {
     let mut with_hand = glance(None);
     with_hand.seen.hands_len = 1;
     with_hand.seen.hands[0].hand = HandCode::Right.code();
-    let seen = about(&[with_hand, glance(None)], "right hand");
+    let seen = about(&[with_hand.clone(), glance(None)], "right hand");
     assert_eq!(seen, (true, "seen in 50 % of the pictures".to_owned()));
+    let mut flickers = vec![glance(None); 10];
+    flickers[1] = with_hand.clone();
+    flickers[8] = with_hand;
+    let (is_good, sentence) = about(&flickers, "right hand");
+    assert!(!is_good && sentence.starts_with("it is lost again and again"), "{sentence}");
+    assert!(sentence.ends_with("(seen in 20 % of the pictures)"), "{sentence}");
     let (is_good, sentence) = about(&[glance(None)], "right hand");
     assert!(is_good && sentence.starts_with("not seen: hold it over the bench"), "{sentence}");
 }
