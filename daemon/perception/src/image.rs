@@ -68,6 +68,12 @@ impl<'a> ImageView<'a> {
         &self.data[..self.height * self.stride]
     }
 
+    /// Red, green and blue of a pixel.
+    pub(crate) fn rgb(&self, x: usize, y: usize) -> [u8; 3] {
+        let pixel = y * self.stride + x * self.format.bytes();
+        self.format.rgb_offsets().map(|offset| self.data[pixel + offset])
+    }
+
     /// Shows OpenCV the pixels where they lie.
     pub(crate) fn with_pixels<T>(
         &self,
