@@ -39,6 +39,8 @@ impl Border {
 /// Cuts regions out of pictures.
 #[derive(Default)]
 pub(super) struct Cropper {
+    /// The part of the picture that holds the region, where its colours have to be computed.
+    converted: Mat,
     /// The part of the picture that holds the region, shrunk to the scale of the model's input.
     shrunk: Mat,
     /// The region as the model sees it, in the format of the picture.
@@ -58,31 +60,59 @@ impl Cropper {
         border: Border,
         tensor: &mut [f32],
     ) -> Result<(), PerceptionError> {
-        self.turn(image, within_reach(region), size, border)
+        let format = self
+            .cut(image, within_reach(region), size, border)
             .map_err(while_doing("cutting a region out of a picture"))?;
         let bytes = self.turned.data_bytes().map_err(while_doing("reading a region of a picture"))?;
-        fill(tensor, bytes, image.format());
+        fill(tensor, bytes, format.rgb_offsets().unwrap_or_default(), format.bytes());
         Ok(())
     }
 
-    fn turn(
+    /// Returns the format in which it shows the region. Of a picture whose colours have to be computed, only those around the region are.
+    fn cut(
         &mut self,
         image: &ImageView<'_>,
+        region: Region,
+        size: usize,
+        border: Border,
+    ) -> opencv::Result<PixelFormat> {
+        if image.format().rgb_offsets().is_some() {
+            image.with_pixels(|pixels| self.turn(pixels, region, size, border))?;
+            return Ok(image.format());
+        }
+        let part =
+            Window::around(region, [image.width() as i32, image.height() as i32]).with_whole_colours(image);
+        let mut converted = std::mem::take(&mut self.converted);
+        image.write_bgr(part.rect(), &mut converted)?;
+        let centre = [region.centre[0] - part.left as f32, region.centre[1] - part.top as f32];
+        let outcome = self.turn(&converted, Region { centre, ..region }, size, border);
+        self.converted = converted;
+        outcome.map(|()| PixelFormat::Bgr8)
+    }
+
+    /// Fills `turned` with the region of a picture.
+    fn turn(
+        &mut self,
+        pixels: &(impl MatTraitConst + ToInputArray),
         region: Region,
         size: usize,
         border: Border,
     ) -> opencv::Result<()> {
         let (step, grid) = (region.side / size as f32, Grid::new(region, size));
         if step <= SKIPS {
-            return image.with_pixels(|pixels| grid.sample(pixels, &mut self.turned, size, border));
+            return grid.sample(pixels, &mut self.turned, size, border);
         }
-        let window = Window::around(region, image);
+        let window = Window::around(region, [pixels.cols(), pixels.rows()]);
         let shrunk = [window.width, window.height].map(|side| ((side as f32 / step).round() as i32).max(1));
-        image.with_pixels(|pixels| {
-            let pixels = Mat::roi(pixels, Rect::new(window.left, window.top, window.width, window.height))?;
-            let size = Size::new(shrunk[0], shrunk[1]);
-            imgproc::resize(&pixels, &mut self.shrunk, size, 0.0, 0.0, imgproc::INTER_AREA)
-        })?;
+        let part = Mat::roi(pixels, window.rect())?;
+        imgproc::resize(
+            &part,
+            &mut self.shrunk,
+            Size::new(shrunk[0], shrunk[1]),
+            0.0,
+            0.0,
+            imgproc::INTER_AREA,
+        )?;
         let scale = [shrunk[0] as f32 / window.width as f32, shrunk[1] as f32 / window.height as f32];
         grid.shrunk(&window, scale).sample(&self.shrunk, &mut self.turned, size, border)
     }
@@ -98,10 +128,9 @@ fn within_reach(region: Region) -> Region {
     }
 }
 
-/// Writes the pixels as red, green and blue, 0..1.
-fn fill(tensor: &mut [f32], bytes: &[u8], format: PixelFormat) {
-    let rgb = format.rgb_offsets();
-    for (to, pixel) in tensor.chunks_exact_mut(3).zip(bytes.chunks_exact(format.bytes())) {
+/// Writes pixels of so many bytes as red, green and blue, 0..1.
+fn fill(tensor: &mut [f32], bytes: &[u8], rgb: [usize; 3], pixel_bytes: usize) {
+    for (to, pixel) in tensor.chunks_exact_mut(3).zip(bytes.chunks_exact(pixel_bytes)) {
         for (value, offset) in to.iter_mut().zip(rgb) {
             *value = f32::from(pixel[offset]) / 255.0;
         }
@@ -118,18 +147,34 @@ struct Window {
 
 impl Window {
     /// At least one pixel: a region may lie far outside the picture.
-    fn around(region: Region, image: &ImageView<'_>) -> Self {
+    fn around(region: Region, [columns, rows]: [i32; 2]) -> Self {
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|corner| region.to_image(corner));
-        let span = |axis: usize, length: usize| {
+        let span = |axis: usize, length: i32| {
             let places = corners.map(|corner| corner[axis]);
-            let last = length as i32 - 1;
+            let last = length - 1;
             // The casts saturate.
             let first = (places.into_iter().fold(f32::INFINITY, f32::min).floor() as i32).clamp(0, last);
             let past = places.into_iter().fold(f32::NEG_INFINITY, f32::max).ceil() as i32;
             (first, past.clamp(first, last) - first + 1)
         };
-        let ((left, width), (top, height)) = (span(0, image.width()), span(1, image.height()));
+        let ((left, width), (top, height)) = (span(0, columns), span(1, rows));
         Self { left, top, width, height }
+    }
+
+    /// A little more of the picture, so that its edges lie between pixels that share no colour, with the neighbours of its places.
+    fn with_whole_colours(self, image: &ImageView<'_>) -> Self {
+        let span = |first: i32, length: i32, of: usize| {
+            let (first, past) = ((first - 1).max(0) & !1, (first + length + 1).min(of as i32));
+            // A picture whose pixels share colours along its rows only may have an odd number of rows.
+            (first, ((past - first + 1) & !1).min(of as i32 - first))
+        };
+        let (left, width) = span(self.left, self.width, image.width());
+        let (top, height) = span(self.top, self.height, image.height());
+        Self { left, top, width, height }
+    }
+
+    fn rect(&self) -> Rect {
+        Rect::new(self.left, self.top, self.width, self.height)
     }
 }
 
@@ -280,6 +325,58 @@ mod tests {
                     [10.0, 20.0, 30.0].map(|value: f32| value / 255.0),
                     "{format:?}"
                 );
+            }
+        }
+    }
+
+    /// A picture whose blue, green and red rise in different directions, and the same as a camera sends it.
+    fn colourful(format: PixelFormat) -> (Vec<u8>, Vec<u8>) {
+        let bgr: Vec<u8> = (0..WIDTH * HEIGHT)
+            .flat_map(|index| {
+                [index % WIDTH / 4 + 40, index / WIDTH / 4 + 60, (index % WIDTH + index / WIDTH) / 8 + 50]
+                    .map(|value| value as u8)
+            })
+            .collect();
+        let yuv = |x: usize, y: usize| {
+            let [b, g, r] = [0, 1, 2].map(|channel| f32::from(bgr[3 * (y * WIDTH + x) + channel]));
+            let luma = 16.0 + 0.257 * r + 0.504 * g + 0.098 * b;
+            [luma, 128.0 - 0.148 * r - 0.291 * g + 0.439 * b, 128.0 + 0.439 * r - 0.368 * g - 0.071 * b]
+                .map(|value| value.round() as u8)
+        };
+        let places = |step: usize| {
+            (0..HEIGHT).step_by(step).flat_map(move |y| (0..WIDTH).step_by(2).map(move |x| (x, y)))
+        };
+        let sent = match format {
+            PixelFormat::Yuyv => places(1)
+                .flat_map(|(x, y)| [yuv(x, y)[0], yuv(x, y)[1], yuv(x + 1, y)[0], yuv(x, y)[2]])
+                .collect(),
+            _ => {
+                let brightness = (0..WIDTH * HEIGHT).map(|index| yuv(index % WIDTH, index / WIDTH)[0]);
+                brightness.chain(places(2).flat_map(|(x, y)| [yuv(x, y)[1], yuv(x, y)[2]])).collect()
+            }
+        };
+        (bgr, sent)
+    }
+
+    #[test]
+    fn what_a_camera_sends_shows_the_same_as_blue_green_and_red_wherever_the_region_lies() {
+        for format in [PixelFormat::Yuyv, PixelFormat::Nv12] {
+            let (bgr, sent) = colourful(format);
+            let bgr = ImageView::new(WIDTH, HEIGHT, 3 * WIDTH, PixelFormat::Bgr8, &bgr).unwrap();
+            let sent = ImageView::new(WIDTH, HEIGHT, format.bytes() * WIDTH, format, &sent).unwrap();
+            for (centre, side) in [
+                ([321.3, 222.7], 230.0),
+                ([321.3, 222.7], 431.0),
+                ([12.0, 470.0], 180.0),
+                ([320.0, 240.0], 640.0),
+            ] {
+                for border in [Border::Black, Border::Nearest] {
+                    let region = Region { centre, side, rotation: 0.4 };
+                    let [expected, seen] = [&bgr, &sent].map(|image| cropped(image, region, 192, border));
+                    let off = expected.iter().zip(&seen).map(|(a, b)| 255.0 * (a - b).abs());
+                    // Rounding to whole numbers twice, and a colour for two or four pixels.
+                    assert!(off.fold(0.0, f32::max) < 4.0, "{format:?} {centre:?} {side}");
+                }
             }
         }
     }
