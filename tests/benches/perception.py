@@ -48,6 +48,18 @@ def film(size, hands, speed):
     return path
 
 
+def covered_film():
+    """Two hands and the parts of both halves of the picture, which somebody covers every other second, at the rate of a camera."""
+    source = film(SIZES[0], 2, "file")
+    path = BENCH / "films" / "covered" / "film.mp4"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        cover = "drawbox=t=fill:color=gray:enable='gte(mod(t,2),1)'"
+        command = ["ffmpeg", "-v", "error", "-y", "-i", str(source), "-vf", cover, "-preset", "veryfast", "-crf", "18", str(path)]
+        subprocess.run(command, check=True)
+    return path
+
+
 def line(path, hands, model, speed):
     """What `andond demo` says of the film: frames per second, latency, and what perceive used."""
     config = path.with_name(f"{model}.toml")
@@ -139,6 +151,10 @@ def measure():
                 is_default = model == MODELS[0]
                 rows += rows_of(f"{name}, {hands} hand{'s' * (hands - 1)}, {model}", fast, camera, python, ratio, bare_hz,
                                 (name, hands) if is_default else None)
+    lost = report["covered"] = line(covered_film(), 2, MODELS[0], "file")
+    label = "640x480, both hands and all markers lost every other second, at 30 Hz"
+    rows.append((f"{label}: frames lost", lost["lost"], "frames", ("at most", 0)))
+    rows.append((f"{label}: frame to verdict, p99", lost["p99_ms"], "ms", None))
     return report, rows
 
 

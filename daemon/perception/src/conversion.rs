@@ -12,8 +12,8 @@ const Y_BLACK: f64 = 16.0;
 const Y_WHITE: f64 = 235.0;
 
 impl ImageView<'_> {
-    /// The brightness, 0 to 255, in a picture of the same size.
-    pub(crate) fn write_gray(&self, to: &mut Mat) -> opencv::Result<()> {
+    /// The brightness, 0 to 255, in a picture of the same size. `between` is memory for a step in between.
+    pub(crate) fn write_gray(&self, between: &mut Mat, to: &mut Mat) -> opencv::Result<()> {
         let scale = 255.0 / (Y_WHITE - Y_BLACK);
         self.with_pixels(|pixels| match self.format() {
             PixelFormat::Gray8 => pixels.copy_to(to),
@@ -23,9 +23,8 @@ impl ImageView<'_> {
             PixelFormat::Rgba8 => imgproc::cvt_color_def(pixels, to, imgproc::COLOR_RGBA2GRAY),
             PixelFormat::Nv12 => pixels.convert_to(to, core::CV_8U, scale, -Y_BLACK * scale),
             PixelFormat::Yuyv => {
-                let mut brightness = Mat::default();
-                core::extract_channel(pixels, &mut brightness, 0)?;
-                brightness.convert_to(to, core::CV_8U, scale, -Y_BLACK * scale)
+                core::extract_channel(pixels, between, 0)?;
+                between.convert_to(to, core::CV_8U, scale, -Y_BLACK * scale)
             }
         })
     }

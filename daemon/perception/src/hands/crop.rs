@@ -45,6 +45,8 @@ pub(super) struct Cropper {
     shrunk: Mat,
     /// The region as the model sees it, in the format of the picture.
     turned: Mat,
+    /// The same as red, green and blue.
+    rgb: Mat,
 }
 
 impl Cropper {
@@ -60,12 +62,9 @@ impl Cropper {
         border: Border,
         tensor: &mut [f32],
     ) -> Result<(), PerceptionError> {
-        let format = self
-            .cut(image, within_reach(region), size, border)
-            .map_err(while_doing("cutting a region out of a picture"))?;
-        let bytes = self.turned.data_bytes().map_err(while_doing("reading a region of a picture"))?;
-        fill(tensor, bytes, format.rgb_offsets().unwrap_or_default(), format.bytes());
-        Ok(())
+        self.cut(image, within_reach(region), size, border)
+            .and_then(|format| self.fill(format, size, tensor))
+            .map_err(while_doing("cutting a region out of a picture"))
     }
 
     /// Returns the format in which it shows the region. Of a picture whose colours have to be computed, only those around the region are.
@@ -88,6 +87,25 @@ impl Cropper {
         let outcome = self.turn(&converted, Region { centre, ..region }, size, border);
         self.converted = converted;
         outcome.map(|()| PixelFormat::Bgr8)
+    }
+
+    /// Writes the region as red, green and blue, 0..1.
+    fn fill(&mut self, format: PixelFormat, size: usize, tensor: &mut [f32]) -> opencv::Result<()> {
+        let code = match format {
+            PixelFormat::Gray8 => imgproc::COLOR_GRAY2RGB,
+            PixelFormat::Bgra8 => imgproc::COLOR_BGRA2RGB,
+            PixelFormat::Rgba8 => imgproc::COLOR_RGBA2RGB,
+            _ => imgproc::COLOR_BGR2RGB,
+        };
+        let rgb = if format == PixelFormat::Rgb8 {
+            &self.turned
+        } else {
+            imgproc::cvt_color_def(&self.turned, &mut self.rgb, code)?;
+            &self.rgb
+        };
+        let mut tensor = Mat::new_rows_cols_with_data_mut(size as i32, 3 * size as i32, tensor)?;
+        let mut tensor = tensor.reshape_mut(3, 0)?;
+        rgb.convert_to(&mut tensor, core::CV_32F, 1.0 / 255.0, 0.0)
     }
 
     /// Fills `turned` with the region of a picture.
@@ -125,15 +143,6 @@ fn within_reach(region: Region) -> Region {
         centre: region.centre.map(|value| reached(value, -FAR_PX)),
         side: reached(region.side, 1.0),
         rotation: if region.rotation.is_finite() { region.rotation } else { 0.0 },
-    }
-}
-
-/// Writes pixels of so many bytes as red, green and blue, 0..1.
-fn fill(tensor: &mut [f32], bytes: &[u8], rgb: [usize; 3], pixel_bytes: usize) {
-    for (to, pixel) in tensor.chunks_exact_mut(3).zip(bytes.chunks_exact(pixel_bytes)) {
-        for (value, offset) in to.iter_mut().zip(rgb) {
-            *value = f32::from(pixel[offset]) / 255.0;
-        }
     }
 }
 
@@ -320,11 +329,8 @@ mod tests {
                     64,
                     Border::Nearest,
                 );
-                assert_eq!(
-                    tensor[3 * 64 * 32..][..3],
-                    [10.0, 20.0, 30.0].map(|value: f32| value / 255.0),
-                    "{format:?}"
-                );
+                let pixel = [0, 1, 2].map(|channel| (255.0 * tensor[3 * 64 * 32 + channel]).round());
+                assert_eq!(pixel, [10.0, 20.0, 30.0], "{format:?}");
             }
         }
     }

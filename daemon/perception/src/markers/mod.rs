@@ -39,6 +39,8 @@ pub(crate) struct Markers {
     detector: Detector,
     windows: Windows,
     gray: Mat,
+    /// For the step between the picture and its brightness.
+    between: Mat,
     foreign: Foreign,
 }
 
@@ -50,6 +52,7 @@ impl Markers {
             detector: Detector::new(config).map_err(while_doing("setting up the marker detector"))?,
             windows: Windows::new(config),
             gray: Mat::default(),
+            between: Mat::default(),
             foreign: Foreign::new(config.dictionary),
         })
     }
@@ -65,10 +68,10 @@ impl Markers {
         min_side_px: Option<f64>,
         wanted: impl Fn(u16) -> bool,
     ) -> Result<Found, PerceptionError> {
-        let Self { detector, windows, gray, foreign } = self;
+        let Self { detector, windows, gray, between, foreign } = self;
         if image.format() != PixelFormat::Gray8 {
             let _span = trace_span!("grey").entered();
-            image.write_gray(gray).map_err(while_doing("looking for markers"))?;
+            image.write_gray(between, gray).map_err(while_doing("looking for markers"))?;
         }
         let gray = gray_view(image, gray)?;
         let mut search = |parts: &[Rect]| {
