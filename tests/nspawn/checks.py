@@ -150,7 +150,7 @@ def every_thread_of_a_role_has_the_cores_and_the_priority_that_its_unit_is_given
     verdicts_go_on(machine)
     pid = machine.unit(unit("perceive"))["MainPID"]
     cores = machine.must("bash", "-c", f"grep -h Cpus_allowed_list /proc/{pid}/task/*/status").split()[1::2]
-    # The number after the sixteen others that follow the name (proc_pid_stat(5)), which holds no blank here.
+    # The nineteenth number (proc_pid_stat(5)): no thread has a blank in its name.
     nice = machine.must("bash", "-c", f"awk '{{print $19}}' /proc/{pid}/task/*/stat").split()
     assert len(cores) > 2 and set(cores) == {"0"} and set(nice) == {"-5"}, (cores, nice)
     machine.must("bash", "-c", f"rm -r {folder} && systemctl daemon-reload")

@@ -14,6 +14,10 @@ use crate::recording::read_in_place;
 /// So many damaged pictures in a row are more than a cable that was touched.
 const MAX_DAMAGED: u32 = 30;
 
+/// What the end of a frame holds until a picture is decoded into it, because OpenCV does not say whether it has done so: pixels in turn green
+/// and magenta, which no JPEG of a camera shows, where two pixels at least share their colour.
+const UNTOUCHED: [u8; 12] = [0, 255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255];
+
 /// An encoding that this program reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Encoding {
@@ -142,14 +146,16 @@ fn decode(
     if !ends_as_jpeg(jpeg.data_bytes().map_err(message)?) {
         return Ok(false);
     }
-    // Not into the frame: OpenCV does not say whether it has written there. Some damage is an error, some an empty picture.
-    let Ok(picture) = imgcodecs::imdecode(jpeg, imgcodecs::IMREAD_COLOR) else { return Ok(false) };
-    let Ok(bytes) = picture.data_bytes() else { return Ok(false) };
-    let fits = picture.cols() as u32 == format.width && bytes.len() == frame.len();
-    if fits {
-        frame.copy_from_slice(bytes);
-    }
-    Ok(fits)
+    let Some(end) = frame.last_chunk_mut() else { return Ok(false) };
+    *end = UNTOUCHED;
+    let at = frame.as_ptr();
+    let mut picture =
+        Mat::new_rows_cols_with_bytes_mut::<Vec3b>(format.height as i32, format.width as i32, frame)
+            .map_err(message)?;
+    let decoded = imgcodecs::imdecode_to(jpeg, imgcodecs::IMREAD_COLOR, &mut picture);
+    // A picture of another size lies in memory of its own.
+    let is_in_place = decoded.is_ok_and(|decoded| decoded.data() == at);
+    Ok(is_in_place && !frame.ends_with(&UNTOUCHED))
 }
 
 /// Whether the last bytes are the marker of an end. Some cameras fill up with zeros.
