@@ -5,7 +5,7 @@ use crate::layout::wire;
 use crate::stamp::{Stamp, message};
 
 codes! {
-    /// Bytes of one colour pixel, in memory order.
+    /// How the colour plane holds its pixels, in memory order.
     enum ColourFormat: u32 {
         /// Red, green, blue, 8 bits each.
         Rgb8 = 1,
@@ -15,6 +15,8 @@ codes! {
         Grey8 = 3,
         /// 4:2:2 as V4L2 names it `YUYV`: Y0 U Y1 V for two pixels.
         Yuyv = 4,
+        /// 4:2:0 as V4L2 names it `NV12`: a plane of Y, then one of half the rows, U V for four pixels.
+        Nv12 = 5,
     }
 }
 
@@ -89,7 +91,7 @@ wire! { "andon.FrameHeader", 224;
         colour_format: u32,
         /// Pixels per row of the depth plane.
         depth_width: u32,
-        /// Rows of the depth plane, which begins right after `height * stride` bytes of colour.
+        /// Rows of the depth plane, which begins right after the colour plane.
         depth_height: u32,
         /// Bytes from one row of the depth plane to the next.
         depth_stride: u32,
@@ -112,7 +114,9 @@ message!(FrameHeader);
 impl FrameHeader {
     /// Bytes of the colour plane, or `None` when the product does not fit.
     pub fn colour_bytes(&self) -> Option<usize> {
-        (self.height as usize).checked_mul(self.stride as usize)
+        let rows = self.height as usize;
+        let of_colours = if self.colour_format == ColourFormat::Nv12.code() { rows / 2 } else { 0 };
+        rows.checked_add(of_colours)?.checked_mul(self.stride as usize)
     }
 
     /// Bytes of the depth plane, or `None` when the product does not fit.

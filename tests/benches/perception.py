@@ -48,6 +48,18 @@ def film(size, hands, speed):
     return path
 
 
+def covered_film():
+    """Two hands and the parts of both halves of the picture, which somebody covers every other second, at the rate of a camera."""
+    source = film(SIZES[0], 2, "file")
+    path = BENCH / "films" / "covered" / "film.mp4"
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        cover = "drawbox=t=fill:color=gray:enable='gte(mod(t,2),1)'"
+        command = ["ffmpeg", "-v", "error", "-y", "-i", str(source), "-vf", cover, "-preset", "veryfast", "-crf", "18", str(path)]
+        subprocess.run(command, check=True)
+    return path
+
+
 def line(path, hands, model, speed):
     """What `andond demo` says of the film: frames per second, latency, and what perceive used."""
     config = path.with_name(f"{model}.toml")
@@ -127,19 +139,39 @@ def measure():
     report, rows = {"bare_landmark_model_ms": bare_ms, "films": []}, []
     for size in SIZES:
         for hands in (1, 2):
-            name, films = f"{size[0]}x{size[1]}", {speed: film(size, hands, speed) for speed in ROUNDS}
-            python = in_peers_environment("--peer", films["max"], hands)
-            for model in MODELS:
-                fast, camera = (line(films[speed], hands, model, speed) for speed in ("max", "file"))
-                # Each hand costs a run of its model; a palm is looked for only now and then.
-                bare_hz = 1e3 / (hands * bare_ms[model])
-                ratio = fast["frames_per_s"] / python["frames_per_s"]
-                report["films"].append({"size": name, "hands": hands, "model": model, "max_speed": fast, "camera_rate": camera,
-                                        "python": python, "ratio_to_python": ratio, "bare_models_one_core_hz": bare_hz})
-                is_default = model == MODELS[0]
-                rows += rows_of(f"{name}, {hands} hand{'s' * (hands - 1)}, {model}", fast, camera, python, ratio, bare_hz,
-                                (name, hands) if is_default else None)
-    return report, rows
+            figures, printed = measure_films(size, hands, bare_ms)
+            report["films"] += figures
+            rows += printed
+    report["covered"], printed = measure_covered()
+    return report, rows + printed
+
+
+def measure_films(size, hands, bare_ms):
+    """The films of a size with so many hands, with each model, and the peer with its own."""
+    name, films = f"{size[0]}x{size[1]}", {speed: film(size, hands, speed) for speed in ROUNDS}
+    python = in_peers_environment("--peer", films["max"], hands)
+    figures, rows = [], []
+    for model in MODELS:
+        fast, camera = (line(films[speed], hands, model, speed) for speed in ("max", "file"))
+        # Each hand costs a run of its model; a palm is looked for only now and then.
+        bare_hz = 1e3 / (hands * bare_ms[model])
+        ratio = fast["frames_per_s"] / python["frames_per_s"]
+        figures.append({"size": name, "hands": hands, "model": model, "max_speed": fast, "camera_rate": camera,
+                        "python": python, "ratio_to_python": ratio, "bare_models_one_core_hz": bare_hz})
+        is_default = model == MODELS[0]
+        rows += rows_of(f"{name}, {hands} hand{'s' * (hands - 1)}, {model}", fast, camera, python, ratio, bare_hz,
+                        (name, hands) if is_default else None)
+    return figures, rows
+
+
+def measure_covered():
+    """What the line loses where both hands and all markers are lost again and again."""
+    lost = line(covered_film(), 2, MODELS[0], "file")
+    label = "640x480, both hands and all markers lost every other second, at 30 Hz"
+    return lost, [
+        (f"{label}: frames lost", lost["lost"], "frames", ("at most", 0)),
+        (f"{label}: frame to verdict, p99", lost["p99_ms"], "ms", None),
+    ]
 
 
 def rows_of(label, fast, camera, python, ratio, bare_hz, bar):

@@ -141,6 +141,23 @@ def a_role_that_is_killed_comes_back_and_verdicts_go_on(machine, seen):
     verdicts_go_on(machine)
 
 
+def every_thread_of_a_role_has_the_cores_and_the_priority_that_its_unit_is_given(machine, seen):
+    folder = f"/run/systemd/system/{unit('perceive')}.d"
+    settings = "[Service]\\nCPUAffinity=0\\nNice=-5\\n"
+    machine.must("bash", "-c", f"mkdir -p {folder} && printf '{settings}' > {folder}/cores.conf && systemctl daemon-reload")
+    machine.must("systemctl", "restart", unit("perceive"))
+    until(lambda: all_active(machine), "the line does not come back", 30)
+    verdicts_go_on(machine)
+    pid = machine.unit(unit("perceive"))["MainPID"]
+    cores = machine.must("bash", "-c", f"grep -h Cpus_allowed_list /proc/{pid}/task/*/status").split()[1::2]
+    # The nineteenth number (proc_pid_stat(5)): no thread has a blank in its name.
+    nice = machine.must("bash", "-c", f"awk '{{print $19}}' /proc/{pid}/task/*/stat").split()
+    assert len(cores) > 2 and set(cores) == {"0"} and set(nice) == {"-5"}, (cores, nice)
+    machine.must("bash", "-c", f"rm -r {folder} && systemctl daemon-reload")
+    machine.must("systemctl", "restart", unit("perceive"))
+    until(lambda: all_active(machine), "the line does not come back", 30)
+
+
 def stopping_the_station_leaves_no_process_and_no_shared_memory(machine, seen):
     began = time.monotonic()
     machine.must("systemctl", "stop", TARGET)
@@ -238,6 +255,7 @@ CHECKS = [
     no_unit_is_more_exposed_than_0_9,
     a_role_that_stands_still_is_ended_by_the_watchdog_and_comes_back,
     a_role_that_is_killed_comes_back_and_verdicts_go_on,
+    every_thread_of_a_role_has_the_cores_and_the_priority_that_its_unit_is_given,
     stopping_the_station_leaves_no_process_and_no_shared_memory,
     a_bad_configuration_ends_with_78_names_its_place_and_is_not_tried_again,
     a_library_that_was_upgraded_interrupts_no_station,

@@ -67,6 +67,10 @@ pub fn marker_objects(config: &Config) -> Vec<MarkerObject> {
 }
 
 fn markers(config: &Config) -> MarkersConfig {
-    let default = MarkersConfig::default();
-    MarkersConfig { dictionary: config.perception.dictionary, objects: marker_objects(config), ..default }
+    MarkersConfig {
+        dictionary: config.perception.dictionary,
+        objects: marker_objects(config),
+        search: config.perception.marker_search,
+        ..MarkersConfig::default()
+    }
 }

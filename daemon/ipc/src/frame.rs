@@ -143,7 +143,7 @@ impl FrameSample {
         self.0.payload()
     }
 
-    /// The colour plane, `height * stride` bytes.
+    /// The colour plane, [`FrameHeader::colour_bytes`] of them.
     ///
     /// # Errors
     /// [`Error::FrameTorn`] when the header promises more than the frame has.

@@ -87,6 +87,15 @@ pub struct MarkerObject {
     pub side_m: f32,
 }
 
+/// Where markers are looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarkerSearch {
+    /// While all are seen, around the places where they were; as soon as one is missing there, and now and then, in the whole picture.
+    Near,
+    /// In the whole picture of every frame.
+    Whole,
+}
+
 /// How objects are found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MarkersConfig {
@@ -96,6 +105,8 @@ pub struct MarkersConfig {
     pub objects: Vec<MarkerObject>,
     /// How much darker than its surroundings a pixel must be to count as black, in grey levels of 255.
     pub threshold_constant: f64,
+    /// Where they are looked for.
+    pub search: MarkerSearch,
 }
 
 impl Default for MarkersConfig {
@@ -105,6 +116,8 @@ impl Default for MarkersConfig {
             objects: Vec::new(),
             // OpenCV's own default of 7 loses markers in dim light; 3 keeps them and stays above the noise of a camera.
             threshold_constant: 3.0,
+            // It finds the same markers.
+            search: MarkerSearch::Near,
         }
     }
 }

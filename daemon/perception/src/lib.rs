@@ -17,6 +17,7 @@
 pub mod bench;
 pub mod carried;
 pub mod config;
+mod conversion;
 pub mod detections;
 mod dictionary;
 mod error;

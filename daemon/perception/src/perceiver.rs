@@ -215,7 +215,7 @@ fn check_threads(config: &ThreadsConfig) -> Result<(), PerceptionError> {
 }
 
 fn check_markers(config: &MarkersConfig) -> Result<(), PerceptionError> {
-    let MarkersConfig { dictionary, objects, threshold_constant } = config;
+    let MarkersConfig { dictionary, objects, threshold_constant, .. } = config;
     if objects.len() > OBJECTS {
         return refused("objects", format!("a list of {}", objects.len()), "at most 32");
     }

@@ -63,11 +63,10 @@ impl Picture {
             return Self::default();
         }
         let mut count = Count::default();
+        let columns: Vec<Column> =
+            (FAR..gray.width() - FAR).step_by(step).map(|x| Column::new(x, gray.width())).collect();
         for y in (FAR..gray.height() - FAR).step_by(step) {
-            for x in (FAR..gray.width() - FAR).step_by(step) {
-                count.point(gray, x, y);
-                count.colour(image, x, y);
-            }
+            count.row(image, gray, y, &columns);
         }
         count.picture(fingerprint(gray))
     }
@@ -119,40 +118,58 @@ impl Default for Count {
     }
 }
 
+/// A column of points, and where its points belong in the patches and cells of their row.
+struct Column {
+    x: usize,
+    patch: usize,
+    cell: usize,
+}
+
+impl Column {
+    fn new(x: usize, width: usize) -> Self {
+        Self { x, patch: x * PATCH_COLUMNS / width, cell: x * COLUMNS / width }
+    }
+}
+
 impl Count {
-    fn point(&mut self, gray: &ImageView<'_>, x: usize, y: usize) {
+    fn row(&mut self, image: &ImageView<'_>, gray: &ImageView<'_>, y: usize, columns: &[Column]) {
         let (data, stride) = (gray.data(), gray.stride());
-        let at = |x: usize, y: usize| i32::from(data[y * stride + x]);
-        let step = |by: usize| {
-            let across = (at(x + by, y) - at(x - by, y)).abs();
-            across.max((at(x, y + by) - at(x, y - by)).abs())
-        };
-        let value = data[y * stride + x];
+        let rows =
+            [y - FAR, y - NEAR, y, y + NEAR, y + FAR].map(|y| &data[y * stride..y * stride + gray.width()]);
+        let patches = y * PATCH_ROWS / gray.height() * PATCH_COLUMNS;
+        let cells = y * ROWS / gray.height() * COLUMNS;
+        for column in columns {
+            let value = self.point(rows, column.x);
+            let patch = &mut self.patches[patches + column.patch];
+            patch.0 += u32::from(value);
+            patch.1 += 1;
+            let (sums, count) = &mut self.cells[cells + column.cell];
+            for (sum, value) in sums.iter_mut().zip(image.rgb(column.x, y)) {
+                *sum += u32::from(value);
+            }
+            *count += 1;
+        }
+    }
+
+    /// Counts a point of a row, which lies between the rows that are far and near above and below it. Returns its grey level.
+    fn point(&mut self, [far_above, above, row, below, far_below]: [&[u8]; 5], x: usize) -> u8 {
+        let at = |row: &[u8], x: usize| i32::from(row[x]);
+        let near = (at(row, x + NEAR) - at(row, x - NEAR)).abs().max((at(below, x) - at(above, x)).abs());
+        let far =
+            (at(row, x + FAR) - at(row, x - FAR)).abs().max((at(far_below, x) - at(far_above, x)).abs());
+        let value = row[x];
         self.points += 1;
         self.black += u32::from(value <= BLACK_LEVEL);
         self.white += u32::from(value >= WHITE_LEVEL);
-        let (near, far) = (step(NEAR), step(FAR));
         self.near[near as usize] += 1;
         if far as f32 >= EDGE {
             self.far.push([near as f32, far as f32]);
         }
-        let corners = at(x - 1, y - 1) + at(x + 1, y - 1) + at(x - 1, y + 1) + at(x + 1, y + 1);
-        let sides = at(x, y - 1) + at(x - 1, y) + at(x + 1, y) + at(x, y + 1);
+        let corners = at(above, x - 1) + at(above, x + 1) + at(below, x - 1) + at(below, x + 1);
+        let sides = at(above, x) + at(row, x - 1) + at(row, x + 1) + at(below, x);
         let mask = (corners - 2 * sides + 4 * i32::from(value)).unsigned_abs() as usize;
         self.mask[(mask / 4).min(255)] += 1;
-        let patch = (y * PATCH_ROWS / gray.height()) * PATCH_COLUMNS + x * PATCH_COLUMNS / gray.width();
-        self.patches[patch].0 += u32::from(value);
-        self.patches[patch].1 += 1;
-    }
-
-    fn colour(&mut self, image: &ImageView<'_>, x: usize, y: usize) {
-        let pixel = y * image.stride() + x * image.format().bytes();
-        let (sums, count) =
-            &mut self.cells[(y * ROWS / image.height()) * COLUMNS + x * COLUMNS / image.width()];
-        for (sum, offset) in sums.iter_mut().zip(image.format().rgb_offsets()) {
-            *sum += u32::from(image.data()[pixel + offset]);
-        }
-        *count += 1;
+        value
     }
 
     fn picture(self, fingerprint: u64) -> Picture {

@@ -1,7 +1,7 @@
 //! The threads that look at a picture side by side. They are made once, and a frame waits for all of them: nothing is queued.
 
 use crate::config::ThreadsConfig;
-use crate::error::PerceptionError;
+use crate::error::{PerceptionError, while_doing};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// Fixed threads beside that of their caller, which is one of those that look.
@@ -9,8 +9,10 @@ pub(crate) struct Workers(Option<ThreadPool>);
 
 impl Workers {
     /// # Errors
-    /// [`PerceptionError::Threads`] when the system refuses the threads.
+    /// [`PerceptionError::Threads`] when the system refuses the threads; [`PerceptionError::OpenCv`].
     pub(crate) fn new(config: &ThreadsConfig) -> Result<Self, PerceptionError> {
+        // OpenCV would divide each step among threads of its own, which wait for the next one by asking for it again and again.
+        opencv::core::set_num_threads(1).map_err(while_doing("setting the number of its threads"))?;
         Ok(Self(if config.count > 1 { Some(pool("look", config.count - 1)?) } else { None }))
     }
 

@@ -4,7 +4,7 @@
 
 mod common;
 
-use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig, ThreadsConfig};
+use andon_perception::config::{HandsConfig, MarkerObject, MarkerSearch, MarkersConfig, ThreadsConfig};
 use andon_perception::detections::ObjectDetection;
 use andon_perception::{Dictionary, ImageView, Perceiver, PerceptionConfig, PerceptionError, PixelFormat};
 use common::{DAYLIGHT, Drawn, Light, centre_px, gray, picture, straight_down};
@@ -207,6 +207,42 @@ fn a_marker_at_rest_stays_at_rest_and_a_lifted_one_is_followed() {
     let steps = positions[5..20].windows(2).map(|pair| 1e3 * distance(pair[0], pair[1]));
     // 0.5 mm per frame is 15 mm/s, half of what counts as motion.
     assert!(steps.fold(0.0, f64::max) < 0.5);
+}
+
+#[test]
+fn near_where_markers_were_the_same_ones_are_found_in_the_same_frames_as_in_the_whole_picture() {
+    let mut everywhere = config(&[3, 5, 7]);
+    everywhere.markers.search = MarkerSearch::Whole;
+    let (mut near, mut everywhere) = (perceiver(&[3, 5, 7]), Perceiver::new(&everywhere, None).unwrap());
+    for frame in 0..60u64 {
+        let resting = Drawn::new(3, [-0.3, 0.2], SIDE_M, 0.3);
+        // Carried at 0.9 m/s, then it leaps farther than it is looked for.
+        let leap = if frame < 25 { 0.0 } else { 0.25 };
+        let carried =
+            Drawn::new(5, [0.03 * (frame % 8) as f64 + leap - 0.1, 0.0], SIDE_M, 0.1 * frame as f64);
+        // Hidden for a while, and then somewhere else.
+        let hidden = Drawn::new(7, [if frame < 20 { 0.0 } else { -0.2 }, -0.2], SIDE_M, 0.0);
+        let shown = if (10..20).contains(&frame) { 2 } else { 3 };
+        let light = Light { seed: frame + 1, noise: 6.0, ..DAYLIGHT };
+        let pixels = small_picture(&[resting, carried, hidden][..shown], light);
+        let seen = see(&mut near, gray(640, 480, &pixels));
+        assert_eq!(seen.len(), shown, "frame {frame}");
+        assert_eq!(seen, see(&mut everywhere, gray(640, 480, &pixels)), "frame {frame}");
+    }
+}
+
+#[test]
+fn a_marker_that_is_not_configured_is_counted_while_the_others_are_looked_for_where_they_were() {
+    let mut perceiver = perceiver(&[5]);
+    let own = Drawn::new(5, [0.1, 0.0], SIDE_M, 0.0);
+    let foreign = Drawn::new(8, [-0.2, 0.1], SIDE_M, 0.0);
+    let (alone, both) = (small_picture(&[own], DAYLIGHT), small_picture(&[own, foreign], DAYLIGHT));
+    let mut count = |pixels: &[u8]| perceiver.perceive(gray(640, 480, pixels), 0).unwrap().foreign_markers;
+    assert_eq!(count(&alone), 0);
+    let counts: Vec<_> = (0..20).map(|_| count(&both)).collect();
+    assert_eq!(counts[10..], [1; 10], "{counts:?}");
+    let counts: Vec<_> = (0..20).map(|_| count(&alone)).collect();
+    assert_eq!(counts[10..], [0; 10], "{counts:?}");
 }
 
 #[test]

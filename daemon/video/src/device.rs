@@ -8,9 +8,11 @@ use std::time::Instant;
 use andond::config::Camera;
 use andond::video::OpenError;
 use andond::video::pipe::PictureFormat;
-use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst};
+use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst, VideoWriter};
+use shm_schemas::FrameHeader;
 
-use crate::recording::{format_of, read_in_place};
+use crate::encoding::{self, Encoding, Reader};
+use crate::recording::format_of;
 use crate::source::Source;
 
 /// `V4L2_EXPOSURE_MANUAL` and `V4L2_EXPOSURE_APERTURE_PRIORITY`, which OpenCV passes on unchanged.
@@ -27,22 +29,39 @@ const MIN_RATE_SHARE: f64 = 0.95;
 pub(crate) struct Device {
     capture: VideoCapture,
     format: PictureFormat,
+    encoding: Encoding,
+    reader: Reader,
     opened: Instant,
 }
 
 impl Device {
-    /// Opens `/dev/videoN` with the configured size, rate and exposure. The device chooses the nearest values that it offers, which must
-    /// fit the configuration.
+    /// Opens `/dev/videoN` with the configured size, rate and exposure, in the first encoding in which it has them. The device chooses the
+    /// nearest values that it offers, which must fit the configuration.
     pub(crate) fn open(camera: &Camera) -> Result<Self, OpenError> {
-        let path = &camera.device;
-        reachable(path)?;
-        let gone = |error: opencv::Error| OpenError::Gone(format!("{}: {error}", path.display()));
-        let mut capture = VideoCapture::from_file(path, videoio::CAP_V4L2).map_err(gone)?;
+        reachable(&camera.device)?;
+        encoding::choose(Encoding::allowed(camera.encoding), |encoding| Self::open_as(camera, encoding))
+    }
+
+    fn open_as(camera: &Camera, encoding: Encoding) -> Result<Self, OpenError> {
+        let path = camera.device.display();
+        let gone = |error: opencv::Error| OpenError::Gone(format!("{path}: {error}"));
+        let mut capture = VideoCapture::from_file(&camera.device, videoio::CAP_V4L2).map_err(gone)?;
         if !capture.is_opened().unwrap_or(false) {
             return Err(OpenError::Gone(format!(
-                "{}: this is not a camera that sends pictures, or another program is using it",
-                path.display()
+                "{path}: this is not a camera that sends pictures, or another program is using it"
             )));
+        }
+        if let Some([a, b, c, d]) = encoding.letters() {
+            let letters = VideoWriter::fourcc(a, b, c, d).map_err(gone)?;
+            // Asked back as well: a device that refuses keeps its own encoding.
+            let is_taken = capture.set(videoio::CAP_PROP_FOURCC, letters.into()).unwrap_or(false)
+                && capture.get(videoio::CAP_PROP_FOURCC).is_ok_and(|taken| taken as i32 == letters)
+                && capture.set(videoio::CAP_PROP_CONVERT_RGB, 0.0).unwrap_or(false);
+            if !is_taken {
+                return Err(OpenError::Refused(format!(
+                    "{path} does not send {a}{b}{c}{d}; `v4l2-ctl --list-formats-ext` lists what it offers"
+                )));
+            }
         }
         for (property, value) in [
             (videoio::CAP_PROP_FRAME_WIDTH, f64::from(camera.width)),
@@ -55,7 +74,8 @@ impl Device {
         expose(&mut capture, camera.exposure_us)?;
         let format = format_of(&capture).map_err(OpenError::Gone)?;
         fits(format, camera)?;
-        Ok(Self { capture, format: PictureFormat { count: 0, ..format }, opened: Instant::now() })
+        let format = PictureFormat { count: 0, ..format };
+        Ok(Self { capture, format, encoding, reader: Reader::default(), opened: Instant::now() })
     }
 }
 
@@ -116,8 +136,17 @@ impl Source for Device {
         self.format
     }
 
+    fn frame_bytes(&self) -> usize {
+        self.encoding.frame_bytes(self.format)
+    }
+
+    fn describe(&self, header: &mut FrameHeader) {
+        self.encoding.describe(self.format, header);
+        header.dropped = self.reader.damaged;
+    }
+
     fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
-        if !read_in_place(&mut self.capture, self.format, picture)? {
+        if !self.reader.read(&mut self.capture, self.encoding, self.format, picture)? {
             return Err("the camera sends no more pictures; is it still plugged in?".into());
         }
         Ok(Some(self.opened.elapsed().as_nanos() as u64))

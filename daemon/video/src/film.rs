@@ -4,11 +4,12 @@ use std::ffi::OsStr;
 use std::io::{BufReader, BufWriter, Write as _, stdin, stdout};
 use std::path::Path;
 
+use andond::video::frame::view;
 use andond::video::pipe::{PipeReader, PipeWriter};
 use opencv::core::{Mat, Size, Vec3b, Vector};
 use opencv::imgcodecs;
 use opencv::videoio::{self, VideoWriter, VideoWriterTrait, VideoWriterTraitConst};
-use shm_schemas::{ColourFormat, FrameHeader};
+use shm_schemas::FrameHeader;
 
 use crate::recording;
 use crate::source::Source;
@@ -35,13 +36,11 @@ pub fn watch(source: &mut dyn Source) -> Result<(), String> {
         let mut header = FrameHeader::default();
         source.describe(&mut header);
         // Depth lies behind the colour picture.
-        let picture = frame.get_mut(..format.bytes()).ok_or("the source sends less than a picture")?;
-        match ColourFormat::try_from(header.colour_format) {
-            Ok(ColourFormat::Bgr8) => (),
-            Ok(ColourFormat::Rgb8) => picture.chunks_exact_mut(3).for_each(|pixel| pixel.swap(0, 2)),
-            _ => return Err("the source sends neither RGB nor BGR pictures".into()),
-        }
-        if pipe.write_picture(pts_ns, picture).is_err() {
+        let colour = frame
+            .get(..header.colour_bytes().unwrap_or(usize::MAX))
+            .ok_or("the source sends less than a picture")?;
+        let image = view(&header, colour).and_then(|image| image.bgr()).map_err(|error| error.to_string())?;
+        if pipe.write_picture(pts_ns, &image).is_err() {
             return Ok(());
         }
     }

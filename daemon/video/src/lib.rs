@@ -5,6 +5,7 @@
 
 pub mod capture;
 mod device;
+mod encoding;
 pub mod film;
 mod rate;
 #[cfg(feature = "realsense")]

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use andond::video::pipe::PictureFormat;
-use opencv::core::{Mat, MatTraitConst, Vec3b};
+use opencv::core::{DataType, Mat, MatTraitConst, Vec3b};
 use opencv::imgcodecs;
 use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst};
 
@@ -32,16 +32,15 @@ fn is_picture(path: &Path) -> bool {
     matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg" | "bmp" | "tif" | "tiff"))
 }
 
-/// Lets OpenCV write the next picture of `capture` into the caller's memory; false at the end.
-pub(crate) fn read_in_place(
+/// Lets OpenCV write the next picture of `capture` into the caller's memory, in so many rows and columns of `Pixel`; false at the end.
+pub(crate) fn read_in_place<Pixel: DataType>(
     capture: &mut VideoCapture,
-    format: PictureFormat,
+    [rows, columns]: [u32; 2],
     picture: &mut [u8],
 ) -> Result<bool, String> {
     let at = picture.as_ptr();
-    let mut mat =
-        Mat::new_rows_cols_with_bytes_mut::<Vec3b>(format.height as i32, format.width as i32, picture)
-            .map_err(|error| error.to_string())?;
+    let mut mat = Mat::new_rows_cols_with_bytes_mut::<Pixel>(rows as i32, columns as i32, picture)
+        .map_err(|error| error.to_string())?;
     let read = capture.read(&mut mat).map_err(|error| error.to_string())?;
     // OpenCV keeps the given buffer while size and type fit, and allocates another one when they do not.
     if read && mat.data() != at {
@@ -122,7 +121,8 @@ impl Source for Film {
     }
 
     fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
-        if !read_in_place(&mut self.capture, self.format, picture)? {
+        let size = [self.format.height, self.format.width];
+        if !read_in_place::<Vec3b>(&mut self.capture, size, picture)? {
             return self.end();
         }
         let container_ms = property(&self.capture, videoio::CAP_PROP_POS_MSEC);

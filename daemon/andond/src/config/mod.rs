@@ -29,7 +29,7 @@ pub use fault::{Fault, Faults};
 pub use in_force::in_force;
 pub use reference::reference;
 pub use sections::bench::{Bench, Object};
-pub use sections::camera::{Camera, Source, Speed};
+pub use sections::camera::{Camera, Encoding, Source, Speed};
 pub use sections::perception::{HandModel, Perception};
 pub use sections::service::{Health, Journal, Log, Metrics, Plc};
 pub use sections::station::Station;

@@ -2,8 +2,8 @@
 
 use andon_ipc::{FrameReader, FrameSample, Node, Port, Writer};
 use andon_perception::metric::MetricScene;
-use andon_perception::{Detections as Seen, ImageView, Perceiver, PerceptionError, PixelFormat};
-use shm_schemas::{ColourFormat, Detections, FrameHeader, RoleId};
+use andon_perception::{Detections as Seen, Perceiver};
+use shm_schemas::{Detections, RoleId};
 
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
@@ -13,7 +13,7 @@ use crate::config::{Config, Source};
 use crate::log::{code, log};
 use crate::metric::{PlaceError, Placer};
 use crate::perception::SetupError;
-use crate::{perception, wire};
+use crate::{perception, video, wire};
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -98,7 +98,7 @@ impl Perceive<'_> {
     /// What a frame shows, with its scene in metric mode.
     fn perceive(&mut self, frame: &FrameSample) -> Result<(Seen, Option<MetricScene>), RoleError> {
         let header = frame.header();
-        let image = view(header, frame.colour()?)?;
+        let image = video::frame::view(header, frame.colour()?)?;
         let seen = self.perceiver.perceive(image, header.source_ns)?;
         let scene = self.scene(frame, &seen)?;
         Ok((seen, scene))
@@ -122,21 +122,4 @@ impl Perceive<'_> {
             Err(PlaceError::Frame(error)) => Err(RoleError::Source(error.to_string())),
         }
     }
-}
-
-/// The colour plane, where it lies.
-fn view<'a>(header: &FrameHeader, colour: &'a [u8]) -> Result<ImageView<'a>, PerceptionError> {
-    let format = match ColourFormat::try_from(header.colour_format) {
-        Ok(ColourFormat::Rgb8) => PixelFormat::Rgb8,
-        Ok(ColourFormat::Bgr8) => PixelFormat::Bgr8,
-        Ok(ColourFormat::Grey8) => PixelFormat::Gray8,
-        Ok(ColourFormat::Yuyv) | Err(_) => {
-            return Err(PerceptionError::Setting {
-                key: "the colour format of the frames",
-                value: header.colour_format.to_string(),
-                range: "RGB, BGR or grey, 8 bits each",
-            });
-        }
-    };
-    ImageView::new(header.width as usize, header.height as usize, header.stride as usize, format, colour)
 }

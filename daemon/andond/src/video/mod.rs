@@ -3,6 +3,7 @@
 //! Only the binary `andond-video` of the crate `andon-video` links OpenCV's `videoio`, which loads 248 shared libraries, 65 MB. The role
 //! `capture` runs in that binary. The tools start it to decode a film, or to make a film of pictures, over a [`pipe`].
 
+pub mod frame;
 pub mod pipe;
 mod still;
 

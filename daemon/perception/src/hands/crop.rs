@@ -6,12 +6,16 @@
 use super::region::Region;
 use crate::error::{PerceptionError, while_doing};
 use crate::image::ImageView;
-use opencv::core::{Mat, Rect, Size};
+use crate::pixel_format::PixelFormat;
+use opencv::core::{self, Mat, Rect, Scalar, Size, ToInputArray};
 use opencv::{imgproc, prelude::*};
 
 /// Up to this step, in pixels of the picture, sampling between four pixels averages as much noise away as the mean over a step would,
 /// and at half the cost; beyond it, pixels are skipped.
 const SKIPS: f32 = 1.5;
+
+/// Twice the largest picture. OpenCV counts places in 1/1024 of a pixel, in 32 bits.
+const FAR_PX: f32 = 16384.0;
 
 /// The pixels outside the picture.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -22,11 +26,27 @@ pub(super) enum Border {
     Nearest,
 }
 
+impl Border {
+    /// OpenCV's number.
+    fn code(self) -> i32 {
+        match self {
+            Self::Black => core::BORDER_CONSTANT,
+            Self::Nearest => core::BORDER_REPLICATE,
+        }
+    }
+}
+
 /// Cuts regions out of pictures.
 #[derive(Default)]
 pub(super) struct Cropper {
+    /// The part of the picture that holds the region, where its colours have to be computed.
+    converted: Mat,
     /// The part of the picture that holds the region, shrunk to the scale of the model's input.
     shrunk: Mat,
+    /// The region as the model sees it, in the format of the picture.
+    turned: Mat,
+    /// The same as red, green and blue.
+    rgb: Mat,
 }
 
 impl Cropper {
@@ -42,29 +62,87 @@ impl Cropper {
         border: Border,
         tensor: &mut [f32],
     ) -> Result<(), PerceptionError> {
-        let step = region.side / size as f32;
-        // Also false for NaN.
-        if step > SKIPS {
-            let window = Window::around(region, image);
-            self.shrink(image, &window, step).map_err(while_doing("shrinking a picture"))?;
-            let data = self.shrunk.data_bytes().map_err(while_doing("reading a shrunk picture"))?;
-            let (width, height) = (self.shrunk.cols() as usize, self.shrunk.rows() as usize);
-            let shrunk = ImageView::new(width, height, width * image.format().bytes(), image.format(), data)?;
-            let scale = [width as f32 / window.width as f32, height as f32 / window.height as f32];
-            sample(&shrunk, &Grid::new(region, size).shrunk(&window, scale), size, border, tensor);
-        } else {
-            sample(image, &Grid::new(region, size), size, border, tensor);
-        }
-        Ok(())
+        self.cut(image, within_reach(region), size, border)
+            .and_then(|format| self.fill(format, size, tensor))
+            .map_err(while_doing("cutting a region out of a picture"))
     }
 
-    fn shrink(&mut self, image: &ImageView<'_>, window: &Window, step: f32) -> opencv::Result<()> {
-        let shrunk = |side: i32| ((side as f32 / step).round() as i32).max(1);
-        let size = Size::new(shrunk(window.width), shrunk(window.height));
-        image.with_pixels(|pixels| {
-            let pixels = Mat::roi(pixels, Rect::new(window.left, window.top, window.width, window.height))?;
-            imgproc::resize(&pixels, &mut self.shrunk, size, 0.0, 0.0, imgproc::INTER_AREA)
-        })
+    /// Returns the format in which it shows the region. Of a picture whose colours have to be computed, only those around the region are.
+    fn cut(
+        &mut self,
+        image: &ImageView<'_>,
+        region: Region,
+        size: usize,
+        border: Border,
+    ) -> opencv::Result<PixelFormat> {
+        if image.format().rgb_offsets().is_some() {
+            image.with_pixels(|pixels| self.turn(pixels, region, size, border))?;
+            return Ok(image.format());
+        }
+        let part =
+            Window::around(region, [image.width() as i32, image.height() as i32]).with_whole_colours(image);
+        let mut converted = std::mem::take(&mut self.converted);
+        image.write_bgr(part.rect(), &mut converted)?;
+        let centre = [region.centre[0] - part.left as f32, region.centre[1] - part.top as f32];
+        let outcome = self.turn(&converted, Region { centre, ..region }, size, border);
+        self.converted = converted;
+        outcome.map(|()| PixelFormat::Bgr8)
+    }
+
+    /// Writes the region as red, green and blue, 0..1.
+    fn fill(&mut self, format: PixelFormat, size: usize, tensor: &mut [f32]) -> opencv::Result<()> {
+        let code = match format {
+            PixelFormat::Gray8 => imgproc::COLOR_GRAY2RGB,
+            PixelFormat::Bgra8 => imgproc::COLOR_BGRA2RGB,
+            PixelFormat::Rgba8 => imgproc::COLOR_RGBA2RGB,
+            _ => imgproc::COLOR_BGR2RGB,
+        };
+        let rgb = if format == PixelFormat::Rgb8 {
+            &self.turned
+        } else {
+            imgproc::cvt_color_def(&self.turned, &mut self.rgb, code)?;
+            &self.rgb
+        };
+        let mut tensor = Mat::new_rows_cols_with_data_mut(size as i32, 3 * size as i32, tensor)?;
+        let mut tensor = tensor.reshape_mut(3, 0)?;
+        rgb.convert_to(&mut tensor, core::CV_32F, 1.0 / 255.0, 0.0)
+    }
+
+    /// Fills `turned` with the region of a picture.
+    fn turn(
+        &mut self,
+        pixels: &(impl MatTraitConst + ToInputArray),
+        region: Region,
+        size: usize,
+        border: Border,
+    ) -> opencv::Result<()> {
+        let (step, grid) = (region.side / size as f32, Grid::new(region, size));
+        if step <= SKIPS {
+            return grid.sample(pixels, &mut self.turned, size, border);
+        }
+        let window = Window::around(region, [pixels.cols(), pixels.rows()]);
+        let shrunk = [window.width, window.height].map(|side| ((side as f32 / step).round() as i32).max(1));
+        let part = Mat::roi(pixels, window.rect())?;
+        imgproc::resize(
+            &part,
+            &mut self.shrunk,
+            Size::new(shrunk[0], shrunk[1]),
+            0.0,
+            0.0,
+            imgproc::INTER_AREA,
+        )?;
+        let scale = [shrunk[0] as f32 / window.width as f32, shrunk[1] as f32 / window.height as f32];
+        grid.shrunk(&window, scale).sample(&self.shrunk, &mut self.turned, size, border)
+    }
+}
+
+/// The region, or one that shows the same where it lies so far outside the picture that its places cannot be counted.
+fn within_reach(region: Region) -> Region {
+    let reached = |value: f32, min: f32| if value.is_nan() { min } else { value.clamp(min, FAR_PX) };
+    Region {
+        centre: region.centre.map(|value| reached(value, -FAR_PX)),
+        side: reached(region.side, 1.0),
+        rotation: if region.rotation.is_finite() { region.rotation } else { 0.0 },
     }
 }
 
@@ -78,18 +156,34 @@ struct Window {
 
 impl Window {
     /// At least one pixel: a region may lie far outside the picture.
-    fn around(region: Region, image: &ImageView<'_>) -> Self {
+    fn around(region: Region, [columns, rows]: [i32; 2]) -> Self {
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|corner| region.to_image(corner));
-        let span = |axis: usize, length: usize| {
+        let span = |axis: usize, length: i32| {
             let places = corners.map(|corner| corner[axis]);
-            let last = length as i32 - 1;
+            let last = length - 1;
             // The casts saturate.
             let first = (places.into_iter().fold(f32::INFINITY, f32::min).floor() as i32).clamp(0, last);
             let past = places.into_iter().fold(f32::NEG_INFINITY, f32::max).ceil() as i32;
             (first, past.clamp(first, last) - first + 1)
         };
-        let ((left, width), (top, height)) = (span(0, image.width()), span(1, image.height()));
+        let ((left, width), (top, height)) = (span(0, columns), span(1, rows));
         Self { left, top, width, height }
+    }
+
+    /// A little more of the picture, so that its edges lie between pixels that share no colour, with the neighbours of its places.
+    fn with_whole_colours(self, image: &ImageView<'_>) -> Self {
+        let span = |first: i32, length: i32, of: usize| {
+            let (first, past) = ((first - 1).max(0) & !1, (first + length + 1).min(of as i32));
+            // A picture whose pixels share colours along its rows only may have an odd number of rows.
+            (first, ((past - first + 1) & !1).min(of as i32 - first))
+        };
+        let (left, width) = span(self.left, self.width, image.width());
+        let (top, height) = span(self.top, self.height, image.height());
+        Self { left, top, width, height }
+    }
+
+    fn rect(&self) -> Rect {
+        Rect::new(self.left, self.top, self.width, self.height)
     }
 }
 
@@ -113,19 +207,6 @@ impl Grid {
         }
     }
 
-    /// Whether each of the `size` x `size` places has four neighbours in a picture with this last column and row. A pixel at the border
-    /// is left out for what rounding may add. False for what is no number.
-    fn lies_within(&self, last: [i32; 2], size: usize) -> bool {
-        let far = (size - 1) as f32;
-        [0, 1].into_iter().all(|axis| {
-            let ends = [[0.0, 0.0], [far, 0.0], [0.0, far], [far, far]];
-            ends.into_iter().all(|[column, row]| {
-                let place = self.first[axis] + column * self.along[axis] + row * self.down[axis];
-                (1.0..(last[axis] - 1) as f32).contains(&place)
-            })
-        })
-    }
-
     /// The same places in a part of the picture that was shrunk. Pixel centres are whole numbers; a picture begins half a pixel
     /// before the first.
     fn shrunk(self, window: &Window, scale: [f32; 2]) -> Self {
@@ -137,106 +218,20 @@ impl Grid {
             down: scaled(self.down),
         }
     }
-}
 
-/// Fills `tensor` with what the picture shows at the places of the grid, bilinear.
-fn sample(image: &ImageView<'_>, grid: &Grid, size: usize, border: Border, tensor: &mut [f32]) {
-    let sampler = Sampler::new(image, border);
-    if !grid.lies_within(sampler.last, size) {
-        fill(grid, size, tensor, |x, y| sampler.at(x, y));
-        return;
-    }
-    // The compiler knows the number of bytes of a pixel then, which halves the time.
-    match sampler.pixel_bytes {
-        3 => fill(grid, size, tensor, |x, y| sampler.within::<3>(x, y)),
-        4 => fill(grid, size, tensor, |x, y| sampler.within::<4>(x, y)),
-        _ => fill(grid, size, tensor, |x, y| sampler.within::<1>(x, y)),
-    }
-}
-
-/// Fills `tensor` with a colour for each place of the grid.
-fn fill(grid: &Grid, size: usize, tensor: &mut [f32], colour: impl Fn(f32, f32) -> [f32; 3]) {
-    for (row, line) in tensor.chunks_exact_mut(3 * size).enumerate() {
-        let start = [0, 1].map(|axis| grid.first[axis] + row as f32 * grid.down[axis]);
-        for (column, pixel) in line.chunks_exact_mut(3).enumerate() {
-            let [x, y] = [0, 1].map(|axis| start[axis] + column as f32 * grid.along[axis]);
-            pixel.copy_from_slice(&colour(x, y));
-        }
-    }
-}
-
-struct Sampler<'a> {
-    data: &'a [u8],
-    stride: usize,
-    pixel_bytes: usize,
-    rgb: [usize; 3],
-    last: [i32; 2],
-    border: Border,
-}
-
-impl<'a> Sampler<'a> {
-    fn new(image: &ImageView<'a>, border: Border) -> Self {
-        Self {
-            data: image.data(),
-            stride: image.stride(),
-            pixel_bytes: image.format().bytes(),
-            rgb: image.format().rgb_offsets(),
-            last: [image.width() as i32 - 1, image.height() as i32 - 1],
-            border,
-        }
-    }
-
-    /// As [`Sampler::at`], to the bit, for a point that has four neighbours in the picture, whose pixels have `BYTES` bytes.
-    fn within<const BYTES: usize>(&self, x: f32, y: f32) -> [f32; 3] {
-        // Of a number over 0 the whole part is the next lower whole number.
-        let (left, top) = (x as u32, y as u32);
-        let (right_share, bottom_share) = (x - left as f32, y - top as f32);
-        let first = top as usize * self.stride + left as usize * BYTES;
-        let above = &self.data[first..first + 2 * BYTES];
-        let below = &self.data[first + self.stride..first + self.stride + 2 * BYTES];
-        let weights = [
-            (1.0 - right_share) * (1.0 - bottom_share),
-            right_share * (1.0 - bottom_share),
-            (1.0 - right_share) * bottom_share,
-            right_share * bottom_share,
-        ];
-        self.rgb.map(|offset| {
-            // A grey pixel has one byte for all; the masks only tell the compiler that no offset leaves the pixel.
-            let offset = offset % BYTES;
-            let sum = weights[0] * f32::from(above[offset])
-                + weights[1] * f32::from(above[BYTES + offset])
-                + weights[2] * f32::from(below[offset])
-                + weights[3] * f32::from(below[BYTES + offset]);
-            sum / 255.0
-        })
-    }
-
-    /// Red, green and blue at a point, 0..1.
-    fn at(&self, x: f32, y: f32) -> [f32; 3] {
-        let (left, top) = (x.floor(), y.floor());
-        let (right_share, bottom_share) = (x - left, y - top);
-        // A region may lie far outside the picture: the cast saturates.
-        let (left, top) = (left as i32, top as i32);
-        let weights = [
-            (1.0 - right_share) * (1.0 - bottom_share),
-            right_share * (1.0 - bottom_share),
-            (1.0 - right_share) * bottom_share,
-            right_share * bottom_share,
-        ];
-        let mut sum = [0.0; 3];
-        for (neighbour, weight) in weights.into_iter().enumerate() {
-            let x = left.saturating_add((neighbour & 1) as i32);
-            let y = top.saturating_add((neighbour >> 1) as i32);
-            let inside = [x.clamp(0, self.last[0]), y.clamp(0, self.last[1])];
-            if self.border == Border::Black && inside != [x, y] {
-                continue;
-            }
-            let pixel = inside[1] as usize * self.stride + inside[0] as usize * self.pixel_bytes;
-            for (channel, offset) in self.rgb.into_iter().enumerate() {
-                sum[channel] += weight * f32::from(self.data[pixel + offset]);
-            }
-        }
-        sum.map(|value| value / 255.0)
+    /// What the picture shows at `size` x `size` places, between four pixels.
+    fn sample(
+        &self,
+        pixels: &impl ToInputArray,
+        to: &mut Mat,
+        size: usize,
+        border: Border,
+    ) -> opencv::Result<()> {
+        let row = |axis: usize| [self.along[axis], self.down[axis], self.first[axis]];
+        let places = Mat::from_slice_2d(&[row(0), row(1)])?;
+        let size = Size::new(size as i32, size as i32);
+        let flags = imgproc::INTER_LINEAR | imgproc::WARP_INVERSE_MAP;
+        imgproc::warp_affine(pixels, to, &places, size, flags, border.code(), Scalar::default())
     }
 }
 
@@ -244,7 +239,6 @@ impl<'a> Sampler<'a> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::pixel_format::PixelFormat;
 
     const WIDTH: usize = 640;
     const HEIGHT: usize = 480;
@@ -319,16 +313,77 @@ mod tests {
     }
 
     #[test]
-    fn within_the_picture_the_fast_way_gives_the_same_bits_as_the_one_for_its_border() {
-        let data: Vec<u8> = (0..WIDTH * HEIGHT * 4).map(|index| (index * 7919 % 251) as u8).collect();
-        for format in [PixelFormat::Gray8, PixelFormat::Bgr8, PixelFormat::Rgb8, PixelFormat::Bgra8] {
+    fn every_format_shows_its_red_green_and_blue() {
+        for (format, pixel) in [
+            (PixelFormat::Bgr8, [30, 20, 10, 0]),
+            (PixelFormat::Rgb8, [10, 20, 30, 0]),
+            (PixelFormat::Bgra8, [30, 20, 10, 99]),
+            (PixelFormat::Rgba8, [10, 20, 30, 99]),
+        ] {
+            let data: Vec<u8> = (0..WIDTH * HEIGHT).flat_map(|_| pixel[..format.bytes()].to_vec()).collect();
             let image = ImageView::new(WIDTH, HEIGHT, WIDTH * format.bytes(), format, &data).unwrap();
-            let region = Region { centre: [330.3, 211.7], side: 280.0, rotation: 0.4 };
-            let (grid, sampler) = (Grid::new(region, 224), Sampler::new(&image, Border::Black));
-            assert!(grid.lies_within(sampler.last, 224), "the fast way was not taken");
-            let mut careful = vec![f32::NAN; 224 * 224 * 3];
-            fill(&grid, 224, &mut careful, |x, y| sampler.at(x, y));
-            assert_eq!(cropped(&image, region, 224, Border::Black), careful, "{format:?}");
+            for side in [200.0, 500.0] {
+                let tensor = cropped(
+                    &image,
+                    Region { centre: [320.0, 240.0], side, rotation: 0.4 },
+                    64,
+                    Border::Nearest,
+                );
+                let pixel = [0, 1, 2].map(|channel| (255.0 * tensor[3 * 64 * 32 + channel]).round());
+                assert_eq!(pixel, [10.0, 20.0, 30.0], "{format:?}");
+            }
+        }
+    }
+
+    /// A picture whose blue, green and red rise in different directions, and the same as a camera sends it.
+    fn colourful(format: PixelFormat) -> (Vec<u8>, Vec<u8>) {
+        let bgr: Vec<u8> = (0..WIDTH * HEIGHT)
+            .flat_map(|index| {
+                [index % WIDTH / 4 + 40, index / WIDTH / 4 + 60, (index % WIDTH + index / WIDTH) / 8 + 50]
+                    .map(|value| value as u8)
+            })
+            .collect();
+        let yuv = |x: usize, y: usize| {
+            let [b, g, r] = [0, 1, 2].map(|channel| f32::from(bgr[3 * (y * WIDTH + x) + channel]));
+            let luma = 16.0 + 0.257 * r + 0.504 * g + 0.098 * b;
+            [luma, 128.0 - 0.148 * r - 0.291 * g + 0.439 * b, 128.0 + 0.439 * r - 0.368 * g - 0.071 * b]
+                .map(|value| value.round() as u8)
+        };
+        let places = |step: usize| {
+            (0..HEIGHT).step_by(step).flat_map(move |y| (0..WIDTH).step_by(2).map(move |x| (x, y)))
+        };
+        let sent = match format {
+            PixelFormat::Yuyv => places(1)
+                .flat_map(|(x, y)| [yuv(x, y)[0], yuv(x, y)[1], yuv(x + 1, y)[0], yuv(x, y)[2]])
+                .collect(),
+            _ => {
+                let brightness = (0..WIDTH * HEIGHT).map(|index| yuv(index % WIDTH, index / WIDTH)[0]);
+                brightness.chain(places(2).flat_map(|(x, y)| [yuv(x, y)[1], yuv(x, y)[2]])).collect()
+            }
+        };
+        (bgr, sent)
+    }
+
+    #[test]
+    fn what_a_camera_sends_shows_the_same_as_blue_green_and_red_wherever_the_region_lies() {
+        for format in [PixelFormat::Yuyv, PixelFormat::Nv12] {
+            let (bgr, sent) = colourful(format);
+            let bgr = ImageView::new(WIDTH, HEIGHT, 3 * WIDTH, PixelFormat::Bgr8, &bgr).unwrap();
+            let sent = ImageView::new(WIDTH, HEIGHT, format.bytes() * WIDTH, format, &sent).unwrap();
+            for (centre, side) in [
+                ([321.3, 222.7], 230.0),
+                ([321.3, 222.7], 431.0),
+                ([12.0, 470.0], 180.0),
+                ([320.0, 240.0], 640.0),
+            ] {
+                for border in [Border::Black, Border::Nearest] {
+                    let region = Region { centre, side, rotation: 0.4 };
+                    let [expected, seen] = [&bgr, &sent].map(|image| cropped(image, region, 192, border));
+                    let off = expected.iter().zip(&seen).map(|(a, b)| 255.0 * (a - b).abs());
+                    // Rounding to whole numbers twice, and a colour for two or four pixels.
+                    assert!(off.fold(0.0, f32::max) < 4.0, "{format:?} {centre:?} {side}");
+                }
+            }
         }
     }
 

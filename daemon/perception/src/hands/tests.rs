@@ -28,6 +28,8 @@ struct Scripted {
 struct Script {
     hands: Vec<Scripted>,
     palm_detections: usize,
+    /// Searches whose palms were taken, and waited for where they were not there yet.
+    searches_waited_for: usize,
     /// The palms of the picture that was searched last.
     searched: Palms,
     /// The next landmarks lie this far beside the hand.
@@ -59,7 +61,9 @@ impl PalmModel for Models {
     }
 
     fn finish(&mut self) -> Result<(Palms, u64), PerceptionError> {
-        Ok((std::mem::take(&mut self.script().searched), 0))
+        let mut script = self.script();
+        script.searches_waited_for += 1;
+        Ok((std::mem::take(&mut script.searched), 0))
     }
 }
 
@@ -200,6 +204,22 @@ fn wanting_two_hands_with_one_in_view_searches_every_tenth_frame() {
     let found =
         (0..11).map(|_| bench.frame(&[hand(300.0, 0.9), hand(900.0, 0.1)])).find(|hands| hands.len() == 2);
     assert_eq!(sides(&found.unwrap()), [Side::Right, Side::Left]);
+}
+
+#[test]
+fn the_frame_in_which_a_search_begins_does_not_wait_for_it_while_a_hand_is_followed() {
+    let mut bench = Bench::wanting(&[Side::Right, Side::Left]);
+    bench.frame(&[hand(300.0, 0.9)]);
+    let mut waited = Vec::new();
+    for _ in 0..41 {
+        let [began, ended] = [bench.palm_detections(), bench.script.script().searches_waited_for];
+        assert_eq!(sides(&bench.frame(&[hand(300.0, 0.9)])), [Side::Right]);
+        let has_begun = bench.palm_detections() > began;
+        let has_waited = bench.script.script().searches_waited_for > ended;
+        assert!(!(has_begun && has_waited), "the frame has waited for its own search");
+        waited.push(has_waited);
+    }
+    assert_eq!(waited.iter().filter(|waited| **waited).count(), 4, "{waited:?}");
 }
 
 #[test]

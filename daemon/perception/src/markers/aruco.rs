@@ -8,6 +8,9 @@ use opencv::prelude::*;
 /// twice to four times a module of the markers that are read here (3 to 7 pixels, see `Markers::find`).
 const THRESHOLD_WINDOW: i32 = 13;
 
+/// Minimum perimeter of a marker as a share of the picture's larger side: OpenCV's default.
+const MIN_PERIMETER: f64 = 0.03;
+
 /// Sets the parameters, whose names both interfaces share.
 macro_rules! set_parameters {
     ($parameters:ident, $threshold_constant:expr) => {
@@ -47,12 +50,16 @@ mod interface {
             })
         }
 
+        /// Detects markers in a part of a picture, of which `share` is the length of its larger side in relation to that of the picture:
+        /// what is too small for a marker in the picture is so in its part.
         pub(in crate::markers) fn detect(
             &mut self,
             gray: &impl ToInputArray,
+            share: f64,
             corners: &mut Vector<Vector<Point2f>>,
             ids: &mut Vector<i32>,
         ) -> opencv::Result<()> {
+            self.parameters.set_min_marker_perimeter_rate(MIN_PERIMETER / share);
             aruco::detect_markers(gray, &self.dictionary, corners, ids, &self.parameters, &mut self.rejected)
         }
     }
@@ -65,6 +72,7 @@ mod interface {
 
     pub(in crate::markers) struct Aruco {
         detector: ArucoDetector,
+        parameters: DetectorParameters,
         rejected: Vector<Vector<Point2f>>,
     }
 
@@ -77,15 +85,19 @@ mod interface {
             set_parameters!(parameters, threshold_constant);
             let dictionary = objdetect::get_predefined_dictionary_i32(dictionary.code())?;
             let detector = ArucoDetector::new(&dictionary, &parameters, RefineParameters::new_def()?)?;
-            Ok(Self { detector, rejected: Vector::new() })
+            Ok(Self { detector, parameters, rejected: Vector::new() })
         }
 
+        /// As with `aruco`.
         pub(in crate::markers) fn detect(
             &mut self,
             gray: &impl ToInputArray,
+            share: f64,
             corners: &mut Vector<Vector<Point2f>>,
             ids: &mut Vector<i32>,
         ) -> opencv::Result<()> {
+            self.parameters.set_min_marker_perimeter_rate(MIN_PERIMETER / share);
+            self.detector.set_detector_parameters(&self.parameters)?;
             self.detector.detect_markers(gray, corners, ids, &mut self.rejected)
         }
     }

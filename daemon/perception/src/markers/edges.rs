@@ -14,6 +14,12 @@ const MIN_SAMPLES: usize = 6;
 const MIN_CONTRAST: f64 = 60.0;
 /// Steps across the edge, in pixels.
 const STEP: f64 = 0.25;
+/// Half a pixel in these steps.
+const HALF: usize = 2;
+/// Maximum reach across the edge, in pixels.
+const MAX_REACH: f64 = 6.0;
+/// Maximum number of places across the edge that are sampled.
+const PLACES: usize = 2 * ((MAX_REACH / STEP) as usize + HALF) + 1;
 /// How far lens and pixels spread an edge, in pixels to either side.
 const BLUR: f64 = 1.5;
 /// A point further from the line than this does not belong to the edge, in pixels.
@@ -41,13 +47,14 @@ type Line = [f64; 3];
 /// found, 0..1; the corners stay as given where the result would be absurd.
 pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [PixelPoint; 4], modules: f64) -> f64 {
     let given = *corners;
+    let sampler = Sampler::new(gray);
     let mut found = 0;
     for pass in [Pass::Coarse, Pass::Fine] {
         found = 0;
         let mut lines = [[0.0; 3]; 4];
         for (edge, line) in lines.iter_mut().enumerate() {
             let (from, to) = (corners[edge], corners[(edge + 1) % 4]);
-            *line = match fit_edge(gray, from, to, modules, pass) {
+            *line = match fit_edge(&sampler, from, to, modules, pass) {
                 Some(fitted) => {
                     found += 1;
                     fitted
@@ -70,7 +77,7 @@ pub(crate) fn refine(gray: &ImageView<'_>, corners: &mut [PixelPoint; 4], module
 
 /// The line along the step from dark (inside) to bright (outside) between two corners.
 fn fit_edge(
-    gray: &ImageView<'_>,
+    sampler: &Sampler<'_>,
     from: PixelPoint,
     to: PixelPoint,
     modules: f64,
@@ -84,7 +91,7 @@ fn fit_edge(
     // Outward, for corners that run clockwise with y down.
     let outward = [along[1], -along[0]];
     // Half a module: the modules of the pattern begin further in.
-    let half_module = (0.55 * length / modules).clamp(BLUR, 6.0);
+    let half_module = (0.55 * length / modules).clamp(BLUR, MAX_REACH);
     let reach = if pass == Pass::Coarse { half_module } else { BLUR };
     let wanted = (length as usize).clamp(10, SAMPLES);
 
@@ -93,7 +100,7 @@ fn fit_edge(
     for sample in 0..wanted {
         let share = MARGIN + (1.0 - 2.0 * MARGIN) * (sample as f64 + 0.5) / wanted as f64;
         let base = moved(from, along, share * length);
-        if let Some((offset, contrast)) = step_outward(gray, base, outward, reach, pass) {
+        if let Some((offset, contrast)) = step_outward(sampler, base, outward, reach, pass) {
             points[count] = (moved(base, outward, offset), contrast.sqrt());
             count += 1;
         }
@@ -116,18 +123,23 @@ fn fit_edge(
 /// A lens blurs light, and the camera turns light into grey values after that: the middle of a blurred edge is where the
 /// light is half, not where the grey value is half. In grey values a marker of 30 px would come out 0.4 px too small.
 fn step_outward(
-    gray: &ImageView<'_>,
+    sampler: &Sampler<'_>,
     base: PixelPoint,
     outward: [f64; 2],
     reach: f64,
     pass: Pass,
 ) -> Option<(f64, f64)> {
-    let at = |offset: f64| sample(gray, moved(base, outward, offset));
-    let steps = (reach / STEP) as i32;
+    let steps = (reach / STEP) as usize;
+    // Half a pixel to either side of every step: most places are the outer end of one and the inner end of another.
+    let mut samples = [Sample::default(); PLACES];
+    let samples = &mut samples[..2 * (steps + HALF) + 1];
+    for (place, sample) in samples.iter_mut().enumerate() {
+        let offset = (place as f64 - (steps + HALF) as f64) * STEP;
+        *sample = sampler.at(moved(base, outward, offset))?;
+    }
     let (mut contrast, mut sum, mut moment) = (0.0, 0.0, 0.0);
-    for step in -steps..=steps {
-        let offset = f64::from(step) * STEP;
-        let (outer, inner) = (at(offset + 0.5)?, at(offset - 0.5)?);
+    for (step, (inner, outer)) in samples.iter().zip(&samples[2 * HALF..]).enumerate() {
+        let offset = (step as f64 - steps as f64) * STEP;
         contrast += (outer.grey - inner.grey).max(0.0).powi(2);
         let rise = outer.light - inner.light;
         let weight = if pass == Pass::Coarse { rise.max(0.0).powi(2) } else { rise };
@@ -153,27 +165,44 @@ struct Sample {
     light: f64,
 }
 
-/// Interpolates between four pixels; `None` outside the picture.
-fn sample(gray: &ImageView<'_>, PixelPoint { x, y }: PixelPoint) -> Option<Sample> {
-    let (left, top) = (x.floor(), y.floor());
-    if left < 0.0 || top < 0.0 || left as usize + 1 >= gray.width() || top as usize + 1 >= gray.height() {
-        return None;
+/// Reads the picture between its pixels.
+struct Sampler<'a> {
+    data: &'a [u8],
+    stride: usize,
+    last: [f64; 2],
+    light: &'static [f64; 256],
+}
+
+impl<'a> Sampler<'a> {
+    fn new(gray: &ImageView<'a>) -> Self {
+        let last = [gray.width(), gray.height()].map(|side| side as f64 - 1.0);
+        Self { data: gray.data(), stride: gray.stride(), last, light: &LIGHT }
     }
-    let (right_share, bottom_share) = (x - left, y - top);
-    let first = top as usize * gray.stride() + left as usize;
-    let shares = [
-        (0, (1.0 - right_share) * (1.0 - bottom_share)),
-        (1, right_share * (1.0 - bottom_share)),
-        (gray.stride(), (1.0 - right_share) * bottom_share),
-        (gray.stride() + 1, right_share * bottom_share),
-    ];
-    let mut sum = Sample::default();
-    for (offset, share) in shares {
-        let grey = gray.data()[first + offset];
-        sum.grey += share * f64::from(grey);
-        sum.light += share * LIGHT[usize::from(grey)];
+
+    /// Interpolates between four pixels; `None` outside the picture.
+    fn at(&self, PixelPoint { x, y }: PixelPoint) -> Option<Sample> {
+        let (left, top) = (x.floor(), y.floor());
+        // Written so that NaN is outside.
+        if !(left >= 0.0 && top >= 0.0 && left < self.last[0] && top < self.last[1]) {
+            return None;
+        }
+        let (right_share, bottom_share) = (x - left, y - top);
+        let first = top as usize * self.stride + left as usize;
+        let (above, below) =
+            (&self.data[first..first + 2], &self.data[first + self.stride..first + self.stride + 2]);
+        let pixels = [
+            (above[0], (1.0 - right_share) * (1.0 - bottom_share)),
+            (above[1], right_share * (1.0 - bottom_share)),
+            (below[0], (1.0 - right_share) * bottom_share),
+            (below[1], right_share * bottom_share),
+        ];
+        let mut sum = Sample::default();
+        for (grey, share) in pixels {
+            sum.grey += share * f64::from(grey);
+            sum.light += share * self.light[usize::from(grey)];
+        }
+        Some(sum)
     }
-    Some(sum)
 }
 
 fn total_least_squares(points: &[(PixelPoint, f64)]) -> Option<Line> {

@@ -70,6 +70,6 @@ fn ids_of(name: &str, own: Dictionary, gray: &ImageView<'_>) -> opencv::Result<V
     };
     let mut aruco = Aruco::new(dictionary, THRESHOLD_CONSTANT)?;
     let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
-    gray.with_pixels(|pixels| aruco.detect(pixels, &mut corners, &mut ids))?;
+    gray.with_pixels(|pixels| aruco.detect(pixels, 1.0, &mut corners, &mut ids))?;
     Ok(ids.iter().collect())
 }

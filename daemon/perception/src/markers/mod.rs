@@ -1,8 +1,10 @@
 //! Objects by their ArUco markers, in pixels.
 
 mod aruco;
+mod detector;
 mod edges;
 mod foreign;
+mod windows;
 
 use crate::config::MarkersConfig;
 use crate::detections::OBJECTS;
@@ -10,12 +12,13 @@ use crate::error::{PerceptionError, while_doing};
 use crate::image::ImageView;
 use crate::pixel_format::PixelFormat;
 use crate::points::PixelPoint;
-use aruco::Aruco;
+use detector::Detector;
 use foreign::Foreign;
 use heapless::Vec;
-use opencv::core::{Mat, Point2f, Size, Vector};
-use opencv::{imgproc, prelude::*};
+use opencv::core::{Mat, Rect};
+use opencv::prelude::*;
 use tracing::trace_span;
+use windows::Windows;
 
 /// A marker in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,17 +34,13 @@ pub(crate) struct Marker {
 /// The markers of one frame, at most one per id, in order of their ids.
 pub(crate) type Found = Vec<Marker, OBJECTS>;
 
-/// A module must still measure this many pixels at half size: under 4, OpenCV misreads modules once there is noise.
-const MIN_MODULE_PX: f64 = 4.0;
-
 /// Finds markers.
 pub(crate) struct Markers {
-    aruco: Aruco,
-    modules: f64,
+    detector: Detector,
+    windows: Windows,
     gray: Mat,
-    half: Mat,
-    corners: Vector<Vector<Point2f>>,
-    ids: Vector<i32>,
+    /// For the step between the picture and its brightness.
+    between: Mat,
     foreign: Foreign,
 }
 
@@ -50,19 +49,16 @@ impl Markers {
     /// [`PerceptionError::OpenCv`] when OpenCV refuses the dictionary.
     pub(crate) fn new(config: &MarkersConfig) -> Result<Self, PerceptionError> {
         Ok(Self {
-            aruco: Aruco::new(config.dictionary, config.threshold_constant)
-                .map_err(while_doing("setting up the marker detector"))?,
-            modules: config.dictionary.modules(),
+            detector: Detector::new(config).map_err(while_doing("setting up the marker detector"))?,
+            windows: Windows::new(config),
             gray: Mat::default(),
-            half: Mat::default(),
-            corners: Vector::new(),
-            ids: Vector::new(),
+            between: Mat::default(),
             foreign: Foreign::new(config.dictionary),
         })
     }
 
     /// Finds the markers whose id is `wanted`. `min_side_px` is the side of the smallest marker that is expected, if that is
-    /// known: it decides whether half the picture's size is enough to find them.
+    /// known.
     ///
     /// # Errors
     /// [`PerceptionError::OpenCv`].
@@ -72,40 +68,38 @@ impl Markers {
         min_side_px: Option<f64>,
         wanted: impl Fn(u16) -> bool,
     ) -> Result<Found, PerceptionError> {
-        let halve = min_side_px.is_some_and(|side| side / (2.0 * self.modules) >= MIN_MODULE_PX);
-        self.detect(image, halve).map_err(while_doing("looking for markers"))?;
-        let _span = trace_span!("corners").entered();
-        let gray = gray_view(image, &self.gray)?;
-        let scale = match halve {
-            true => [image.width(), image.height()].map(|side| side as f64 / (side / 2) as f64),
-            false => [1.0; 2],
+        let Self { detector, windows, gray, between, foreign } = self;
+        if image.format() != PixelFormat::Gray8 {
+            let _span = trace_span!("grey").entered();
+            image.write_gray(between, gray).map_err(while_doing("looking for markers"))?;
+        }
+        let gray = gray_view(image, gray)?;
+        let mut search = |parts: &[Rect]| {
+            let (mut found, mut unwanted) = (Found::default(), 0);
+            for part in parts {
+                unwanted += detector
+                    .search(&gray, *part, min_side_px, &wanted, &mut found)
+                    .map_err(while_doing("looking for markers"))?;
+            }
+            Ok::<_, PerceptionError>((found, unwanted))
         };
-
         let mut found = Found::default();
-        let mut unwanted = 0;
-        for (id, corners) in self.ids.iter().zip(self.corners.iter()) {
-            let Ok(id) = u16::try_from(id) else { continue };
-            if !wanted(id) {
-                unwanted += 1;
-                continue;
-            }
-            let mut refined = [PixelPoint::default(); 4];
-            for (to, from) in refined.iter_mut().zip(corners.iter()) {
-                // Pixel centres are whole numbers; the picture begins half a pixel before the first.
-                to.x = (f64::from(from.x) + 0.5) * scale[0] - 0.5;
-                to.y = (f64::from(from.y) + 0.5) * scale[1] - 0.5;
-            }
-            let quality = edges::refine(&gray, &mut refined, self.modules);
-            keep(&mut found, Marker { id, corners: refined, quality });
+        if let Some(near) = windows.near(image) {
+            found = search(near)?.0;
+        }
+        if !windows.hold_all(&found) {
+            let unwanted;
+            (found, unwanted) = search(&[Rect::new(0, 0, image.width() as i32, image.height() as i32)])?;
+            foreign
+                .look(&gray, unwanted, !found.is_empty())
+                .map_err(while_doing("looking for foreign markers"))?;
         }
         found.sort_unstable_by_key(|marker| marker.id);
-        self.foreign
-            .look(&gray, unwanted, !found.is_empty())
-            .map_err(while_doing("looking for foreign markers"))?;
+        windows.follow(image, &found);
         Ok(found)
     }
 
-    /// Markers of the newest frame that nobody wants.
+    /// Markers of the newest frame whose whole picture was searched that nobody wants.
     pub(crate) fn foreign(&self) -> usize {
         self.foreign.markers()
     }
@@ -117,37 +111,6 @@ impl Markers {
     pub(crate) fn gray<'a>(&'a self, image: &ImageView<'a>) -> Result<ImageView<'a>, PerceptionError> {
         gray_view(image, &self.gray)
     }
-
-    fn detect(&mut self, image: &ImageView<'_>, halve: bool) -> opencv::Result<()> {
-        let code = match image.format() {
-            PixelFormat::Gray8 => None,
-            PixelFormat::Bgr8 => Some(imgproc::COLOR_BGR2GRAY),
-            PixelFormat::Rgb8 => Some(imgproc::COLOR_RGB2GRAY),
-            PixelFormat::Bgra8 => Some(imgproc::COLOR_BGRA2GRAY),
-            PixelFormat::Rgba8 => Some(imgproc::COLOR_RGBA2GRAY),
-        };
-        image.with_pixels(|pixels| {
-            let to_gray = trace_span!("grey").entered();
-            if let Some(code) = code {
-                imgproc::cvt_color_def(pixels, &mut self.gray, code)?;
-            }
-            drop(to_gray);
-            let _span = trace_span!("ArUco").entered();
-            if halve {
-                let size = Size::new((image.width() / 2) as i32, (image.height() / 2) as i32);
-                if code.is_some() {
-                    imgproc::resize(&self.gray, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
-                } else {
-                    imgproc::resize(pixels, &mut self.half, size, 0.0, 0.0, imgproc::INTER_AREA)?;
-                }
-                self.aruco.detect(&self.half, &mut self.corners, &mut self.ids)
-            } else if code.is_some() {
-                self.aruco.detect(&self.gray, &mut self.corners, &mut self.ids)
-            } else {
-                self.aruco.detect(pixels, &mut self.corners, &mut self.ids)
-            }
-        })
-    }
 }
 
 /// The grey picture: the caller's own if it is grey, and otherwise the converted one.
@@ -157,14 +120,4 @@ fn gray_view<'a>(image: &ImageView<'a>, converted: &'a Mat) -> Result<ImageView<
     }
     let data = converted.data_bytes().map_err(while_doing("reading the grey picture"))?;
     ImageView::new(image.width(), image.height(), image.width(), PixelFormat::Gray8, data)
-}
-
-/// Adds a marker; of two with the same id the one with the better outline stays.
-fn keep(found: &mut Found, marker: Marker) {
-    match found.iter_mut().find(|other| other.id == marker.id) {
-        Some(other) if other.quality < marker.quality => *other = marker,
-        Some(_) => {}
-        // There is room: no more ids are wanted than the list holds.
-        None => drop(found.push(marker)),
-    }
 }

@@ -15,17 +15,39 @@ pub(crate) struct Change {
     pub(crate) mirror: bool,
     /// Quality of a JPEG that every frame is encoded as first: 2 (best) to 31 (worst).
     pub(crate) jpeg: Option<u8>,
+    /// The format that a frame has then.
+    pub(crate) pixels: PixelFormat,
+}
+
+/// A format by the name that the configuration gives it, for clap.
+pub(crate) fn pixel_format(name: &str) -> Result<PixelFormat, String> {
+    match name {
+        "bgr" => Ok(PixelFormat::Bgr8),
+        "yuyv" => Ok(PixelFormat::Yuyv),
+        "nv12" => Ok(PixelFormat::Nv12),
+        _ => Err("bgr, yuyv or nv12".into()),
+    }
+}
+
+/// ffmpeg's name of a format, and the bytes of a picture of this size.
+pub(crate) fn raw(pixels: PixelFormat, width: usize, height: usize) -> (&'static str, usize) {
+    match pixels {
+        PixelFormat::Yuyv => ("yuyv422", 2 * width * height),
+        PixelFormat::Nv12 => ("nv12", width * height * 3 / 2),
+        _ => ("bgr24", 3 * width * height),
+    }
 }
 
 impl Default for Change {
     /// The clip as it is.
     fn default() -> Self {
-        Self { filter: None, scale: 1.0, mirror: false, jpeg: None }
+        Self { filter: None, scale: 1.0, mirror: false, jpeg: None, pixels: PixelFormat::Bgr8 }
     }
 }
 
 pub(crate) struct Clip {
     pub(crate) truth: Truth,
+    pixels: PixelFormat,
     shown: usize,
     picture: Vec<u8>,
     pipe: BufReader<ChildStdout>,
@@ -36,7 +58,7 @@ pub(crate) struct Clip {
 pub(crate) struct Shown<'a> {
     pub(crate) index: usize,
     pub(crate) captured_ns: u64,
-    /// Blue, green, red; no padding.
+    /// Blue, green, red where nothing else was asked for; no padding.
     pub(crate) bytes: &'a [u8],
     pub(crate) image: ImageView<'a>,
     pub(crate) truth: &'a TrueFrame,
@@ -59,11 +81,12 @@ impl Clip {
             decoder = Command::new("ffmpeg");
             decoder.args(["-v", "error", "-i", "-"]).stdin(pipe);
         }
-        decoder.args(["-f", "rawvideo", "-pix_fmt", "bgr24", "-"]);
+        let (name, bytes) = raw(change.pixels, truth.width, truth.height);
+        decoder.args(["-f", "rawvideo", "-pix_fmt", name, "-"]);
         let (child, pipe) = start(decoder)?;
         children.push(child);
-        let picture = vec![0; truth.width * truth.height * 3];
-        Ok(Self { truth, shown: 0, picture, pipe: BufReader::new(pipe), children })
+        let picture = vec![0; bytes];
+        Ok(Self { truth, pixels: change.pixels, shown: 0, picture, pipe: BufReader::new(pipe), children })
     }
 
     /// The next frame; `None` after the last.
@@ -79,7 +102,7 @@ impl Clip {
             index,
             captured_ns: (index as f64 / rate_hz * 1e9) as u64,
             bytes: &self.picture,
-            image: ImageView::new(*width, *height, width * 3, PixelFormat::Bgr8, &self.picture)?,
+            image: ImageView::new(*width, *height, width * self.pixels.bytes(), self.pixels, &self.picture)?,
             truth: frames.get(index).ok_or("the clip is longer than its truth")?,
         }))
     }

@@ -1,12 +1,12 @@
 //! Measures how well hands and markers are detected in plane mode, and how long it takes.
 
-use crate::clip::{Change, Clip, Shown};
+use crate::clip::{Change, Clip, Shown, pixel_format};
 use crate::errors::{Errors, distance};
 use crate::truth::TrueFrame;
 use crate::{Error, perceiver};
-use andon_perception::Detections;
-use andon_perception::config::{HandsConfig, ModelSize, ThreadsConfig};
+use andon_perception::config::{HandsConfig, MarkerSearch, ModelSize, ThreadsConfig};
 use andon_perception::detections::{HandDetection, ObjectDetection, Side};
+use andon_perception::{Detections, PixelFormat};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -33,6 +33,12 @@ pub(crate) struct Arguments {
     /// Encode every frame as JPEG of this ffmpeg quality first, 2 (best) to 31 (worst).
     #[arg(long)]
     jpeg: Option<u8>,
+    /// The format of a frame: bgr, yuyv or nv12.
+    #[arg(long, default_value = "bgr", value_parser = pixel_format)]
+    pixels: PixelFormat,
+    /// Look for markers in the whole picture of every frame.
+    #[arg(long)]
+    whole: bool,
     /// Width and height of the picture in relation to the clip's.
     #[arg(long, default_value_t = 1.0)]
     scale: f64,
@@ -46,7 +52,13 @@ pub(crate) struct Arguments {
 
 impl Arguments {
     fn change(&self) -> Change {
-        Change { filter: self.filter.clone(), scale: self.scale, mirror: self.mirror, jpeg: self.jpeg }
+        Change {
+            filter: self.filter.clone(),
+            scale: self.scale,
+            mirror: self.mirror,
+            jpeg: self.jpeg,
+            pixels: self.pixels,
+        }
     }
 
     /// The side of the hand that the clips show.
@@ -94,7 +106,8 @@ fn measure(
 ) -> Result<(), Error> {
     let mut clip = Clip::open(path, &arguments.change())?;
     let threads = ThreadsConfig { count: arguments.threads };
-    let mut perceiver = perceiver(runtime, &clip.truth, arguments.hands(), threads)?;
+    let search = if arguments.whole { MarkerSearch::Whole } else { MarkerSearch::Near };
+    let mut perceiver = perceiver(runtime, &clip.truth, arguments.hands(), search, threads)?;
     scores.iter_mut().for_each(|score| score.previous.clear());
     while let Some(Shown { index, captured_ns, image, truth, .. }) = clip.next()? {
         if index % arguments.every == 0 {

@@ -13,7 +13,7 @@ mod sight;
 mod speed;
 mod truth;
 
-use andon_perception::config::{HandsConfig, MarkersConfig, ThreadsConfig};
+use andon_perception::config::{HandsConfig, MarkerSearch, MarkersConfig, ThreadsConfig};
 use andon_perception::{Perceiver, PerceptionConfig};
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -67,8 +67,9 @@ fn perceiver(
     runtime: &Path,
     truth: &Truth,
     hands: HandsConfig,
+    search: MarkerSearch,
     threads: ThreadsConfig,
 ) -> Result<Perceiver, Error> {
-    let markers = MarkersConfig { objects: truth.objects.clone(), ..MarkersConfig::default() };
+    let markers = MarkersConfig { objects: truth.objects.clone(), search, ..MarkersConfig::default() };
     Ok(Perceiver::new(&PerceptionConfig { runtime: runtime.into(), hands, markers, threads }, None)?)
 }

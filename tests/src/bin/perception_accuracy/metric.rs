@@ -8,7 +8,7 @@ use crate::errors::Errors;
 use crate::truth::{TrueFrame, TrueHand, TrueObject, number, numbers};
 use crate::{Error, perceiver};
 use andon_perception::Detections;
-use andon_perception::config::{HandsConfig, ThreadsConfig};
+use andon_perception::config::{HandsConfig, MarkerSearch, ThreadsConfig};
 use andon_perception::detections::{HandDetection, LANDMARKS, Side};
 use andon_perception::metric::{
     BenchFrame, DepthImage, Distortion, Lens, Metric, MetricObject, MetricScene, Rig, Sampler, rigid,
@@ -49,7 +49,13 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
     let mut clip = Clip::open(&arguments.clip, &Change::default())?;
     let mut pictures = DepthPictures::open(&arguments.depth)?;
     let rig = pictures.rig;
-    let mut perceiver = perceiver(runtime, &clip.truth, HandsConfig::default(), ThreadsConfig::default())?;
+    let mut perceiver = perceiver(
+        runtime,
+        &clip.truth,
+        HandsConfig::default(),
+        MarkerSearch::Near,
+        ThreadsConfig::default(),
+    )?;
     let objects = clip.truth.objects.clone();
     let mut metric: Option<Metric> = None;
     let mut score = Score::default();

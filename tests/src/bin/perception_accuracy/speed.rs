@@ -1,9 +1,10 @@
 //! Measures how fast frames are looked at: as many as possible, and at the rate of a camera. One line of JSON.
 
+use crate::clip::{pixel_format, raw};
 use crate::errors::Errors;
 use crate::truth::Truth;
 use crate::{Error, perceiver};
-use andon_perception::config::{HandsConfig, ModelSize, ThreadsConfig};
+use andon_perception::config::{HandsConfig, MarkerSearch, ModelSize, ThreadsConfig};
 use andon_perception::detections::Side;
 use andon_perception::{ImageView, Perceiver, PixelFormat};
 use rustix::time::{ClockId, clock_gettime};
@@ -30,6 +31,12 @@ pub(crate) struct Arguments {
     /// The landmark model: full, quantised or lite.
     #[arg(long, default_value = "quantised", value_parser = crate::detected::model_size)]
     landmarks: ModelSize,
+    /// The format of a frame: bgr, yuyv or nv12.
+    #[arg(long, default_value = "bgr", value_parser = pixel_format)]
+    pixels: PixelFormat,
+    /// Look for markers in the whole picture of every frame.
+    #[arg(long)]
+    whole: bool,
     /// Threads that look at a frame side by side.
     #[arg(long, default_value_t = 2)]
     threads: usize,
@@ -58,12 +65,13 @@ impl Arguments {
         let mut decoder = Command::new("ffmpeg");
         decoder.args(["-v", "error", "-ss", FROM_S, "-i"]).arg(&self.clip);
         decoder.args(["-vf", &self.filter(), "-frames:v", &self.frames.to_string()]);
-        decoder.args(["-f", "rawvideo", "-pix_fmt", "bgr24", "-"]).stdout(Stdio::piped());
+        let (name, bytes) = raw(self.pixels, self.size[0], self.size[1]);
+        decoder.args(["-f", "rawvideo", "-pix_fmt", name, "-"]).stdout(Stdio::piped());
         let mut child = decoder.spawn()?;
         let mut pipe = child.stdout.take().ok_or("ffmpeg has no output")?;
         let mut pictures = Vec::new();
         for _ in 0..self.frames {
-            let mut picture = vec![0; self.size[0] * self.size[1] * 3];
+            let mut picture = vec![0; bytes];
             pipe.read_exact(&mut picture)?;
             pictures.push(picture);
         }
@@ -86,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
     let (began, cpu) = (Instant::now(), cpu_time());
     let late_ms = if arguments.fast_only { Errors::default() } else { show.round(Some(RATE_HZ))? };
     let share = (cpu_time() - cpu).as_secs_f64() / began.elapsed().as_secs_f64();
-    let pictures_mib = (arguments.frames * arguments.size[0] * arguments.size[1] * 3) as f64 / 1_048_576.0;
+    let pictures_mib = show.pictures.iter().map(Vec::len).sum::<usize>() as f64 / 1_048_576.0;
     println!(
         "{}",
         serde_json::json!({
@@ -106,6 +114,7 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
 pub(crate) struct Show {
     pictures: Vec<Vec<u8>>,
     size: [usize; 2],
+    pixels: PixelFormat,
     perceiver: Perceiver,
     shown: u64,
     hands: usize,
@@ -117,10 +126,12 @@ impl Show {
         let sides = [Side::Right, Side::Left][..arguments.hands.clamp(1, 2)].to_vec();
         let hands = HandsConfig { sides, landmark_model: arguments.landmarks, ..HandsConfig::default() };
         let threads = ThreadsConfig { count: arguments.threads };
+        let search = if arguments.whole { MarkerSearch::Whole } else { MarkerSearch::Near };
         Ok(Self {
             pictures: arguments.pictures()?,
             size: [arguments.size[0], arguments.size[1]],
-            perceiver: perceiver(runtime, &truth, hands, threads)?,
+            pixels: arguments.pixels,
+            perceiver: perceiver(runtime, &truth, hands, search, threads)?,
             shown: 0,
             hands: 0,
         })
@@ -139,7 +150,7 @@ impl Show {
             let is_forth = (self.shown / count).is_multiple_of(2);
             let picture = &self.pictures[if is_forth { number } else { count - 1 - number } as usize];
             let [width, height] = self.size;
-            let image = ImageView::new(width, height, 3 * width, PixelFormat::Bgr8, picture)?;
+            let image = ImageView::new(width, height, self.pixels.bytes() * width, self.pixels, picture)?;
             let began = Instant::now();
             let captured_ns = (self.shown as f64 / RATE_HZ * 1e9) as u64;
             self.hands += self.perceiver.perceive(image, captured_ns)?.hands.len();

@@ -47,6 +47,25 @@ pub enum Speed {
 }
 words!(Speed { Speed::File = "file", Speed::Max = "max" });
 
+/// How a V4L2 device sends its pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// The first of the others that has the configured size and rate.
+    Auto,
+    /// Brightness of every pixel, colour of every second one.
+    Yuyv,
+    /// Brightness of every pixel, colour of every fourth one.
+    Nv12,
+    /// A JPEG for every picture.
+    Mjpeg,
+}
+words!(Encoding {
+    Encoding::Auto = "auto",
+    Encoding::Yuyv = "yuyv",
+    Encoding::Nv12 = "nv12",
+    Encoding::Mjpeg = "mjpeg",
+});
+
 /// `[camera]`: where the frames come from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -56,6 +75,8 @@ pub struct Camera {
     pub path: Option<PathBuf>,
     /// The V4L2 device.
     pub device: PathBuf,
+    /// How it sends its pictures.
+    pub encoding: Encoding,
     /// Width of a live picture, pixels.
     pub width: u32,
     /// Height of a live picture, pixels.
@@ -86,6 +107,7 @@ impl Default for Camera {
             source: Source::V4l2,
             path: None,
             device: "/dev/video0".into(),
+            encoding: Encoding::Auto,
             width: 1280,
             height: 720,
             rate_hz: 30.0,
@@ -119,6 +141,13 @@ impl Camera {
             "The recording: a file for video, tracks and bag, a folder for images. These sources need it.",
         );
         k.key("device", &mut self.device, (), "The V4L2 device.");
+        k.key(
+            "encoding",
+            &mut self.encoding,
+            (),
+            "How the V4L2 device sends its pictures: as they are (yuyv, nv12), which takes least work but fills a USB 2 cable at 640 x 480, \
+             as JPEG (mjpeg), or the first of these in which it has the configured size and rate (auto).",
+        );
         k.key(
             "width",
             &mut self.width,

@@ -4,15 +4,15 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use andon_ipc::{FrameReader, Node, Reader, Wake};
-use shm_schemas::{ColourFormat, Detections, FrameHeader};
+use shm_schemas::Detections;
 
 use super::file_name;
 use crate::config::Config;
 use crate::recording::{Recording, RecordingError};
 use crate::tool::ToolError;
 use crate::tool::join::join;
-use crate::video::Film;
 use crate::video::pipe::PictureFormat;
+use crate::video::{self, Film};
 
 /// A station that runs and sends no frame for so long has no camera.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -146,7 +146,8 @@ impl Running {
                 && let Some(frame) = self.frames.take_newest()?
             {
                 let header = frame.header();
-                copy(header, frame.colour()?, &mut self.picture)?;
+                let image = video::frame::view(header, frame.colour()?);
+                self.picture = image.and_then(|image| image.bgr()).map_err(RecordingError::from)?;
                 (self.format.width, self.format.height) = (header.width, header.height);
                 wanted = Some((header.stamp.seq, header.stamp.captured_ns));
             }
@@ -167,28 +168,4 @@ impl Running {
             }
         }
     }
-}
-
-/// The colour plane as blue, green, red without padding.
-fn copy(header: &FrameHeader, colour: &[u8], picture: &mut Vec<u8>) -> Result<(), ToolError> {
-    let (width, stride) = (header.width as usize, (header.stride as usize).max(1));
-    picture.clear();
-    let format = ColourFormat::try_from(header.colour_format).ok();
-    for row in colour.chunks_exact(stride).take(header.height as usize) {
-        match format {
-            Some(ColourFormat::Bgr8) => picture.extend_from_slice(&row[..3 * width]),
-            Some(ColourFormat::Rgb8) => {
-                picture.extend(
-                    row[..3 * width].chunks_exact(3).flat_map(|pixel| [pixel[2], pixel[1], pixel[0]]),
-                );
-            }
-            Some(ColourFormat::Grey8) => picture.extend(row[..width].iter().flat_map(|grey| [*grey; 3])),
-            _ => {
-                return Err(ToolError::NothingSeen(
-                    "a station whose frames have another colour format".into(),
-                ));
-            }
-        }
-    }
-    Ok(())
 }

@@ -87,7 +87,8 @@ impl Scene {
         let mut poses = self.objects.iter().map(|node| node.poses.ago(0));
         let is_any_seen = poses.clone().any(|pose| pose.source == Source::Seen);
         let since = self.handless_frames.saturating_add(self.blind_frames);
-        let has_vanished = poses.any(|pose| pose.source != Source::Seen && pose.unseen <= since);
+        let has_vanished =
+            self.handless_frames > 0 && poses.any(|pose| pose.source != Source::Seen && pose.unseen <= since);
         self.bench_hidden = self.bench_hidden << 1 | u32::from(!is_any_seen || has_vanished);
     }
 

@@ -1,0 +1,247 @@
+//! How a V4L2 device sends its pictures, and how they come into a frame: as they are, so that nothing is converted that nobody looks at, or
+//! decoded straight into it.
+
+use andond::config::Encoding as Configured;
+use andond::video::OpenError;
+use andond::video::pipe::PictureFormat;
+use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, ToInputArray, Vec2b, Vec3b};
+use opencv::imgcodecs;
+use opencv::videoio::{VideoCapture, VideoCaptureTrait};
+use shm_schemas::{ColourFormat, FrameHeader};
+
+use crate::recording::read_in_place;
+
+/// So many damaged pictures in a row are more than a cable that was touched.
+const MAX_DAMAGED: u32 = 30;
+
+/// What the end of a frame holds until a picture is decoded into it, because OpenCV does not say whether it has done so: pixels in turn green
+/// and magenta, which no JPEG of a camera shows, where two pixels at least share their colour.
+const UNTOUCHED: [u8; 12] = [0, 255, 0, 255, 0, 255, 0, 255, 0, 255, 0, 255];
+
+/// An encoding that this program reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    Yuyv,
+    Nv12,
+    Mjpeg,
+    /// Whatever the device sends, converted by OpenCV.
+    Converted,
+}
+
+impl Encoding {
+    /// The encodings that the configuration allows, the one that takes least work first.
+    pub(crate) fn allowed(configured: Configured) -> &'static [Self] {
+        match configured {
+            Configured::Auto => &[Self::Yuyv, Self::Nv12, Self::Mjpeg, Self::Converted],
+            Configured::Yuyv => &[Self::Yuyv],
+            Configured::Nv12 => &[Self::Nv12],
+            Configured::Mjpeg => &[Self::Mjpeg],
+        }
+    }
+
+    /// V4L2's four letters; `None` where OpenCV chooses.
+    pub(crate) fn letters(self) -> Option<[char; 4]> {
+        match self {
+            Self::Yuyv => Some(['Y', 'U', 'Y', 'V']),
+            Self::Nv12 => Some(['N', 'V', '1', '2']),
+            Self::Mjpeg => Some(['M', 'J', 'P', 'G']),
+            Self::Converted => None,
+        }
+    }
+
+    /// Bytes of a frame.
+    pub(crate) fn frame_bytes(self, format: PictureFormat) -> usize {
+        let pixels = format.width as usize * format.height as usize;
+        match self {
+            Self::Yuyv => 2 * pixels,
+            Self::Nv12 => pixels + pixels / 2,
+            Self::Mjpeg | Self::Converted => 3 * pixels,
+        }
+    }
+
+    /// Enters the layout of a frame into its header.
+    pub(crate) fn describe(self, format: PictureFormat, header: &mut FrameHeader) {
+        let (bytes, colour_format) = match self {
+            Self::Yuyv => (2, ColourFormat::Yuyv),
+            Self::Nv12 => (1, ColourFormat::Nv12),
+            Self::Mjpeg | Self::Converted => (3, ColourFormat::Bgr8),
+        };
+        (header.width, header.height, header.stride) = (format.width, format.height, bytes * format.width);
+        header.colour_format = colour_format.code();
+    }
+}
+
+/// The first allowed encoding in which the device sends what is wanted. `ask` asks for one, and says why it does not do.
+///
+/// # Errors
+/// Why the first one does not do.
+pub(crate) fn choose<T>(
+    allowed: &[Encoding],
+    mut ask: impl FnMut(Encoding) -> Result<T, OpenError>,
+) -> Result<T, OpenError> {
+    let mut refused = None;
+    for encoding in allowed {
+        match ask(*encoding) {
+            Err(error @ OpenError::Refused(_)) => refused = refused.or(Some(error)),
+            answer => return answer,
+        }
+    }
+    Err(refused.unwrap_or_else(|| OpenError::Refused("no encoding is allowed".into())))
+}
+
+/// Reads pictures of one encoding.
+#[derive(Default)]
+pub(crate) struct Reader {
+    /// The newest picture as it was sent, where it has to be decoded.
+    jpeg: Mat,
+    /// Pictures that were damaged since the last good one.
+    pub(crate) damaged: u32,
+}
+
+impl Reader {
+    /// Writes the next picture into a frame; false when the device sends no more.
+    ///
+    /// # Errors
+    /// A message for a technician.
+    pub(crate) fn read(
+        &mut self,
+        capture: &mut VideoCapture,
+        encoding: Encoding,
+        format: PictureFormat,
+        frame: &mut [u8],
+    ) -> Result<bool, String> {
+        let PictureFormat { width, height, .. } = format;
+        match encoding {
+            Encoding::Yuyv => read_in_place::<Vec2b>(capture, [height, width], frame),
+            Encoding::Nv12 => read_in_place::<u8>(capture, [height + height / 2, width], frame),
+            Encoding::Converted => read_in_place::<Vec3b>(capture, [height, width], frame),
+            Encoding::Mjpeg => {
+                self.damaged = 0;
+                while capture.read(&mut self.jpeg).map_err(|error| error.to_string())? {
+                    if decode(&self.jpeg, format, frame)? {
+                        return Ok(true);
+                    }
+                    self.damaged += 1;
+                    if self.damaged == MAX_DAMAGED {
+                        return Err(
+                            "the camera sends damaged pictures; try another cable or port, or a lower rate"
+                                .into(),
+                        );
+                    }
+                }
+                Ok(false)
+            }
+        }
+    }
+}
+
+/// Decodes a JPEG into a frame; false where it is damaged.
+fn decode(
+    jpeg: &(impl MatTraitConst + ToInputArray),
+    format: PictureFormat,
+    frame: &mut [u8],
+) -> Result<bool, String> {
+    let message = |error: opencv::Error| error.to_string();
+    // What is cut short is decoded, with grey in place of the rest.
+    if !ends_as_jpeg(jpeg.data_bytes().map_err(message)?) {
+        return Ok(false);
+    }
+    let Some(end) = frame.last_chunk_mut() else { return Ok(false) };
+    *end = UNTOUCHED;
+    let at = frame.as_ptr();
+    let mut picture =
+        Mat::new_rows_cols_with_bytes_mut::<Vec3b>(format.height as i32, format.width as i32, frame)
+            .map_err(message)?;
+    let decoded = imgcodecs::imdecode_to(jpeg, imgcodecs::IMREAD_COLOR, &mut picture);
+    // A picture of another size lies in memory of its own.
+    let is_in_place = decoded.is_ok_and(|decoded| decoded.data() == at);
+    Ok(is_in_place && !frame.ends_with(&UNTOUCHED))
+}
+
+/// Whether the last bytes are the marker of an end. Some cameras fill up with zeros.
+fn ends_as_jpeg(bytes: &[u8]) -> bool {
+    let length = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+    bytes[..length].ends_with(&[0xff, 0xd9])
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::*;
+    use opencv::core::{Scalar, Vector};
+
+    const FORMAT: PictureFormat = PictureFormat { width: 64, height: 48, rate_hz: 30.0, count: 0 };
+
+    fn refused(encoding: Encoding) -> OpenError {
+        OpenError::Refused(format!("no {encoding:?}"))
+    }
+
+    #[test]
+    fn of_the_encodings_that_fit_the_one_that_takes_least_work_is_chosen() {
+        let chosen = |configured, fits: &[Encoding]| {
+            choose(Encoding::allowed(configured), |encoding| {
+                if fits.contains(&encoding) { Ok(encoding) } else { Err(refused(encoding)) }
+            })
+        };
+        let all = [Encoding::Yuyv, Encoding::Nv12, Encoding::Mjpeg, Encoding::Converted];
+        assert_eq!(chosen(Configured::Auto, &all), Ok(Encoding::Yuyv));
+        assert_eq!(chosen(Configured::Auto, &all[2..]), Ok(Encoding::Mjpeg));
+        assert_eq!(chosen(Configured::Auto, &all[3..]), Ok(Encoding::Converted));
+        assert_eq!(chosen(Configured::Mjpeg, &all), Ok(Encoding::Mjpeg));
+        assert_eq!(chosen(Configured::Nv12, &all[..1]), Err(refused(Encoding::Nv12)));
+        assert_eq!(chosen(Configured::Auto, &[]), Err(refused(Encoding::Yuyv)));
+    }
+
+    #[test]
+    fn a_camera_that_is_gone_is_not_asked_for_another_encoding() {
+        let mut asked = 0;
+        let answer: Result<(), _> = choose(Encoding::allowed(Configured::Auto), |_| {
+            asked += 1;
+            Err(OpenError::Gone("unplugged".into()))
+        });
+        assert_eq!((answer, asked), (Err(OpenError::Gone("unplugged".into())), 1));
+    }
+
+    #[test]
+    fn the_header_says_how_the_bytes_of_a_frame_are_to_be_read() {
+        for encoding in Encoding::allowed(Configured::Auto) {
+            let mut header = FrameHeader::default();
+            encoding.describe(FORMAT, &mut header);
+            assert_eq!(header.colour_bytes(), Some(encoding.frame_bytes(FORMAT)), "{encoding:?}");
+            let frame = vec![128; encoding.frame_bytes(FORMAT)];
+            assert!(andond::video::frame::view(&header, &frame).is_ok(), "{encoding:?}");
+        }
+    }
+
+    /// A JPEG of one colour.
+    fn jpeg(width: i32, height: i32) -> Vector<u8> {
+        let picture = Mat::new_rows_cols_with_default(
+            height,
+            width,
+            opencv::core::CV_8UC3,
+            Scalar::new(40.0, 120.0, 200.0, 0.0),
+        );
+        let mut file = Vector::new();
+        imgcodecs::imencode_def(".jpg", &picture.unwrap(), &mut file).unwrap();
+        file
+    }
+
+    #[test]
+    fn a_jpeg_is_decoded_and_a_damaged_one_or_one_of_another_size_is_noticed() {
+        let decoded = |file: &[u8]| {
+            let mut frame = vec![7; Encoding::Mjpeg.frame_bytes(FORMAT)];
+            let is_whole = decode(&Mat::from_slice(file).unwrap(), FORMAT, &mut frame).unwrap();
+            (is_whole, [frame[0], frame[1], frame[2]])
+        };
+        let file = jpeg(64, 48);
+        let (is_whole, pixel) = decoded(file.as_slice());
+        assert!(
+            is_whole && pixel.iter().zip([40, 120, 200]).all(|(value, sent)| value.abs_diff(sent) < 4),
+            "{pixel:?}"
+        );
+        assert!(decoded(&[file.as_slice(), &[0; 9]].concat()).0, "one that is filled up");
+        assert!(!decoded(&file.as_slice()[..file.len() - 20]).0, "one that is cut short");
+        assert!(!decoded(&[&[1; 400][..], &[0xff, 0xd9]].concat()).0, "one that is none");
+        assert!(!decoded(jpeg(32, 48).as_slice()).0, "one of another size");
+    }
+}
