@@ -2,8 +2,8 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use shm_schemas::{
-    HandCode, MessageId, NO_INDEX, NO_PERCENT, OrderFault, PartId, Stamp, Verdict, VerdictLevel, VerdictMeasure,
-    VerdictNote, VerdictOutcome, VerdictReason,
+    HandCode, MessageId, NO_INDEX, NO_PERCENT, OrderFault, PartId, Stamp, Verdict, VerdictLevel,
+    VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
 };
 
 use super::Written;

@@ -160,14 +160,17 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
         | Reason::HandNotSeen
         | Reason::ObjectNotSeen
         | Reason::FramesMissing
-        | Reason::TooFewFrames => missing_words(verdict.reason, &verdict.missing, names),
+        | Reason::TooFewFrames => missing_words(verdict, names),
     })
 }
 
 /// What was missing, and how much of it.
-fn missing_words(reason: Reason, missing: &Missing, names: &Names) -> String {
-    let time = missing.seconds.map(|seconds| format!(" for {seconds:.1} s")).unwrap_or_default();
-    match (reason, *missing) {
+fn missing_words(verdict: &Verdict, names: &Names) -> String {
+    // It goes on when an early verdict is given.
+    let least = if verdict.early { "at least " } else { "" };
+    let time = |seconds: f32| format!(" for {least}{seconds:.1} s");
+    let time = verdict.missing.seconds.map(time).unwrap_or_default();
+    match (verdict.reason, verdict.missing) {
         (Reason::HandNotSeen, Missing { hand: Some(hand), .. }) => {
             format!("the {} hand was not seen{time}", hand.name())
         }

@@ -463,7 +463,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else {
             // What it goes on with began in the job before, and may be a part of this one.
             if let Some(object) = self.watch.unjudged_in_hand() {
-                progress.set_carried_on(object);
+                progress.set_carried_on(object, self.newest_unjudged);
             }
             return;
         };

@@ -166,11 +166,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.agree(agreeing);
         activity.unjudged = activity.unjudged.or(Some(cause));
         let nominal = agreeing.lowest().or(activity.nearest);
-        self.conclude_iu(
-            Finding { nominal, ..Finding::of(Outcome::NotJudged, cause) },
-            progress,
-            emit,
-        );
+        self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::NotJudged, cause) }, progress, emit);
     }
 
     /// The IU cannot be judged, because too little of it is known.
@@ -200,9 +196,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None.into(), early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if is_order_certain || is_too_early => {
-                (Outcome::Anomaly, Reason::WrongOrder.into(), false)
-            }
+            None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder.into(), false),
             None => (Outcome::NotJudged, unseen, early),
         };
         self.conclude_activity(outcome, cause, Some(nominal), early, progress, emit);
@@ -296,8 +290,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
             return;
         }
-        let (outcome, Cause { reason, missing }, nominal) =
-            self.without_accusation((outcome, cause, nominal));
+        let (outcome, cause, nominal) = self.without_accusation((outcome, cause, nominal));
+        let Cause { reason, missing } = self.missed.until_now(cause);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
         if activity.step == Step::NotShown {

@@ -112,7 +112,9 @@ impl Missed {
         for (index, (id, sight)) in ids.into_iter().enumerate() {
             let is_counted = ids[..index].iter().any(|(other, sight)| *other == id && *sight != Sight::Seen);
             let place = self.objects.iter_mut().find(|(object, _)| [id, 0].contains(object));
-            if id != 0 && sight != Sight::Seen && !is_counted
+            if id != 0
+                && sight != Sight::Seen
+                && !is_counted
                 && let Some(place) = place
             {
                 *place = (id, place.1.saturating_add(1));
@@ -132,6 +134,19 @@ impl Missed {
         }
     }
 
+    /// The same cause, with the time that has passed by now: what was missing when it was found may have gone on to be.
+    pub(super) fn until_now(&self, cause: Cause) -> Cause {
+        let is_missing = |(object, _): &&(u16, u32)| cause.missing.object == Some(*object);
+        let frames = match cause.reason {
+            Reason::FramesMissing => self.longest_gap,
+            Reason::HandNotSeen => self.hand,
+            Reason::ObjectNotSeen => self.objects.iter().find(is_missing).map_or(0, |(_, frames)| *frames),
+            _ => 0,
+        };
+        let seconds = cause.missing.seconds.map(|before| before.max(self.seconds(frames)));
+        Cause { missing: Missing { seconds, ..cause.missing }, ..cause }
+    }
+
     /// No more frames than this did not show what the hand acts on.
     pub(super) fn is_within(&self, frames: u32) -> bool {
         self.captured.max(self.uncaptured) <= frames
@@ -148,7 +163,8 @@ impl Missed {
 
     /// Frames came and did not show the hand, or an object: whichever was hidden for longer.
     fn not_seen(&self) -> Cause {
-        let (object, frames) = self.objects.iter().copied().max_by_key(|(_, frames)| *frames).unwrap_or_default();
+        let (object, frames) =
+            self.objects.iter().copied().max_by_key(|(_, frames)| *frames).unwrap_or_default();
         if self.hand >= frames && self.hand > 0 {
             let seconds = Some(self.seconds(self.hand));
             let missing = Missing { hand: Some(self.side), seconds, ..Missing::default() };

@@ -77,6 +77,8 @@ pub(super) struct Progress<'a> {
     is_doubtful: bool,
     /// The activities that a hand may have gone on with when the job before ended.
     carried_on: ActivitySet,
+    /// Why that was not judged.
+    carried_on_cause: Option<Cause>,
     fault: Option<Fault>,
     /// Why something was not judged first, and the number of the activity that is nearest to it.
     first_unjudged: Option<(Cause, Option<u16>)>,
@@ -121,6 +123,7 @@ impl<'a> Progress<'a> {
             missed,
             is_doubtful: false,
             carried_on: ActivitySet::EMPTY,
+            carried_on_cause: None,
             fault: None,
             first_unjudged: None,
             is_broken_off: false,
@@ -207,7 +210,8 @@ impl<'a> Progress<'a> {
         if never_seen.is_empty() {
             return None;
         }
-        let using = |object: u16| self.activities_with(|ius| ius.iter().any(|iu| iu.context.involves(object)));
+        let using =
+            |object: u16| self.activities_with(|ius| ius.iter().any(|iu| iu.context.involves(object)));
         let activities = using(object) & never_seen;
         let object = Some(self.never_seen_object).filter(|id| *id != 0 && using(*id).intersects(activities));
         (!activities.is_empty()).then_some(object.unwrap_or_default())
@@ -263,8 +267,9 @@ impl<'a> Progress<'a> {
         self.is_doubtful = true;
     }
 
-    /// A hand goes on with this object, with which it began in the job before.
-    pub(super) fn set_carried_on(&mut self, object: u16) {
+    /// A hand goes on with this object, with which it began in the job before; why that was not judged.
+    pub(super) fn set_carried_on(&mut self, object: u16, cause: Option<Cause>) {
+        self.carried_on_cause = self.carried_on_cause.or(cause);
         self.carried_on |= self.activities_with(|ius| ius.iter().any(|iu| iu.context.0[1] == object));
     }
 
@@ -499,7 +504,8 @@ impl<'a> Progress<'a> {
     ) {
         let nearest = nominal.and_then(|nominal| self.number(nominal));
         self.wrong |= nearest.map(usize::from).or_else(|| self.next_in_order()).into_iter().collect();
-        self.fault = self.fault.or(Some(Fault { reason, missing: Missing::default(), nearest, measured, broken }));
+        self.fault =
+            self.fault.or(Some(Fault { reason, missing: Missing::default(), nearest, measured, broken }));
     }
 
     pub(super) fn set_note(&mut self, note: Option<Note>) {
@@ -585,7 +591,8 @@ impl<'a> Progress<'a> {
                     (Outcome::Ok, because(Reason::None.into(), None))
                 }
                 None => {
-                    let unseen = missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());
+                    let unseen =
+                        missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());
                     let cause = self.unseen_activity_cause(unseen);
                     let is_of_job = matches!(cause.reason, Reason::BeginningNotSeen | Reason::BrokenOff);
                     let nearest = unseen.filter(|_| !is_of_job).map(|activity| activity as u16);
@@ -597,13 +604,12 @@ impl<'a> Progress<'a> {
 
     /// Why an activity that is missing may have been done all the same; or, where none is missing, why the job is not judged.
     fn unseen_activity_cause(&self, activity: Option<usize>) -> Cause {
-        let is_before = |activity| !self.is_start_seen && self.may_precede.contains(activity);
         match activity {
             _ if self.is_broken_off => Reason::BrokenOff.into(),
             Some(activity) if self.overlooked.contains(activity) => {
                 Cause::object_not_seen(self.overlooked_object)
             }
-            Some(activity) if !is_before(activity) => self.unseen_cause(),
+            Some(activity) if !self.may_precede.contains(activity) => self.unseen_cause(),
             _ => Reason::BeginningNotSeen.into(),
         }
     }
@@ -611,7 +617,8 @@ impl<'a> Progress<'a> {
     /// Why too little is known of the job: what was missed, or else its beginning.
     pub(super) fn unseen_cause(&self) -> Cause {
         let beginning = if self.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
-        Missed::cause(&self.missed, self.job.min_captured).unwrap_or(beginning.into())
+        let missed = Missed::cause(&self.missed, self.job.min_captured);
+        missed.or(self.carried_on_cause).unwrap_or(beginning.into())
     }
 
     /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
