@@ -84,7 +84,7 @@ wire! { "andon.AccountKept", 264;
 }
 message!(AccountKept);
 
-wire! { "andon.Journalled", 256;
+wire! { "andon.Journalled", 264;
     /// From the journal to plc: one row, which is on disk.
     struct Journalled {
         /// The stamp, as that of the verdict.

@@ -4,7 +4,7 @@ use crate::HANDS;
 use crate::layout::wire;
 use crate::stamp::{Stamp, message};
 
-wire! { "andon.HandCouple", 40;
+wire! { "andon.HandCouple", 44;
     /// The feature couple of one hand.
     struct HandCouple {
         /// `x_c = [ID_h, ID_oj, ID_oj, ID_ol]`.
@@ -21,10 +21,14 @@ wire! { "andon.HandCouple", 40;
         sight: [u8; 3],
         /// Zero.
         reserved: u8,
+        /// The object because of which the frame does not show what the hand does, as it is hidden; 0 where there is none.
+        hidden_object: u16,
+        /// Zero.
+        padding: u16,
     }
 }
 
-wire! { "andon.Couples", 160;
+wire! { "andon.Couples", 168;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -42,8 +46,10 @@ wire! { "andon.Couples", 160;
         undone: u32,
         /// The activities of that job that use an object which has never been seen or not for longer than `blind_ms`, one bit for each.
         out_of_sight: u32,
+        /// One such object; 0 where there is none.
+        out_of_sight_object: u16,
         /// Zero.
-        reserved: u32,
+        reserved: u16,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

@@ -71,10 +71,24 @@ codes! {
         NotCompleted = 6,
         /// It could not be judged, for none of the other reasons.
         Unknown = 7,
-        /// The hand or an object was out of sight for too long.
+        /// Too little of it was seen, for none of the other reasons.
         Blind = 8,
-        /// Fewer frames came than the job needs, or there was more to judge than there is room for.
+        /// It lasted longer than can be compared.
         Overload = 9,
+        /// The hand was not seen for too long.
+        HandNotSeen = 10,
+        /// An object was not seen for too long.
+        ObjectNotSeen = 11,
+        /// Its beginning was not seen: it came before the line began to watch, or was hidden.
+        BeginningNotSeen = 12,
+        /// It was not watched to its end: the line was disabled, got another job, or its source began again.
+        BrokenOff = 13,
+        /// No frame came for too long.
+        FramesMissing = 14,
+        /// Too few frames came.
+        TooFewFrames = 15,
+        /// Whether its two objects touched, or one only passed the other, could not be told.
+        Passing = 16,
     }
 }
 
@@ -142,7 +156,7 @@ codes! {
     }
 }
 
-wire! { "andon.Verdict", 184;
+wire! { "andon.Verdict", 192;
     /// One verdict. The stamp names the newest frame that the decision depends on.
     struct Verdict {
         /// The stamp.
@@ -169,6 +183,8 @@ wire! { "andon.Verdict", 184;
         shown_min: f32,
         /// The maximum that was shown; NaN when none is.
         shown_max: f32,
+        /// For how long the hand or object was not seen, in all, or no frame came, at most, in seconds; NaN where that is not the reason.
+        missing_s: f32,
         /// Context of the IU, `x_c`; of its first IU for an activity; zero for a job.
         x_c: [u16; 4],
         /// Index of the activity in this job, in the order of time; [`NO_INDEX`] for a job.
@@ -181,6 +197,8 @@ wire! { "andon.Verdict", 184;
         broken_activity: u16,
         /// How many of the runs that were shown keep that order.
         broken_runs: u16,
+        /// The object that was not seen; 0 where that is not the reason.
+        missing_object: u16,
         /// A [`VerdictLevel`]. Zero is none: an empty message is not a verdict.
         level: u8,
         /// A [`VerdictOutcome`]. Zero is none.
@@ -197,6 +215,14 @@ wire! { "andon.Verdict", 184;
         part: PartId,
         /// How many of a hundred frames of the IU were captured; [`NO_PERCENT`] where that says nothing.
         captured_percent: u8,
+        /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen; [`NO_PERCENT`] where that says nothing.
+        seen_percent: u8,
+        /// How many of a hundred frames came of what the verdict rests on; [`NO_PERCENT`] where that is not the reason.
+        missing_percent: u8,
+        /// How many of a hundred frames the job needs; [`NO_PERCENT`] where that is not the reason, or none are asked for.
+        needed_percent: u8,
+        /// A [`HandCode`]: the hand that was not seen; none where that is not the reason.
+        missing_hand: u8,
         /// A [`VerdictNote`].
         note: u8,
         /// An [`OrderFault`].
@@ -204,7 +230,7 @@ wire! { "andon.Verdict", 184;
         /// A [`VerdictMeasure`].
         measure: u8,
         /// Keeps the size a multiple of 8.
-        reserved: [u8; 5],
+        reserved: [u8; 3],
     }
 }
 message!(Verdict);

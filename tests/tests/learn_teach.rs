@@ -310,7 +310,7 @@ fn a_job_states_the_rate_at_which_its_own_runs_are_still_right_and_below_it_noth
         let few = said(Flaw::None, every + 2);
         assert!(job_is(Outcome::NotJudged, &few), "person {person}");
         assert!(few.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "person {person}");
-        assert!(few.iter().any(|verdict| verdict.reason == Reason::Overload), "person {person}");
+        assert!(few.iter().any(|verdict| verdict.reason == Reason::TooFewFrames), "person {person}");
         assert!(!job_is(Outcome::Ok, &said(Flaw::J1, every + 2)), "person {person}");
     }
 }

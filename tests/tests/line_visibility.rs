@@ -18,8 +18,8 @@ fn first_touch(line: &Line) -> (u16, f64, f64) {
 }
 
 /// Plays a recording in which something is hidden for two seconds from the middle of that IU on. Returns the line, and
-/// whether an IU was not judged because of it.
-fn with_a_blind_spot(hide: impl Fn(&mut Frame, u16)) -> (Line, bool) {
+/// whether an IU was not judged for this reason.
+fn with_a_blind_spot(reason: VerdictReason, hide: impl Fn(&mut Frame, u16)) -> (Line, bool) {
     let mut line = Line::new(Settings::default());
     let (id, began_s, ended_s) = first_touch(&line);
     let from_s = (began_s + ended_s) / 2.0;
@@ -29,15 +29,18 @@ fn with_a_blind_spot(hide: impl Fn(&mut Frame, u16)) -> (Line, bool) {
     });
     let mut watcher = line.launch();
     watcher.until_judged();
-    let blind = watcher.verdicts.iter().any(|verdict| {
-        verdict.outcome() == Ok(VerdictOutcome::NotJudged) && verdict.reason == VerdictReason::Blind.code()
-    });
+    let blind = watcher
+        .verdicts
+        .iter()
+        .any(|verdict| verdict.outcome() == Ok(VerdictOutcome::NotJudged) && verdict.reason == reason.code());
     (line, blind)
 }
 
 #[test]
 fn a_marker_that_is_covered_at_work_is_logged_with_its_name_and_the_step_is_not_judged() {
-    let (line, blind) = with_a_blind_spot(|frame, id| frame.objects.retain(|object| object.id != id));
+    let (line, blind) = with_a_blind_spot(VerdictReason::ObjectNotSeen, |frame, id| {
+        frame.objects.retain(|object| object.id != id);
+    });
     line.wait_for_log("encode", "AND-201", "Clean the marker");
     line.wait_for_log("encode", "AND-202", "is seen again");
     line.wait_for_log("judge", "AND-307", "the reason names what was missing");
@@ -46,7 +49,7 @@ fn a_marker_that_is_covered_at_work_is_logged_with_its_name_and_the_step_is_not_
 
 #[test]
 fn a_hand_that_leaves_the_picture_at_work_is_logged_and_the_step_is_not_judged() {
-    let (line, blind) = with_a_blind_spot(|frame, id| {
+    let (line, blind) = with_a_blind_spot(VerdictReason::HandNotSeen, |frame, id| {
         frame.hands.clear();
         frame.objects.retain(|object| object.id != id);
     });

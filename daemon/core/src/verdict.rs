@@ -44,10 +44,39 @@ pub enum Reason {
     NotCompleted,
     /// There was nothing to compare it with.
     Unknown,
-    /// The hand or an object was out of sight for too long.
+    /// Too little was seen, and it is not known of what.
     Blind,
-    /// A capacity was full, or fewer frames came than the job needs.
+    /// It lasted longer than can be compared.
     Overload,
+    /// A hand was not seen for too long.
+    HandNotSeen,
+    /// An object was not seen for too long.
+    ObjectNotSeen,
+    /// It may have begun before what was seen of it.
+    BeginningNotSeen,
+    /// It was not watched to its end: the couples broke off.
+    BrokenOff,
+    /// No frame came for too long.
+    FramesMissing,
+    /// Too few frames came.
+    TooFewFrames,
+    /// Whether its two objects touched, or one only passed the other, cannot be told.
+    Passing,
+}
+
+/// What was missing for a verdict that could not be given. All is `None` of other verdicts, and where it does not say why.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Missing {
+    /// The hand that was not seen.
+    pub hand: Option<Side>,
+    /// The id of the object that was not seen.
+    pub object: Option<u16>,
+    /// For how long the hand or object was not seen, in all, or no frame came, at most; in seconds.
+    pub seconds: Option<f32>,
+    /// How many of a hundred frames of what the verdict rests on were captured.
+    pub captured_percent: Option<u8>,
+    /// How many of a hundred frames the job needs.
+    pub needed_percent: Option<u8>,
 }
 
 /// How an activity breaks the order of its job.
@@ -142,6 +171,10 @@ pub struct Verdict {
     pub threshold: Option<f32>,
     /// How many of a hundred frames of the IU were captured; `None` where that says nothing: at its beginning, for activities and jobs.
     pub captured_percent: Option<u8>,
+    /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen; `None` where `captured_percent` is.
+    pub seen_percent: Option<u8>,
+    /// Why it was not judged, with figures.
+    pub missing: Missing,
     /// The measure that is out of its bounds: why an IU is wrong, or would be if what was not seen of it had no other explanation. An
     /// activity and a job have that of the IU for which they are wrong.
     pub measured: Option<Measured>,

@@ -9,7 +9,8 @@ use super::audit::Deed;
 use super::entry::{Entry, Gap, NotWatching, Record};
 
 pub(super) const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
-                      threshold,early,note,broken,broken_activity,broken_runs,measure,measured,shown_min,shown_max,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc,part\r\n";
+                      threshold,early,note,broken,broken_activity,broken_runs,measure,measured,shown_min,shown_max,captured_percent,seen_percent,missing_hand,missing_object,\
+                      missing_s,missing_percent,needed_percent,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc,part\r\n";
 
 pub(super) const DEEDS_HEADER: &str = "utc,kind,who,what\r\n";
 
@@ -49,6 +50,9 @@ fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
     write!(out, ",{},{},{},{}", r.note, r.broken, or_empty(r.broken_activity), r.broken_runs)?;
     let [min, max] = r.shown.map(or_empty);
     write!(out, ",{},{},{min},{max}", r.measure, or_empty(r.measured))?;
+    write!(out, ",{},{}", or_empty(r.captured_percent), or_empty(r.seen_percent))?;
+    write!(out, ",{},{},{}", r.missing_hand, or_empty(r.missing_object), or_empty(r.missing_s))?;
+    write!(out, ",{},{}", or_empty(r.missing_percent), or_empty(r.needed_percent))?;
     write!(out, ",{},{},{}", seconds(r.began_ns), seconds(r.ended_ns), seconds(r.decided_ns))?;
     write!(out, ",{},{},,,{}\r\n", r.epoch, r.seq, quoted(&r.part))
 }
@@ -63,7 +67,7 @@ fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
     let last_seq = or_empty(gap.last_seq);
     write!(
         out,
-        "{},gap,,,,{},,,,,,,,,,,,,,,,,,,,,,,,,,{},{},{last_seq},,\r\n",
+        "{},gap,,,,{},,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,{},{},{last_seq},,\r\n",
         utc(gap.utc_ns),
         gap.why,
         gap.epoch,
@@ -75,7 +79,7 @@ fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()
     let end = or_empty(blind.ended_utc_ns.map(utc));
     write!(
         out,
-        "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,,,,,,,,,{end},\r\n",
+        "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,{end},\r\n",
         utc(blind.began_utc_ns),
         blind.why
     )

@@ -53,6 +53,20 @@ pub struct Record {
     pub measured: Option<f32>,
     /// The minimum and the maximum that were shown.
     pub shown: [Option<f32>; 2],
+    /// How many of a hundred frames of the IU came.
+    pub captured_percent: Option<u8>,
+    /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen.
+    pub seen_percent: Option<u8>,
+    /// The hand that was not seen; empty where that is not why it was not judged.
+    pub missing_hand: String,
+    /// The object that was not seen.
+    pub missing_object: Option<u16>,
+    /// For how long, in seconds; or for how long no frame came.
+    pub missing_s: Option<f32>,
+    /// How many of a hundred frames came, where those were too few.
+    pub missing_percent: Option<u8>,
+    /// How many the job needs.
+    pub needed_percent: Option<u8>,
     pub began_ns: u64,
     pub ended_ns: u64,
     pub decided_ns: u64,
@@ -63,10 +77,11 @@ pub struct Record {
 }
 
 impl Record {
-    /// The verdict as it was sent, but for the numbers of its frame, its station and the share of its frames, which are left out.
+    /// The verdict as it was sent, but for the numbers of its frame and its station, which are left out.
     pub fn message(&self) -> Verdict {
         let index = |index: Option<u16>| index.unwrap_or(NO_INDEX);
         let number = |value: Option<f32>| value.unwrap_or(f32::NAN);
+        let percent = |value: Option<u8>| value.unwrap_or(NO_PERCENT);
         Verdict {
             model_hash: u64::from_str_radix(&self.model_hash, 16).unwrap_or_default(),
             began_ns: self.began_ns,
@@ -91,7 +106,13 @@ impl Record {
             hand: code(HandCode::ALL, HandCode::name, HandCode::code, &self.hand),
             early: self.early.into(),
             part: PartId::new(self.part.as_bytes()).unwrap_or(PartId::NONE),
-            captured_percent: NO_PERCENT,
+            captured_percent: percent(self.captured_percent),
+            seen_percent: percent(self.seen_percent),
+            missing_percent: percent(self.missing_percent),
+            needed_percent: percent(self.needed_percent),
+            missing_hand: code(HandCode::ALL, HandCode::name, HandCode::code, &self.missing_hand),
+            missing_object: self.missing_object.unwrap_or_default(),
+            missing_s: number(self.missing_s),
             note: code(VerdictNote::ALL, VerdictNote::name, VerdictNote::code, &self.note),
             broken: code(OrderFault::ALL, OrderFault::name, OrderFault::code, &self.broken),
             measure: code(VerdictMeasure::ALL, VerdictMeasure::name, VerdictMeasure::code, &self.measure),

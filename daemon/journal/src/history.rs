@@ -37,18 +37,21 @@ pub struct History {
 const QUERY: &str = "
     SELECT id AS position, 2 AS rank, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
         nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns, decided_utc_ns,
-        NULL AS last_seq, part, note, broken, broken_activity, broken_runs, measure, measured, shown_min, shown_max
+        NULL AS last_seq, part, note, broken, broken_activity, broken_runs, measure, measured, shown_min, shown_max,
+        captured_percent, seen_percent, missing_hand, missing_object, missing_s, missing_percent, needed_percent
     FROM verdict
     WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
         AND (?4 IS NULL OR part = ?4)
     UNION ALL
     SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, '', '', '', NULL, 0, '', NULL, NULL, NULL
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, '', '', '', NULL, 0, '', NULL, NULL, NULL,
+        NULL, NULL, '', NULL, NULL, NULL, NULL
     FROM gap
     WHERE utc_ns >= ?1
     UNION ALL
     SELECT before_verdict, 0, 0, 0, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, '', '', '', NULL, 0, '', NULL, NULL, NULL
+        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, '', '', '', NULL, 0, '', NULL, NULL, NULL,
+        NULL, NULL, '', NULL, NULL, NULL, NULL
     FROM not_watching
     WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
     ORDER BY position, rank";
@@ -189,6 +192,13 @@ fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
         measure: row.get("measure")?,
         measured: row.get("measured")?,
         shown: [row.get("shown_min")?, row.get("shown_max")?],
+        captured_percent: row.get("captured_percent")?,
+        seen_percent: row.get("seen_percent")?,
+        missing_hand: row.get("missing_hand")?,
+        missing_object: row.get("missing_object")?,
+        missing_s: row.get("missing_s")?,
+        missing_percent: row.get("missing_percent")?,
+        needed_percent: row.get("needed_percent")?,
         began_ns: number("began_ns")?,
         ended_ns: number("ended_ns")?,
         decided_ns: number("decided_ns")?,

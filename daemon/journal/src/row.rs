@@ -2,8 +2,8 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use shm_schemas::{
-    HandCode, MessageId, NO_INDEX, OrderFault, PartId, Stamp, Verdict, VerdictLevel, VerdictMeasure,
-    VerdictNote, VerdictOutcome, VerdictReason,
+    HandCode, MessageId, NO_INDEX, NO_PERCENT, OrderFault, PartId, Stamp, Verdict, VerdictLevel,
+    VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
 };
 
 use super::Written;
@@ -103,9 +103,11 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
             "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
              nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns,
              decided_utc_ns, frame_seq, captured_ns, sent_ns, part, note, broken, broken_activity, broken_runs,
-             measure, measured, shown_min, shown_max)
+             measure, measured, shown_min, shown_max, captured_percent, seen_percent, missing_hand, missing_object,
+             missing_s, missing_percent, needed_percent)
              VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21,
-             ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35)",
+             ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37,
+             ?38, ?39, ?40, ?41, ?42)",
         )?
         .execute(params![
             signed(stamp.epoch),
@@ -143,6 +145,13 @@ fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Resul
             number(verdict.measured),
             number(verdict.shown_min),
             number(verdict.shown_max),
+            percent(verdict.captured_percent),
+            percent(verdict.seen_percent),
+            word(HandCode::try_from(verdict.missing_hand).map(HandCode::name), verdict.missing_hand),
+            Some(verdict.missing_object).filter(|id| *id != 0),
+            number(verdict.missing_s),
+            percent(verdict.missing_percent),
+            percent(verdict.needed_percent),
         ])?;
     Ok(())
 }
@@ -162,6 +171,7 @@ fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
     let number = |column: &str| row.get(column).map(unsigned);
     let index = |column: &str| row.get(column).map(|index: Option<u16>| index.unwrap_or(NO_INDEX));
     let value = |column: &str| row.get(column).map(|value: Option<f32>| value.unwrap_or(f32::NAN));
+    let percent = |column: &str| row.get(column).map(|of: Option<u8>| of.unwrap_or(NO_PERCENT));
     let text = |column: &str| row.get::<_, String>(column);
     let mut verdict = Verdict {
         stamp: Stamp {
@@ -196,6 +206,13 @@ fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
         measured: value("measured")?,
         shown_min: value("shown_min")?,
         shown_max: value("shown_max")?,
+        captured_percent: percent("captured_percent")?,
+        seen_percent: percent("seen_percent")?,
+        missing_hand: code(HandCode::ALL, HandCode::name, HandCode::code, &text("missing_hand")?),
+        missing_object: row.get::<_, Option<u16>>("missing_object")?.unwrap_or_default(),
+        missing_s: value("missing_s")?,
+        missing_percent: percent("missing_percent")?,
+        needed_percent: percent("needed_percent")?,
         // Rows are written by this; where another program has put something else, that is none.
         part: PartId::new(text("part")?.as_bytes()).unwrap_or(PartId::NONE),
         ..Verdict::default()
@@ -219,6 +236,10 @@ fn word<E>(known: Result<&'static str, E>, code: u8) -> String {
 
 fn index(index: u16) -> Option<u16> {
     (index != NO_INDEX).then_some(index)
+}
+
+fn percent(percent: u8) -> Option<u8> {
+    (percent != NO_PERCENT).then_some(percent)
 }
 
 fn number(value: f32) -> Option<f32> {

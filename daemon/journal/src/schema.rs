@@ -139,6 +139,15 @@ pub(super) const MIGRATIONS: &[&str] = &[
     ALTER TABLE verdict ADD COLUMN shown_min REAL;  -- the least that was shown
     ALTER TABLE verdict ADD COLUMN shown_max REAL;  -- the most that was shown
 ",
+    "
+    ALTER TABLE verdict ADD COLUMN captured_percent INTEGER;  -- how many of a hundred frames of the IU came
+    ALTER TABLE verdict ADD COLUMN seen_percent INTEGER;      -- in how many of them the hand and each object was seen
+    ALTER TABLE verdict ADD COLUMN missing_hand TEXT NOT NULL DEFAULT '';  -- the hand that was not seen
+    ALTER TABLE verdict ADD COLUMN missing_object INTEGER;    -- the object that was not seen
+    ALTER TABLE verdict ADD COLUMN missing_s REAL;            -- for how long
+    ALTER TABLE verdict ADD COLUMN missing_percent INTEGER;   -- how many of a hundred frames came, where those were too few
+    ALTER TABLE verdict ADD COLUMN needed_percent INTEGER;    -- how many the job needs
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

@@ -28,14 +28,14 @@ GONE, DEAD = 2, 3
 LEVELS = {1: "iu", 2: "activity", 3: "job"}
 OUTCOMES = {1: "ok", 2: "anomaly", 3: "not_judged"}
 REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong", "NotCompleted", "Unknown", "Blind",
-           "Overload"]
+           "Overload", "HandNotSeen", "ObjectNotSeen", "BeginningNotSeen", "BrokenOff", "FramesMissing", "TooFewFrames", "Passing"]
 NOTES = [None, "Order", "Again", "OtherHand", "Step"]
 MEASURES = [None, ("Duration", "s"), ("Strokes", "strokes"), ("StrokeLength", "m"), ("Path", "m"), ("Direction", "degrees"),
             ("Place", "m")]
 
 
 class Verdict(ctypes.Structure):
-    """`shm_schemas::Verdict`, 184 bytes."""
+    """`shm_schemas::Verdict`, 192 bytes."""
 
     _fields_ = [
         ("seq", ctypes.c_uint64),
@@ -54,12 +54,14 @@ class Verdict(ctypes.Structure):
         ("measured", ctypes.c_float),
         ("shown_min", ctypes.c_float),
         ("shown_max", ctypes.c_float),
+        ("missing_s", ctypes.c_float),
         ("x_c", ctypes.c_uint16 * 4),
         ("activity", ctypes.c_uint16),
         ("iu", ctypes.c_uint16),
         ("nearest", ctypes.c_uint16),
         ("broken_activity", ctypes.c_uint16),
         ("broken_runs", ctypes.c_uint16),
+        ("missing_object", ctypes.c_uint16),
         ("level", ctypes.c_uint8),
         ("outcome", ctypes.c_uint8),
         ("reason", ctypes.c_uint8),
@@ -68,10 +70,14 @@ class Verdict(ctypes.Structure):
         ("station", ctypes.c_char * 16),
         ("part", ctypes.c_char * 32),
         ("captured_percent", ctypes.c_uint8),
+        ("seen_percent", ctypes.c_uint8),
+        ("missing_percent", ctypes.c_uint8),
+        ("needed_percent", ctypes.c_uint8),
+        ("missing_hand", ctypes.c_uint8),
         ("note", ctypes.c_uint8),
         ("broken", ctypes.c_uint8),
         ("measure", ctypes.c_uint8),
-        ("reserved", ctypes.c_uint8 * 5),
+        ("reserved", ctypes.c_uint8 * 3),
     ]
 
     @staticmethod

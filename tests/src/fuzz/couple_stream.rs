@@ -216,6 +216,7 @@ impl Line<'_> {
                     is_bench_hidden,
                     undone: ActivitySet::from_bits(u32::from(input.byte())),
                     out_of_sight: ActivitySet::from_bits(u32::from(input.byte())),
+                    out_of_sight_object: 0,
                     hands,
                 });
             }

@@ -3,7 +3,7 @@
 use andon_core::anomaly::Event;
 use andon_core::couple::{Context, Couple, Couples};
 use andon_core::input::Side;
-use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_core::verdict::{Level, Missing, Outcome, Reason, Verdict};
 use std::collections::BTreeSet;
 
 /// Consecutive frames in which the context of a hand is the same.
@@ -113,8 +113,18 @@ fn check_alone(verdict: &Verdict) {
         verdict.reason == Reason::None,
         "only a verdict that is not OK has a reason: {verdict:?}"
     );
-    let unseen = matches!(verdict.reason, Reason::Blind | Reason::Unknown | Reason::Overload);
-    assert_eq!(verdict.outcome == Outcome::NotJudged, unseen, "{verdict:?}");
+    let wrong = matches!(
+        verdict.reason,
+        Reason::WrongObject
+            | Reason::WrongOrder
+            | Reason::Motion
+            | Reason::TooShort
+            | Reason::TooLong
+            | Reason::NotCompleted
+    );
+    assert_eq!(verdict.outcome == Outcome::Anomaly, wrong, "{verdict:?}");
+    let has_missing = verdict.missing != Missing::default();
+    assert!(verdict.outcome == Outcome::NotJudged || !has_missing, "{verdict:?}");
     assert!(verdict.began_ns <= verdict.ended_ns, "{verdict:?}");
     assert!(verdict.distance.is_none_or(|distance| distance >= 0.0 && distance.is_finite()), "{verdict:?}");
     assert_eq!(verdict.distance.is_some(), verdict.threshold.is_some(), "{verdict:?}");

@@ -100,7 +100,7 @@ table! {
         "Stop and look at the step that the message names";
     WARN 307 NOT_JUDGED: "a step could not be judged",
         "Look at the product; the reason names what was missing";
-    WARN 308 OVERLOAD: "fewer frames came than the job needs, or a step lasted longer than can be compared: it could not be judged",
+    WARN 308 OVERLOAD: "too few frames came, none for a while, or a step lasted longer than can be compared: it could not be judged",
         "Where frames are missing, stop what else runs on the machine, or choose perception.hand_model = \"lite\"; a step of more than 2048 frames, about a minute at 30 Hz, must be taught as shorter activities";
     INFO 309 COMMAND: "the PLC or a person gave a command", "";
     WARN 310 COMMAND_REFUSED: "a command is malformed or does not fit the state",

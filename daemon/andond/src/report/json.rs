@@ -1,7 +1,7 @@
 //! JSON lines. The names are an interface: programs outside read them.
 
 use andon_core::input::Side;
-use andon_core::verdict::{BrokenOrder, Level, Measure, Measured, Reason, Verdict};
+use andon_core::verdict::{BrokenOrder, Level, Measure, Measured, Missing, Verdict};
 use serde::Serialize;
 use shm_schemas::{PartId, verdict_kind};
 
@@ -59,6 +59,39 @@ impl MeasureLine {
     }
 }
 
+/// What was missing for a verdict; what does not say why is left out.
+#[derive(Debug, Serialize)]
+struct MissingLine {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    hand: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    object: Option<u16>,
+    /// The name of that object.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    captured_percent: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    needed_percent: Option<u8>,
+}
+
+impl MissingLine {
+    /// `None` where nothing was missing, or it is not known what.
+    fn new(missing: Missing, names: &Names) -> Option<Self> {
+        let Missing { hand, object, seconds, captured_percent, needed_percent } = missing;
+        (missing != Missing::default()).then(|| Self {
+            hand: hand.map(Side::name),
+            object,
+            name: object.map(|id| names.object(id)),
+            seconds: seconds.map(|seconds| (f64::from(seconds) * 1e3).round() / 1e3),
+            captured_percent,
+            needed_percent,
+        })
+    }
+}
+
 /// One verdict. Its numbers of activities and IUs count from 0, as in CSV and on the registers.
 #[derive(Debug, Serialize)]
 pub struct VerdictLine {
@@ -73,9 +106,15 @@ pub struct VerdictLine {
     context: Option<[u16; 4]>,
     distance: Option<f64>,
     threshold: Option<f64>,
-    /// How many of a hundred frames of the IU were captured, where that is why it was not judged.
+    /// How many of a hundred frames of the IU were captured.
     #[serde(skip_serializing_if = "Option::is_none")]
     captured_percent: Option<u8>,
+    /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seen_percent: Option<u8>,
+    /// Why it was not judged, in figures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    missing: Option<MissingLine>,
     nearest: Option<u16>,
     /// The name of the step that `nearest` is.
     step: Option<String>,
@@ -109,7 +148,9 @@ impl VerdictLine {
             context: (!of_job).then_some(verdict.context.0),
             distance: number(verdict.distance),
             threshold: number(verdict.threshold),
-            captured_percent: verdict.captured_percent.filter(|_| verdict.reason == Reason::Overload),
+            captured_percent: verdict.captured_percent,
+            seen_percent: verdict.seen_percent,
+            missing: MissingLine::new(verdict.missing, names),
             nearest: verdict.nearest,
             step: verdict
                 .nearest
@@ -145,6 +186,9 @@ pub struct EventLine {
     /// For an IU, the share of its frames whose motion was measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<f64>,
+    /// For an IU, the share of its frames in which the hand and each object of its context were seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seen: Option<f64>,
 }
 
 impl EventLine {
@@ -157,6 +201,7 @@ impl EventLine {
             began_s: seconds(began_ns),
             ended_s: seconds(ended_ns),
             measured: None,
+            seen: None,
         }
     }
 
@@ -169,6 +214,7 @@ impl EventLine {
             began_s: seconds(began_ns),
             ended_s: seconds(ended_ns),
             measured: None,
+            seen: None,
         }
     }
 }
@@ -178,7 +224,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use andon_core::couple::Context;
-    use andon_core::verdict::{Note, OrderFault, Outcome};
+    use andon_core::verdict::{Note, OrderFault, Outcome, Reason};
 
     fn verdict() -> Verdict {
         Verdict {
@@ -193,6 +239,8 @@ mod tests {
             distance: Some(1.1),
             threshold: None,
             captured_percent: Some(98),
+            seen_percent: Some(90),
+            missing: Missing::default(),
             measured: None,
             broken: None,
             note: None,
@@ -214,7 +262,7 @@ mod tests {
                 .unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"nearest":1,"step":null,"expected":"step 2","got":"polisher at brick","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"captured_percent":98,"seen_percent":90,"nearest":1,"step":null,"expected":"step 2","got":"polisher at brick","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
     }
 
@@ -237,6 +285,16 @@ mod tests {
         let expected =
             serde_json::json!({"measure": "Duration", "unit": "s", "value": 2.1, "shown": [4.8, 5.4]});
         assert_eq!(line["measures"], expected);
+    }
+
+    #[test]
+    fn what_was_missing_is_told_by_its_name_and_figures() {
+        let missing = Missing { object: Some(6), seconds: Some(1.4), ..Missing::default() };
+        let (outcome, reason) = (Outcome::NotJudged, Reason::ObjectNotSeen);
+        let verdict = Verdict { outcome, reason, missing, ..verdict() };
+        let line = serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names())).unwrap();
+        assert_eq!(line["reason"], "ObjectNotSeen");
+        assert_eq!(line["missing"], serde_json::json!({"object": 6, "name": "brick", "seconds": 1.4}));
     }
 
     #[test]

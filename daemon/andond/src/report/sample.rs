@@ -2,7 +2,7 @@
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_core::verdict::{Level, Missing, Outcome, Reason, Verdict};
 
 use super::Names;
 
@@ -31,6 +31,8 @@ pub(crate) fn wrong(reason: Reason) -> Verdict {
         distance: None,
         threshold: None,
         captured_percent: None,
+        seen_percent: None,
+        missing: Missing::default(),
         measured: None,
         broken: None,
         note: None,

@@ -123,7 +123,9 @@ fn follows(verdict: &Verdict, fault: &Verdict) -> bool {
         (Level::Iu | Level::Activity, Level::Job) => true,
         _ => false,
     };
-    let of = |verdict: &Verdict| (verdict.outcome, verdict.reason, verdict.broken);
+    // What was missing may have been so for longer at the end.
+    let missing = |verdict: &Verdict| (verdict.missing.hand, verdict.missing.object);
+    let of = |verdict: &Verdict| (verdict.outcome, verdict.reason, missing(verdict), verdict.broken);
     // A measure may be known more exactly at the end.
     let measure = |verdict: &Verdict| verdict.measured.map(|measured| measured.measure);
     is_part

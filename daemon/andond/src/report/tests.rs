@@ -4,7 +4,7 @@
 use andon_core::couple::Context;
 use andon_core::input::Side;
 use andon_core::verdict::{
-    BrokenOrder, Level, Measure, Measured, Note, OrderFault, Outcome, Reason, Verdict,
+    BrokenOrder, Level, Measure, Measured, Missing, Note, OrderFault, Outcome, Reason, Verdict,
 };
 
 use super::sample::{names, wrong};
@@ -48,16 +48,44 @@ fn the_other_hand_is_told_with_the_one_that_was_shown() {
 }
 
 #[test]
+fn what_was_not_judged_is_told_by_what_was_missing_and_how_much_of_it() {
+    let missing = Missing::default();
+    let says = |reason: Reason, missing: Missing, expected: &str| {
+        let unseen =
+            Verdict { level: Level::Activity, outcome: Outcome::NotJudged, missing, ..wrong(reason) };
+        reads(unseen, &format!("right  NOT JUDGED  step 1 (polish): {expected}"));
+    };
+    let hand = Missing { hand: Some(Side::Left), seconds: Some(2.04), ..missing };
+    says(Reason::HandNotSeen, hand, "the left hand was not seen for 2.0 s");
+    says(Reason::HandNotSeen, missing, "parts moved and no hand was seen at them");
+    says(Reason::ObjectNotSeen, Missing { object: Some(6), ..missing }, "the brick was not seen");
+    says(Reason::FramesMissing, Missing { seconds: Some(1.3), ..missing }, "no frame came for 1.3 s");
+    let few = |captured, needed| Missing {
+        captured_percent: Some(captured),
+        needed_percent: Some(needed),
+        ..missing
+    };
+    says(Reason::TooFewFrames, few(20, 25), "only 20 of 100 frames came, and the job needs 25");
+    says(Reason::TooFewFrames, few(50, 25), "only 50 of 100 frames came, too few to be sure");
+    says(Reason::BeginningNotSeen, missing, "its beginning was not seen");
+    says(Reason::BrokenOff, missing, "it was not watched to its end");
+    says(Reason::Overload, missing, "it lasted longer than can be compared");
+    says(Reason::Passing, missing, "it cannot be told whether its parts touched");
+    says(Reason::Blind, missing, "too little of it was seen");
+}
+
+#[test]
 fn a_measure_is_told_with_its_unit_and_what_was_shown() {
     let short = Verdict { measured: strokes(3.0), ..wrong(Reason::TooShort) };
     reads(short, "right  ANOMALY     step 1 IU 2: polisher at brick: 3 strokes, shown 6");
     assert_eq!(names().expected(&short).as_deref(), Some("6 strokes"));
     assert_eq!(names().got(&short).as_deref(), Some("3 strokes"));
     assert_eq!(names().fault(&short).as_deref(), Some("step 1 (polish): too few strokes"));
-    let unseen = Verdict { outcome: Outcome::NotJudged, reason: Reason::Blind, ..short };
+    let missing = Missing { object: Some(6), seconds: Some(1.4), ..Missing::default() };
+    let unseen = Verdict { outcome: Outcome::NotJudged, reason: Reason::ObjectNotSeen, missing, ..short };
     reads(
         unseen,
-        "right  NOT JUDGED  step 1 IU 2: polisher at brick: the hand or the part was out of sight for too long; \
+        "right  NOT JUDGED  step 1 IU 2: polisher at brick: the brick was not seen for 1.4 s; \
          measured: 3 strokes, shown 6",
     );
     let path = Measured { measure: Measure::Path, value: 1.04, shown_min: 0.49, shown_max: 0.54 };

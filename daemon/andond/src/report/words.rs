@@ -2,7 +2,9 @@
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{BrokenOrder, Level, Measured, Note, OrderFault, Outcome, Reason, Verdict};
+use andon_core::verdict::{
+    BrokenOrder, Level, Measured, Missing, Note, OrderFault, Outcome, Reason, Verdict,
+};
 
 use super::Names;
 use crate::wire::verdict::measured_words;
@@ -150,15 +152,42 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
         },
         Reason::NotCompleted => "ended before its last IU".to_owned(),
         Reason::Unknown => "nothing to compare it with".to_owned(),
-        Reason::Blind => "the hand or the part was out of sight for too long".to_owned(),
-        Reason::Overload => match verdict.captured_percent {
-            Some(percent) if percent < 100 => {
-                format!("only {percent} of 100 frames came, fewer than the job needs")
-            }
-            Some(_) => "it lasted longer than can be compared".to_owned(),
-            None => "fewer frames came than the job needs, or a step was too long".to_owned(),
-        },
+        Reason::Passing => "it cannot be told whether its parts touched".to_owned(),
+        Reason::Overload => "it lasted longer than can be compared".to_owned(),
+        Reason::BeginningNotSeen => "its beginning was not seen".to_owned(),
+        Reason::BrokenOff => "it was not watched to its end".to_owned(),
+        Reason::Blind
+        | Reason::HandNotSeen
+        | Reason::ObjectNotSeen
+        | Reason::FramesMissing
+        | Reason::TooFewFrames => missing_words(verdict, names),
     })
+}
+
+/// What was missing, and how much of it.
+fn missing_words(verdict: &Verdict, names: &Names) -> String {
+    // It goes on when an early verdict is given.
+    let least = if verdict.early { "at least " } else { "" };
+    let time = |seconds: f32| format!(" for {least}{seconds:.1} s");
+    let time = verdict.missing.seconds.map(time).unwrap_or_default();
+    match (verdict.reason, verdict.missing) {
+        (Reason::HandNotSeen, Missing { hand: Some(hand), .. }) => {
+            format!("the {} hand was not seen{time}", hand.name())
+        }
+        (Reason::HandNotSeen, _) => "parts moved and no hand was seen at them".to_owned(),
+        (Reason::ObjectNotSeen, Missing { object: Some(object), .. }) => {
+            format!("{} was not seen{time}", names.the(object))
+        }
+        (Reason::FramesMissing, _) => format!("no frame came{time}"),
+        (Reason::TooFewFrames, Missing { captured_percent: Some(percent), needed_percent, .. }) => {
+            match needed_percent.filter(|needed| percent < *needed) {
+                Some(needed) => format!("only {percent} of 100 frames came, and the job needs {needed}"),
+                None => format!("only {percent} of 100 frames came, too few to be sure"),
+            }
+        }
+        (Reason::TooFewFrames, _) => "too few frames came".to_owned(),
+        _ => "too little of it was seen".to_owned(),
+    }
 }
 
 /// What was done, and what was expected instead.
@@ -233,8 +262,15 @@ impl Names {
             (Reason::NotCompleted, _) if verdict.level == Level::Job => "left out",
             (Reason::NotCompleted, _) => "not completed",
             (Reason::Unknown, _) => "nothing to compare it with",
-            (Reason::Blind, _) => "out of sight",
-            (Reason::Overload, _) => "too few frames",
+            (Reason::Blind, _) => "too little seen",
+            (Reason::Overload, _) => "lasted too long to compare",
+            (Reason::HandNotSeen, _) => "hand not seen",
+            (Reason::ObjectNotSeen, _) => "part not seen",
+            (Reason::BeginningNotSeen, _) => "beginning not seen",
+            (Reason::BrokenOff, _) => "not watched to its end",
+            (Reason::FramesMissing, _) => "no frames for a while",
+            (Reason::TooFewFrames, _) => "too few frames",
+            (Reason::Passing, _) => "parts only near each other",
         };
         Some(match verdict.nearest {
             Some(step) => format!("{}: {kind}", self.step(step)),

@@ -214,6 +214,7 @@ mod tests {
             is_bench_hidden: false,
             undone: ActivitySet::EMPTY,
             out_of_sight: ActivitySet::EMPTY,
+            out_of_sight_object: 0,
             hands: [Couple::idle(Side::Right, at_ns), left],
         }
     }

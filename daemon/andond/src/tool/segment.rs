@@ -99,6 +99,7 @@ fn line(event: Event) -> Option<EventLine> {
         }
         Event::IuEnded { side, iu } => EventLine {
             measured: Some(f64::from(iu.measured) / f64::from(iu.frames.max(1))),
+            seen: Some(f64::from(iu.seen) / f64::from(iu.frames.max(1))),
             ..EventLine::new("iu", side, iu.context.0, iu.began_ns, iu.ended_ns)
         },
         Event::ActivityEnded { side, context, began_ns, ended_ns } => {
@@ -138,13 +139,14 @@ fn print_text(lines: &[EventLine], names: &Names) -> std::io::Result<()> {
             .map(|context| names.context(andon_core::couple::Context(context)))
             .unwrap_or_default();
         let hand = line.hand.unwrap_or("");
-        let measured = match line.measured {
-            Some(share) if share < 1.0 => format!(" (motion measured in {:.0} % of it)", 100.0 * share),
+        let share = |what: &str, share: Option<f64>| match share {
+            Some(share) if share < 1.0 => format!(" ({what} in {:.0} % of it)", 100.0 * share),
             _ => String::new(),
         };
+        let known = share("all seen", line.seen) + &share("motion measured", line.measured);
         writeln!(
             out,
-            "{:8.2} .. {:8.2} s  {hand:5}  {indent}{} {what}{measured}",
+            "{:8.2} .. {:8.2} s  {hand:5}  {indent}{} {what}{known}",
             line.began_s, line.ended_s, line.level
         )?;
     }

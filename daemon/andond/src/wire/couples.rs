@@ -11,6 +11,7 @@ pub fn write(couples: &Couples, message: &mut Message) {
     message.known_ns = couples.known_ns;
     message.undone = couples.undone.bits();
     message.out_of_sight = couples.out_of_sight.bits();
+    message.out_of_sight_object = couples.out_of_sight_object;
     message.flags |= bit(couples.is_captured, flag::CAPTURED)
         | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN)
         | bit(couples.is_carried_unseen, flag::CARRIED_UNSEEN)
@@ -29,6 +30,8 @@ pub fn write(couples: &Couples, message: &mut Message) {
                 | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED),
             sight: couple.sight.map(|sight| sight as u8),
             reserved: 0,
+            hidden_object: couple.hidden_object,
+            padding: 0,
         };
     }
 }
@@ -48,6 +51,7 @@ pub fn read(message: &Message) -> Couples {
         is_rivalled: place.flags & flag::RIVALLED != 0,
         is_object_new: place.flags & flag::OBJECT_NEW != 0,
         is_object_displaced: place.flags & flag::OBJECT_DISPLACED != 0,
+        hidden_object: place.hidden_object,
     };
     Couples {
         captured_ns: message.described_ns,
@@ -58,6 +62,7 @@ pub fn read(message: &Message) -> Couples {
         is_bench_hidden: message.flags & flag::BENCH_HIDDEN != 0,
         undone: ActivitySet::from_bits(message.undone),
         out_of_sight: ActivitySet::from_bits(message.out_of_sight),
+        out_of_sight_object: message.out_of_sight_object,
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
 }
@@ -93,6 +98,7 @@ mod tests {
             is_rivalled: true,
             is_object_new: true,
             is_object_displaced: true,
+            hidden_object: 7,
             ..Couple::idle(Side::Right, 9)
         };
         let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };
@@ -106,6 +112,7 @@ mod tests {
             is_bench_hidden: true,
             undone: ActivitySet::first(3),
             out_of_sight: ActivitySet::of(5),
+            out_of_sight_object: 8,
             hands,
         };
         let mut message = Message::default();

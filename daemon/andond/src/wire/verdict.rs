@@ -3,7 +3,7 @@
 use andon_core::couple::Context;
 use andon_core::input::Side;
 use andon_core::verdict::{
-    BrokenOrder, Level, Measure, Measured, Note, OrderFault, Outcome, Reason, Verdict,
+    BrokenOrder, Level, Measure, Measured, Missing, Note, OrderFault, Outcome, Reason, Verdict,
 };
 use andon_ipc::UtcTime;
 use shm_schemas::{
@@ -61,10 +61,20 @@ pub fn write(verdict: &Verdict, sender: &Sender, decided: UtcTime, message: &mut
     message.hand = verdict.side.map_or(HandCode::None, hand).code();
     message.early = u8::from(verdict.early);
     message.captured_percent = verdict.captured_percent.unwrap_or(NO_PERCENT);
+    message.seen_percent = verdict.seen_percent.unwrap_or(NO_PERCENT);
+    write_missing(&verdict.missing, message);
     message.note = verdict.note.map_or(VerdictNote::None, note).code();
     message.broken = verdict.broken.map_or(WireFault::None, |broken| order_fault(broken.fault)).code();
     message.broken_activity = none(verdict.broken.map(|broken| broken.activity));
     message.broken_runs = verdict.broken.map_or(0, |broken| broken.runs);
+}
+
+fn write_missing(missing: &Missing, message: &mut Message) {
+    message.missing_hand = missing.hand.map_or(HandCode::None, hand).code();
+    message.missing_object = missing.object.unwrap_or(0);
+    message.missing_s = missing.seconds.unwrap_or(f32::NAN);
+    message.missing_percent = missing.captured_percent.unwrap_or(NO_PERCENT);
+    message.needed_percent = missing.needed_percent.unwrap_or(NO_PERCENT);
 }
 
 /// Converts an enum of the method to the same enum on the wire and back, by one list of the variants that both have.
@@ -85,7 +95,8 @@ twins!(Level as VerdictLevel, level, level_of_method: Iu Activity Job);
 twins!(Outcome as VerdictOutcome, outcome, outcome_of_method: Ok Anomaly NotJudged);
 twins!(
     Reason as VerdictReason, reason, reason_of_method:
-    None WrongObject WrongOrder Motion TooShort TooLong NotCompleted Unknown Blind Overload
+    None WrongObject WrongOrder Motion TooShort TooLong NotCompleted Unknown Blind Overload HandNotSeen ObjectNotSeen
+    BeginningNotSeen BrokenOff FramesMissing TooFewFrames Passing
 );
 
 /// The note as it travels.
@@ -178,6 +189,7 @@ pub(super) const fn side(hand: HandCode) -> Option<Side> {
 pub fn read(message: &Message) -> Option<Verdict> {
     let index = |value: u16| (value != NO_INDEX).then_some(value);
     let number = |value: f32| (!value.is_nan()).then_some(value);
+    let percent = |value: u8| (value != NO_PERCENT).then_some(value);
     let fault = order_fault_of_method(message.broken.try_into().ok()?);
     let (activity, runs) = (message.broken_activity, message.broken_runs);
     let measure = measure_of_method(message.measure.try_into().ok()?);
@@ -198,7 +210,15 @@ pub fn read(message: &Message) -> Option<Verdict> {
         context: Context(message.x_c),
         distance: number(message.distance),
         threshold: number(message.threshold),
-        captured_percent: (message.captured_percent != NO_PERCENT).then_some(message.captured_percent),
+        captured_percent: percent(message.captured_percent),
+        seen_percent: percent(message.seen_percent),
+        missing: Missing {
+            hand: side(message.missing_hand.try_into().ok()?),
+            object: Some(message.missing_object).filter(|id| *id != 0),
+            seconds: number(message.missing_s),
+            captured_percent: percent(message.missing_percent),
+            needed_percent: percent(message.needed_percent),
+        },
         measured: measure.map(measured),
         broken: fault.map(|fault| BrokenOrder { fault, activity, runs }),
         note: note_of_method(message.note.try_into().ok()?),
@@ -241,6 +261,14 @@ mod tests {
                         distance: side.map(|_| 1.5),
                         threshold: None,
                         captured_percent: side.map(|_| 40),
+                        seen_percent: side.map(|_| 30),
+                        missing: Missing {
+                            hand: side,
+                            object: side.map(|_| 11),
+                            seconds: side.map(|_| 1.25),
+                            captured_percent: side.map(|_| 20),
+                            needed_percent: side.map(|_| 25),
+                        },
                         measured: measure.map(measured),
                         broken: fault.map(|fault| BrokenOrder { fault, activity: 9, runs: 10 }),
                         note,

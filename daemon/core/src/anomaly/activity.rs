@@ -1,6 +1,7 @@
 //! The open activity of a hand, and what its IUs are judged against.
 
 use super::alignment::Alignment;
+use super::missed::Cause;
 use super::places::{Junction, Places};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
@@ -66,7 +67,7 @@ pub(super) struct OpenActivity {
     /// For each nominal activity, the index of the IU with which the newest one is aligned.
     pub(super) aligned: [Option<usize>; ACTIVITIES],
     /// Why one of its IUs was not judged.
-    pub(super) unjudged_reason: Option<Reason>,
+    pub(super) unjudged: Option<Cause>,
     /// For each nominal activity, where in it the activity may be.
     places: [Places; ACTIVITIES],
     /// The same before the newest IU.
@@ -83,6 +84,10 @@ pub(super) struct OpenActivity {
     may_have_ended: bool,
     /// It may use an object that had not been seen up to some time in it, and what it looks like without that is not known.
     pub(super) may_use_never_seen: bool,
+    /// The id of that object, or 0 where it is not known.
+    pub(super) never_seen_object: u16,
+    /// It may be the rest of one because nothing was watched before it.
+    pub(super) is_begun_late: bool,
     /// It has its verdict.
     pub(super) is_concluded: bool,
 }
@@ -121,7 +126,7 @@ impl OpenActivity {
             ratios: [0.0; ACTIVITIES],
             alignments: [Alignment::new(); ACTIVITIES],
             aligned: [None; ACTIVITIES],
-            unjudged_reason: None,
+            unjudged: None,
             places,
             places_before: places,
             newest: (context, Junction::default()),
@@ -130,6 +135,8 @@ impl OpenActivity {
             min_idle_frames,
             may_have_ended: false,
             may_use_never_seen: false,
+            never_seen_object: 0,
+            is_begun_late: false,
             is_concluded: false,
         }
     }
@@ -218,7 +225,7 @@ impl OpenActivity {
 
     /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.
     fn note_possible_end(&mut self, job: &Job<'_>) {
-        let is_doubtful = self.unjudged_reason.is_some() || !self.has_certainly_ended(job);
+        let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job);
         self.may_have_ended |= is_doubtful && self.may_be_complete(job);
     }
 
@@ -278,7 +285,7 @@ impl OpenActivity {
             Against::Candidates(candidates) => {
                 candidates.iter().all(|nominal| self.places[nominal].is_certainly(ius))
             }
-            Against::Following(_) => self.unjudged_reason.is_none(),
+            Against::Following(_) => self.unjudged.is_none(),
         };
         is_certain && !self.may_have_ended
     }

@@ -4,7 +4,7 @@ use super::activity::{Against, OpenActivity, Step, context_reason};
 use super::comparison::Memory;
 use super::extent::Extent;
 use super::hand::{Finding, HandJudge, OpenIu};
-use super::missed::Missed;
+use super::missed::{Cause, Missed, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion, Sight};
@@ -26,11 +26,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
         let min_idle_frames = self.watch.min_idle_frames();
-        let activity =
+        let mut activity =
             OpenActivity::new(number, step, context, began_ns, before, min_idle_frames, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }
+        activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
         self.activity = Some(activity);
         self.note_never_seen(progress);
     }
@@ -38,14 +39,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Takes note of whether the open activity may use an object that has not been seen.
     fn note_never_seen(&mut self, progress: &Progress<'a>) {
         if let Some(activity) = &mut self.activity {
-            activity.may_use_never_seen |= progress.may_use_never_seen(activity.context.0[1]);
+            if let Some(object) = progress.never_seen_with(activity.context.0[1]) {
+                (activity.may_use_never_seen, activity.never_seen_object) = (true, object);
+            }
         }
     }
 
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, is_captured: bool, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
-        self.missed.skip_to(couple.captured_ns);
+        self.missed.skip_to(couple.captured_ns, is_captured);
         let hidden = self.watch.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
         progress.count_missed(couple, is_captured, hidden > 0);
@@ -76,6 +79,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
         self.watch.may_be_rest &= activity.step == Step::NotShown;
+        self.watch.is_begun_late &= self.watch.may_be_rest;
         self.iu = Some(OpenIu {
             number,
             context,
@@ -209,7 +213,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.watch.is_object_new() || self.activity.as_ref().is_some_and(OpenActivity::may_be_right);
         if couple.is_in_sight() && !may_be_right {
             self.conclude_iu(
-                Finding { outcome: Outcome::Anomaly, reason, nominal, result: None, early: true },
+                Finding { nominal, ..Finding::of(Outcome::Anomaly, reason.into()) },
                 progress,
                 emit,
             );
@@ -226,7 +230,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         if self.iu.is_some_and(|iu| !iu.is_concluded) && self.comparisons.append(motion).is_err() {
-            self.conclude_unjudged(Reason::Overload, progress, emit);
+            self.conclude_unjudged(Reason::Overload.into(), progress, emit);
         }
     }
 
@@ -340,7 +344,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if let Some(activity) = &mut self.activity {
             activity.doubt_newest_iu();
         }
-        self.conclude_unjudged(Reason::Unknown, progress, emit);
+        self.conclude_unjudged(Reason::Passing.into(), progress, emit);
     }
 
     /// Gives the verdict on the IU by its motion and bounds.
@@ -350,14 +354,16 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        if self.iu.is_some_and(|iu| !iu.is_captured(progress.job.min_captured)) {
-            self.conclude_unjudged(Reason::Overload, progress, emit);
+        let min_captured = progress.job.min_captured;
+        if let Some(iu) = self.iu.filter(|iu| !iu.is_captured(min_captured)) {
+            let cause = too_few_frames(iu.captured, iu.extent.frames, min_captured);
+            self.conclude_unjudged(cause, progress, emit);
             return;
         }
         let Some(nearest) = self.comparisons.nearest(extent) else {
             let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
-            let reason = if is_certain { Reason::Unknown } else { self.unseen_reason() };
-            self.conclude_unjudged(reason, progress, emit);
+            let cause = if is_certain { Reason::Unknown.into() } else { self.unseen_cause(progress) };
+            self.conclude_unjudged(cause, progress, emit);
             return;
         };
         if let Some(iu) = &mut self.iu {
@@ -383,21 +389,28 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             if let Some(activity) = &mut self.activity {
                 activity.follow(nominal);
             }
-            let finding = Finding {
-                outcome: Outcome::Anomaly,
-                reason: nearest.reason,
-                nominal,
-                result: Some(nearest),
-                early,
-            };
+            let wrong = Finding::of(Outcome::Anomaly, nearest.reason.into());
+            let finding = Finding { nominal, result: Some(nearest), early, ..wrong };
             self.conclude_iu(finding, progress, emit);
         }
     }
 
-    /// Why too little is known of the open IU or activity: most of the frames that would have shown it never came, or they did not show it.
-    pub(super) fn unseen_reason(&self) -> Reason {
-        let is_overloaded = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
-        if self.iu.is_some_and(is_overloaded) { Reason::Overload } else { Missed::reason(&[self.missed]) }
+    /// Why too little is known of the open IU or activity: it is not watched any more, most of the frames that would have shown it never came, or
+    /// they did not show it. If all showed it, something before it was not seen.
+    pub(super) fn unseen_cause(&self, progress: &Progress<'a>) -> Cause {
+        let min_captured = progress.job.min_captured;
+        let is_uncaptured = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
+        let is_begun_late = self.activity.as_ref().is_some_and(|activity| activity.is_begun_late);
+        if self.is_broken_off {
+            Reason::BrokenOff.into()
+        } else if self.iu.is_some_and(is_uncaptured) {
+            self.missed.frames_missing(min_captured)
+        } else if is_begun_late && self.missed.is_within(self.watch.min_idle_frames()) {
+            Reason::BeginningNotSeen.into()
+        } else {
+            let own = Missed::cause(&[self.missed], min_captured);
+            own.or(self.newest_unjudged).unwrap_or_else(|| progress.unseen_cause())
+        }
     }
 
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
@@ -421,7 +434,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             activity.broken = broken;
             self.conclude_activity(
                 Outcome::Anomaly,
-                Reason::WrongOrder,
+                Reason::WrongOrder.into(),
                 candidates.lowest(),
                 true,
                 progress,
@@ -451,7 +464,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else {
             // What it goes on with began in the job before, and may be a part of this one.
             if let Some(object) = self.watch.unjudged_in_hand() {
-                progress.set_carried_on(object);
+                progress.set_carried_on(object, self.newest_unjudged);
             }
             return;
         };
@@ -467,9 +480,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             segmenter.activity_matched(&self.by_this_hand(continuations));
             if activity.is_astray() {
-                let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());
+                let cause = activity.unjudged.unwrap_or(self.unseen_cause(progress));
                 let nearest = activity.nearest;
-                self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
+                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
                 return;
             }
         }
@@ -507,19 +520,19 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let may_go_on = progress.is_end_assumed()
             || self.watch.is_doubtful()
             || activity.may_be_complete(progress.job)
-            || activity.is_astray() && activity.unjudged_reason.is_some();
-        let reason = activity.unjudged_reason.unwrap_or(self.unseen_reason());
+            || activity.is_astray() && activity.unjudged.is_some();
+        let cause = activity.unjudged.unwrap_or(self.unseen_cause(progress));
         match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {
                 self.watch.may_be_rest = true;
                 progress.set_doubtful();
-                self.conclude_activity(Outcome::NotJudged, reason, nearest, false, progress, emit);
+                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
             }
             None => {
-                let (outcome, reason) = (Outcome::Anomaly, Reason::NotCompleted);
-                self.conclude_activity(outcome, reason, nearest, false, progress, emit);
+                let cause = Reason::NotCompleted.into();
+                self.conclude_activity(Outcome::Anomaly, cause, nearest, false, progress, emit);
             }
         }
         self.activity = None;

@@ -3,7 +3,7 @@
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::extent::Extent;
-use super::missed::Missed;
+use super::missed::{Cause, Missed, percent};
 use super::progress::Progress;
 use super::watch::Watch;
 use crate::config::Method;
@@ -11,7 +11,7 @@ use crate::couple::Context;
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
-use crate::verdict::{Level, Measured, Outcome, Reason, Verdict};
+use crate::verdict::{Level, Measured, Missing, Outcome, Reason, Verdict};
 
 /// An open IU.
 #[derive(Clone, Copy, Debug)]
@@ -36,8 +36,12 @@ pub(super) struct OpenIu {
 impl OpenIu {
     /// How many of a hundred frames were captured; `None` before the first.
     fn captured_percent(&self) -> Option<u8> {
-        let percent = (100 * u64::from(self.captured)).checked_div(self.extent.frames.into())?;
-        Some(percent.min(100) as u8)
+        percent(self.captured, self.extent.frames)
+    }
+
+    /// In how many of a hundred frames the hand and each object that it acts on were seen; `None` before the first.
+    fn seen_percent(&self) -> Option<u8> {
+        percent(self.extent.frames.saturating_sub(self.extent.assumed), self.extent.frames)
     }
 
     /// Whether enough frames were captured for the motion to be known as well as the job needs. One frame more or less is no difference.
@@ -56,12 +60,17 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) iu: Option<OpenIu>,
     /// Of the open activity, and of the doubt before it.
     pub(super) missed: Missed,
+    /// Why its newest activity was not judged, of which the next one may be the rest.
+    pub(super) newest_unjudged: Option<Cause>,
+    /// The couples have broken off.
+    pub(super) is_broken_off: bool,
 }
 
 /// What was decided on an IU.
 pub(super) struct Finding {
     pub(super) outcome: Outcome,
     pub(super) reason: Reason,
+    pub(super) missing: Missing,
     pub(super) nominal: Option<usize>,
     pub(super) result: Option<ComparisonResult>,
     pub(super) early: bool,
@@ -70,7 +79,12 @@ pub(super) struct Finding {
 impl Finding {
     /// What is done otherwise than shown by a hand that was not shown to do it.
     pub(super) fn not_shown(early: bool) -> Self {
-        Self { outcome: Outcome::Ok, reason: Reason::None, nominal: None, result: None, early }
+        Self { early, ..Self::of(Outcome::Ok, Reason::None.into()) }
+    }
+
+    /// The outcome and why, without a comparison.
+    pub(super) fn of(outcome: Outcome, Cause { reason, missing }: Cause) -> Self {
+        Self { outcome, reason, missing, nominal: None, result: None, early: true }
     }
 }
 
@@ -82,7 +96,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,
             iu: None,
-            missed: Missed::new(method.period_ns()),
+            missed: Missed::new(side, method.period_ns()),
+            newest_unjudged: None,
+            is_broken_off: false,
         }
     }
 
@@ -94,6 +110,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose_sight(&mut self) {
         self.watch.lose();
+        self.is_broken_off = true;
         self.lose_place();
     }
 
@@ -132,7 +149,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.agree(survivors);
         activity.nearest = nominal;
         self.conclude_iu(
-            Finding { outcome: Outcome::Ok, reason: Reason::None, nominal, result, early },
+            Finding { nominal, result, early, ..Finding::of(Outcome::Ok, Reason::None.into()) },
             progress,
             emit,
         );
@@ -141,25 +158,21 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// The IU cannot be judged. It remains with all candidates, as if its motion were right.
     pub(super) fn conclude_unjudged(
         &mut self,
-        reason: Reason,
+        cause: Cause,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
         let Some(activity) = &mut self.activity else { return };
         let agreeing = activity.candidates();
         activity.agree(agreeing);
-        activity.unjudged_reason = activity.unjudged_reason.or(Some(reason));
+        activity.unjudged = activity.unjudged.or(Some(cause));
         let nominal = agreeing.lowest().or(activity.nearest);
-        self.conclude_iu(
-            Finding { outcome: Outcome::NotJudged, reason, nominal, result: None, early: true },
-            progress,
-            emit,
-        );
+        self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::NotJudged, cause) }, progress, emit);
     }
 
     /// The IU cannot be judged, because too little of it is known.
     pub(super) fn conclude_unseen(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        self.conclude_unjudged(self.unseen_reason(), progress, emit);
+        self.conclude_unjudged(self.unseen_cause(progress), progress, emit);
     }
 
     /// The activity equals a nominal one, or would if all of it had been judged.
@@ -171,23 +184,23 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let broken = progress.order_fault(self.side, nominal);
-        let unseen_reason = self.unseen_reason();
+        let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
         activity.broken = activity.broken.or(broken);
         let is_too_early = broken.is_some_and(|broken| progress.is_undone(&broken));
-        let unjudged_reason = activity.unjudged_reason;
+        let unjudged = activity.unjudged;
         let (is_order_certain, number) = (activity.is_order_certain(), activity.number);
-        let (outcome, reason, early) = match unjudged_reason {
-            Some(reason) => (Outcome::NotJudged, reason, early),
+        let (outcome, cause, early) = match unjudged {
+            Some(cause) => (Outcome::NotJudged, cause, early),
             None if broken.is_none() && progress.may_be_of_another_job(nominal) => {
-                (Outcome::NotJudged, unseen_reason, early)
+                (Outcome::NotJudged, unseen, early)
             }
-            None if broken.is_none() => (Outcome::Ok, Reason::None, early),
+            None if broken.is_none() => (Outcome::Ok, Reason::None.into(), early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder, false),
-            None => (Outcome::NotJudged, unseen_reason, early),
+            None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder.into(), false),
+            None => (Outcome::NotJudged, unseen, early),
         };
-        self.conclude_activity(outcome, reason, Some(nominal), early, progress, emit);
+        self.conclude_activity(outcome, cause, Some(nominal), early, progress, emit);
         if outcome != Outcome::NotJudged {
             progress.set_done(self.side, number, nominal);
         }
@@ -202,9 +215,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
         let accuses_nobody = self.accuses_nobody();
-        let may_use_never_seen = self.activity.as_ref().is_some_and(|activity| activity.may_use_never_seen);
-        if is_wrong && !accuses_nobody && may_use_never_seen {
-            self.conclude_unjudged(Reason::Blind, progress, emit);
+        let never_seen = self.activity.as_ref().filter(|activity| activity.may_use_never_seen);
+        if let Some(activity) = never_seen.filter(|_| is_wrong && !accuses_nobody) {
+            let cause = Cause::object_not_seen(activity.never_seen_object);
+            self.conclude_unjudged(cause, progress, emit);
             return;
         }
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
@@ -212,7 +226,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         iu.is_concluded = true;
-        let Finding { outcome, reason, nominal, result, early } = match finding {
+        let Finding { outcome, reason, missing, nominal, result, early } = match finding {
             Finding { early, .. } if is_wrong && accuses_nobody => Finding::not_shown(early),
             finding => finding,
         };
@@ -230,6 +244,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             distance: result.map(|result| result.distance as f32),
             threshold: result.map(|result| result.threshold),
             captured_percent: iu.captured_percent(),
+            seen_percent: iu.seen_percent(),
+            missing,
             measured,
             broken: None,
             note: None,
@@ -239,27 +255,26 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             decided_ns: progress.known_ns,
         });
         if is_wrong {
-            self.conclude_activity(Outcome::Anomaly, reason, nominal, true, progress, emit);
+            self.conclude_activity(Outcome::Anomaly, reason.into(), nominal, true, progress, emit);
         }
     }
 
     /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
     fn without_accusation(
         &mut self,
-        (outcome, reason, nominal): (Outcome, Reason, Option<usize>),
-    ) -> (Outcome, Reason, Option<usize>) {
+        (outcome, cause, nominal): (Outcome, Cause, Option<usize>),
+    ) -> (Outcome, Cause, Option<usize>) {
         let accuses_nobody = self.accuses_nobody();
         match &mut self.activity {
             Some(activity) if outcome == Outcome::Anomaly && activity.may_use_never_seen => {
-                (Outcome::NotJudged, Reason::Blind, nominal)
+                (Outcome::NotJudged, Cause::object_not_seen(activity.never_seen_object), nominal)
             }
             Some(activity) if outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none() => {
                 activity.step = Step::NotShown;
-                let unjudged = activity.unjudged_reason;
-                unjudged
-                    .map_or((Outcome::Ok, Reason::None, None), |reason| (Outcome::NotJudged, reason, None))
+                let right = (Outcome::Ok, Reason::None.into(), None);
+                activity.unjudged.map_or(right, |cause| (Outcome::NotJudged, cause, None))
             }
-            _ => (outcome, reason, nominal),
+            _ => (outcome, cause, nominal),
         }
     }
 
@@ -267,7 +282,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn conclude_activity(
         &mut self,
         outcome: Outcome,
-        reason: Reason,
+        cause: Cause,
         nominal: Option<usize>,
         early: bool,
         progress: &mut Progress<'a>,
@@ -276,7 +291,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
             return;
         }
-        let (outcome, reason, nominal) = self.without_accusation((outcome, reason, nominal));
+        let (outcome, cause, nominal) = self.without_accusation((outcome, cause, nominal));
+        let Cause { reason, missing } = self.missed.until_now(cause);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
         if activity.step == Step::NotShown {
@@ -286,6 +302,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let broken = activity.broken.filter(|_| outcome == Outcome::Anomaly && reason == Reason::WrongOrder);
         let measured = activity.measured.filter(|_| outcome == Outcome::Anomaly);
         progress.set_note(note);
+        self.newest_unjudged = (outcome == Outcome::NotJudged).then_some(Cause { reason, missing });
         match outcome {
             Outcome::Ok => {}
             Outcome::Anomaly => progress.set_wrong(nominal, reason, measured, broken),
@@ -294,7 +311,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 if !activity.has_certainly_ended(progress.job) {
                     self.watch.set_unjudged(activity.context);
                 }
-                progress.set_unjudged(nominal, reason);
+                progress.set_unjudged(nominal, Cause { reason, missing });
             }
         }
         emit(Verdict {
@@ -309,6 +326,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             distance: None,
             threshold: None,
             captured_percent: None,
+            seen_percent: None,
+            missing,
             measured,
             broken,
             note,

@@ -1,34 +1,93 @@
-//! What did not show what a hand acts on: frames that never came, or frames in which it was hidden.
+//! What did not show what a hand acts on: frames that never came, or frames in which it was hidden; and what is said of that.
 
 use crate::couple::{Couple, Sight};
-use crate::verdict::Reason;
+use crate::input::Side;
+use crate::verdict::{Missing, Reason};
+
+/// Objects that are counted: the two of a context, and two that the hand may have taken instead. Of others it is not said for how long.
+const COUNTED: usize = 4;
+
+/// Why something is not judged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cause {
+    pub(super) reason: Reason,
+    pub(super) missing: Missing,
+}
+
+impl Cause {
+    /// These objects are not seen: that with this id, or one that is not known.
+    pub(super) fn object_not_seen(id: u16) -> Self {
+        let object = Some(id).filter(|id| *id != 0);
+        let reason = object.map_or(Reason::Blind, |_| Reason::ObjectNotSeen);
+        Self { reason, missing: Missing { object, ..Missing::default() } }
+    }
+}
+
+impl From<Reason> for Cause {
+    fn from(reason: Reason) -> Self {
+        Self { reason, missing: Missing::default() }
+    }
+}
+
+/// A share of frames in percent, rounded down.
+pub(super) fn percent(frames: u32, of: u32) -> Option<u8> {
+    let percent = (100 * u64::from(frames)).checked_div(of.into())?;
+    Some(percent.min(100) as u8)
+}
 
 /// How many frames did not show what a hand acts on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Missed {
+    side: Side,
     period_ns: u64,
     newest_ns: u64,
+    /// All frames, and the newest of them that never came one after the other.
+    frames: u32,
+    newest_gap: u32,
+    /// The most that never came one after the other.
+    longest_gap: u32,
     /// The hand or an object was hidden in them.
     captured: u32,
     /// They never came.
     uncaptured: u32,
+    /// In how many the hand was hidden.
+    hand: u32,
+    /// The ids of objects, and in how many they were hidden.
+    objects: [(u16, u32); COUNTED],
 }
 
 impl Missed {
-    pub(super) fn new(period_ns: u64) -> Self {
-        Self { period_ns, newest_ns: u64::MAX, captured: 0, uncaptured: 0 }
+    pub(super) fn new(side: Side, period_ns: u64) -> Self {
+        Self {
+            side,
+            period_ns,
+            newest_ns: u64::MAX,
+            frames: 0,
+            newest_gap: 0,
+            longest_gap: 0,
+            captured: 0,
+            uncaptured: 0,
+            hand: 0,
+            objects: [(0, 0); COUNTED],
+        }
     }
 
     /// Neither the newest couple nor anything before it matters.
     pub(super) fn forget(&mut self) {
-        *self = Self { newest_ns: self.newest_ns, ..Self::new(self.period_ns) };
+        *self = Self { newest_ns: self.newest_ns, ..Self::new(self.side, self.period_ns) };
     }
 
     /// The next couple is of this time. Of a long gap, not all frames of the grid have a couple.
-    pub(super) fn skip_to(&mut self, captured_ns: u64) {
+    pub(super) fn skip_to(&mut self, captured_ns: u64, is_captured: bool) {
         let elapsed_ns = captured_ns.saturating_sub(self.newest_ns).saturating_sub(self.period_ns / 2);
         let missing = u32::try_from(elapsed_ns / self.period_ns).unwrap_or(u32::MAX);
         self.uncaptured = self.uncaptured.saturating_add(missing);
+        self.frames = self.frames.saturating_add(missing).saturating_add(1);
+        self.newest_gap = self.newest_gap.saturating_add(missing).saturating_add((!is_captured).into());
+        self.longest_gap = self.longest_gap.max(self.newest_gap);
+        if is_captured {
+            self.newest_gap = 0;
+        }
         self.newest_ns = captured_ns;
     }
 
@@ -40,13 +99,92 @@ impl Missed {
             self.uncaptured = self.uncaptured.saturating_add(1);
         } else if !couple.is_clear && is_hidden {
             self.captured = self.captured.saturating_add(1);
+            self.count_hidden(couple);
         }
     }
 
-    /// Why too little is known: most of the frames that would have shown it never came, or they did not show it.
-    pub(super) fn reason(missed: &[Self]) -> Reason {
-        let most = |count: fn(&Self) -> u32| missed.iter().map(count).max();
-        let is_overloaded = most(|missed| missed.uncaptured) > most(|missed| missed.captured);
-        if is_overloaded { Reason::Overload } else { Reason::Blind }
+    fn count_hidden(&mut self, couple: &Couple) {
+        let [hand, ..] = couple.sight.map(|sight| sight != Sight::Seen);
+        self.hand = self.hand.saturating_add(hand.into());
+        let [_, _, j, l] = couple.context.0;
+        let j = j.max(couple.context.0[1]);
+        let ids = [(j, couple.sight[1]), (l, couple.sight[2]), (couple.hidden_object, Sight::Unseen)];
+        for (index, (id, sight)) in ids.into_iter().enumerate() {
+            let is_counted = ids[..index].iter().any(|(other, sight)| *other == id && *sight != Sight::Seen);
+            let place = self.objects.iter_mut().find(|(object, _)| [id, 0].contains(object));
+            if id != 0
+                && sight != Sight::Seen
+                && !is_counted
+                && let Some(place) = place
+            {
+                *place = (id, place.1.saturating_add(1));
+            }
+        }
     }
+
+    /// Why too little is known of what these hands did, as far as it is that frames never came or did not show it: whichever are more.
+    /// `None` where all frames came and showed everything.
+    pub(super) fn cause(missed: &[Self], min_captured: f32) -> Option<Cause> {
+        let uncaptured = missed.iter().max_by_key(|missed| missed.uncaptured)?;
+        let captured = missed.iter().max_by_key(|missed| missed.captured)?;
+        if uncaptured.uncaptured > captured.captured {
+            Some(uncaptured.frames_missing(min_captured))
+        } else {
+            (captured.captured > 0).then(|| captured.not_seen())
+        }
+    }
+
+    /// The same cause, with the time that has passed by now: what was missing when it was found may have gone on to be.
+    pub(super) fn until_now(&self, cause: Cause) -> Cause {
+        let is_missing = |(object, _): &&(u16, u32)| cause.missing.object == Some(*object);
+        let frames = match cause.reason {
+            Reason::FramesMissing => self.longest_gap,
+            Reason::HandNotSeen => self.hand,
+            Reason::ObjectNotSeen => self.objects.iter().find(is_missing).map_or(0, |(_, frames)| *frames),
+            _ => 0,
+        };
+        let seconds = cause.missing.seconds.map(|before| before.max(self.seconds(frames)));
+        Cause { missing: Missing { seconds, ..cause.missing }, ..cause }
+    }
+
+    /// No more frames than this did not show what the hand acts on.
+    pub(super) fn is_within(&self, frames: u32) -> bool {
+        self.captured.max(self.uncaptured) <= frames
+    }
+
+    /// Frames never came: most of them one after the other, or one now and then.
+    pub(super) fn frames_missing(&self, min_captured: f32) -> Cause {
+        if 2 * u64::from(self.longest_gap) > u64::from(self.uncaptured) && self.longest_gap > 1 {
+            let missing = Missing { seconds: Some(self.seconds(self.longest_gap)), ..Missing::default() };
+            return Cause { reason: Reason::FramesMissing, missing };
+        }
+        too_few_frames(self.frames.saturating_sub(self.uncaptured), self.frames, min_captured)
+    }
+
+    /// Frames came and did not show the hand, or an object: whichever was hidden for longer.
+    fn not_seen(&self) -> Cause {
+        let (object, frames) =
+            self.objects.iter().copied().max_by_key(|(_, frames)| *frames).unwrap_or_default();
+        if self.hand >= frames && self.hand > 0 {
+            let seconds = Some(self.seconds(self.hand));
+            let missing = Missing { hand: Some(self.side), seconds, ..Missing::default() };
+            return Cause { reason: Reason::HandNotSeen, missing };
+        }
+        let seconds = Some(self.seconds(frames)).filter(|_| object != 0);
+        let cause = Cause::object_not_seen(object);
+        Cause { missing: Missing { seconds, ..cause.missing }, ..cause }
+    }
+
+    fn seconds(&self, frames: u32) -> f32 {
+        (f64::from(frames) * self.period_ns as f64 * 1e-9) as f32
+    }
+}
+
+/// So many of these frames came.
+pub(super) fn too_few_frames(captured: u32, frames: u32, min_captured: f32) -> Cause {
+    // Rounded up, so that what came is always less; a share that has no exact number counts as the next whole percentage.
+    let needed_percent = Some(libm::ceilf(100.0 * min_captured - 0.01) as u8).filter(|percent| *percent > 0);
+    let captured_percent = percent(captured, frames);
+    let missing = Missing { captured_percent, needed_percent, ..Missing::default() };
+    Cause { reason: Reason::TooFewFrames, missing }
 }

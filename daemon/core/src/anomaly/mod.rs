@@ -250,7 +250,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             segmenter,
             bench: Bench {
                 hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, &method)),
-                progress: Progress::new(job, [Missed::new(method.period_ns()); HANDS]),
+                progress: Progress::new(job, Side::ALL.map(|side| Missed::new(side, method.period_ns()))),
             },
         })
     }
@@ -323,7 +323,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             hand.observe(couple, couples.is_captured, &mut bench.progress);
         }
         bench.progress.set_undone(couples.undone);
-        bench.progress.set_out_of_sight(couples.out_of_sight);
+        bench.progress.set_out_of_sight(couples.out_of_sight, couples.out_of_sight_object);
         if couples.is_carried_unseen {
             bench.progress.doubt_start();
             let hands = bench.hands.iter_mut().zip(&couples.hands);
@@ -385,10 +385,12 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn break_off(&mut self, emit: &mut impl FnMut(Event)) {
         let Bench { hands, progress } = &mut self.bench;
         hands.iter_mut().for_each(HandJudge::lose_sight);
-        progress.set_doubtful();
-        progress.forget_undone();
+        progress.break_off();
         self.newest = None;
         self.finish(emit);
+        let Bench { hands, progress } = &mut self.bench;
+        hands.iter_mut().for_each(|hand| hand.is_broken_off = false);
+        progress.is_broken_off = false;
     }
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.
@@ -406,15 +408,14 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     fn forget(&mut self) {
         self.progress.forget_seen();
         self.progress.doubt_start();
-        self.hands.iter_mut().for_each(|hand| hand.watch.may_be_rest = true);
+        self.hands.iter_mut().for_each(|hand| hand.watch.doubt_beginning());
     }
 
     /// A hand that was not seen has worked since then: whatever it did is not judged.
     fn conclude_unseen(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
         let Self { progress, .. } = self;
         progress.begin(began_ns, false);
-        progress.set_doubtful();
-        progress.forget_undone();
+        progress.set_unseen();
         emit(Event::JobBegan { began_ns });
         progress.conclude(true, &mut |verdict| emit(Event::Verdict(verdict)));
     }

@@ -45,6 +45,8 @@ pub(super) struct Watch {
     has_been_clear: bool,
     /// The next activity may be the rest of one that was not seen to begin.
     pub(super) may_be_rest: bool,
+    /// It may be so because nothing was watched before it.
+    pub(super) is_begun_late: bool,
 }
 
 impl Watch {
@@ -71,6 +73,7 @@ impl Watch {
             unjudged: 0,
             has_been_clear: false,
             may_be_rest: true,
+            is_begun_late: true,
         }
     }
 
@@ -78,7 +81,7 @@ impl Watch {
     pub(super) fn begin(&mut self) {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        (self.has_been_clear, self.may_be_rest) = (false, false);
+        (self.has_been_clear, self.may_be_rest, self.is_begun_late) = (false, false, false);
         (self.is_object_new, self.may_be_new) = (false, false);
         self.is_held_doubtful = false;
     }
@@ -86,6 +89,12 @@ impl Watch {
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose(&mut self) {
         (self.since_doubt, self.certain, self.may_be_new) = (0, None, true);
+        self.is_begun_late = true;
+    }
+
+    /// The encoder has started again: nothing was watched before, so the next activity may be the rest of one.
+    pub(super) fn doubt_beginning(&mut self) {
+        (self.may_be_rest, self.is_begun_late) = (true, true);
     }
 
     /// Takes the next couple.
@@ -221,6 +230,7 @@ impl Watch {
     /// What begins now is not the rest of anything.
     pub(super) fn forget_rest(&mut self) {
         (self.may_be_rest, self.is_object_new, self.unjudged) = (false, false, 0);
+        self.is_begun_late = false;
     }
 
     /// An activity with this object was not judged.

@@ -110,6 +110,9 @@ pub struct Couple {
     /// `o_j` or `o_l` had been hidden before this began, and was then seen elsewhere than before: a hand has moved it, and may have done before
     /// what this one is seen to do now.
     pub is_object_displaced: bool,
+    /// The id of an object because of which this is not clear: the frame does not show it, and the hand acts on it, may have taken it, or may
+    /// touch it with what it is at. 0 where there is none.
+    pub hidden_object: u16,
 }
 
 impl Couple {
@@ -128,6 +131,7 @@ impl Couple {
             is_rivalled: false,
             is_object_new: false,
             is_object_displaced: false,
+            hidden_object: 0,
         }
     }
 
@@ -180,6 +184,8 @@ pub struct Couples {
     pub undone: ActivitySet,
     /// The activities that use an object which has never been seen or not for longer than `blind_ms`.
     pub out_of_sight: ActivitySet,
+    /// The id of one such object, 0 where there is none.
+    pub out_of_sight_object: u16,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
 }

@@ -5,7 +5,7 @@ use super::measures::{Measures, Meter};
 use super::{Event, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Motion};
+use crate::couple::{Context, Couple, Motion, Sight};
 use crate::input::Side;
 use heapless::{Deque, Vec};
 
@@ -100,6 +100,7 @@ impl Segmenter {
         if let Some(iu) = &mut self.iu {
             iu.so_far.frames = iu.so_far.frames.saturating_add(1);
             iu.so_far.is_in_sight &= couple.is_in_sight();
+            iu.so_far.seen = iu.so_far.seen.saturating_add((couple.worst_sight() == Sight::Seen).into());
             iu.meter.push(couple.position);
             let Some(motion) = couple.motion else {
                 iu.unmeasured = iu.unmeasured.saturating_add(1);
@@ -172,6 +173,7 @@ impl Segmenter {
             ended_ns: began_ns,
             frames: 0,
             measured: 0,
+            seen: 0,
             measures: Measures::default(),
             is_in_sight: true,
         };

@@ -26,6 +26,8 @@ pub struct Iu {
     pub frames: u32,
     /// In how many of them its motion was measured.
     pub measured: u32,
+    /// In how many of them the hand and each object of its context were seen.
+    pub seen: u32,
     /// What was measured of it in metres.
     pub measures: Measures,
     /// Whether all its couples were in sight ([`Couple::is_in_sight`](crate::couple::Couple::is_in_sight)).

@@ -114,6 +114,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 is_bench_hidden: false,
                 undone: ActivitySet::EMPTY,
                 out_of_sight: ActivitySet::EMPTY,
+                out_of_sight_object: 0,
                 hands,
             }
         })

@@ -38,7 +38,11 @@ fn a_row_gives_the_verdict_back_that_it_was_written_from() {
         shown_min: 6.0,
         shown_max: 7.0,
         part: PartId::new(b"A-17").unwrap(),
-        captured_percent: shm_schemas::NO_PERCENT,
+        captured_percent: 90,
+        seen_percent: 42,
+        missing_hand: 1,
+        missing_object: 7,
+        missing_s: 1.5,
         nearest: 1,
         ..verdict(1, 1)
     };
@@ -61,14 +65,14 @@ fn the_csv_has_one_line_per_entry_and_the_same_columns_in_every_line() {
     let lines: Vec<&str> = csv.split("\r\n").collect();
     assert_eq!(
         lines[1],
-        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,None,None,0,0,None,,,,0.000000000,\
+        "1970-01-01T00:00:01Z,verdict,ActivityOk,activity,ok,None,,bench1,3,0000000000000000,1,,0,0,0,0,0,,2.5,0,None,None,0,0,None,,,,,,,,,,,0.000000000,\
          0.000000000,0.000000000,1,1,,,"
     );
     assert!(lines[2].starts_with("1970-01-01T00:00:03Z,gap,,,,lost,"));
     assert!(lines[2].ends_with(",1,2,2,,"));
     assert_eq!(lines.len(), 5);
     for line in &lines[..4] {
-        assert_eq!(line.split(',').count(), 36, "{line}");
+        assert_eq!(line.split(',').count(), 43, "{line}");
     }
 }
 
@@ -90,7 +94,7 @@ fn the_part_is_in_the_history_and_quoted_where_a_spreadsheet_would_cut_it() {
         bench.append(&Verdict { part, ..verdict(1, seq) }).unwrap();
     }
     let csv = csv_of(&bench);
-    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(36, ',').last().unwrap()).collect();
+    let ends: Vec<&str> = csv.lines().map(|line| line.splitn(43, ',').last().unwrap()).collect();
     assert_eq!(ends, ["part", "A-17", "\"4,\"\"5\"\"\"", ""]);
 }
 

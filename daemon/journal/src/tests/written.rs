@@ -38,6 +38,9 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
     (known.began_ns, known.ended_ns, known.decided_ns, known.early) = (7, 8, 9, 1);
     (known.note, known.broken, known.broken_activity, known.broken_runs) = (4, 2, 10, 11);
     (known.measure, known.measured, known.shown_min, known.shown_max) = (2, 4.0, 5.5, 6.5);
+    (known.captured_percent, known.seen_percent) = (90, shm_schemas::NO_PERCENT);
+    (known.missing_hand, known.missing_object, known.missing_s) = (2, 7, 1.25);
+    (known.missing_percent, known.needed_percent) = (20, 25);
     // Of another build: its numbers are kept as numbers.
     let foreign = Verdict {
         level: 77,
@@ -51,6 +54,7 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
         measured: 0.5,
         shown_min: 0.25,
         shown_max: 0.75,
+        missing_hand: 84,
         ..verdict(u64::MAX, 2)
     };
     bench.append(&known).unwrap();

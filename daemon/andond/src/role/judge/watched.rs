@@ -130,7 +130,11 @@ fn log_verdict(verdict: &Verdict, names: &Names) {
         (Outcome::Ok, Level::Iu | Level::Activity) => tracing::debug!("{sentence}"),
         (Outcome::Anomaly, Level::Job) => log!(code::JOB_ANOMALY, "{sentence}"),
         (Outcome::Anomaly, Level::Iu | Level::Activity) => log!(code::ACTIVITY_ANOMALY, "{sentence}"),
-        (Outcome::NotJudged, _) if verdict.reason == Reason::Overload => log!(code::OVERLOAD, "{sentence}"),
-        (Outcome::NotJudged, _) => log!(code::NOT_JUDGED, "{sentence}"),
+        (Outcome::NotJudged, _) => match verdict.reason {
+            Reason::Overload | Reason::FramesMissing | Reason::TooFewFrames => {
+                log!(code::OVERLOAD, "{sentence}")
+            }
+            _ => log!(code::NOT_JUDGED, "{sentence}"),
+        },
     }
 }

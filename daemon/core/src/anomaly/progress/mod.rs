@@ -2,18 +2,19 @@
 
 mod order;
 
-use super::missed::Missed;
+use super::missed::{Cause, Missed};
 use crate::capacity::HANDS;
 use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
-use crate::verdict::{BrokenOrder, Level, Measured, Note, Outcome, Reason, Verdict};
+use crate::verdict::{BrokenOrder, Level, Measured, Missing, Note, Outcome, Reason, Verdict};
 
 /// The first fault of a job.
 #[derive(Clone, Copy, Debug)]
 struct Fault {
     reason: Reason,
+    missing: Missing,
     /// The number of the activity that is nearest to it.
     nearest: Option<u16>,
     measured: Option<Measured>,
@@ -62,8 +63,12 @@ pub(super) struct Progress<'a> {
     undone: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
     never_seen: Option<ActivitySet>,
+    /// The id of that object, or 0 where none is known.
+    never_seen_object: u16,
     /// The activities that may have been done while that object had not been seen.
     overlooked: ActivitySet,
+    /// The id of such an object, or 0.
+    overlooked_object: u16,
     /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
@@ -74,9 +79,13 @@ pub(super) struct Progress<'a> {
     is_doubtful: bool,
     /// The activities that a hand may have gone on with when the job before ended.
     carried_on: ActivitySet,
+    /// Why that was not judged.
+    carried_on_cause: Option<Cause>,
     fault: Option<Fault>,
-    /// The first reason why something was not judged.
-    unjudged_reason: Option<Reason>,
+    /// Why something was not judged first, and the number of the activity that is nearest to it.
+    first_unjudged: Option<(Cause, Option<u16>)>,
+    /// The couples have broken off.
+    pub(super) is_broken_off: bool,
     /// The job ended only because a touch may have begun the next one: that is assumed, not seen.
     is_end_assumed: bool,
     /// The first note.
@@ -109,14 +118,18 @@ impl<'a> Progress<'a> {
             undone_first: ActivitySet::EMPTY,
             undone: ActivitySet::EMPTY,
             never_seen: None,
+            never_seen_object: 0,
             overlooked: ActivitySet::EMPTY,
+            overlooked_object: 0,
             is_start_expected: false,
             hidden_frames: 0,
             missed,
             is_doubtful: false,
             carried_on: ActivitySet::EMPTY,
+            carried_on_cause: None,
             fault: None,
-            unjudged_reason: None,
+            first_unjudged: None,
+            is_broken_off: false,
             is_end_assumed: false,
             note: None,
             is_open: false,
@@ -141,7 +154,9 @@ impl<'a> Progress<'a> {
             undone_first,
             undone,
             never_seen: self.never_seen,
+            never_seen_object: self.never_seen_object,
             overlooked: self.overlooked,
+            overlooked_object: self.overlooked_object,
             hidden_frames: self.hidden_frames,
             is_open: true,
             ..Self::new(self.job, self.missed)
@@ -153,7 +168,7 @@ impl<'a> Progress<'a> {
     pub(super) fn set_moved_unseen(&mut self) {
         if self.is_open && self.activities > 0 && !self.is_matched() {
             if self.first_step.is_some() {
-                self.unjudged_reason = self.unjudged_reason.or(Some(Missed::reason(&self.missed)));
+                self.first_unjudged = self.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
             } else {
                 (self.is_start_seen, self.may_precede) = (false, self.all());
             }
@@ -175,11 +190,15 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// These activities use an object that is out of sight.
-    pub(super) fn set_out_of_sight(&mut self, activities: ActivitySet) {
+    /// These activities use an object that is out of sight; the id of one of them, or 0.
+    pub(super) fn set_out_of_sight(&mut self, activities: ActivitySet, object: u16) {
         let never_seen = self.never_seen.map_or(activities, |before| before & activities);
         self.never_seen = Some(never_seen);
+        self.never_seen_object = object;
         self.overlooked |= never_seen;
+        if !never_seen.is_empty() {
+            self.overlooked_object = object;
+        }
     }
 
     /// What was seen of the objects is forgotten, as by an encoder that has started again.
@@ -187,19 +206,29 @@ impl<'a> Progress<'a> {
         self.never_seen = None;
     }
 
-    /// Whether what a hand does with this object may be an activity that uses another one which was never seen in this job. What such an activity
-    /// looks like is not known.
-    pub(super) fn may_use_never_seen(&self, object: u16) -> bool {
+    /// The object that was never seen in this job and that an activity uses which may be what a hand does with this `object`; 0 where it is not
+    /// known which, and `None` where there is none. What such an activity looks like is not known.
+    pub(super) fn never_seen_with(&self, object: u16) -> Option<u16> {
         let never_seen = self.never_seen.unwrap_or_default();
-        !never_seen.is_empty()
-            && self
-                .activities_with(|ius| ius.iter().any(|iu| iu.context.involves(object)))
-                .intersects(never_seen)
+        if never_seen.is_empty() {
+            return None;
+        }
+        let using =
+            |object: u16| self.activities_with(|ius| ius.iter().any(|iu| iu.context.involves(object)));
+        let activities = using(object) & never_seen;
+        let object = Some(self.never_seen_object).filter(|id| *id != 0 && using(*id).intersects(activities));
+        (!activities.is_empty()).then_some(object.unwrap_or_default())
     }
 
-    /// What has not been done is not missing.
-    pub(super) fn forget_undone(&mut self) {
+    /// All that was done in the job was done by a hand that was not seen.
+    pub(super) fn set_unseen(&mut self) {
         self.undone = ActivitySet::EMPTY;
+        self.set_unjudged(None, Reason::HandNotSeen.into());
+    }
+
+    /// The couples break off: the job may go on unseen, and what has not been done is not missing.
+    pub(super) fn break_off(&mut self) {
+        (self.is_doubtful, self.is_broken_off, self.undone) = (true, true, ActivitySet::EMPTY);
     }
 
     /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began,
@@ -230,7 +259,7 @@ impl<'a> Progress<'a> {
     /// Takes how well the next couple of a hand shows what it does. A hand that has never been seen is not hidden.
     pub(super) fn count_missed(&mut self, couple: &Couple, is_captured: bool, is_hidden: bool) {
         let missed = &mut self.missed[couple.side.index()];
-        missed.skip_to(couple.captured_ns);
+        missed.skip_to(couple.captured_ns, is_captured);
         if is_hidden || !is_captured {
             missed.count(couple, is_captured);
         }
@@ -247,8 +276,9 @@ impl<'a> Progress<'a> {
         self.is_doubtful = true;
     }
 
-    /// A hand goes on with this object, with which it began in the job before.
-    pub(super) fn set_carried_on(&mut self, object: u16) {
+    /// A hand goes on with this object, with which it began in the job before; why that was not judged.
+    pub(super) fn set_carried_on(&mut self, object: u16, cause: Option<Cause>) {
+        self.carried_on_cause = self.carried_on_cause.or(cause);
         self.carried_on |= self.activities_with(|ius| ius.iter().any(|iu| iu.context.0[1] == object));
     }
 
@@ -466,9 +496,11 @@ impl<'a> Progress<'a> {
         self.begin_seen_with(number, activity);
     }
 
-    pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, reason: Reason) {
+    /// An activity that is nearest to this nominal one was not judged.
+    pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, cause: Cause) {
         self.unjudged |= self.activities_of(nominal);
-        self.unjudged_reason = self.unjudged_reason.or(Some(reason));
+        let nearest = nominal.and_then(|nominal| self.number(nominal));
+        self.first_unjudged = self.first_unjudged.or(Some((cause, nearest)));
     }
 
     /// If no nominal activity is near a wrong one, and only one could come next, the wrong one came instead of that.
@@ -481,7 +513,8 @@ impl<'a> Progress<'a> {
     ) {
         let nearest = nominal.and_then(|nominal| self.number(nominal));
         self.wrong |= nearest.map(usize::from).or_else(|| self.next_in_order()).into_iter().collect();
-        self.fault = self.fault.or(Some(Fault { reason, nearest, measured, broken }));
+        self.fault =
+            self.fault.or(Some(Fault { reason, missing: Missing::default(), nearest, measured, broken }));
     }
 
     pub(super) fn set_note(&mut self, note: Option<Note>) {
@@ -528,6 +561,8 @@ impl<'a> Progress<'a> {
             distance: None,
             threshold: None,
             captured_percent: None,
+            seen_percent: None,
+            missing: fault.missing,
             measured: fault.measured,
             broken: fault.broken,
             note: self.note,
@@ -538,7 +573,7 @@ impl<'a> Progress<'a> {
             decided_ns: self.known_ns,
         };
         if let Some(began_ns) = self.unseen_since_ns.take_if(|_| outcome == Outcome::Ok) {
-            let (outcome, reason) = (Outcome::NotJudged, Reason::Blind);
+            let (outcome, reason) = (Outcome::NotJudged, Reason::HandNotSeen);
             let ended_ns = self.began_ns;
             emit(Verdict { outcome, reason, activity: 0, note: None, began_ns, ended_ns, ..verdict });
         }
@@ -547,28 +582,62 @@ impl<'a> Progress<'a> {
 
     /// How the job came out, and why.
     fn outcome(&self) -> (Outcome, Fault) {
-        let because = |reason, nearest| Fault { reason, nearest, measured: None, broken: None };
-        let not_completed = |lowest: usize| because(Reason::NotCompleted, Some(lowest as u16));
+        let because = |cause: Cause, nearest| {
+            let Cause { reason, missing } = cause;
+            Fault { reason, missing, nearest, measured: None, broken: None }
+        };
+        let not_completed = |lowest: usize| because(Reason::NotCompleted.into(), Some(lowest as u16));
         let missing = self.required().without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
         let is_end_certain = |_: &usize| !self.is_end_assumed;
         let certainly_missing = missing.lowest().filter(|_| !missing.iter().any(may_be_unseen));
         let certainly_missing = certainly_missing.filter(is_end_certain);
         let undone = (missing & self.undone).lowest().filter(is_end_certain);
-        match (self.fault.or(undone.map(not_completed)), self.unjudged_reason) {
+        match (self.fault.or(undone.map(not_completed)), self.first_unjudged) {
             (Some(fault), _) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.
-            (None, Some(reason)) => (Outcome::NotJudged, because(reason, None)),
+            (None, Some((cause, nearest))) => (Outcome::NotJudged, because(cause, nearest)),
             (None, None) if self.first_step.is_none() && self.activities > 0 => {
-                (Outcome::NotJudged, because(Reason::Unknown, None))
+                (Outcome::NotJudged, because(Reason::Unknown.into(), None))
             }
             (None, None) => match certainly_missing {
                 Some(lowest) => (Outcome::Anomaly, not_completed(lowest)),
                 None if missing.is_empty() && self.is_start_seen => {
-                    (Outcome::Ok, because(Reason::None, None))
+                    (Outcome::Ok, because(Reason::None.into(), None))
                 }
-                None => (Outcome::NotJudged, because(Missed::reason(&self.missed), None)),
+                None => {
+                    let unseen =
+                        missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());
+                    let cause = self.unseen_activity_cause(unseen);
+                    let is_of_job = matches!(cause.reason, Reason::BeginningNotSeen | Reason::BrokenOff);
+                    let nearest = unseen.filter(|_| !is_of_job).map(|activity| activity as u16);
+                    (Outcome::NotJudged, because(cause, nearest))
+                }
             },
         }
+    }
+
+    /// Why an activity that is missing may have been done all the same; or, where none is missing, why the job is not judged.
+    fn unseen_activity_cause(&self, activity: Option<usize>) -> Cause {
+        match activity {
+            _ if self.is_broken_off => Reason::BrokenOff.into(),
+            Some(activity) if self.overlooked.contains(activity) => {
+                Cause::object_not_seen(self.overlooked_object)
+            }
+            Some(activity) if !self.may_precede.contains(activity) => self.unseen_cause(),
+            _ => Reason::BeginningNotSeen.into(),
+        }
+    }
+
+    /// Why too little is known of the job: what was missed, or else its beginning.
+    pub(super) fn unseen_cause(&self) -> Cause {
+        let beginning = if self.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
+        let missed = Missed::cause(&self.missed, self.job.min_captured);
+        missed.or(self.carried_on_cause).unwrap_or(beginning.into())
+    }
+
+    /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
+    fn moved_unseen_cause(&self) -> Cause {
+        Missed::cause(&self.missed, self.job.min_captured).unwrap_or(Reason::HandNotSeen.into())
     }
 }

@@ -12,7 +12,7 @@ use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Sight};
-use crate::capacity::{HANDS, OBJECTS};
+use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
@@ -78,6 +78,8 @@ pub(super) struct Scene {
     captured: u32,
     /// For each hand, bit k: the frame k frames before the newest shows what it acts on.
     clear: [u32; HANDS],
+    /// For each hand, [`Couple::hidden_object`] of the newest frames, the newest first.
+    hidden_objects: [[u16; PERSIST_FRAMES + 1]; HANDS],
     /// Bit k: something had moved unseen k frames before the newest.
     moved_unseen: u32,
     /// Bit k: something was carried by a hand that was not seen k frames before the newest.
@@ -126,6 +128,7 @@ impl Scene {
             times_ns: Recent::new(0),
             captured: 0,
             clear: [0; HANDS],
+            hidden_objects: [[0; PERSIST_FRAMES + 1]; HANDS],
             moved_unseen: 0,
             carried_unseen: 0,
             bench_hidden: 0,
@@ -302,6 +305,7 @@ impl Scene {
             is_bench_hidden: self.bench_hidden >> age & 1 == 1,
             undone: self.undone(age),
             out_of_sight: self.out_of_sight(age),
+            out_of_sight_object: self.out_of_sight_object(age),
             hands,
         }
     }
@@ -364,6 +368,7 @@ impl Scene {
             is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
             is_object_new: self.is_new[hand],
             is_object_displaced: self.is_displaced[hand],
+            hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
         };
         // Only now it is known which objects the context rests on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];

@@ -105,6 +105,7 @@ impl Scene {
                 (self.objects[object].poses.ago(0).position, self.objects[object].shape.radius_m)
             };
             let mut is_clear = hand.source == Source::Seen;
+            let mut hidden_object = 0;
             for (object, node) in self.objects.iter().enumerate() {
                 let is_edge_unknown =
                     |j: usize| j != object && !self.adjacent[object.min(j)][object.max(j)].is_known();
@@ -123,8 +124,13 @@ impl Scene {
                     }
                 };
                 is_clear &= !is_in_doubt;
+                if is_in_doubt && node.poses.ago(0).source != Source::Seen && hidden_object == 0 {
+                    hidden_object = node.shape.id;
+                }
             }
             self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
+            self.hidden_objects[index].rotate_right(1);
+            self.hidden_objects[index][0] = hidden_object;
         }
     }
 
@@ -264,6 +270,14 @@ impl Scene {
         let is_out_of_sight = |node: &&Node| self.sight(node.poses.ago(age).unseen) == Sight::Unseen;
         let hidden = self.objects.iter().filter(is_out_of_sight);
         hidden.fold(ActivitySet::EMPTY, |all, node| all | node.shape.used_by)
+    }
+
+    /// The id of one such object, or 0.
+    pub(super) fn out_of_sight_object(&self, age: usize) -> u16 {
+        let is_out_of_sight = |node: &&Node| {
+            !node.shape.used_by.is_empty() && self.sight(node.poses.ago(age).unseen) == Sight::Unseen
+        };
+        self.objects.iter().find(is_out_of_sight).map_or(0, |node| node.shape.id)
     }
 
     pub(super) fn sight(&self, unseen: u32) -> Sight {
