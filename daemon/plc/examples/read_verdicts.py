@@ -17,7 +17,7 @@ import time
 import iceoryx2 as iox2
 
 # The layout of `Verdict` and of the events in this build of Andon; a test compares it.
-LAYOUT = "5f0cc92da2998ce7/2"
+LAYOUT = "7058ec88565c1b7e/2"
 # The longest time for a station to start, in seconds.
 PATIENCE_S = 20
 # The longest wait for an event, in ms. The queue is read after it in any case.

@@ -80,13 +80,41 @@ enum AndonReason {
    */
   ANDON_REASON_UNKNOWN = 7,
   /**
-   * The hand or an object was out of sight for too long.
+   * Too little of it was seen, for none of the other reasons.
    */
   ANDON_REASON_BLIND = 8,
   /**
-   * Fewer frames came than the job needs, or there was more to judge than there is room for.
+   * It lasted longer than can be compared.
    */
   ANDON_REASON_OVERLOAD = 9,
+  /**
+   * The hand was not seen for too long.
+   */
+  ANDON_REASON_HAND_NOT_SEEN = 10,
+  /**
+   * An object was not seen for too long.
+   */
+  ANDON_REASON_OBJECT_NOT_SEEN = 11,
+  /**
+   * Its beginning was not seen: it came before the line began to watch, or was hidden.
+   */
+  ANDON_REASON_BEGINNING_NOT_SEEN = 12,
+  /**
+   * It was not watched to its end: the line was disabled, got another job, or its source began again.
+   */
+  ANDON_REASON_BROKEN_OFF = 13,
+  /**
+   * No frame came for too long.
+   */
+  ANDON_REASON_FRAMES_MISSING = 14,
+  /**
+   * Too few frames came.
+   */
+  ANDON_REASON_TOO_FEW_FRAMES = 15,
+  /**
+   * Whether its two objects touched, or one only passed the other, could not be told.
+   */
+  ANDON_REASON_PASSING = 16,
 };
 
 /**

@@ -55,6 +55,7 @@ fn a_row_is_read_back_as_the_verdict_that_was_written() {
         shown_min: 0.25,
         shown_max: 0.75,
         missing_hand: 84,
+        missing_s: 1.0,
         ..verdict(u64::MAX, 2)
     };
     bench.append(&known).unwrap();
