@@ -87,9 +87,16 @@ impl LineHealth {
 
     /// What keeps the line from being ready, in words.
     pub(super) fn cause(&self) -> String {
-        self.culprit.map_or_else(String::new, |(role, what)| format!("{} {what}", role.name()))
+        match self.culprit {
+            None => String::new(),
+            Some((_, GONE)) => GONE.to_owned(),
+            Some((role, what)) => format!("{} {what}", role.name()),
+        }
     }
 }
+
+/// A process is noticed to have gone before it is known which: all roles are silent until they are heard again.
+const GONE: &str = "a process of the line has gone, and `andond status` says which";
 
 impl RoleHealth {
     /// The state of the line as far as this role determines it, and what is the matter with the role.
@@ -97,7 +104,7 @@ impl RoleHealth {
         let Some(health) = &self.newest else { return (MISSING, "has not been heard yet") };
         let sent = MonotonicTime::sent(&health.stamp);
         if sent < departure {
-            return (MISSING, "is gone, or has not been heard since another process has gone");
+            return (MISSING, GONE);
         }
         if now.since(sent) > self.deadline {
             return (MISSING, "gives no sign of life");

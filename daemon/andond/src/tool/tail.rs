@@ -52,7 +52,7 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
         }
         while let Some(health) = health.take()? {
             if let Some(change) = sight.receive(&health) {
-                tell_sight(change);
+                tell_sight(change, &printer.clock);
             }
             if let Some(outage) = outages.receive(&health) {
                 tell_outage(&outage, &printer.clock);
@@ -72,10 +72,11 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
 }
 
 /// Says once when the line stops seeing its bench, and once when it sees it again. Not among the verdicts, which programs read.
-fn tell_sight(change: SightChange) {
+fn tell_sight(change: SightChange, clock: &Clock) {
+    let now = clock.time_of(MonotonicTime::now());
     match change.now.and_then(sight::code) {
-        Some(code) => eprintln!("not watching: {}. {}", code.meaning, code.remedy),
-        None => eprintln!("watching again"),
+        Some(code) => eprintln!("{now} not watching: {}. {}", code.meaning, code.remedy),
+        None => eprintln!("{now} watching again"),
     }
 }
 

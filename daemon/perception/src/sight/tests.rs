@@ -167,6 +167,15 @@ fn too_few_frames_are_said_and_a_frame_that_is_late_now_and_then_is_not() {
 }
 
 #[test]
+fn too_few_frames_are_said_once_where_their_share_varies_about_what_is_enough() {
+    let mut bench = Bench::known();
+    assert_eq!(bench.show(5.0, |_| Look { dropped: 3, ..good() }).len(), 1);
+    let more_than_half = |number: u64| Look { dropped: u32::from(!number.is_multiple_of(5)), ..good() };
+    assert_eq!(bench.show(20.0, more_than_half), []);
+    assert!(matches!(bench.show(5.0, |_| good())[..], [(None, _)]));
+}
+
+#[test]
 fn a_camera_that_sends_less_than_half_of_what_it_was_asked_for_is_too_slow() {
     let mut bench = Bench::new();
     bench.sight = Sight::new(Expected { rate_hz: Some(90.0), hands: true, is_calibrated: false });

@@ -329,8 +329,10 @@ struct Rate {
 const RATE_OVER_S: f32 = 1.0;
 /// A line that comes up leaves out the pictures that came before it was ready.
 const SETTLING_S: f32 = 3.0;
-/// With less than this share of the pictures, motion is not measured any more.
+/// With less than this share of the pictures, motion is not measured any more...
 const ENOUGH: f32 = 0.5;
+/// ... until there are more than this again: a share that lies between the two is not said again and again.
+const ENOUGH_AGAIN: f32 = 0.6;
 
 impl Rate {
     fn step(&mut self, look: &Look, rate_hz: Option<f32>) {
@@ -343,7 +345,8 @@ impl Rate {
         let processed = self.recent.len() as f32;
         let dropped: u32 = self.recent.iter().map(|(_, dropped)| dropped).sum();
         let expected = rate_hz.map_or(0.0, |rate_hz| RATE_OVER_S * rate_hz).max(processed + dropped as f32);
-        let is_slow = seconds(began_ns) > SETTLING_S && processed < ENOUGH * expected;
+        let enough = self.slow_since_ns.map_or(ENOUGH, |_| ENOUGH_AGAIN);
+        let is_slow = seconds(began_ns) > SETTLING_S && processed < enough * expected;
         self.slow_since_ns = is_slow.then(|| self.slow_since_ns.unwrap_or(look.at_ns));
     }
 
