@@ -166,8 +166,8 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
 
 /// What was missing, and how much of it.
 fn missing_words(verdict: &Verdict, names: &Names) -> String {
-    // It goes on when an early verdict is given.
-    let least = if verdict.early { "at least " } else { "" };
+    // It may go on when an early verdict on an IU is given.
+    let least = if verdict.early && verdict.level == Level::Iu { "at least " } else { "" };
     let time = |seconds: f32| format!(" for {least}{seconds:.1} s");
     let time = verdict.missing.seconds.map(time).unwrap_or_default();
     match (verdict.reason, verdict.missing) {

@@ -38,10 +38,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Takes note of whether the open activity may use an object that has not been seen.
     fn note_never_seen(&mut self, progress: &Progress<'a>) {
-        if let Some(activity) = &mut self.activity {
-            if let Some(object) = progress.never_seen_with(activity.context.0[1]) {
-                (activity.may_use_never_seen, activity.never_seen_object) = (true, object);
-            }
+        if let Some(activity) = &mut self.activity
+            && let Some(object) = progress.never_seen_with(activity.context.0[1])
+        {
+            (activity.may_use_never_seen, activity.never_seen_object) = (true, object);
         }
     }
 

@@ -60,6 +60,8 @@
 //!   context.
 //! - What the bench shows to be undone is not missing from a job whose end is only assumed, from a touch that may have begun the next one
 //!   or may go on with what was not judged.
+//! - What is not judged says what was missing, and for how long ([`Missing`](crate::verdict::Missing)): that of which most was missing in what it
+//!   rests on and in the doubt before it. An activity and a job have the first such thing in them.
 //! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
 //!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
 //!

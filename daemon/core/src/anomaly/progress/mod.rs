@@ -1,6 +1,7 @@
 //! The job level: which activities have come, which are missing, and in which order they came.
 
 mod order;
+mod unseen;
 
 use super::missed::{Cause, Missed};
 use crate::capacity::HANDS;
@@ -204,20 +205,6 @@ impl<'a> Progress<'a> {
     /// What was seen of the objects is forgotten, as by an encoder that has started again.
     pub(super) fn forget_seen(&mut self) {
         self.never_seen = None;
-    }
-
-    /// The object that was never seen in this job and that an activity uses which may be what a hand does with this `object`; 0 where it is not
-    /// known which, and `None` where there is none. What such an activity looks like is not known.
-    pub(super) fn never_seen_with(&self, object: u16) -> Option<u16> {
-        let never_seen = self.never_seen.unwrap_or_default();
-        if never_seen.is_empty() {
-            return None;
-        }
-        let using =
-            |object: u16| self.activities_with(|ius| ius.iter().any(|iu| iu.context.involves(object)));
-        let activities = using(object) & never_seen;
-        let object = Some(self.never_seen_object).filter(|id| *id != 0 && using(*id).intersects(activities));
-        (!activities.is_empty()).then_some(object.unwrap_or_default())
     }
 
     /// All that was done in the job was done by a hand that was not seen.
@@ -615,29 +602,5 @@ impl<'a> Progress<'a> {
                 }
             },
         }
-    }
-
-    /// Why an activity that is missing may have been done all the same; or, where none is missing, why the job is not judged.
-    fn unseen_activity_cause(&self, activity: Option<usize>) -> Cause {
-        match activity {
-            _ if self.is_broken_off => Reason::BrokenOff.into(),
-            Some(activity) if self.overlooked.contains(activity) => {
-                Cause::object_not_seen(self.overlooked_object)
-            }
-            Some(activity) if !self.may_precede.contains(activity) => self.unseen_cause(),
-            _ => Reason::BeginningNotSeen.into(),
-        }
-    }
-
-    /// Why too little is known of the job: what was missed, or else its beginning.
-    pub(super) fn unseen_cause(&self) -> Cause {
-        let beginning = if self.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
-        let missed = Missed::cause(&self.missed, self.job.min_captured);
-        missed.or(self.carried_on_cause).unwrap_or(beginning.into())
-    }
-
-    /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
-    fn moved_unseen_cause(&self) -> Cause {
-        Missed::cause(&self.missed, self.job.min_captured).unwrap_or(Reason::HandNotSeen.into())
     }
 }

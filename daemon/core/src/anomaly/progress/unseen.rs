@@ -1,0 +1,54 @@
+//! What of a job was not seen, and why too little is known of it.
+
+use super::super::missed::{Cause, Missed};
+use super::Progress;
+use crate::set::ActivitySet;
+use crate::verdict::Reason;
+
+impl Progress<'_> {
+    /// The object that was never seen in this job and that an activity uses which may be what a hand does with this `object`; 0 where it is not
+    /// known which, and `None` where there is none. What such an activity looks like is not known.
+    pub(in crate::anomaly) fn never_seen_with(&self, object: u16) -> Option<u16> {
+        let never_seen = self.never_seen.unwrap_or_default();
+        if never_seen.is_empty() {
+            return None;
+        }
+        let activities = self.using(object) & never_seen;
+        (!activities.is_empty()).then(|| self.used_by(self.never_seen_object, activities))
+    }
+
+    /// The activities that use this object.
+    fn using(&self, object: u16) -> ActivitySet {
+        self.activities_with(|ius| ius.iter().any(|iu| iu.context.involves(object)))
+    }
+
+    /// The object, if one of these activities uses it; otherwise 0.
+    fn used_by(&self, object: u16, activities: ActivitySet) -> u16 {
+        let is_used = object != 0 && self.using(object).intersects(activities);
+        if is_used { object } else { 0 }
+    }
+
+    /// Why an activity that is missing may have been done all the same; or, where none is missing, why the job is not judged.
+    pub(super) fn unseen_activity_cause(&self, activity: Option<usize>) -> Cause {
+        match activity {
+            _ if self.is_broken_off => Reason::BrokenOff.into(),
+            Some(activity) if self.overlooked.contains(activity) => {
+                Cause::object_not_seen(self.used_by(self.overlooked_object, ActivitySet::of(activity)))
+            }
+            Some(activity) if !self.may_precede.contains(activity) => self.unseen_cause(),
+            _ => Reason::BeginningNotSeen.into(),
+        }
+    }
+
+    /// Why too little is known of the job: what was missed, or else its beginning.
+    pub(in crate::anomaly) fn unseen_cause(&self) -> Cause {
+        let beginning = if self.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
+        let missed = Missed::cause(&self.missed, self.job.min_captured);
+        missed.or(self.carried_on_cause).unwrap_or(beginning.into())
+    }
+
+    /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
+    pub(super) fn moved_unseen_cause(&self) -> Cause {
+        Missed::cause(&self.missed, self.job.min_captured).unwrap_or(Reason::HandNotSeen.into())
+    }
+}
