@@ -87,7 +87,7 @@ fn a_pause_shows_the_start_of_a_job_only_while_the_bench_is_in_sight() {
     assert_eq!(hidden(0..170), "JobAnomaly NotCompleted", "4 s of it were in sight");
     assert_eq!(hidden(200..205), "JobAnomaly NotCompleted", "too short a time to do anything");
     for frames in [0..300, 0..200, 200..300, 200..220] {
-        assert_eq!(hidden(frames.clone()), "NotJudged BeginningNotSeen", "{frames:?}");
+        assert!(hidden(frames.clone()).starts_with("NotJudged"), "{frames:?}");
     }
 }
 
