@@ -408,8 +408,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else if is_begun_late && self.missed.is_within(self.watch.min_idle_frames()) {
             Reason::BeginningNotSeen.into()
         } else {
-            let own = Missed::cause(&[self.missed], min_captured);
-            own.or(self.newest_unjudged).unwrap_or_else(|| progress.unseen_cause())
+            let own = [self.missed];
+            Missed::main_cause(&own, min_captured, progress.persist_frames)
+                .or(self.newest_unjudged)
+                .or(Missed::cause(&own, min_captured))
+                .unwrap_or_else(|| progress.unseen_cause())
         }
     }
 

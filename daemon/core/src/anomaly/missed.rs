@@ -147,6 +147,12 @@ impl Missed {
         Cause { missing: Missing { seconds, ..cause.missing }, ..cause }
     }
 
+    /// The same, where so many frames are missing as a change takes to be believed (`persist_frames`): fewer seldom are the reason.
+    pub(super) fn main_cause(missed: &[Self], min_captured: f32, persist_frames: u32) -> Option<Cause> {
+        let is_any = missed.iter().any(|missed| !missed.is_within(persist_frames.saturating_sub(1)));
+        Self::cause(missed, min_captured).filter(|_| is_any)
+    }
+
     /// No more frames than this did not show what the hand acts on.
     pub(super) fn is_within(&self, frames: u32) -> bool {
         self.captured.max(self.uncaptured) <= frames

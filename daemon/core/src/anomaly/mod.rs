@@ -252,7 +252,11 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             segmenter,
             bench: Bench {
                 hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, &method)),
-                progress: Progress::new(job, Side::ALL.map(|side| Missed::new(side, method.period_ns()))),
+                progress: Progress::new(
+                    job,
+                    method.persist_frames.into(),
+                    Side::ALL.map(|side| Missed::new(side, method.period_ns())),
+                ),
             },
         })
     }

@@ -26,6 +26,8 @@ struct Fault {
 #[derive(Clone, Debug)]
 pub(super) struct Progress<'a> {
     pub(super) job: &'a Job<'a>,
+    /// How many frames a change takes to be believed.
+    pub(super) persist_frames: u32,
     /// The time of the newest couples.
     pub(super) now_ns: u64,
     /// The time of the newest frame that they rest on.
@@ -96,9 +98,10 @@ pub(super) struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    pub(super) fn new(job: &'a Job<'a>, missed: [Missed; HANDS]) -> Self {
+    pub(super) fn new(job: &'a Job<'a>, persist_frames: u32, missed: [Missed; HANDS]) -> Self {
         Self {
             job,
+            persist_frames,
             now_ns: 0,
             known_ns: 0,
             began_ns: 0,
@@ -160,7 +163,7 @@ impl<'a> Progress<'a> {
             overlooked_object: self.overlooked_object,
             hidden_frames: self.hidden_frames,
             is_open: true,
-            ..Self::new(self.job, self.missed)
+            ..Self::new(self.job, self.persist_frames, self.missed)
         };
     }
 

@@ -43,8 +43,9 @@ impl Progress<'_> {
     /// Why too little is known of the job: what was missed, or else its beginning.
     pub(in crate::anomaly) fn unseen_cause(&self) -> Cause {
         let beginning = if self.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
-        let missed = Missed::cause(&self.missed, self.job.min_captured);
-        missed.or(self.carried_on_cause).unwrap_or(beginning.into())
+        Missed::main_cause(&self.missed, self.job.min_captured, self.persist_frames)
+            .or(self.carried_on_cause)
+            .unwrap_or(beginning.into())
     }
 
     /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
