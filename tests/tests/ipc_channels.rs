@@ -24,10 +24,10 @@ fn send(writer: &mut Writer<Verdict>, activity: u16) {
 #[repr(C)]
 struct OtherVerdict {
     stamp: Stamp,
-    x_c: [u64; 18],
+    x_c: [u64; 19],
 }
 
-// SAFETY: integers only, 40 + 144 bytes without padding.
+// SAFETY: integers only, 40 + 152 bytes without padding.
 unsafe impl Layout for OtherVerdict {
     const HASH: u64 = 0x1234;
 }

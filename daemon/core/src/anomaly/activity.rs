@@ -212,8 +212,9 @@ impl OpenActivity {
     pub(super) fn resume(&mut self, job: &Job<'_>, context: Context) {
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
-            // The hand may have let go meanwhile, and begun again with the same object.
-            if self.junction.hidden > self.min_idle_frames {
+            // The hand may have let go meanwhile; that it began again with the same object as well is only thought of what was not judged.
+            let may_have_let_go = context == Context::IDLE || self.unjudged.is_some();
+            if may_have_let_go && self.junction.hidden > self.min_idle_frames {
                 self.note_possible_end(job);
             }
             let hidden = core::mem::take(&mut self.junction.hidden);

@@ -521,7 +521,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &self.activity else { return };
         let nearest = activity.nearest.or(activity.candidates().lowest());
         let may_go_on = progress.is_end_assumed()
-            || self.watch.is_doubtful()
+            || self.watch.may_hold_another()
             || activity.may_be_complete(progress.job)
             || activity.is_astray() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or(self.unseen_cause(progress));

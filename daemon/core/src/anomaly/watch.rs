@@ -248,6 +248,11 @@ impl Watch {
         self.is_object_new || self.is_doubtful() && self.certain.is_none_or(|certain| certain == context)
     }
 
+    /// Whether the hand may still hold another object than the one that it is said to act on.
+    pub(super) fn may_hold_another(&self) -> bool {
+        self.held != 0 && self.is_held_doubtful
+    }
+
     /// Whether the hand may go on with what it touched before a doubt.
     pub(super) fn may_go_on_touching(&self, context: Context) -> bool {
         context.is_touch() && self.may_go_on(context)
@@ -260,7 +265,7 @@ impl Watch {
 
     /// Whether a change of context with the newest couple rests on too little.
     pub(super) fn is_doubtful(&self) -> bool {
-        self.is_recent() || self.held != 0 && self.is_held_doubtful
+        self.is_recent() || self.may_hold_another()
     }
 
     /// Whether enough of the frames of a stretch were captured for two changes to be believed.
