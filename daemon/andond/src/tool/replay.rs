@@ -58,7 +58,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
                 "nothing was judged: {path} has {rate_hz:.1} frames per second, the job needs {needed_hz:.1}"
             );
         } else {
-            eprintln!("nothing was judged: in {path} no hand touched an object of the job");
+            eprintln!("nothing was judged: in {path} no hand was seen to touch an object of the job");
         }
     }
     Ok(printer.exit_code())
