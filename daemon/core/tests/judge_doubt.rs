@@ -404,6 +404,18 @@ fn what_was_carried_unseen_before_the_first_touch_may_be_the_beginning_of_the_ne
 }
 
 #[test]
+fn what_was_carried_unseen_before_a_pause_ends_a_job_may_go_on_after_it() {
+    let (to_table, back) = (bring(3, 2, 1), bring(2, 3, 5));
+    let job = teach(&[&[to_table, back].concat()]);
+    let mut couples = stream(&[&to_table[..2], &[away(200), idle(60)], &back].concat(), &[]);
+    for couples in &mut couples[60..90] {
+        (couples.is_carried_unseen, couples.has_moved_unseen) = (true, true);
+    }
+    let verdicts = judged(&job, &couples);
+    assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
+}
+
+#[test]
 fn a_piece_of_which_no_hand_was_seen_is_not_judged() {
     let job = polish_and_measure();
     let mut couples = stream(&[away(300)], &[]);

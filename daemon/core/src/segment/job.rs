@@ -41,7 +41,7 @@ pub struct JobSegmenter {
     bench_ns: u64,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
-    /// A hand that was not seen has carried something since the last job was done: the next one may have begun.
+    /// A hand that was not seen has carried something since a hand last began to act: the next job may have begun.
     may_have_begun: bool,
     /// Since when something has been carried so, and nobody has been told.
     unseen_since_ns: Option<u64>,
@@ -99,6 +99,7 @@ impl JobSegmenter {
             }
         }
         self.is_disturbed &= !touches;
+        self.may_have_begun &= !touches;
     }
 
     fn watch_for_pause(&mut self, couples: &Couples) {
@@ -118,8 +119,8 @@ impl JobSegmenter {
             (self.resting_ns, self.has_paused) = (0, false);
         }
         self.is_disturbed |= couples.has_moved_unseen;
+        self.may_have_begun |= couples.is_carried_unseen;
         if self.job.is_none_or(|job| job.matched) && couples.is_carried_unseen {
-            self.may_have_begun = true;
             self.unseen_since_ns.get_or_insert(couples.captured_ns);
         }
         self.has_paused |= self.job.is_none() && self.resting_ns >= self.idle_end_ns;
