@@ -11,7 +11,9 @@ use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{IN_ORDER, away, expect, forgiving, jobs, judged, measure, polish, polish_and_measure};
+use common::work::{
+    IN_ORDER, away, bring, expect, forgiving, jobs, judged, measure, polish, polish_and_measure,
+};
 use core::ops::Range;
 
 #[test]
@@ -354,17 +356,6 @@ fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
 }
 
-/// A part is brought from a place to another one and left there.
-fn bring(from: u16, to: u16, direction: i8) -> [Part; 5] {
-    [
-        part([1, 5, 5, from], 20, Still),
-        part([1, 5, 0, 0], 30, Toward(direction)),
-        part([1, 5, 5, to], 20, Still),
-        part([0, 0, 5, to], 20, Still),
-        idle(5),
-    ]
-}
-
 #[test]
 fn after_the_second_half_of_an_activity_its_first_half_begins_another_one() {
     let (to_table, back) = (bring(3, 2, 1), bring(2, 3, 5));
@@ -381,73 +372,6 @@ fn after_the_second_half_of_an_activity_its_first_half_begins_another_one() {
         ["NotJudged BeginningNotSeen", "JobAnomaly NotCompleted"]
     );
     assert_eq!(jobs_of(&[&back, &whole[..]].concat()), ["NotJudged BeginningNotSeen", "JobOk"]);
-}
-
-/// The verdicts on pieces of which a part is brought to the table and back. Of the second piece only the way back is seen. While the hand is not
-/// seen before that, the part may move.
-fn second_half_after(is_carried_unseen: bool) -> Vec<String> {
-    let whole = [bring(3, 2, 1), bring(2, 3, 5)].concat();
-    let job = teach(&[&whole]);
-    let frames: usize = whole.iter().map(|part| part.frames).sum();
-    let pieces = [&whole[..], &[idle(30), away(70), idle(90)], &bring(2, 3, 5)].concat();
-    let mut couples = stream(&pieces, &[]);
-    for couples in &mut couples[frames + 50..frames + 80] {
-        couples.is_carried_unseen = is_carried_unseen;
-    }
-    judged(&job, &couples).iter().map(short).filter(|verdict| !verdict.starts_with('r')).collect()
-}
-
-#[test]
-fn what_was_carried_unseen_before_the_first_touch_may_be_the_beginning_of_the_next_piece() {
-    assert_eq!(second_half_after(true), ["JobOk", "NotJudged HandNotSeen"]);
-    assert_eq!(second_half_after(false), ["JobOk", "JobAnomaly WrongOrder"]);
-}
-
-#[test]
-fn what_was_carried_unseen_before_a_pause_ends_a_job_may_go_on_after_it() {
-    let (to_table, back) = (bring(3, 2, 1), bring(2, 3, 5));
-    let job = teach(&[&[to_table, back].concat()]);
-    let mut couples = stream(&[&to_table[..2], &[away(200), idle(60)], &back].concat(), &[]);
-    for couples in &mut couples[60..90] {
-        (couples.is_carried_unseen, couples.has_moved_unseen) = (true, true);
-    }
-    let verdicts = judged(&job, &couples);
-    assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
-}
-
-#[test]
-fn a_piece_of_which_no_hand_was_seen_is_not_judged() {
-    let job = polish_and_measure();
-    let mut couples = stream(&[away(300)], &[]);
-    couples[30..120].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
-    let said = jobs(&job, &couples);
-    assert_eq!(said, ["began in frame 30", "NotJudged HandNotSeen"]);
-    assert_eq!(jobs(&job, &couples[..150]), said, "the recording ends");
-    couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
-    assert_eq!(jobs(&job, &couples), said, "what lies where it lay may have been brought back");
-    // The next piece comes at once.
-    let mut couples = stream(&[&[away(100)][..], &polish(6), &measure()].concat(), &[]);
-    couples[30..95].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
-    assert_eq!(jobs(&job, &couples), ["began in frame 100", "NotJudged HandNotSeen", "JobOk"]);
-}
-
-#[test]
-fn an_activity_that_must_have_ended_unseen_swallows_no_other_piece() {
-    let halves = [bring(3, 2, 1), bring(2, 3, 5)];
-    let job = teach(&[&halves
-        .map(|half| half.map(|part| if part.context == [0; 4] { idle(1) } else { part }))
-        .concat()]);
-    // A hand that has let go is never idle: what it left there lies there until it comes back.
-    let [to_table, back] = halves.map(|half| half[..4].to_vec());
-    let hidden = Part { seen: false, frames: 100, ..to_table[3] };
-    let mut couples = stream(&[&to_table[..], &[hidden], &to_table, &back, &to_table, &back].concat(), &[]);
-    for couples in &mut couples {
-        couples.hands[1].is_clear = true;
-    }
-    let verdicts = judged(&job, &couples);
-    let verdicts: Vec<_> = verdicts.iter().map(short).filter(|verdict| !verdict.starts_with('r')).collect();
-    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
-    assert_eq!(verdicts.last().unwrap(), "JobOk", "{verdicts:?}");
 }
 
 #[test]

@@ -82,10 +82,9 @@ pub(super) struct OpenActivity {
     min_idle_frames: u32,
     /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
     may_have_ended: bool,
-    /// It may use an object that had not been seen up to some time in it, and what it looks like without that is not known.
-    pub(super) may_use_never_seen: bool,
-    /// The id of that object, or 0 where it is not known.
-    pub(super) never_seen_object: u16,
+    /// An object that it may use and that had not been seen up to some time in it, or 0 where it is not known which. What it looks like
+    /// without that is not known.
+    pub(super) never_seen: Option<u16>,
     /// It may be the rest of one because nothing was watched before it.
     pub(super) is_begun_late: bool,
     /// It has its verdict.
@@ -134,8 +133,7 @@ impl OpenActivity {
             may_be_rest: hidden == u32::MAX,
             min_idle_frames,
             may_have_ended: false,
-            may_use_never_seen: false,
-            never_seen_object: 0,
+            never_seen: None,
             is_begun_late: false,
             is_concluded: false,
         }

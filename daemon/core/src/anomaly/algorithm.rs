@@ -38,10 +38,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Takes note of whether the open activity may use an object that has not been seen.
     fn note_never_seen(&mut self, progress: &Progress<'a>) {
-        if let Some(activity) = &mut self.activity
-            && let Some(object) = progress.never_seen_with(activity.context.0[1])
-        {
-            (activity.may_use_never_seen, activity.never_seen_object) = (true, object);
+        if let Some(activity) = &mut self.activity {
+            activity.never_seen = progress.never_seen_with(activity.context.0[1]).or(activity.never_seen);
         }
     }
 
@@ -483,7 +481,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             segmenter.activity_matched(&self.by_this_hand(continuations));
             if activity.is_astray() {
-                let cause = activity.unjudged.unwrap_or(self.unseen_cause(progress));
+                let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
                 let nearest = activity.nearest;
                 self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
                 return;
@@ -524,7 +522,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             || self.watch.may_hold_another()
             || activity.may_be_complete(progress.job)
             || activity.is_astray() && activity.unjudged.is_some();
-        let cause = activity.unjudged.unwrap_or(self.unseen_cause(progress));
+        let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
         match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.

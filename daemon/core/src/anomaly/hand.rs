@@ -215,10 +215,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
         let accuses_nobody = self.accuses_nobody();
-        let never_seen = self.activity.as_ref().filter(|activity| activity.may_use_never_seen);
-        if let Some(activity) = never_seen.filter(|_| is_wrong && !accuses_nobody) {
-            let cause = Cause::object_not_seen(activity.never_seen_object);
-            self.conclude_unjudged(cause, progress, emit);
+        let never_seen = self.activity.as_ref().and_then(|activity| activity.never_seen);
+        if let Some(object) = never_seen.filter(|_| is_wrong && !accuses_nobody) {
+            self.conclude_unjudged(Cause::object_not_seen(object), progress, emit);
             return;
         }
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
@@ -265,16 +264,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         (outcome, cause, nominal): (Outcome, Cause, Option<usize>),
     ) -> (Outcome, Cause, Option<usize>) {
         let accuses_nobody = self.accuses_nobody();
-        match &mut self.activity {
-            Some(activity) if outcome == Outcome::Anomaly && activity.may_use_never_seen => {
-                (Outcome::NotJudged, Cause::object_not_seen(activity.never_seen_object), nominal)
-            }
-            Some(activity) if outcome == Outcome::Anomaly && accuses_nobody && activity.broken.is_none() => {
-                activity.step = Step::NotShown;
-                let right = (Outcome::Ok, Reason::None.into(), None);
-                activity.unjudged.map_or(right, |cause| (Outcome::NotJudged, cause, None))
-            }
-            _ => (outcome, cause, nominal),
+        let Some(activity) = self.activity.as_mut().filter(|_| outcome == Outcome::Anomaly) else {
+            return (outcome, cause, nominal);
+        };
+        if let Some(object) = activity.never_seen {
+            (Outcome::NotJudged, Cause::object_not_seen(object), nominal)
+        } else if accuses_nobody && activity.broken.is_none() {
+            activity.step = Step::NotShown;
+            let right = (Outcome::Ok, Reason::None.into(), None);
+            activity.unjudged.map_or(right, |cause| (Outcome::NotJudged, cause, None))
+        } else {
+            (outcome, cause, nominal)
         }
     }
 

@@ -94,7 +94,6 @@ use crate::verdict::Verdict;
 use hand::HandJudge;
 use missed::Missed;
 use progress::Progress;
-use watch::Watch;
 
 /// Why work cannot be judged against a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -207,7 +206,6 @@ pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
     newest: Option<Couples>,
     /// In how many of the next couples it may still not be seen what a hand held when others were missing.
     unsettled: u32,
-    settling: u32,
     segmenter: JobSegmenter,
     bench: Bench<'a, M>,
 }
@@ -248,7 +246,6 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             blind_ns: u64::from(method.blind_ms) * 1_000_000,
             newest: None,
             unsettled: 0,
-            settling: Watch::settling(&method),
             segmenter,
             bench: Bench {
                 hands: [Side::Right, Side::Left].map(|side| HandJudge::new(side, job, &method)),
@@ -282,10 +279,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 let captured_ns = newest.captured_ns + elapsed_ns;
                 self.take(&newest.unseen_at(captured_ns, couples.known_ns, sight), emit);
                 elapsed_ns += self.period_ns;
-                self.unsettled = self.settling;
             }
-            if self.unsettled == self.settling {
-                self.bench.forget();
+            if elapsed_ns > self.period_ns {
+                self.unsettled = self.bench.forget();
             }
         }
         let mut couples = *couples;
@@ -410,11 +406,13 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 }
 
 impl<'a, M: Memory<'a>> Bench<'a, M> {
-    /// The encoder has started again: it knows nothing of what came before, and the next job may have begun.
-    fn forget(&mut self) {
+    /// The encoder has started again: it knows nothing of what came before, and the next job may have begun. Returns in how many frames it may
+    /// not see yet that a hand holds something.
+    fn forget(&mut self) -> u32 {
         self.progress.forget_seen();
         self.progress.doubt_start();
         self.hands.iter_mut().for_each(|hand| hand.watch.doubt_beginning());
+        self.hands[0].watch.min_idle_frames()
     }
 
     /// A hand that was not seen has worked since then: whatever it did is not judged.

@@ -181,11 +181,6 @@ impl Watch {
         IDLE_CHANGES * self.persist_frames
     }
 
-    /// How many frames an encoder that starts needs to see that a hand holds something.
-    pub(super) fn settling(method: &Method) -> u32 {
-        IDLE_CHANGES * u32::from(method.persist_frames)
-    }
-
     fn is_idle_for_long(&self) -> bool {
         self.idle_frames > self.min_idle_frames()
     }

@@ -83,3 +83,14 @@ pub(crate) fn jobs(job: &Job<'_>, couples: &[Couples]) -> Vec<String> {
 pub(crate) fn away(frames: usize) -> Part {
     Part { seen: false, ..idle(frames) }
 }
+
+/// A part is brought from a place to another one and left there.
+pub(crate) fn bring(from: u16, to: u16, direction: i8) -> [Part; 5] {
+    [
+        part([1, 5, 5, from], 20, Still),
+        part([1, 5, 0, 0], 30, Toward(direction)),
+        part([1, 5, 5, to], 20, Still),
+        part([0, 0, 5, to], 20, Still),
+        idle(5),
+    ]
+}

@@ -7,9 +7,8 @@
 
 use crate::clip::{Change, Clip, Shown};
 use crate::errors::{Errors, distance};
-use crate::{Error, perceiver};
+use crate::{Error, usual_perceiver};
 use andon_perception::carried::{CarriedObjects, PlacedHand};
-use andon_perception::config::{HandsConfig, MarkerSearch, ThreadsConfig};
 use andon_perception::detections::PlacedObject;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -69,13 +68,7 @@ pub(crate) fn run(clips: &[PathBuf], runtime: &Path) -> Result<(), Error> {
 
 fn perceive(path: &Path, runtime: &Path) -> Result<Vec<Perceived>, Error> {
     let mut clip = Clip::open(path, &Change::default())?;
-    let mut perceiver = perceiver(
-        runtime,
-        &clip.truth,
-        HandsConfig::default(),
-        MarkerSearch::Near,
-        ThreadsConfig::default(),
-    )?;
+    let mut perceiver = usual_perceiver(runtime, &clip.truth)?;
     let mut frames = Vec::new();
     while let Some(Shown { captured_ns, image, truth, .. }) = clip.next()? {
         let detections = perceiver.perceive(image, captured_ns)?;

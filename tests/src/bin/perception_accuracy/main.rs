@@ -62,6 +62,11 @@ fn main() -> Result<(), Error> {
     }
 }
 
+/// A perceiver for the objects of a clip, as it is where nothing is configured.
+fn usual_perceiver(runtime: &Path, truth: &Truth) -> Result<Perceiver, Error> {
+    perceiver(runtime, truth, HandsConfig::default(), MarkerSearch::Near, ThreadsConfig::default())
+}
+
 /// A perceiver for the objects of a clip.
 fn perceiver(
     runtime: &Path,

@@ -6,9 +6,8 @@
 use crate::clip::{Change, Clip, Shown};
 use crate::errors::Errors;
 use crate::truth::{TrueFrame, TrueHand, TrueObject, number, numbers};
-use crate::{Error, perceiver};
+use crate::{Error, usual_perceiver};
 use andon_perception::Detections;
-use andon_perception::config::{HandsConfig, MarkerSearch, ThreadsConfig};
 use andon_perception::detections::{HandDetection, LANDMARKS, Side};
 use andon_perception::metric::{
     BenchFrame, DepthImage, Distortion, Lens, Metric, MetricObject, MetricScene, Rig, Sampler, rigid,
@@ -49,13 +48,7 @@ pub(crate) fn run(arguments: &Arguments, runtime: &Path) -> Result<(), Error> {
     let mut clip = Clip::open(&arguments.clip, &Change::default())?;
     let mut pictures = DepthPictures::open(&arguments.depth)?;
     let rig = pictures.rig;
-    let mut perceiver = perceiver(
-        runtime,
-        &clip.truth,
-        HandsConfig::default(),
-        MarkerSearch::Near,
-        ThreadsConfig::default(),
-    )?;
+    let mut perceiver = usual_perceiver(runtime, &clip.truth)?;
     let objects = clip.truth.objects.clone();
     let mut metric: Option<Metric> = None;
     let mut score = Score::default();

@@ -167,23 +167,6 @@ impl<'a> Progress<'a> {
         };
     }
 
-    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece; before its first step, the step
-    /// may have been hidden.
-    pub(super) fn set_moved_unseen(&mut self) {
-        if self.is_open && self.activities > 0 && !self.is_matched() {
-            if self.first_step.is_some() {
-                self.first_unjudged = self.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
-            } else {
-                (self.is_start_seen, self.may_precede) = (false, self.all());
-            }
-        }
-    }
-
-    /// The next job may have begun before the first touch that was seen.
-    pub(super) fn doubt_start(&mut self) {
-        self.is_start_expected &= self.is_open;
-    }
-
     /// The bench shows that these activities have not been done. What has been away from there meanwhile may have been brought back.
     pub(super) fn set_undone(&mut self, undone: ActivitySet) {
         self.seen_undone = undone;
@@ -192,33 +175,6 @@ impl<'a> Progress<'a> {
         if !self.is_open {
             self.undone_first |= undone;
         }
-    }
-
-    /// These activities use an object that is out of sight; the id of one of them, or 0.
-    pub(super) fn set_out_of_sight(&mut self, activities: ActivitySet, object: u16) {
-        let never_seen = self.never_seen.map_or(activities, |before| before & activities);
-        self.never_seen = Some(never_seen);
-        self.never_seen_object = object;
-        self.overlooked |= never_seen;
-        if !never_seen.is_empty() {
-            self.overlooked_object = object;
-        }
-    }
-
-    /// What was seen of the objects is forgotten, as by an encoder that has started again.
-    pub(super) fn forget_seen(&mut self) {
-        self.never_seen = None;
-    }
-
-    /// All that was done in the job was done by a hand that was not seen.
-    pub(super) fn set_unseen(&mut self) {
-        self.undone = ActivitySet::EMPTY;
-        self.set_unjudged(None, Reason::HandNotSeen.into());
-    }
-
-    /// The couples break off: the job may go on unseen, and what has not been done is not missing.
-    pub(super) fn break_off(&mut self) {
-        (self.is_doubtful, self.is_broken_off, self.undone) = (true, true, ActivitySet::EMPTY);
     }
 
     /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began,
@@ -579,10 +535,10 @@ impl<'a> Progress<'a> {
         let not_completed = |lowest: usize| because(Reason::NotCompleted.into(), Some(lowest as u16));
         let missing = self.required().without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
-        let is_end_certain = |_: &usize| !self.is_end_assumed;
-        let certainly_missing = missing.lowest().filter(|_| !missing.iter().any(may_be_unseen));
-        let certainly_missing = certainly_missing.filter(is_end_certain);
-        let undone = (missing & self.undone).lowest().filter(is_end_certain);
+        let is_end_certain = !self.is_end_assumed;
+        let certainly_missing =
+            missing.lowest().filter(|_| is_end_certain && !missing.iter().any(may_be_unseen));
+        let undone = (missing & self.undone).lowest().filter(|_| is_end_certain);
         match (self.fault.or(undone.map(not_completed)), self.first_unjudged) {
             (Some(fault), _) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.

@@ -6,6 +6,50 @@ use crate::set::ActivitySet;
 use crate::verdict::Reason;
 
 impl Progress<'_> {
+    /// Objects have moved without a hand. In the middle of a job that may be a part of it, or the next piece; before its first step, the step
+    /// may have been hidden.
+    pub(in crate::anomaly) fn set_moved_unseen(&mut self) {
+        if self.is_open && self.activities > 0 && !self.is_matched() {
+            if self.first_step.is_some() {
+                self.first_unjudged = self.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
+            } else {
+                (self.is_start_seen, self.may_precede) = (false, self.all());
+            }
+        }
+    }
+
+    /// The next job may have begun before the first touch that was seen.
+    pub(in crate::anomaly) fn doubt_start(&mut self) {
+        self.is_start_expected &= self.is_open;
+    }
+
+    /// These activities use an object that is out of sight; the id of one of them, or 0.
+    pub(in crate::anomaly) fn set_out_of_sight(&mut self, activities: ActivitySet, object: u16) {
+        let never_seen = self.never_seen.map_or(activities, |before| before & activities);
+        self.never_seen = Some(never_seen);
+        self.never_seen_object = object;
+        self.overlooked |= never_seen;
+        if !never_seen.is_empty() {
+            self.overlooked_object = object;
+        }
+    }
+
+    /// What was seen of the objects is forgotten, as by an encoder that has started again.
+    pub(in crate::anomaly) fn forget_seen(&mut self) {
+        self.never_seen = None;
+    }
+
+    /// All that was done in the job was done by a hand that was not seen.
+    pub(in crate::anomaly) fn set_unseen(&mut self) {
+        self.undone = ActivitySet::EMPTY;
+        self.set_unjudged(None, Reason::HandNotSeen.into());
+    }
+
+    /// The couples break off: the job may go on unseen, and what has not been done is not missing.
+    pub(in crate::anomaly) fn break_off(&mut self) {
+        (self.is_doubtful, self.is_broken_off, self.undone) = (true, true, ActivitySet::EMPTY);
+    }
+
     /// The object that was never seen in this job and that an activity uses which may be what a hand does with this `object`; 0 where it is not
     /// known which, and `None` where there is none. What such an activity looks like is not known.
     pub(in crate::anomaly) fn never_seen_with(&self, object: u16) -> Option<u16> {
@@ -49,7 +93,7 @@ impl Progress<'_> {
     }
 
     /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
-    pub(super) fn moved_unseen_cause(&self) -> Cause {
+    fn moved_unseen_cause(&self) -> Cause {
         Missed::cause(&self.missed, self.job.min_captured).unwrap_or(Reason::HandNotSeen.into())
     }
 }

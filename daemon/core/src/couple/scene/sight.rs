@@ -267,17 +267,18 @@ impl Scene {
 
     /// The activities that use an object which was out of sight `age` frames before the newest.
     pub(super) fn out_of_sight(&self, age: usize) -> ActivitySet {
-        let is_out_of_sight = |node: &&Node| self.sight(node.poses.ago(age).unseen) == Sight::Unseen;
-        let hidden = self.objects.iter().filter(is_out_of_sight);
-        hidden.fold(ActivitySet::EMPTY, |all, node| all | node.shape.used_by)
+        self.used_out_of_sight(age).fold(ActivitySet::EMPTY, |all, node| all | node.shape.used_by)
     }
 
     /// The id of one such object, or 0.
     pub(super) fn out_of_sight_object(&self, age: usize) -> u16 {
-        let is_out_of_sight = |node: &&Node| {
+        self.used_out_of_sight(age).next().map_or(0, |node| node.shape.id)
+    }
+
+    fn used_out_of_sight(&self, age: usize) -> impl Iterator<Item = &Node> {
+        self.objects.iter().filter(move |node| {
             !node.shape.used_by.is_empty() && self.sight(node.poses.ago(age).unseen) == Sight::Unseen
-        };
-        self.objects.iter().find(is_out_of_sight).map_or(0, |node| node.shape.id)
+        })
     }
 
     pub(super) fn sight(&self, unseen: u32) -> Sight {
