@@ -39,10 +39,10 @@ impl Progress<'_> {
         self.never_seen = None;
     }
 
-    /// All that was done in the job was done by a hand that was not seen.
+    /// All that was done in the job was done by a hand that was not seen, or was not seen to act.
     pub(in crate::anomaly) fn set_unseen(&mut self) {
         self.undone = ActivitySet::EMPTY;
-        self.set_unjudged(None, Reason::HandNotSeen.into());
+        self.set_unjudged(None, self.moved_unseen_cause());
     }
 
     /// The couples break off: the job may go on unseen, and what has not been done is not missing.

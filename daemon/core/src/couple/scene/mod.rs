@@ -1,5 +1,6 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
+mod glimpse;
 mod in_hand;
 mod leap;
 mod meeting;
@@ -17,6 +18,7 @@ use crate::config::Method;
 use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
 use heapless::Vec;
+use glimpse::Glimpses;
 use in_hand::{InHand, Meets};
 use leap::Leap;
 use meeting::Shape;
@@ -32,6 +34,7 @@ struct Node {
     /// It was moved while it was hidden, and no hand has been seen to begin to act on it since.
     is_displaced: bool,
     leap: Leap,
+    glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
     /// For each hand, whether it has been at the object or out of the picture since the object was last seen, or may have been given it.
@@ -53,6 +56,7 @@ impl Node {
             known_frames: 0,
             is_displaced: false,
             leap: Leap::default(),
+            glimpses: Glimpses::default(),
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],
             may_be_touched: [false; HANDS],

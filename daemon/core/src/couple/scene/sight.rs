@@ -62,8 +62,10 @@ impl Scene {
     }
 
     /// Finds out whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
-    /// a part that is put in place while the camera is covered, does not move before and after that.
+    /// a part that is put in place while the camera is covered, does not move before and after that. Where frames come too seldom to measure what
+    /// a hand does, it does not matter whether the hand is seen.
     pub(super) fn push_carried_unseen(&mut self) {
+        let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
         let is_seen_at = |object: usize| {
             let mut hands = self.hands.iter().zip(&self.touches);
@@ -78,7 +80,20 @@ impl Scene {
         };
         let mut objects = self.objects.iter().enumerate();
         let is_carried = objects.any(|(object, node)| !is_seen_at(object) && moves(node));
-        self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried);
+        self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
+    }
+
+    /// Whether an object that no hand is known to hold is carried about, and seen too seldom to measure it.
+    fn move_unmeasured(&mut self) -> bool {
+        let (persist, moved_m) = (self.method.persist_frames.into(), self.moved_m());
+        let mut is_any = false;
+        for (index, node) in self.objects.iter_mut().enumerate() {
+            let pose = node.poses.ago(0);
+            let seen = (pose.source == Source::Seen).then_some(pose.position);
+            let moves = node.glimpses.push(seen, persist, self.blind_frames, moved_m);
+            is_any |= moves && self.interactions.iter().all(|what| what.held() != Some(index));
+        }
+        is_any
     }
 
     /// Finds out whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What had been hidden
