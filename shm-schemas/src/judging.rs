@@ -55,7 +55,7 @@ codes! {
     }
 }
 
-wire! { "andon.Judging", 112;
+wire! { "andon.Judging", 120;
     /// The state of the judge. It is sent when it changes and with every beat; only the newest counts.
     struct Judging {
         /// The stamp.
@@ -80,6 +80,10 @@ wire! { "andon.Judging", 112;
         part_source: u8,
         /// The part id of the jobs that begin from now on.
         part: PartId,
+        /// How many frames per second that job needs, Hz; 0 where there is none, or it does not say.
+        min_rate_hz: f32,
+        /// Zero.
+        reserved: u32,
     }
 }
 message!(Judging);

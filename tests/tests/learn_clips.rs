@@ -1,7 +1,7 @@
 //! What a camera saw of real clips: a film is processed once and judged often, with and without what may not have been seen.
 #![allow(clippy::unwrap_used)]
 
-use andon_core::verdict::Outcome;
+use andon_core::verdict::{Level, Outcome, Reason};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{Recording, read};
 use andon_tests::deletion::{jobs, judged, try_deletions, try_two_pieces};
@@ -40,5 +40,28 @@ fn nothing_is_accused_for_what_was_not_seen() {
         assert!(tried.accused.is_empty(), "{clip}: {:?}", tried.accused);
         let tried = try_two_pieces(&job, &[&whole], seed, cases / 2);
         assert!(tried.accused.is_empty(), "{clip}, two pieces: {:?}", tried.accused);
+    }
+}
+
+/// Below six frames per second no motion can be measured, so it is not known what the hands do.
+#[test]
+fn a_piece_of_which_too_few_frames_came_is_not_judged_and_says_so() {
+    let path = root().join("config/jobs/polish-and-measure.toml");
+    let job = JobFile::parse("the shipped job", &std::fs::read(path).unwrap()).unwrap();
+    for clip in ["p1_none_r1", "p2_J1_r1"] {
+        let whole = seen(clip);
+        for every in [3, 4, 6, 8, 10, 15] {
+            let frames = whole.frames.iter().step_by(every).cloned().collect();
+            let verdicts = judged(&job, &Recording { frames, ..whole.clone() });
+            let newest = verdicts.last().unwrap();
+            let is_slow = whole.header.rate_hz / (every as f32) < job.min_rate_hz;
+            assert!(
+                newest.level == Level::Job && newest.outcome != Outcome::Ok || !is_slow,
+                "{clip}, 1 of {every}: {newest:?}"
+            );
+            assert!(!is_slow || newest.reason == Reason::TooFewFrames, "{clip}, 1 of {every}: {newest:?}");
+            let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
+            assert!(!is_accused || clip != "p1_none_r1", "{clip}, 1 of {every}: {verdicts:?}");
+        }
     }
 }

@@ -201,8 +201,8 @@ fn parts_that_move_without_a_hand_are_said_everywhere_and_undone_when_they_lie_s
 
 #[test]
 fn too_few_frames_are_said_everywhere_and_undone_when_there_are_enough() {
-    // Of ten pictures a second, of 500, and of ten again: more than any machine looks at.
-    let film = "setpts='if(lt(N,60),N/10,if(lt(N,2060),6+(N-60)/500,10+(N-2060)/10))/TB'";
+    // Of ten pictures a second, of four, and of ten again: the job needs 7.5.
+    let film = "setpts='if(lt(N,60),N/10,if(lt(N,100),6+(N-60)/4,16+(N-100)/10))/TB'";
     let line = Line::with_film(
         "speed = \"file\"",
         "",
@@ -212,7 +212,7 @@ fn too_few_frames_are_said_everywhere_and_undone_when_there_are_enough() {
             "-i",
             "p1_none_r1.mp4",
             "-frames:v",
-            "2140",
+            "180",
             "-vf",
             film,
             "-fps_mode",
@@ -221,7 +221,7 @@ fn too_few_frames_are_said_everywhere_and_undone_when_there_are_enough() {
     );
     let words = Words {
         code: "AND-218",
-        meaning: "too few of the camera's pictures",
+        meaning: "too few pictures are processed",
         remedy: "Stop what else runs",
         word: "SLOW",
     };

@@ -1,6 +1,6 @@
 //! The words for what the line cannot see: the same in the log, in `andond status`, in `andond tail`, in the journal and for the PLC.
 
-use andon_perception::sight::Trouble;
+use andon_perception::sight::{Rates, Trouble};
 use shm_schemas::{Health, RoleId, Sight};
 
 use crate::log::{Code, code};
@@ -69,6 +69,13 @@ pub fn code(sight: Sight) -> Option<&'static Code> {
         Sight::NoMarkers => &code::MARKERS_FOREIGN,
         Sight::NoHands => &code::HANDS_NOT_FOUND,
     })
+}
+
+/// How many pictures per second are too few, to follow the meaning of the code.
+pub fn rates(rates: Rates) -> String {
+    let Rates { processed_hz, expected_hz, needed_hz } = rates;
+    let needed = needed_hz.map(|needed_hz| format!(", and the job needs {needed_hz:.1}"));
+    format!(": {processed_hz:.1} of {expected_hz:.1} per second{}", needed.unwrap_or_default())
 }
 
 /// The one word for it in `andond status`.

@@ -79,8 +79,8 @@ table! {
         "Clean the lens, let it dry, and focus it on the bench";
     ERROR 217 PICTURE_NOISY: "the picture is so noisy that nothing is found",
         "Light the bench better, or give the camera a longer camera.exposure_us";
-    WARN 218 TOO_FEW_FRAMES: "too few of the camera's pictures are processed",
-        "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz";
+    WARN 218 TOO_FEW_FRAMES: "too few pictures are processed to judge by them",
+        "Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz; a camera in the dark gives fewer by itself: light the bench better";
     ERROR 219 MARKERS_FOREIGN: "none of the station's markers has been seen, although there are others or hands at work",
         "Compare the printed markers with perception.dictionary and with the ids under [[objects]]; they must lie flat, whole and in the light";
     ERROR 220 HANDS_NOT_FOUND: "parts move, and no hand is found",

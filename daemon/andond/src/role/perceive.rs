@@ -1,9 +1,9 @@
 //! `perceive`: frames to detections. Where an outside tracker sees instead, its track file is played.
 
-use andon_ipc::{FrameReader, FrameSample, Node, Port, Writer};
+use andon_ipc::{FrameReader, FrameSample, Node, Port, Reader, Writer};
 use andon_perception::metric::MetricScene;
 use andon_perception::{Detections as Seen, Perceiver};
-use shm_schemas::{Detections, RoleId};
+use shm_schemas::{Detections, Judging, RoleId};
 
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
@@ -27,6 +27,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         config,
         detections: Output::new(node.writer()?, &[RoleId::Encode]),
         frames: node.frame_reader()?,
+        judging: node.reader()?,
         perceiver,
         placer,
         is_without_bench: false,
@@ -40,6 +41,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
 struct Perceive<'a> {
     config: &'a Config,
     frames: FrameReader,
+    judging: Reader<Judging>,
     detections: Output<Writer<Detections>>,
     perceiver: Perceiver,
     /// In metric mode.
@@ -57,10 +59,13 @@ impl Role for Perceive<'_> {
     const INPUT_IS_STEADY: bool = true;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
-        vec![self.detections.port(), &mut self.frames]
+        vec![self.detections.port(), &mut self.judging, &mut self.frames]
     }
 
     fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+        while let Some(judging) = self.judging.take()? {
+            self.sight.watch_for(&judging);
+        }
         let Some(frame) = cycle.take(&mut self.frames)? else { return Ok(Turn::Idle) };
         let header = frame.header();
         self.follow_source(header.stamp.epoch)?;
@@ -89,7 +94,7 @@ impl Perceive<'_> {
         let known = std::mem::replace(&mut self.source_epoch, epoch);
         if known != 0 && known != epoch {
             self.perceiver = perception::perceiver(self.config)?;
-            self.sight = SightWatch::new(self.config);
+            self.sight.begin();
             self.placer = Placer::new(self.config).map_err(SetupError::from)?;
         }
         Ok(())

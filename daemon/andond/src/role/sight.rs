@@ -1,8 +1,8 @@
 //! Tells what the line's own sight is worth: once in the log, and in the health of `perceive` for as long as it lasts.
 
 use andon_perception::Detections;
-use andon_perception::sight::{Expected, Look, Spell};
-use shm_schemas::{FrameHeader, Sight};
+use andon_perception::sight::{Expected, Look, Spell, Trouble};
+use shm_schemas::{FrameHeader, Judging, Sight};
 
 use super::Liveness;
 use crate::config::Config;
@@ -11,7 +11,10 @@ use crate::sight;
 
 /// Follows what `perceive` sees.
 pub(super) struct SightWatch {
+    expected: Expected,
     sight: andon_perception::sight::Sight,
+    /// The pictures per second that the job in force needs.
+    needed_hz: Option<f32>,
     newest: Option<Spell>,
     has_looked: bool,
 }
@@ -24,7 +27,21 @@ impl SightWatch {
             hands: !config.perception.hands.is_empty(),
             is_calibrated: config.bench.calibration.is_some(),
         };
-        Self { sight: andon_perception::sight::Sight::new(expected), newest: None, has_looked: false }
+        let sight = andon_perception::sight::Sight::new(expected);
+        Self { expected, sight, needed_hz: None, newest: None, has_looked: false }
+    }
+
+    /// Begins with another source: nothing that was seen before holds.
+    pub(super) fn begin(&mut self) {
+        self.sight = andon_perception::sight::Sight::new(self.expected);
+        self.sight.set_needed_hz(self.needed_hz);
+        (self.newest, self.has_looked) = (None, false);
+    }
+
+    /// Follows the job in force.
+    pub(super) fn watch_for(&mut self, judging: &Judging) {
+        self.needed_hz = Some(judging.min_rate_hz).filter(|needed_hz| *needed_hz > 0.0);
+        self.sight.set_needed_hz(self.needed_hz);
     }
 
     /// Takes what was seen in a frame. `dropped` are the frames before it that were not processed.
@@ -42,10 +59,15 @@ impl SightWatch {
                 |at_ns: u64| header.stamp.captured_ns.saturating_sub(header.source_ns.saturating_sub(at_ns));
             match spell {
                 Some(Spell { trouble, since_ns }) => {
-                    let trouble = sight::of_trouble(trouble);
-                    liveness.sees(trouble, monotonic_ns(since_ns));
-                    if let Some(code) = sight::code(trouble) {
-                        code.log_found(&code.meaning, Remedy::OfCode);
+                    let seen = sight::of_trouble(trouble);
+                    liveness.sees(seen, monotonic_ns(since_ns));
+                    if let Some(code) = sight::code(seen) {
+                        let rates =
+                            (trouble == Trouble::TooFewFrames).then(|| sight::rates(self.sight.rates()));
+                        code.log_found(
+                            &format_args!("{}{}", code.meaning, rates.unwrap_or_default()),
+                            Remedy::OfCode,
+                        );
                     }
                 }
                 None => {

@@ -14,4 +14,4 @@ mod watch;
 mod tests;
 
 pub use look::{Corners, Look, SeenMarker};
-pub use watch::{Expected, Sight, Spell, Trouble};
+pub use watch::{Expected, Rates, Sight, Spell, Trouble};

@@ -1,7 +1,7 @@
 //! The state machine on scripted looks; what real pictures measure is in the measurement `perception_accuracy sight`.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use super::{Expected, Look, SeenMarker, Sight, Spell, Trouble};
+use super::{Expected, Look, Rates, SeenMarker, Sight, Spell, Trouble};
 use crate::picture::{CELLS, Picture};
 
 mod camera;
@@ -173,6 +173,33 @@ fn too_few_frames_are_said_once_where_their_share_varies_about_what_is_enough() 
     let more_than_half = |number: u64| Look { dropped: u32::from(!number.is_multiple_of(5)), ..good() };
     assert_eq!(bench.show(20.0, more_than_half), []);
     assert!(matches!(bench.show(5.0, |_| good())[..], [(None, _)]));
+}
+
+#[test]
+fn frames_are_too_few_where_the_job_needs_more_of_them() {
+    let two_of_three = |number: u64| Look { dropped: u32::from(number.is_multiple_of(2)), ..good() };
+    let mut bench = Bench::known();
+    bench.sight.set_needed_hz(Some(28.0));
+    assert_eq!(bench.show(20.0, two_of_three), [], "30 of 45 are enough for this job");
+    bench.sight.set_needed_hz(Some(40.0));
+    let said = bench.show(20.0, two_of_three);
+    assert!(matches!(said[..], [(Some(Trouble::TooFewFrames), _)]), "{said:?}");
+    let Rates { processed_hz, expected_hz, needed_hz } = bench.sight.rates();
+    assert!(
+        (processed_hz - 30.0).abs() < 1.0 && (expected_hz - 45.0).abs() < 1.5,
+        "{processed_hz} {expected_hz}"
+    );
+    assert_eq!(needed_hz, Some(40.0));
+}
+
+#[test]
+fn a_film_that_is_slower_than_the_job_needs_is_said_although_none_of_its_frames_is_dropped() {
+    for (needed_hz, is_enough) in [(29.0, true), (45.0, false)] {
+        let mut bench = Bench::new();
+        bench.sight.set_needed_hz(Some(needed_hz));
+        let said = bench.show(10.0, |_| good());
+        assert_eq!(said.is_empty(), is_enough, "{said:?}");
+    }
 }
 
 #[test]

@@ -26,7 +26,7 @@ pub enum Trouble {
     Noisy,
     /// The camera has been moved.
     CameraMoved,
-    /// Too few of the camera's pictures are processed.
+    /// Fewer pictures per second are processed than the job needs, or, without a job, fewer than half of the camera's.
     TooFewFrames,
     /// The markers in the picture are not those of the station, or hands work and no marker has ever been seen.
     NoMarkers,
@@ -54,7 +54,7 @@ impl Trouble {
         match self {
             // These have measured for so long already.
             Self::Frozen | Self::CameraMoved | Self::NoHands => 0.0,
-            Self::TooFewFrames => 0.4,
+            Self::TooFewFrames => 0.8,
             _ => 1.0,
         }
     }
@@ -133,6 +133,16 @@ impl Sight {
     /// The trouble that lasts, if there is one.
     pub fn current(&self) -> Option<Spell> {
         self.current
+    }
+
+    /// The pictures per second that the job in force needs; `None` where there is no job, or it does not say.
+    pub fn set_needed_hz(&mut self, needed_hz: Option<f32>) {
+        self.rate.needed_hz = needed_hz;
+    }
+
+    /// How many pictures came and were processed lately.
+    pub fn rates(&self) -> Rates {
+        self.rate.newest
     }
 
     /// Since when the picture shows this; `None` where it does not.
@@ -316,12 +326,25 @@ impl Stillness {
     }
 }
 
+/// Pictures per second, over the last second.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Those that were processed.
+    pub processed_hz: f32,
+    /// Those that came, or that the camera should give where those are more.
+    pub expected_hz: f32,
+    /// Those that the job in force needs; `None` where that is not known.
+    pub needed_hz: Option<f32>,
+}
+
 /// How many pictures are processed.
 #[derive(Default)]
 struct Rate {
     began_ns: Option<u64>,
-    /// Time, and the pictures before it that were not processed.
+    /// The time of each picture, and those before it that were not processed. The first one came before the time over which they are counted.
     recent: VecDeque<(u64, u32)>,
+    needed_hz: Option<f32>,
+    newest: Rates,
     slow_since_ns: Option<u64>,
 }
 
@@ -329,24 +352,37 @@ struct Rate {
 const RATE_OVER_S: f32 = 1.0;
 /// A line that comes up leaves out the pictures that came before it was ready.
 const SETTLING_S: f32 = 3.0;
-/// With less than this share of the pictures, motion is not measured any more...
+/// Without a job, with less than this share of the pictures motion is not measured any more...
 const ENOUGH: f32 = 0.5;
 /// ... until there are more than this again: a share that lies between the two is not said again and again.
 const ENOUGH_AGAIN: f32 = 0.6;
+/// Of what the job needs, less than this share is too little: cameras are not exactly as fast as they say.
+const ENOUGH_OF_NEEDED: f32 = 0.95;
+/// ... until it is more than this again.
+const ENOUGH_OF_NEEDED_AGAIN: f32 = 0.98;
 
 impl Rate {
     fn step(&mut self, look: &Look, rate_hz: Option<f32>) {
         let began_ns = *self.began_ns.get_or_insert(look.at_ns);
         let seconds = |from_ns: u64| look.at_ns.saturating_sub(from_ns) as f32 / S;
         self.recent.push_back((look.at_ns, look.dropped));
-        while self.recent.front().is_some_and(|(at_ns, _)| seconds(*at_ns) > RATE_OVER_S) {
+        while self.recent.get(1).is_some_and(|(at_ns, _)| seconds(*at_ns) > RATE_OVER_S) {
             self.recent.pop_front();
         }
-        let processed = self.recent.len() as f32;
-        let dropped: u32 = self.recent.iter().map(|(_, dropped)| dropped).sum();
-        let expected = rate_hz.map_or(0.0, |rate_hz| RATE_OVER_S * rate_hz).max(processed + dropped as f32);
-        let enough = self.slow_since_ns.map_or(ENOUGH, |_| ENOUGH_AGAIN);
-        let is_slow = seconds(began_ns) > SETTLING_S && processed < enough * expected;
+        let over_s = self.recent.front().map_or(0.0, |(at_ns, _)| seconds(*at_ns));
+        if seconds(began_ns) <= SETTLING_S || over_s <= 0.0 {
+            return;
+        }
+        let counted = self.recent.iter().skip(1);
+        let dropped: u32 = counted.clone().map(|(_, dropped)| dropped).sum();
+        let processed_hz = counted.len() as f32 / over_s;
+        let expected_hz = (processed_hz + dropped as f32 / over_s).max(rate_hz.unwrap_or_default());
+        self.newest = Rates { processed_hz, expected_hz, needed_hz: self.needed_hz };
+        let [enough, again] = match self.needed_hz {
+            Some(needed_hz) => [ENOUGH_OF_NEEDED, ENOUGH_OF_NEEDED_AGAIN].map(|share| share * needed_hz),
+            None => [ENOUGH, ENOUGH_AGAIN].map(|share| share * expected_hz),
+        };
+        let is_slow = processed_hz < self.slow_since_ns.map_or(enough, |_| again);
         self.slow_since_ns = is_slow.then(|| self.slow_since_ns.unwrap_or(look.at_ns));
     }
 

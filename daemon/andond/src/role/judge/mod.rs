@@ -130,7 +130,7 @@ fn watch(
     log!(code::JOB_LOADED, { job = %path.display() }, "watching the {what}");
     let asked_by = ports.asked_by;
     ports.auditor.record(cycle, AuditKind::Job, asked_by, &format!("{what} loaded"))?;
-    ports.state.job(file.id, file.model_hash());
+    ports.state.job(&file);
     ports.state.phase(JudgePhase::Waiting);
     file.with_job(|job| {
         let watched = Some(Watched::new(job, &file, &config.station.name)?);

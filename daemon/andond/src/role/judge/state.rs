@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use andon_ipc::{Error, Heartbeat, Node, Port, Writer};
+use andon_learn::job_file::JobFile;
 use shm_schemas::{CommandSource, JudgePhase, Judging, MessageId, PartId, Refusal};
 
 use super::super::RoleError;
@@ -64,8 +65,9 @@ impl State {
     }
 
     /// The job in force.
-    pub(super) fn job(&mut self, job_id: u32, model_hash: u64) {
-        (self.now.job_id, self.now.model_hash) = (job_id, model_hash);
+    pub(super) fn job(&mut self, file: &JobFile) {
+        let Judging { job_id, model_hash, min_rate_hz, .. } = &mut self.now;
+        (*job_id, *model_hash, *min_rate_hz) = (file.id, file.model_hash(), file.min_rate_hz);
     }
 
     /// Whether this is the job in force.

@@ -40,6 +40,8 @@ pub(super) struct JobLine {
     pub(super) enabled: bool,
     /// A word of [`JudgePhase`].
     pub(super) phase: &'static str,
+    /// How many frames per second it needs, Hz; null where no job is loaded, or it does not say.
+    pub(super) min_rate_hz: Option<f32>,
     /// The part id of the job that begins next; null where none was given.
     pub(super) next_part: Option<String>,
 }
@@ -54,6 +56,7 @@ impl JobLine {
             hash: has_job.then(|| format!("{model_hash:016x}")),
             enabled: judging.is_enabled != 0,
             phase: JudgePhase::try_from(judging.phase).map_or("?", JudgePhase::name),
+            min_rate_hz: Some(judging.min_rate_hz).filter(|rate_hz| *rate_hz > 0.0),
             next_part: (!judging.part.is_none()).then(|| judging.part.text().to_owned()),
         }
     }

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use andon_ipc::MonotonicTime;
 use anstyle::{AnsiColor, Style};
+use shm_schemas::{RoleId, Sight};
 
 use super::lines::{JobLine, RoleLine, StationLine};
 use crate::log::code::CONFIGURATION_CHANGED;
@@ -43,7 +44,7 @@ fn write(station: &StationLine<'_>, clock: &Clock, out: &mut impl Write) -> io::
         "\nkept: the share of what came that it did not lose since its start; of a core: now; typical and p99: the time that one takes"
     )?;
     for line in station.roles {
-        for words in look_here(line, name, clock) {
+        for words in look_here(line, station, clock) {
             writeln!(out, "{RED}look here: {}: {words}{RED:#}", line.role)?;
         }
     }
@@ -62,11 +63,25 @@ fn write(station: &StationLine<'_>, clock: &Clock, out: &mut impl Write) -> io::
 fn job_words(job: Option<&JobLine>) -> String {
     match job {
         None => "job: the judge was not heard".to_owned(),
-        Some(JobLine { id: Some(id), name: Some(name), hash: Some(hash), enabled, phase, next_part }) => {
+        Some(JobLine {
+            id: Some(id),
+            name: Some(name),
+            hash: Some(hash),
+            enabled,
+            phase,
+            min_rate_hz,
+            next_part,
+        }) => {
+            let needed = min_rate_hz
+                .map(|rate_hz| format!("; it needs {rate_hz:.1} frames per second"))
+                .unwrap_or_default();
             let watch = if *enabled { "" } else { ", not enabled: nothing is judged" };
             let part =
                 next_part.as_ref().map(|part| format!("; part {part} goes with the piece that begins next"));
-            format!("job {name} (number {id}, hash {hash}): {phase}{watch}{}", part.unwrap_or_default())
+            format!(
+                "job {name} (number {id}, hash {hash}): {phase}{watch}{needed}{}",
+                part.unwrap_or_default()
+            )
         }
         Some(_) => "job: none is loaded, so nothing is judged".to_owned(),
     }
@@ -97,7 +112,7 @@ fn write_role(line: &RoleLine, out: &mut impl Write) -> io::Result<()> {
 }
 
 /// What is wrong with a role, and what to do.
-fn look_here(line: &RoleLine, station: &str, clock: &Clock) -> Vec<String> {
+fn look_here(line: &RoleLine, station: &StationLine<'_>, clock: &Clock) -> Vec<String> {
     let mut words = Vec::new();
     if line.healthy {
         return words;
@@ -112,13 +127,14 @@ fn look_here(line: &RoleLine, station: &str, clock: &Clock) -> Vec<String> {
         let lost = line.kept.filter(|kept| *kept < KEPT_WELL);
         let lost =
             lost.map(|kept| format!(" It has kept {:.0} of 100 frames.", 100.0 * kept)).unwrap_or_default();
-        words.push(format!("{}{since}, {}.{lost} {}", code.name, code.meaning, code.remedy));
+        let rates = (line.trouble == Some(Sight::TooFewFrames)).then(|| rates(station)).unwrap_or_default();
+        words.push(format!("{}{since}, {}{rates}.{lost} {}", code.name, code.meaning, code.remedy));
     }
     if line.is_configured_otherwise {
         words.push("it runs with another configuration than the line has taken: restart it".to_owned());
     }
     if line.state == "Silent" {
-        let unit = format!("andon-{}@{station}", line.role);
+        let unit = format!("andon-{}@{}", line.role, station.station);
         words.push(format!(
             "no sign of life. `systemctl status {unit}` says whether it runs, `journalctl -u {unit}` why not"
         ));
@@ -132,12 +148,25 @@ fn look_here(line: &RoleLine, station: &str, clock: &Clock) -> Vec<String> {
     words
 }
 
+/// How many frames per second come, how many of them are processed, and how many the job needs.
+fn rates(station: &StationLine<'_>) -> String {
+    let rate_of = |role: RoleId| {
+        let line = station.roles.iter().find(|line| line.role == role.name());
+        line.and_then(|line| line.rate_hz)
+    };
+    let Some(processed_hz) = rate_of(RoleId::Perceive) else { return String::new() };
+    let expected = rate_of(RoleId::Capture).map(|came_hz| format!(" of {came_hz:.1}")).unwrap_or_default();
+    let needed = station.job.as_ref().and_then(|job| job.min_rate_hz);
+    let needed = needed.map(|needed_hz| format!(", and the job needs {needed_hz:.1}")).unwrap_or_default();
+    format!(": {processed_hz:.1}{expected} per second{needed}")
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::lines::ConfigurationLine;
     use super::*;
-    use shm_schemas::{Health, RoleId, RoleState, Sight};
+    use shm_schemas::{Health, RoleState};
 
     fn health(role: RoleId) -> Health {
         Health {
@@ -159,6 +188,7 @@ mod tests {
             hash: Some("00000000000000ab".to_owned()),
             enabled: true,
             phase: "waiting",
+            min_rate_hz: Some(7.5),
             next_part: Some("A-17".to_owned()),
         };
         let station = StationLine {
@@ -182,7 +212,8 @@ mod tests {
             sight: Sight::TooFewFrames.code(),
             ..health(RoleId::Perceive)
         };
-        let capture = RoleLine::new(RoleId::Capture, Some(&health(RoleId::Capture)), Some(0.04), 0);
+        let camera = Health { rate_hz: 30.0, ..health(RoleId::Capture) };
+        let capture = RoleLine::new(RoleId::Capture, Some(&camera), Some(0.04), 0);
         let encode = RoleLine::new(RoleId::Encode, None, None, 0);
         let text = shown(&[capture, RoleLine::new(RoleId::Perceive, Some(&slow), Some(0.97), 0), encode]);
         let lines: Vec<&str> = text.lines().collect();
@@ -190,16 +221,18 @@ mod tests {
             lines,
             [
                 "station bench1: 2 of 3 roles need help: perceive, encode",
-                "job polish (number 7, hash 00000000000000ab): waiting; part A-17 goes with the piece that begins next",
+                "job polish (number 7, hash 00000000000000ab): waiting; it needs 7.5 frames per second; part A-17 \
+                 goes with the piece that begins next",
                 "",
                 "role      state     frames/s     kept  of a core   typical       p99  last message",
-                "capture   Running          -    100 %        4 %   14.1 ms   20.9 ms  -",
+                "capture   Running       30.0    100 %        4 %   14.1 ms   20.9 ms  -",
                 "perceive  SLOW           2.4      8 %       97 %   14.1 ms   20.9 ms  -",
                 "encode    Silent           -        -          -         -         -  -",
                 "",
                 "kept: the share of what came that it did not lose since its start; of a core: now; typical and p99: the time that one takes",
-                "look here: perceive: AND-218, too few of the camera's pictures are processed. It has kept 8 of 100 frames. Stop \
-                 what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz",
+                "look here: perceive: AND-218, too few pictures are processed to judge by them: 2.4 of 30.0 per second, and the job needs 7.5. \
+                 It has kept 8 of 100 frames. Stop what else runs on the machine, or choose perception.hand_model = \"lite\" or a lower camera.rate_hz; a camera in the dark \
+                 gives fewer by itself: light the bench better",
                 "look here: encode: no sign of life. `systemctl status andon-encode@bench1` says whether it runs, `journalctl -u \
                  andon-encode@bench1` why not",
             ]
