@@ -7,8 +7,8 @@ use andon_core::couple::{Context, Couple, Couples, Sight};
 use andon_core::job::Job;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Verdict};
-use common::script::{idle, stream};
-use common::work::{IN_ORDER, judged, measure, polish, polish_and_measure};
+use common::script::{idle, short, stream};
+use common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
 
 #[test]
 fn couples_that_are_missing_accuse_nobody() {
@@ -70,6 +70,25 @@ fn an_encoder_that_starts_again_knows_only_the_parts_that_it_sees() {
     assert_eq!(outcomes(&whole), [Outcome::Anomaly], "it was seen before");
     whole.drain(first..first + 6);
     assert_eq!(outcomes(&whole), [Outcome::NotJudged]);
+}
+
+/// A hand may have used what was hidden before the encoder started again and is hidden still.
+#[test]
+fn a_pause_shows_no_start_while_an_encoder_that_starts_again_has_not_seen_what_was_hidden_before() {
+    let said = |is_hidden: bool, is_out_of_sight: bool| {
+        let mut couples = stream(&[&[away(300)][..], &measure(), &[idle(20)]].concat(), &[]);
+        couples[20..66].iter_mut().for_each(|couples| couples.is_bench_hidden = is_hidden);
+        for couples in &mut couples[66..299] {
+            couples.out_of_sight = if is_out_of_sight { ActivitySet::of(0) } else { ActivitySet::EMPTY };
+        }
+        couples.drain(60..66);
+        short(judged(&polish_and_measure(), &couples).last().unwrap())
+    };
+    assert_eq!(said(false, false), "JobAnomaly NotCompleted");
+    assert_eq!(said(true, false), "JobAnomaly NotCompleted", "all was in sight for 8 s");
+    for is_hidden in [true, false] {
+        assert!(said(is_hidden, true).starts_with("NotJudged"), "{is_hidden}");
+    }
 }
 
 #[test]

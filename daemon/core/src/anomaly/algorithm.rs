@@ -319,7 +319,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 measures: iu.measures,
                 ended: true,
                 gap_after: self.watch.gap(),
-                may_be_part: open.extent.may_be_part || !open.is_certain || self.watch.is_doubtful(),
+                may_be_part: self.is_broken_off
+                    || open.extent.may_be_part
+                    || !open.is_certain
+                    || self.watch.is_doubtful(),
                 ..open.extent
             };
             if extent.gap_after > 0 {
@@ -537,6 +540,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
         }
         self.activity = None;
+        self.is_broken_off = false;
         progress.set_waiting(self.side, None);
         progress.set_underway(self.side, ActivitySet::EMPTY);
     }

@@ -110,6 +110,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Nothing is known of what the hand does from now on.
     pub(super) fn lose_sight(&mut self) {
         self.watch.lose();
+        self.break_off();
+    }
+
+    /// The open activity is not watched to its end.
+    pub(super) fn break_off(&mut self) {
         self.is_broken_off = true;
         self.lose_place();
     }

@@ -282,6 +282,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             }
             if elapsed_ns > self.period_ns {
                 self.unsettled = self.bench.forget();
+                self.segmenter.forget(&newest, couples);
             }
         }
         let mut couples = *couples;
@@ -457,7 +458,12 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
             segment::Event::Eru { .. } => {}
             segment::Event::IuEnded { side, iu } => {
                 let next = couples.map(|couples| couples.hands[side.index()].context);
-                hands[side.index()].end_iu(&iu, next, progress, emit_verdict);
+                let hand = &mut hands[side.index()];
+                // The other hand has begun the next piece while this one is still at it.
+                if next == Some(iu.context) {
+                    hand.break_off();
+                }
+                hand.end_iu(&iu, next, progress, emit_verdict);
             }
             segment::Event::ActivityEnded { side, .. } => {
                 hands[side.index()].end_activity(progress, emit_verdict)

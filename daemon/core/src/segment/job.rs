@@ -39,6 +39,8 @@ pub struct JobSegmenter {
     resting_ns: u64,
     /// When the bench was last seen.
     bench_ns: u64,
+    /// An encoder that has started again does not see an object that had been in sight, and has not seen a hand yet.
+    has_lost_object: bool,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
     /// A hand that was not seen has carried something since a hand last began to act: the next job may have begun.
@@ -65,6 +67,7 @@ impl JobSegmenter {
             handless_ns: 0,
             resting_ns: 0,
             bench_ns: 0,
+            has_lost_object: false,
             has_paused: false,
             may_have_begun: false,
             unseen_since_ns: None,
@@ -112,7 +115,10 @@ impl JobSegmenter {
             self.resting_ns = self.resting_ns.saturating_add(elapsed_ns);
         }
         let is_out_of_sight = couples.captured_ns.saturating_sub(self.bench_ns) > self.hidden_ns;
-        if !couples.is_bench_hidden {
+        if couples.out_of_sight.is_empty() || couples.hands.iter().any(Couple::is_hand_seen) {
+            self.has_lost_object = false;
+        }
+        if !couples.is_bench_hidden && !self.has_lost_object {
             self.bench_ns = couples.captured_ns;
         }
         if is_out_of_sight {
@@ -135,6 +141,12 @@ impl JobSegmenter {
     /// Whether objects have moved since a hand last began to act, while no hand was seen.
     pub fn is_disturbed(&self) -> bool {
         self.is_disturbed
+    }
+
+    /// The encoder has started again between these couples: it does not know that an object which it does not see was in sight before.
+    pub fn forget(&mut self, before: &Couples, after: &Couples) {
+        let is_lost = (after.out_of_sight & before.out_of_sight) != after.out_of_sight;
+        self.has_lost_object |= before.is_bench_hidden || is_lost;
     }
 
     /// Since when a hand that was not seen had worked while there was no job, if that has come to an end: a pause, or the end of the recording.
