@@ -147,12 +147,31 @@ impl Scene {
     }
 
     /// Whether the hand is at the object, and the object moves with it, or it rests relative to the object and stays there for as long as a
-    /// change takes to be believed; `None` where that was not measured.
+    /// change takes to be believed; `None` where that was not measured. A hand that rests relative to one of several objects at which it is
+    /// rests relative to each that rests relative to this one: which of them is measured to rest first is chance.
     pub(super) fn rests(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
-        if self.distance_from_hand(hand, object, age) > self.hand_contact(object).on_m {
+        if !self.is_at(hand, object, age) {
             return Some(false);
         }
         self.relative_positions(hand, object, age)?;
+        let rests = self.rests_alone(hand, object, age);
+        let rests_with = |other: usize| {
+            other != object
+                && self.is_at(hand, other, age)
+                && self.rests_alone(hand, other, age) == Some(true)
+                && self.path_of_objects(object, other, age).is_some_and(|(_, path_m)| path_m <= self.rest_m())
+        };
+        let is_shown = rests == Some(true) || (0..self.objects.len()).any(rests_with);
+        if is_shown { Some(true) } else { rests }
+    }
+
+    /// Whether the hand is as near to the object as a contact begins.
+    fn is_at(&self, hand: usize, object: usize, age: usize) -> bool {
+        self.distance_from_hand(hand, object, age) <= self.hand_contact(object).on_m
+    }
+
+    /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it.
+    fn rests_alone(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
         if self.follows(hand, object, age) {
             return Some(true);
         }

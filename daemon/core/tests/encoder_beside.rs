@@ -1,0 +1,47 @@
+//! The encoder where parts lie beside each other.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use andon_core::input::Side;
+use common::bench::{Bench, contexts, encode};
+
+const TOOL: u16 = 5;
+const BOX: u16 = 7;
+
+fn just_contexts(bench: &Bench) -> Vec<[u16; 4]> {
+    let couples = encode(&bench.ids(), &bench.frames);
+    contexts(&couples, Side::Right).into_iter().map(|(context, _)| context).collect()
+}
+
+/// The noise of a camera: hands are seen less exactly than markers, and the error of a hand stays for some frames.
+fn with_noise(mut bench: Bench, seed: u32) -> Bench {
+    let mut state = seed;
+    let mut noise = |max_m: f32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((state >> 8) as f32 / (1 << 23) as f32 - 1.0) * max_m
+    };
+    let mut drift = [0.0; 2];
+    for frame in &mut bench.frames {
+        drift = drift.map(|drift| 0.8 * drift + noise(0.002));
+        for hand in &mut frame.hands {
+            let points = hand.tips.iter_mut().chain([&mut hand.wrist, &mut hand.middle_knuckle]);
+            points.for_each(|point| (0..2).for_each(|axis| point[axis] += drift[axis] + noise(0.0025)));
+        }
+        for object in &mut frame.objects {
+            (0..2).for_each(|axis| object.position[axis] += noise(0.001));
+        }
+    }
+    bench
+}
+
+#[test]
+fn a_hand_that_rests_at_two_parts_takes_the_nearer_one_whatever_the_noise() {
+    for seed in 0..300 {
+        let mut bench = Bench::new(&[(TOOL, [0.015, 0.0]), (BOX, [0.038, 0.0])]);
+        bench.hand(Side::Right, [0.0, -0.3]).rest(10).go([0.0, 0.0], 20).rest(12);
+        bench.hold(Side::Right, TOOL).go([-0.2, 0.1], 30).rest(10);
+        let bench = with_noise(bench, seed);
+        assert_eq!(just_contexts(&bench), [[1, TOOL, TOOL, BOX], [1, TOOL, 0, 0]], "seed {seed}");
+    }
+}
