@@ -251,6 +251,10 @@ fn segment_draws_its_plot() {
     assert!(events.contains("activity"), "{events}");
     let drawn = std::fs::read_to_string(plot).unwrap();
     assert!(drawn.starts_with("<svg") && drawn.contains("right hand") && drawn.ends_with("</svg>\n"));
+    // What was seen of each part, and what the colours say.
+    for words in ["what was seen", "polisher: seen", "legend", "no hand was seen at it"] {
+        assert!(drawn.contains(words), "{words}: {drawn}");
+    }
 }
 
 /// How `replay` ends on the line's recording.

@@ -9,7 +9,7 @@ use andon_core::couple::Context;
 use andon_core::input::{Side, Space};
 use andon_core::object::Meeting;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
-use andon_learn::experiment::{Ladder, Split, Variation, experiment_2};
+use andon_learn::experiment::{Ladder, Split, Table, Variation, experiment_2};
 use andon_learn::folder::Labelled;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
@@ -109,26 +109,49 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
     }
 }
 
+/// Right and flawed runs of one person, without points.
+fn labelled_without_points(method: &Method) -> Vec<Labelled> {
+    RUNS.flat_map(|number| {
+        let labelled = |what: &str, capture: Capture| Labelled {
+            person: 1,
+            what: what.to_owned(),
+            repetition: number,
+            run: Run::new("run", "", &without_points(&capture), method).unwrap(),
+        };
+        let capture = Capture::read(number);
+        let held = capture.clone().held_at_the_table(8.0);
+        [
+            labelled("none", capture.clone()),
+            labelled("swapped", capture.halves_swapped()),
+            labelled("held for 8 s", held),
+        ]
+    })
+    .collect()
+}
+
+#[test]
+fn without_points_all_rules_of_the_second_experiment_are_taught_where_the_runs_meet() {
+    let method = Method { space: Space::Metric, ..Method::default() };
+    let all = labelled_without_points(&method);
+    // With the filter and without it, by the paper's rules and by the default ones.
+    let mut rules = Variation::for_recordings(Variation::ladder(method.bins), &all);
+    rules.drain(2..rules.len() - 1);
+    let outcomes = experiment_2(&all, &method, &rules, &[Split::Random], 1, &mut |_| {}).unwrap();
+    assert_eq!(outcomes.iter().map(|outcome| outcome.untaught).sum::<u32>(), 0);
+    let default = outcomes.last().unwrap();
+    assert!(default.correct_jobs_ok >= 27, "{} of 30", default.correct_jobs_ok);
+    assert_eq!(default.flawed_jobs_found, 180);
+    let table = Table(outcomes).to_string();
+    assert!(
+        table.contains("meet where the training executions show it") && !table.contains("NaN"),
+        "{table}"
+    );
+}
+
 #[test]
 fn without_points_the_ladder_of_rules_begins_with_meetings_from_the_runs() {
     let method = Method { space: Space::Metric, ..Method::default() };
-    let all: Vec<Labelled> = RUNS
-        .flat_map(|number| {
-            let labelled = |what: &str, capture: Capture| Labelled {
-                person: 1,
-                what: what.to_owned(),
-                repetition: number,
-                run: Run::new("run", "", &without_points(&capture), &method).unwrap(),
-            };
-            let capture = Capture::read(number);
-            let held = capture.clone().held_at_the_table(8.0);
-            [
-                labelled("none", capture.clone()),
-                labelled("swapped", capture.halves_swapped()),
-                labelled("held for 8 s", held),
-            ]
-        })
-        .collect();
+    let all = labelled_without_points(&method);
     let rules = Variation::ladder_with_meetings(method.bins);
     let outcomes = experiment_2(&all, &method, &rules, &[Split::Random], 1, &mut |_| {}).unwrap();
     let untaught: Vec<u32> = outcomes.iter().map(|outcome| outcome.untaught).collect();

@@ -23,7 +23,8 @@ pub fn run(arguments: &Experiment) -> Result<Code, ToolError> {
         (1, false, [folder]) => first(folder, arguments)?,
         (2, false, [folder]) => {
             let splits = [Split::Random, Split::LeavePersonOut];
-            Table(second(folder, arguments, Variation::ladder, &splits)?).to_string()
+            let rules = |bins, all: &[Labelled]| Variation::for_recordings(Variation::ladder(bins), all);
+            Table(second(folder, arguments, rules, &splits)?).to_string()
         }
         (2, true, folders) => ladder(folders, arguments)?,
         (_, ladder, _) => {
@@ -49,11 +50,11 @@ fn first(folder: &Path, arguments: &Experiment) -> Result<String, ToolError> {
 fn second(
     folder: &Path,
     arguments: &Experiment,
-    variations: fn(u8) -> Vec<Variation>,
+    variations: fn(u8, &[Labelled]) -> Vec<Variation>,
     splits: &[Split],
 ) -> Result<Vec<Outcome>, ToolError> {
     let (method, all) = labelled::read(folder, &arguments.names, &arguments.config)?;
-    let mut variations = variations(method.bins);
+    let mut variations = variations(method.bins, &all);
     if let Some(cost) = arguments.cost {
         variations = Variation::with_cost(variations, cost.local(method.bins));
     }
@@ -67,7 +68,8 @@ fn second(
 fn ladder(folders: &[PathBuf], arguments: &Experiment) -> Result<String, ToolError> {
     let outcomes = |folder: &PathBuf| {
         let name = folder.file_name().unwrap_or(folder.as_os_str()).to_string_lossy().into_owned();
-        Ok((name, second(folder, arguments, Variation::ladder_with_meetings, &[Split::Random])?))
+        let rules = |bins, _: &[Labelled]| Variation::ladder_with_meetings(bins);
+        Ok((name, second(folder, arguments, rules, &[Split::Random])?))
     };
     let folders = folders.iter().map(outcomes).collect::<Result<_, ToolError>>()?;
     Ok(Ladder(folders).to_string())

@@ -15,7 +15,7 @@ use crate::compatibility;
 use crate::config::Config;
 use crate::exit::Code;
 use crate::recording::Recording;
-use crate::report::plot::{self, Band, Timeline};
+use crate::report::plot::{self, Band, Seen, Timeline};
 use crate::report::{EventLine, Names};
 
 /// Runs the command.
@@ -42,7 +42,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
         if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };
     printed.map_err(ToolError::Print)?;
     if let Some(file) = &arguments.plot {
-        let picture = plot::draw(&segmented.timelines(&names), &names, config.method.bins);
+        let picture = plot::draw(&segmented.seen, &segmented.timelines(&names), &names, config.method.bins);
         std::fs::write(file, picture).map_err(cannot_write(file))?;
     }
     Ok(Code::Stopped)
@@ -50,6 +50,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
 
 #[derive(Default)]
 struct Segmented {
+    seen: Seen,
     couples: Vec<Couple>,
     lines: Vec<EventLine>,
 }
@@ -76,17 +77,27 @@ fn segment(
     let shapes = job.map_or_else(|| recording.header().shapes(), JobFile::shapes);
     let mut encoder = Encoder::new(method, &shapes)?;
     let mut segmenter = JobSegmenter::new(&method)?;
+    let parts = shapes.iter().map(|shape| shape.id);
+    let blind_ns = u64::from(method.blind_ms) * 1_000_000;
+    let mut seen = Seen::new(&recording.header().hands, parts, method.period_ns(), blind_ns);
     let mut segmented = Segmented::default();
+    let mut handless = Vec::new();
     let mut take = |couples: andon_core::couple::Couples| {
+        if couples.has_moved_unseen || couples.is_carried_unseen {
+            handless.push(couples.captured_ns);
+        }
         segmented.couples.extend(couples.hands);
         segmenter.step(&couples, &mut |event| segmented.lines.extend(line(event)));
     };
     each_frame(recording, &arguments.recording, |frame| {
+        seen.take(&frame);
         // A recording has no late frames, except where its clock was stepped; they are ignored.
         let _ = encoder.step(&frame, &mut take);
         Ok(())
     })?;
     encoder.flush(&mut take);
+    handless.into_iter().for_each(|at_ns| seen.take_handless(at_ns));
+    segmented.seen = seen;
     segmenter.finish(&mut |event| segmented.lines.extend(line(event)));
     segmented.lines.sort_by(|a, b| a.began_s.total_cmp(&b.began_s));
     Ok(segmented)

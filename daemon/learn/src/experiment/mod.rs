@@ -7,6 +7,7 @@ mod ladder;
 mod score;
 mod second;
 mod table;
+mod training;
 mod variation;
 
 pub use confusion::{Confusion, Rounds};

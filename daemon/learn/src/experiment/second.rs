@@ -3,12 +3,12 @@
 use super::confusion::{Confusion, Rounds};
 use super::error::ExperimentError;
 use super::score::score;
+use super::training::{Encodings, Training};
 use super::variation::Variation;
 use crate::folder::{CORRECT, Labelled};
 use crate::job_file::JobFile;
 use crate::recording::NamedObject;
-use crate::run::{Run, RunError, verdicts};
-use crate::teach::{Memory, TeachError, TeachOptions, as_shown_to_meet, teach_again};
+use crate::run::{RunError, verdicts};
 use andon_core::config::Method;
 use andon_core::couple::Couples;
 use andon_core::verdict::{self, Level, Verdict};
@@ -106,14 +106,12 @@ pub fn run(
         let first = outcomes.len();
         outcomes.extend(variations.iter().map(|variation| Outcome::new(variation, split)));
         for (training, test) in rounds {
-            let mut filtered = Training::new(all, &training, *method);
-            let mut raw = needs_both.then(|| Training::new(&raw, &training, unfiltered));
-            let mut met = finds_meetings.then(|| filtered.as_shown_to_meet()).transpose()?;
+            let filtered = Training::new(all, &training, *method);
+            let raw = needs_both.then(|| Training::new(&raw, &training, unfiltered));
+            let mut encodings = Encodings::new(filtered, raw, variations)?;
             let mut tested = Tested::new(all, &test);
             for outcome in &mut outcomes[first..] {
-                let raw = raw.as_mut().filter(|_| !outcome.variation.is_filtered);
-                let met = met.as_mut().filter(|_| outcome.variation.finds_meetings);
-                match raw.or(met).unwrap_or(&mut filtered).teach(&outcome.variation) {
+                match encodings.teach(&outcome.variation) {
                     Err(nothing) if finds_meetings && nothing.is_of_runs() => outcome.untaught += 1,
                     job => tested.add_to(outcome, &job?)?,
                 }
@@ -175,42 +173,6 @@ fn random_rounds(correct: &[usize], flawed: &[usize], seed: u64) -> Vec<Round> {
 /// The numbers of the people, in ascending order.
 fn people(all: &[Labelled]) -> BTreeSet<u32> {
     all.iter().map(|one| one.person).collect()
-}
-
-/// The training executions of one round.
-struct Training {
-    method: Method,
-    runs: Vec<Run>,
-    memory: Memory,
-}
-
-impl Training {
-    fn new(all: &[Labelled], indices: &[usize], method: Method) -> Self {
-        let runs = indices.iter().map(|&index| all[index].run.clone()).collect();
-        Self { method, runs, memory: Memory::default() }
-    }
-
-    /// The same executions where hands and objects meet as these show it.
-    fn as_shown_to_meet(&self) -> Result<Self, TeachError> {
-        let runs = as_shown_to_meet(&self.runs, &self.options())?;
-        Ok(Self { method: self.method, runs, memory: Memory::default() })
-    }
-
-    /// The job that these rules teach, where hands and objects meet as the runs are encoded.
-    fn teach(&mut self, rules: &Variation) -> Result<JobFile, TeachError> {
-        let Variation { cost, max_slowdown, rule, bounds, .. } = *rules;
-        let options = TeachOptions { cost, max_slowdown, rule, bounds, ..self.options() };
-        teach_again(&self.runs, &options, &mut self.memory)
-    }
-
-    fn options(&self) -> TeachOptions {
-        TeachOptions {
-            // The experiment judges recordings with all their frames, and teaches hundreds of times.
-            measure_rate: false,
-            examine_runs: false,
-            ..TeachOptions::new("experiment 2", "", self.method)
-        }
-    }
 }
 
 /// The test executions of one round.

@@ -1,7 +1,8 @@
 //! The rules that the second experiment compares, from the paper's rules to the default ones, one step at a time.
 
+use crate::folder::Labelled;
 use crate::rule::{BoundsRule, ThresholdRule};
-use crate::teach::TeachOptions;
+use crate::teach::{TeachOptions, is_given};
 use andon_core::job::LocalCost;
 
 /// A combination of rules.
@@ -81,6 +82,16 @@ impl Variation {
         all[behind..].iter_mut().for_each(|one| one.finds_meetings = true);
         all.insert(behind, found);
         all
+    }
+
+    /// The same variations for these recordings: if none of them says where its objects are touched, hands and objects meet in each variation
+    /// where the training executions show it.
+    #[must_use]
+    pub fn for_recordings(mut variations: Vec<Self>, all: &[Labelled]) -> Vec<Self> {
+        let mut objects = all.iter().flat_map(|one| &one.run.objects);
+        let is_any_given = objects.any(|object| is_given(&object.shape));
+        variations.iter_mut().for_each(|one| one.finds_meetings |= !is_any_given);
+        variations
     }
 
     /// The same variations with this cost in each; those that differ in nothing else are left out.

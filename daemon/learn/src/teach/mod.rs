@@ -26,6 +26,7 @@ mod trust;
 
 pub use iu_report::IuReport;
 pub use meetings::Unsure;
+pub(crate) use meetings::is_given;
 pub use options::{TeachError, TeachOptions};
 pub use order::OrderReport;
 pub use page::page;

@@ -69,7 +69,7 @@ fn in_order([with, at]: [usize; 2], shown: &[Trajectories]) -> [usize; 2] {
 }
 
 /// Whether the station says where the object is touched.
-fn is_given(shape: &ObjectShape) -> bool {
+pub(crate) fn is_given(shape: &ObjectShape) -> bool {
     shape.interaction_points.iter().any(|point| *point != [0.0; 3])
 }
 
