@@ -218,6 +218,28 @@ fn a_part_of_which_too_few_frames_come_is_carried_although_no_hand_is_known_to_h
 }
 
 #[test]
+fn a_part_that_was_hidden_longer_than_the_hand_and_is_then_elsewhere_has_moved_unseen() {
+    let moved = |hidden: bool| {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.6, 0.2])]);
+        bench.hand(Side::Right, [0.3, -0.3]).rest(30);
+        if hidden {
+            bench.hide(TOOL).rest(30).leave(Side::Right).rest(60);
+        }
+        bench.hand(Side::Right, [0.3, -0.3]).rest(10);
+        let mut frames = bench.show(TOOL).rest(30).frames.clone();
+        let (from, count) = (frames.len() - 30, frames.len());
+        for object in frames[from..count].iter_mut().flat_map(|frame| &mut frame.objects) {
+            if object.id == TOOL {
+                object.position[0] = 0.2;
+            }
+        }
+        encode(&bench.ids(), &frames).iter().filter(|couples| couples.has_moved_unseen).count()
+    };
+    assert_eq!(moved(true), 1);
+    assert_eq!(moved(false), 0, "a hand was seen all the time");
+}
+
+#[test]
 fn a_bench_is_hidden_where_a_part_vanishes_without_a_hand_but_not_because_one_lies_under_another() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.0])]);
     bench.hand(Side::Right, [0.3, 0.0]).rest(20).hide(BOX).rest(40).leave(Side::Right).rest(20);

@@ -45,6 +45,8 @@ struct Node {
     is_rival: [bool; HANDS],
     /// Where it was when a hand was last seen anywhere.
     attended: Option<Point>,
+    /// No hand was seen for a while since then.
+    was_unattended: bool,
     start: Start,
 }
 
@@ -62,6 +64,7 @@ impl Node {
             may_be_touched: [false; HANDS],
             is_rival: [false; HANDS],
             attended: None,
+            was_unattended: false,
             start: Start::new(start),
         }
     }

@@ -41,6 +41,7 @@ impl Scene {
         let mut has_moved = false;
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
+            node.was_unattended |= was_handless;
             if pose.source != Source::Seen {
                 continue;
             }
@@ -52,10 +53,10 @@ impl Scene {
             let is_held = (0..HANDS).any(holds);
             let lay = *node.attended.get_or_insert(pose.position);
             let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
-            let has_moved_unseen = was_handless && is_elsewhere && !is_held;
+            let has_moved_unseen = node.was_unattended && is_elsewhere && !is_held;
             has_moved |= has_moved_unseen;
             if is_hand_seen || has_moved_unseen || is_held {
-                node.attended = Some(pose.position);
+                (node.attended, node.was_unattended) = (Some(pose.position), false);
             }
         }
         self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
