@@ -6,7 +6,7 @@ DEBIAN_TEST := ffmpeg mbpoll poppler-utils python3-venv systemd
 # From OpenCV 4.7 on the marker detector is in another of its modules.
 OBJDETECT = $(shell pkg-config --atleast-version=4.7 opencv4 && echo --features andond/objdetect)
 
-.PHONY: setup packages test-packages build demo test lint deny bench line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deb nspawn debian-13
+.PHONY: setup packages test-packages build demo test lint deny bench line chaos power-loss deaf soak modbus-fuzz plc-latency degraded-clips sight deletions deb nspawn debian-13
 
 setup: packages
 	python3 daemon/perception/models/provision.py $(RUNTIME)
@@ -75,6 +75,14 @@ degraded-clips: setup test-packages line
 # Says what the line tells of pictures that something is done to, how strongly is drawn; SEED=n repeats a run.
 sight: setup test-packages line
 	target/release/perception_accuracy sight --seed $(SEED) tests/footage/p?_*.mp4
+
+# Deletes observations from correct recordings some 8,000 times, of one piece and of two, with and without an encoder that starts again:
+# nothing may be accused. SEED=n repeats a run; `make test` tries some 400.
+deletions: setup test-packages
+	cargo build $(REALSENSE) --all-targets
+	PROPTEST_RNG_SEED=$(SEED) PROPTEST_CASES=2000 cargo test $(REALSENSE) --test doubt_properties
+	ANDON_SEED=$(SEED) ANDON_CASES=400 cargo test $(REALSENSE) --test learn_clips --test learn_vmci --test learn_doubt \
+		--test learn_two_hands nothing_is_accused
 
 # Lets every connection that a role makes fail once; `make test` lets every seventh.
 deaf: setup test-packages
