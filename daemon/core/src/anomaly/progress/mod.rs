@@ -66,6 +66,8 @@ pub(super) struct Progress<'a> {
     undone: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
     never_seen: Option<ActivitySet>,
+    /// The activities that use an object which is out of sight in the newest couples.
+    out_of_sight: ActivitySet,
     /// The id of that object, or 0 where none is known.
     never_seen_object: u16,
     /// The activities that may have been done while that object had not been seen.
@@ -122,6 +124,7 @@ impl<'a> Progress<'a> {
             undone_first: ActivitySet::EMPTY,
             undone: ActivitySet::EMPTY,
             never_seen: None,
+            out_of_sight: ActivitySet::EMPTY,
             never_seen_object: 0,
             overlooked: ActivitySet::EMPTY,
             overlooked_object: 0,
@@ -158,6 +161,7 @@ impl<'a> Progress<'a> {
             undone_first,
             undone,
             never_seen: self.never_seen,
+            out_of_sight: self.out_of_sight,
             never_seen_object: self.never_seen_object,
             overlooked: self.overlooked,
             overlooked_object: self.overlooked_object,
@@ -494,7 +498,7 @@ impl<'a> Progress<'a> {
         self.undone_first = ActivitySet::EMPTY;
         self.is_start_expected = outcome == Outcome::Ok;
         self.forget_hidden();
-        self.forget_seen();
+        self.never_seen = Some(self.out_of_sight);
         let verdict = Verdict {
             level: Level::Job,
             outcome,

@@ -26,7 +26,7 @@ impl Progress<'_> {
     /// These activities use an object that is out of sight; the id of one of them, or 0.
     pub(in crate::anomaly) fn set_out_of_sight(&mut self, activities: ActivitySet, object: u16) {
         let never_seen = self.never_seen.map_or(activities, |before| before & activities);
-        self.never_seen = Some(never_seen);
+        (self.never_seen, self.out_of_sight) = (Some(never_seen), activities);
         self.never_seen_object = object;
         self.overlooked |= never_seen;
         if !never_seen.is_empty() {
