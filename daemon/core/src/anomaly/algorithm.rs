@@ -84,7 +84,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             began_ns: couple.captured_ns,
             extent: Extent {
                 gap_before: self.watch.gap(),
-                may_be_part: may_be_rest || self.watch.may_go_on(context),
+                may_be_part: may_be_rest || self.watch.may_go_on(context) || self.watch.is_object_new(),
                 ..Extent::default()
             },
             captured: 0,

@@ -37,7 +37,9 @@ pub(super) struct Watch {
     lately_hidden: u32,
     /// The hand may have acted on `o_j` and `o_l` before they were first seen.
     is_object_new: bool,
-    /// The start of the job was not seen, so that this matters.
+    /// Whether one of them was new in the newest couple.
+    was_object_new: bool,
+    /// The start of the job was not seen, so that this matters wherever it begins.
     may_be_new: bool,
     /// `o_j` of the newest activity that was not judged, or 0.
     unjudged: u16,
@@ -69,6 +71,7 @@ impl Watch {
             is_held_doubtful: false,
             lately_hidden: 0,
             is_object_new: false,
+            was_object_new: false,
             may_be_new: true,
             unjudged: 0,
             has_been_clear: false,
@@ -124,8 +127,12 @@ impl Watch {
         // Only frames that show something make a change believable.
         self.since_doubt =
             if is_doubtful { 0 } else { self.since_doubt.saturating_add(couple.is_clear.into()) };
+        // What a hand already acts with may have been at an object that is only now seen, whether the start of the job was seen or not.
+        let appears = couple.is_object_new && !self.was_object_new && self.is_touch;
+        self.was_object_new = couple.is_object_new;
         self.observe_held(couple);
-        self.is_object_new = couple.is_object_new && self.may_be_new || couple.is_object_displaced;
+        let matters = self.may_be_new || appears || self.is_object_new;
+        self.is_object_new = couple.is_object_new && matters || couple.is_object_displaced;
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
