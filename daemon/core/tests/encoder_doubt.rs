@@ -321,6 +321,23 @@ fn an_object_that_was_moved_while_it_was_hidden_may_have_been_used_until_a_hand_
     assert_eq!(touches, [true, false]);
 }
 
+/// One hand brings the part to what the other one holds.
+#[test]
+fn a_part_that_was_moved_while_it_was_hidden_is_so_for_both_hands_that_are_at_it() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).hand(Side::Left, [0.5, 0.0]).rest(30);
+    bench.hold(Side::Right, TOOL).hold(Side::Left, BOX);
+    bench.carry([Some([0.49, 0.0]), None], 20).rest(40);
+    for frame in &mut bench.frames[5..70] {
+        frame.objects.retain(|object| object.id != TOOL);
+        frame.hands.retain(|hand| hand.side != Side::Right);
+    }
+    for side in Side::ALL {
+        let couples = couples_of(&bench, side);
+        assert!(couples.iter().any(|couple| couple.is_object_displaced), "{side:?}");
+    }
+}
+
 #[test]
 fn what_is_seen_apart_from_a_hand_that_has_let_go_is_not_what_it_took() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (CUP, [0.0, 0.02]), (BOX, [0.3, 0.0])]);

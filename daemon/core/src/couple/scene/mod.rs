@@ -31,8 +31,8 @@ struct Node {
     poses: Recent<ObjectPose>,
     /// For how many frames it has had a pose.
     known_frames: u32,
-    /// It was moved while it was hidden, and no hand has been seen to begin to act on it since.
-    is_displaced: bool,
+    /// For each hand, whether it was moved while it was hidden, and that hand has not been seen to begin with it since.
+    is_displaced: [bool; HANDS],
     leap: Leap,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
@@ -56,7 +56,7 @@ impl Node {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
             known_frames: 0,
-            is_displaced: false,
+            is_displaced: [false; HANDS],
             leap: Leap::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
@@ -220,7 +220,9 @@ impl Scene {
             let was_hidden = before.source == Source::Held && before.unseen > persist;
             let is_elsewhere =
                 |seen: ObjectPose| squared_distance(seen.position, before.position) > moved_m * moved_m;
-            node.is_displaced |= was_hidden && seen.is_some_and(is_elsewhere);
+            if was_hidden && seen.is_some_and(is_elsewhere) {
+                node.is_displaced = [true; HANDS];
+            }
             let grips = node.grips.iter().zip(&self.hands);
             let mut carriers = grips.filter_map(|(grip, hand)| Some(((*grip)?, hand.ago(0))));
             let carrier = carriers.find(|(_, hand)| hand.source == Source::Seen);
@@ -294,7 +296,7 @@ impl Scene {
                     self.was_hidden(hand, before, age) || self.may_not_touch(interaction);
                 self.is_new[hand] =
                     (0..count).any(|object| interaction.involves(object) && self.is_new(object, age));
-                self.is_displaced[hand] = self.take_displaced(interaction);
+                self.is_displaced[hand] = self.take_displaced(hand, interaction);
             }
             self.update_rivals(hand, before.held(), interaction.held(), age);
             let mut couple = self.couple(hand, interaction, age);

@@ -249,11 +249,11 @@ impl Scene {
         self.objects[object].known_frames <= 2 * u32::from(self.method.persist_frames) + age as u32
     }
 
-    /// Whether an object of what begins was moved while it was hidden; that does not matter for what comes after it.
-    pub(super) fn take_displaced(&mut self, interaction: Interaction) -> bool {
+    /// Whether an object of what begins was moved while it was hidden; that does not matter for what this hand does after it.
+    pub(super) fn take_displaced(&mut self, hand: usize, interaction: Interaction) -> bool {
         let mut is_any = false;
         for (object, node) in self.objects.iter_mut().enumerate() {
-            is_any |= interaction.involves(object) && core::mem::take(&mut node.is_displaced);
+            is_any |= interaction.involves(object) && core::mem::take(&mut node.is_displaced[hand]);
         }
         is_any
     }
