@@ -46,7 +46,7 @@ impl Default for ThresholdRule {
 /// How the bounds of duration and of the other measures are derived from the demonstrations of an IU.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundsRule {
-    /// Maximum duration, as a multiple of the longest demonstration; `pause_s` is added to it.
+    /// Maximum duration where the time does not show what is done, as a multiple of the longest demonstration; `pause_s` is added to it.
     pub max_duration: f64,
     /// Length in seconds of a pause that is no anomaly.
     pub pause_s: f64,

@@ -9,22 +9,23 @@ use andon_core::couple::Context;
 pub(super) const UNBOUNDED: Bounds = Bounds { min: 0, max: u32::MAX };
 
 impl BoundsRule {
-    /// The maximum duration of an IU in frames of the grid, from the durations in frames of the demonstrations. Who differs `variety` times as
-    /// much from others as people in general does so in the logarithm of the duration.
+    /// The maximum duration of an IU in frames of the grid, from `likely_max`, or else from the durations in frames of the demonstrations. Who
+    /// differs `variety` times as much from others as people in general does so in the logarithm of the duration.
     pub(super) fn max_frames(
         &self,
         context: Context,
         rate_hz: f32,
-        demonstrations: &[u32],
-        variety: f64,
+        (demonstrations, variety): (&[u32], f64),
+        likely_max: Option<f64>,
     ) -> u32 {
         if !context.is_touch() {
             return UNBOUNDED.max;
         }
         let longest = demonstrations.iter().copied().max().unwrap_or_default();
         let pause = self.pause_s * f64::from(rate_hz);
-        let max = (self.max_duration.powf(variety) * f64::from(longest) + pause).ceil() as u32;
-        max.min(IU_FRAMES as u32)
+        let max = self.max_duration.powf(variety) * f64::from(longest);
+        let max = likely_max.filter(|_| max.is_finite()).unwrap_or(max);
+        ((max + pause).ceil() as u32).min(IU_FRAMES as u32)
     }
 }
 
@@ -35,7 +36,7 @@ mod tests {
     #[test]
     fn people_who_differ_more_may_be_slower() {
         let rule = BoundsRule { max_duration: 2.0, pause_s: 1.0, ..BoundsRule::NONE };
-        let frames = |variety| rule.max_frames(Context([1, 5, 0, 0]), 30.0, &[40, 48], variety);
+        let frames = |variety| rule.max_frames(Context([1, 5, 0, 0]), 30.0, (&[40, 48], variety), None);
         assert_eq!([frames(1.0), frames(2.0)], [126, 222]);
     }
 }

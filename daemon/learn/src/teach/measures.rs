@@ -6,7 +6,7 @@
 
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_repeated, is_timed};
-use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People};
+use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
 use crate::statistics::{deviation, mean, median, student_t};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
@@ -14,11 +14,11 @@ use andon_core::job::{MeasureBounds, Shown};
 use andon_core::segment::Measures;
 
 /// As many runs as the spread of people in general counts for.
-const PRIOR_FREEDOM: f64 = 6.0;
+const PRIOR_FREEDOM: f64 = 16.0;
 
 /// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals beside
 /// those at the border, in the axis and in the place in metres.
-const PRIOR_STROKE: f64 = 0.12;
+const PRIOR_STROKE: f64 = 0.15;
 const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
 const PRIOR_REVERSALS: f64 = 0.2;
@@ -37,9 +37,6 @@ const STRAY_PATH_M: f64 = 0.05;
 
 /// Nobody notices a way that is less straight by this, in metres.
 const STRAY_DETOUR_M: f64 = 0.1;
-
-/// Nobody notices that a step takes longer by this, in seconds: contacts begin and end by distance.
-const STRAY_S: f64 = 0.1;
 
 /// The share of the job's rate of false alarms that each of the three measures has by which people differ so much that what is wrong is found
 /// only near the limit: half of a stroke, no pause at a part, one stroke less. The four other measures share the rest.
@@ -113,27 +110,31 @@ impl Rates {
         )
     }
 
-    /// The least duration of an IU at another part, in frames, from its demonstrations and their durations; 0 for other IUs: somebody may be
-    /// quick on the way. Only what is too short is asked for, so the whole rate is on that side. Strokes are counted, so that their time
-    /// tells no more than that nobody makes them so quickly.
-    pub(super) fn min_frames(
+    /// How long an IU at another part may last, in frames, from its demonstrations and their durations; `None` for other IUs: somebody may be
+    /// quick on the way. It has no maximum where a motion is repeated: strokes are counted, so that their time tells no more than that nobody
+    /// makes them so quickly. The maximum leaves no room for a pause.
+    pub(super) fn frames(
         &self,
         context: Context,
         shown: &[Measures],
         frames: &[u32],
         rate_hz: f32,
-    ) -> u32 {
-        let (prior, rate) = match is_timed(context, shown) {
-            true => (PRIOR_DURATION, self.duration),
-            false => (IN_GENERAL.sqrt(), self.pace),
-        };
+    ) -> Option<(u32, Option<f64>)> {
+        let is_timed = is_timed(context, shown);
+        let (prior, rate) =
+            if is_timed { (PRIOR_DURATION, self.duration) } else { (IN_GENERAL.sqrt(), self.pace) };
         if !context.is_touch() || !is_at_another(context) || rate <= 0.0 {
-            return 0;
+            return None;
         }
-        let stray = STRAY_S * f64::from(rate_hz);
-        let durations: Vec<f64> = frames.iter().map(|frames| (f64::from(*frames) + stray).ln()).collect();
+        let border = border_frames(rate_hz);
+        let durations: Vec<f64> = frames.iter().map(|frames| beyond_border(*frames, border).ln()).collect();
+        // Right work is near the minimum only, because of the pause, so the whole rate is there.
         let (centre, apart) = self.interval(&durations, prior, 2.0 * rate);
-        ((centre - apart).exp() - stray).max(0.0) as u32
+        let least = (centre - apart).exp();
+        // One frame beyond the border may be none.
+        let min = if least < 1.0 { 0 } else { (least + border) as u32 };
+        // Who is half as quick takes twice as long for the way.
+        Some((min, is_timed.then(|| (centre + apart).exp() + 2.0 * border)))
     }
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {
@@ -266,7 +267,7 @@ pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) ->
 
 /// The centre of these values, and how far from it one more may lie at this rate of false alarms. `prior` is the spread of people in general.
 pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: People) -> (f64, f64) {
-    let People { one_person, variety } = people;
+    let People { one_person, variety, freedom: of_variety } = people;
     let count = values.len() as f64;
     let prior = (variety * prior).powi(2);
     let freedom = PRIOR_FREEDOM + count - 1.0;
@@ -276,8 +277,8 @@ pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: Pe
     // The mean is that person's, from whom another one differs, and both do from time to time.
     let of_one = 2.0 * prior + pooled(OF_ONE_PERSON * prior);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
-    // That these people differ more than others is known from the same runs, so it adds nothing to what they tell.
-    let known = PRIOR_FREEDOM / variety.powi(2) + count - 1.0;
+    // How much more than others these people differ is as uncertain again.
+    let known = 1.0 / (1.0 / freedom + 1.0 / of_variety);
     // Half of them on each side.
     (mean(values), student_t(known, false_alarms / 2.0) * spread)
 }
@@ -319,34 +320,49 @@ mod tests {
     fn strokes_may_be_quick_but_not_three_times_as_quick_as_shown() {
         let shown = [Measures { reversals: 13, ..Measures::default() }; 7];
         let frames = [120, 150, 135, 160, 128, 142, 155];
-        let min_frames = |context, shown: &[Measures]| {
-            let ius = [(context, shown)];
-            let rates = Rates::new(0.03, People::IN_GENERAL, ius.into_iter());
-            rates.min_frames(context, shown, &frames, 30.0)
-        };
-        let min = min_frames(Context([1, 5, 5, 6]), &shown);
+        let rates = |context| Rates::new(0.03, People::IN_GENERAL, [(context, shown.as_slice())].into_iter());
+        let bounds = |context| rates(context).frames(context, &shown, &frames, 30.0);
+        let (min, max) = bounds(Context([1, 5, 5, 6])).unwrap_or_default();
         assert!((140 / 3 + 10..140 * 2 / 3).contains(&min), "{min}");
+        assert_eq!(max, None, "strokes are counted");
         // The way may be as quick as it likes.
-        assert_eq!(min_frames(Context([1, 5, 0, 0]), &shown), 0);
+        assert_eq!(bounds(Context([1, 5, 0, 0])), None);
     }
 
     #[test]
-    fn the_more_people_differ_the_less_is_known_of_them_beside_these_runs() {
+    fn a_time_at_another_part_is_right_as_people_pause_and_not_without_a_pause() {
+        let shown = [Measures::default(); 7];
+        let at_meter = Context([1, 6, 6, 3]);
+        let rates = Rates::new(0.03, People::IN_GENERAL, [(at_meter, shown.as_slice())].into_iter());
+        let bounds = |frames: [u32; 7]| rates.frames(at_meter, &shown, &frames, 30.0).unwrap_or_default();
+        // A second, less or more. On its way in and out the part is at the meter for a third of a second.
+        let (min, max) = bounds([28, 34, 31, 47, 25, 36, 40]);
+        assert!((14..20).contains(&min), "{min}");
+        assert!(max.is_some_and(|max| (60.0..90.0).contains(&max)), "{max:?}");
+        // Who only passes has no pause that could be left out.
+        assert_eq!(bounds([5, 6, 5, 7, 6, 5, 6]).0, 0);
+    }
+
+    #[test]
+    fn that_people_differ_more_is_uncertain_and_makes_the_bounds_wider_than_as_many_times() {
         let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
-        let apart = |prior, variety| interval(&values, prior, 0.01, People { one_person: 0.0, variety }).1;
-        // The spread is the same, and 6 degrees of freedom and a quarter of 6 instead of 12.
-        let ratio = apart(0.1, 2.0) / apart(0.2, 1.0);
-        assert!((ratio - student_t(7.5, 0.005) / student_t(12.0, 0.005)).abs() < 1e-9, "{ratio}");
+        let apart = |prior, variety, freedom| {
+            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }).1
+        };
+        // The spread is the same, and there are half of 22 degrees of freedom instead of 22.
+        let ratio = apart(0.1, 2.0, 22.0) / apart(0.2, 1.0, f64::INFINITY);
+        assert!((ratio - student_t(11.0, 0.005) / student_t(22.0, 0.005)).abs() < 1e-9, "{ratio}");
     }
 
     #[test]
     fn runs_that_differ_as_those_of_many_people_do_are_not_widened_for_one_person_as_if_they_were_alike() {
         let wider = |values: &[f64]| {
-            let apart = |one_person| interval(values, 0.14, 0.01, People { one_person, variety: 1.0 }).1;
+            let people = |one_person| People { one_person, ..People::IN_GENERAL };
+            let apart = |one_person| interval(values, 0.14, 0.01, people(one_person)).1;
             apart(1.0) / apart(0.0)
         };
         let alike = [0.02, -0.04, 0.06, -0.02, 0.0, 0.04, -0.06];
         let apart = alike.map(|value| 5.0 * value);
-        assert!(wider(&alike) > 1.7 && wider(&apart) < 1.4, "{} {}", wider(&alike), wider(&apart));
+        assert!(wider(&alike) > 1.6 && wider(&apart) < 1.4, "{} {}", wider(&alike), wider(&apart));
     }
 }

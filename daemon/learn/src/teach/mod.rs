@@ -142,7 +142,7 @@ fn teach_different(
         return Err(nothing_agrees(runs, &agreement));
     }
     check_capacities(&agreement)?;
-    let people = People::of(runs, &agreement);
+    let people = People::of(runs, &agreement, options.method.rate_hz);
     memory.prepare(options.cost);
     let mut teacher = Teacher {
         runs,
@@ -341,10 +341,10 @@ impl Teacher<'_> {
     /// The bounds of duration, from that of the demonstrations, in frames.
     fn frames(&self, context: Context, measured: &[Measures], frames: &[u32]) -> Bounds {
         let TeachOptions { bounds, method, .. } = self.options;
-        Bounds {
-            min: self.rates.min_frames(context, measured, frames, method.rate_hz),
-            max: bounds.max_frames(context, method.rate_hz, frames, self.people.variety),
-        }
+        let likely = self.rates.frames(context, measured, frames, method.rate_hz);
+        let (min, max) = likely.unwrap_or_default();
+        let max = bounds.max_frames(context, method.rate_hz, (frames, self.people.variety), max);
+        Bounds { min, max }
     }
 
     fn never_seen(&self, sequence: &Sequence, index: usize) -> TeachError {

@@ -13,8 +13,11 @@ use crate::statistics::{chi_squared, mean};
 const BETWEEN_PEOPLE: f64 = 0.14;
 const BETWEEN_RUNS: f64 = 0.08;
 
-/// The standard deviation of the logarithm of the time at another part, between runs of different people.
-pub(super) const PRIOR_DURATION: f64 = 0.2;
+/// The standard deviation of the logarithm of the time at another part beyond [`BORDER_S`], between runs of different people.
+pub(super) const PRIOR_DURATION: f64 = 0.3;
+
+/// Contacts begin and end by distance, so for as long the parts are on their way in and out of one, in seconds.
+const BORDER_S: f64 = 0.17;
 
 /// The variance between runs of different people in the others.
 pub(super) const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE * BETWEEN_PEOPLE;
@@ -23,7 +26,7 @@ pub(super) const IN_GENERAL: f64 = BETWEEN_RUNS * BETWEEN_RUNS + BETWEEN_PEOPLE 
 pub(super) const OF_ONE_PERSON: f64 = BETWEEN_RUNS * BETWEEN_RUNS / IN_GENERAL;
 
 /// How sure it must be that these people differ more than people in general do before they count for more.
-const SURE: f64 = 0.9;
+const SURE: f64 = 0.95;
 
 /// What the runs tell of the people who showed them.
 #[derive(Clone, Copy, Debug)]
@@ -33,17 +36,21 @@ pub(super) struct People {
     pub(super) one_person: f64,
     /// How many times as much as people in general they differ: 1 unless it is sure that it is more.
     pub(super) variety: f64,
+    /// How many degrees of freedom tell the variety; infinite where it is 1.
+    pub(super) freedom: f64,
 }
 
 impl People {
     /// Different ones, who differ as people in general do.
-    pub(super) const IN_GENERAL: Self = Self { one_person: 0.0, variety: 1.0 };
+    pub(super) const IN_GENERAL: Self = Self { one_person: 0.0, variety: 1.0, freedom: f64::INFINITY };
 
-    pub(super) fn of(runs: &[Run], agreement: &Agreement) -> Self {
+    /// `rate_hz` is the frame rate of the grid.
+    pub(super) fn of(runs: &[Run], agreement: &Agreement, rate_hz: f32) -> Self {
         let in_general = IN_GENERAL.sqrt();
         let stroke = |_, iu: &Iu| iu.measures.stroke_m.map(f64::from);
         let pace = |is_timed: bool, iu: &Iu| (!is_timed).then_some(f64::from(iu.frames));
-        let time = |is_timed: bool, iu: &Iu| is_timed.then_some(f64::from(iu.frames));
+        let border = border_frames(rate_hz);
+        let time = |is_timed: bool, iu: &Iu| is_timed.then(|| beyond_border(iu.frames, border));
         let deviations = [
             deviations(runs, agreement, in_general, &pace),
             deviations(runs, agreement, in_general, &stroke),
@@ -55,15 +62,31 @@ impl People {
             Some(people) => f64::from(people.iter().all(|person| *person == people[0])),
             None => 1.0 / (1.0 + (-deviations.iter().map(|them| evidence_of_one(them)).sum::<f64>()).exp()),
         };
-        Self { one_person, variety: variety(&deviations) }
+        let (variety, freedom) = variety(&deviations);
+        Self { one_person, variety, freedom }
     }
 }
 
-/// The standard deviation of these deviations, as a multiple of that of people in general; 1 where chance may explain that it is more.
-fn variety(deviations: &[Vec<f64>]) -> f64 {
+/// How many frames an IU lasts beside its way in and out of the contact, which takes `border`; at least one.
+pub(super) fn beyond_border(frames: u32, border: f64) -> f64 {
+    (f64::from(frames) - border).max(1.0)
+}
+
+/// How many frames the way in and out of a contact takes.
+pub(super) fn border_frames(rate_hz: f32) -> f64 {
+    BORDER_S * f64::from(rate_hz)
+}
+
+/// The standard deviation of these deviations, as a multiple of that of people in general, and its degrees of freedom; 1 where chance may explain
+/// that it is more.
+fn variety(deviations: &[Vec<f64>]) -> (f64, f64) {
     let freedom = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum::<usize>() as f64;
     let squares: f64 = deviations.iter().flatten().map(|deviation| deviation.powi(2)).sum();
-    if squares > chi_squared(freedom, SURE) { (squares / freedom).sqrt() } else { 1.0 }
+    if squares > chi_squared(freedom, SURE) {
+        ((squares / freedom).sqrt(), freedom)
+    } else {
+        (1.0, f64::INFINITY)
+    }
 }
 
 /// The logarithm of how much more probable these deviations are for one person than for a different one in each run.
@@ -120,10 +143,12 @@ mod tests {
 
     #[test]
     fn people_differ_as_much_as_all_that_is_measured_of_them_says() {
-        assert!((variety(&[spread(2.0), spread(2.0), spread(2.0)]) - 2.0).abs() < 1e-9);
+        let (twice, freedom) = variety(&[spread(2.0), spread(2.0), spread(2.0)]);
+        assert!((twice - 2.0).abs() < 1e-9 && freedom == 18.0);
         // What is more in two measures and as usual in a third one is chance.
-        assert!(variety(&[spread(1.3), spread(1.3)]) > 1.0);
-        assert_eq!(variety(&[spread(1.3), spread(1.3), spread(0.9)]), 1.0);
-        assert_eq!(variety(&[Vec::new(), Vec::new(), Vec::new()]), 1.0);
+        assert!(variety(&[spread(1.4), spread(1.4)]).0 > 1.0);
+        for usual in [[1.4, 1.4, 0.9].map(spread), [const { Vec::new() }; 3]] {
+            assert_eq!(variety(&usual), (1.0, f64::INFINITY));
+        }
     }
 }

@@ -20,7 +20,7 @@ const SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 /// If the objects cannot be used.
 pub(super) fn widened(runs: Vec<Run>, options: &TeachOptions) -> Result<(Vec<Run>, Agreement), TeachError> {
     let agreement = agree(&runs);
-    let people = People::of(&runs, &agreement);
+    let people = People::of(&runs, &agreement, options.method.rate_hz);
     if people.variety > 1.0 {
         let reaches = reaches(&runs, &agreement, options, people);
         for share in SHARES {
@@ -67,8 +67,11 @@ fn reaches(
 }
 
 /// How far the two parts of an IU are apart at most in strokes of this length, as far as the demonstrations tell: at either end of a stroke
-/// that is longer by some way, they are farther apart by no more than half of that. In metres.
+/// that is longer by some way, they are farther apart by no more than half of that. What is twice as long as any that was shown is not the same
+/// motion. In metres.
 fn reach_m(runs: &[Run], sequence: &Sequence, index: usize, longest_m: f32) -> Option<f32> {
+    let shown_m = sequence.well_shown(runs, index).filter_map(|(_, iu)| iu.measures.stroke_m);
+    let longest_m = longest_m.min(2.0 * shown_m.reduce(f32::max)?);
     let of_one =
         |(run, iu): (usize, &Iu)| Some(runs[run].reach_m(iu) + (longest_m - iu.measures.stroke_m?) / 2.0);
     sequence.well_shown(runs, index).filter_map(of_one).reduce(f32::min)
