@@ -109,25 +109,41 @@ fn two_runs_that_count_alike_are_enough_to_find_a_third_with_half_of_the_strokes
     assert!(taught(&correct(3)).is_trusted());
 }
 
-/// A hand that waits is no other motion, but takes its time.
-#[test]
-fn a_run_that_takes_far_longer_than_the_others_is_named_with_its_seconds() {
+/// Five correct runs, in the last of which the hand waits for some seconds after so many others.
+fn waiting(after_s: u64, waits_s: u64) -> TeachReport {
     let mut slow = recording(5, Flaw::None);
-    // Everything after the third second comes ten seconds later, and the last picture stays until then.
+    // What comes after that is later, and the last picture stays until then.
     let is_whole = |frame: &Frame| !frame.hands.is_empty() && frame.objects.len() == 3;
-    let is_later = |frame: &Frame| frame.captured_ns > 3_000_000_000 && is_whole(frame);
+    let is_later = |frame: &Frame| frame.captured_ns > after_s * 1_000_000_000 && is_whole(frame);
     let at = slow.frames.iter().position(is_later).unwrap();
     let still = slow.frames[at].clone();
     for frame in &mut slow.frames[at..] {
-        frame.captured_ns += 10_000_000_000;
+        frame.captured_ns += waits_s * 1_000_000_000;
     }
-    let waits =
-        (0..300).map(|index| Frame { captured_ns: still.captured_ns + index * 33_333_333, ..still.clone() });
+    let waits = (0..30 * waits_s)
+        .map(|index| Frame { captured_ns: still.captured_ns + index * 33_333_333, ..still.clone() });
     slow.frames.splice(at..at, waits);
     let mut runs = correct(4);
     runs.push(named("p5", &slow));
-    let first = refused(&taught(&runs));
+    taught(&runs)
+}
+
+/// A hand that waits is no other motion, but takes its time.
+#[test]
+fn a_run_that_takes_far_longer_than_the_others_is_named_with_its_seconds() {
+    let first = refused(&waiting(3, 10));
     assert!(first.contains("p5 is not like the others") && first.contains(" s, the others "), "{first}");
+}
+
+#[test]
+fn a_pause_that_is_no_anomaly_is_named_and_learnt() {
+    let report = waiting(2, 3);
+    assert!(report.is_trusted(), "{report}");
+    let text = report.to_string();
+    assert!(
+        text.contains("note: p5 is slow: in activity 1, IU 1") && text.contains(" s, the others "),
+        "{text}"
+    );
 }
 
 #[test]
@@ -213,7 +229,7 @@ fn one_run_shows_no_order_and_says_what_it_cannot_show() {
 #[test]
 fn fewer_than_half_of_the_runs_in_agreement_are_not_trusted() {
     let mut runs = correct(2);
-    runs.extend([run(3, Flaw::J2), run(4, Flaw::StepLeftOut), run(5, Flaw::J2), run(6, Flaw::StepLeftOut)]);
+    runs.extend([run(3, Flaw::J2), run(8, Flaw::StepLeftOut), run(5, Flaw::J2), run(6, Flaw::StepLeftOut)]);
     let first = refused(&taught(&runs));
     assert!(first.contains("agree in their steps"), "{first}");
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::config::Method;
+use andon_core::config::{Contact, Method};
 use andon_core::couple::{Context, Couples, Encoder, Refused};
 use andon_core::input::{Frame, Hand, Object, Point, Side};
 use andon_core::object::ObjectShape;
@@ -72,6 +72,9 @@ proptest! {
         let tips = tips.map(|(x, y)| [millimetres(x), millimetres(y), 0.0]);
         let own = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0]];
         let on_m = f64::from(Method::default().hand_contact.on_m);
+        // Two objects that are seen to lie still from the first frame on touch up to midway between the distances of a contact.
+        let Contact { on_m: begins_m, off_m: ends_m } = Method::default().object_contact;
+        let lies_m = f64::from(f32::midpoint(begins_m, ends_m));
         let mut frame = Frame::default();
         let mut points: Vec<(u16, Vec<Point>)> = Vec::new();
         for (id, (x, y, yaw)) in (1..).zip(at) {
@@ -89,18 +92,18 @@ proptest! {
         for (index, (_, here)) in points.iter().enumerate() {
             all.extend(points[index + 1..].iter().map(|(_, there)| distance(here, there)));
         }
-        all.push(on_m);
+        all.extend([on_m, lies_m]);
         all.sort_by(f64::total_cmp);
-        let near: Vec<f64> = all.into_iter().filter(|distance| *distance <= on_m).collect();
+        let near: Vec<f64> = all.into_iter().filter(|distance| *distance <= lies_m).collect();
         prop_assume!(near.windows(2).all(|pair| pair[1] - pair[0] > 1e-6));
 
-        let edge = |a: &[Point], b: &[Point]| Some(distance(a, b)).filter(|distance| *distance < on_m);
+        let edge = |a: &[Point], b: &[Point], max: f64| Some(distance(a, b)).filter(|distance| *distance < max);
         let mut paths: Vec<(f64, f64, Context)> = Vec::new();
         for (j, at_j) in &points {
-            let Some(first) = edge(&tips, at_j) else { continue };
+            let Some(first) = edge(&tips, at_j, on_m) else { continue };
             paths.push((first, f64::INFINITY, Context([2, *j, 0, 0])));
             for (l, at_l) in points.iter().filter(|(l, _)| l != j) {
-                paths.extend(edge(at_j, at_l).map(|second| (first, second, Context([2, *j, *j, *l]))));
+                paths.extend(edge(at_j, at_l, lies_m).map(|second| (first, second, Context([2, *j, *j, *l]))));
             }
         }
         let best = paths.into_iter().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));

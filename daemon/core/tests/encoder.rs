@@ -70,6 +70,19 @@ fn a_hand_acts_on_an_object_from_when_it_rests_there_until_it_moves_away() {
 }
 
 #[test]
+fn a_hand_rests_at_an_object_although_its_fingers_move() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [-0.3, 0.0]).rest(15).go([0.0, 0.0], 20).rest(12).go([-0.3, 0.0], 20).rest(20);
+    // A finger tip is taken for another one from the middle of the rest on.
+    for frame in &mut bench.frames[41..] {
+        let tips = &mut frame.hands[0].tips;
+        *tips = tips.map(|[x, y, z]| [x, y + 0.025, z]);
+    }
+    let acts = acts(&bench);
+    assert!(acts[38..44].iter().all(|acts| *acts) && !acts[65..].contains(&true), "{acts:?}");
+}
+
+#[test]
 fn a_hand_acts_on_what_moves_with_it_from_the_first_moment() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).rest(5).go([0.4, 0.0], 30).rest(10);

@@ -3,6 +3,7 @@
 
 mod common;
 
+use andon_core::config::{Contact, Method};
 use andon_core::input::Side;
 use common::bench::{Bench, contexts, encode};
 
@@ -44,4 +45,34 @@ fn a_hand_that_rests_at_two_parts_takes_the_nearer_one_whatever_the_noise() {
         let bench = with_noise(bench, seed);
         assert_eq!(just_contexts(&bench), [[1, TOOL, TOOL, BOX], [1, TOOL, 0, 0]], "seed {seed}");
     }
+}
+
+/// A hand takes a tool that has lain at this distance from a box since before it was first seen, and carries it away. Contexts of the hand, and
+/// whether any of them was in doubt.
+fn first_seen_beside(distance_m: f32) -> (Vec<[u16; 4]>, bool) {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [distance_m, 0.0])]);
+    bench.hand(Side::Right, [-0.02, -0.3]).rest(10).go([-0.02, 0.0], 20).rest(12);
+    bench.hold(Side::Right, TOOL).go([-0.2, 0.1], 30).rest(10);
+    let couples = encode(&bench.ids(), &bench.frames);
+    let is_doubtful = couples.iter().any(|couples| couples.hands[0].is_doubtful);
+    (just_contexts(&bench), is_doubtful)
+}
+
+#[test]
+fn parts_that_are_first_seen_at_rest_rather_within_the_distances_of_a_contact_than_beyond_touch() {
+    let Contact { on_m, off_m } = Method::default().object_contact;
+    let touches = vec![[1, TOOL, TOOL, BOX], [1, TOOL, 0, 0]];
+    assert_eq!(first_seen_beside(on_m + 0.3 * (off_m - on_m)), (touches, false));
+    // That these touch is not known.
+    assert_eq!(first_seen_beside(on_m + 0.7 * (off_m - on_m)), (vec![[1, TOOL, 0, 0]], true));
+    assert_eq!(first_seen_beside(1.1 * off_m), (vec![[1, TOOL, 0, 0]], false));
+}
+
+#[test]
+fn parts_that_touch_and_were_hidden_between_the_distances_of_a_contact_are_known_to_touch() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.034, 0.0])]);
+    bench.hand(Side::Right, [-0.03, 0.0]).rest(20).hide(BOX).rest(8).show(BOX).rest(20);
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert!(couples[36..].iter().all(|couples| couples.hands[0].is_clear && !couples.hands[0].is_doubtful));
+    assert_eq!(couples[36].hands[0].context.0, [1, TOOL, TOOL, BOX]);
 }

@@ -21,6 +21,8 @@ pub(super) struct Edge {
     known: u32,
     /// Whether it was believed in the frame that [`believe`](Self::believe) last asked for.
     believed: bool,
+    /// It has been known to be near or not.
+    has_been_known: bool,
 }
 
 impl Edge {
@@ -35,6 +37,17 @@ impl Edge {
         let near = if self.is_near() { distance <= contact.off_m } else { distance < contact.on_m };
         self.near = self.near << 1 | u32::from(near);
         self.known = self.known << 1 | 1;
+        self.has_been_known = true;
+    }
+
+    /// Its ends have rested between the two distances in the newest `persist` frames. Nobody has seen how they came there, or they were near
+    /// before: they are near.
+    pub(super) fn settle(&mut self, persist: u8) {
+        if !self.has_been_known || self.is_near() {
+            self.near |= window(persist, 0);
+            self.known |= window(persist, 0);
+            self.has_been_known = true;
+        }
     }
 
     /// One of the ends is not known in the newest frame.

@@ -167,14 +167,18 @@ fn teach_different(
     if options.measure_rate {
         job.min_rate_hz = needed_rate_hz(&used, &job);
     }
+    let mut pauses = Vec::new();
     if options.examine_runs {
         // The lengths were checked when the IUs were learnt.
-        doubts.extend(doubts_of(runs, &agreement, options).unwrap_or_default());
+        let (found, only_pauses) = doubts_of(runs, &agreement, options).unwrap_or_default();
+        doubts.extend(found);
+        pauses = only_pauses;
     }
     let rejected = (options.try_runs && used.len() > 1).then(|| left_out::rejected(&used, options, &job));
     let found = Found {
         disagreements: agreement.disagreements,
         doubts,
+        pauses,
         blind,
         rejected,
         one_person: people.one_person,

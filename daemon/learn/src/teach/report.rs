@@ -7,7 +7,7 @@ use super::options::TeachOptions;
 use super::order::OrderReport;
 use super::sequence::Disagreement;
 use super::threshold::min_false_alarms;
-use super::trust::{Blind, Doubt, summary};
+use super::trust::{Blind, Doubt, Outlier, summary};
 use crate::job_file::{JobFile, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
@@ -27,6 +27,7 @@ const MORE_RUNS: usize = 3;
 pub(super) struct Found {
     pub(super) disagreements: Vec<Disagreement>,
     pub(super) doubts: Vec<Doubt>,
+    pub(super) pauses: Vec<Outlier>,
     pub(super) blind: Vec<Blind>,
     pub(super) rejected: Option<Vec<String>>,
     pub(super) one_person: f64,
@@ -39,6 +40,8 @@ pub struct TeachReport {
     pub runs: usize,
     /// What speaks against learning from them.
     pub doubts: Vec<Doubt>,
+    /// Demonstrations with a pause that the others do not have, and that is no anomaly.
+    pub pauses: Vec<Outlier>,
     /// The runs that were left out, and why.
     pub disagreements: Vec<Disagreement>,
     /// What was not learnt because too little of it was seen.
@@ -74,11 +77,12 @@ impl TeachReport {
         found: Found,
         ius: Vec<IuReport>,
     ) -> Self {
-        let Found { disagreements, doubts, blind, rejected, one_person } = found;
+        let Found { disagreements, doubts, pauses, blind, rejected, one_person } = found;
         let order = OrderReport::new(job, runs - disagreements.len());
         Self {
             runs,
             doubts,
+            pauses,
             disagreements,
             blind,
             order,
@@ -111,8 +115,11 @@ impl TeachReport {
         let left_out =
             self.disagreements.iter().map(|found| format!("left out was {}", found.sentence(&words)));
         let unsure = self.unsure.iter().map(ToString::to_string);
+        let pauses = self.pauses.iter().map(|pause| {
+            format!("{} is slow: {}; so short a pause is right", pause.run, pause.figures(&words))
+        });
         let others = [self.few_demonstrations(), self.one_person(), self.not_seen(), self.false_alarms()];
-        left_out.chain(unsure).chain(others.into_iter().flatten()).collect()
+        left_out.chain(pauses).chain(unsure).chain(others.into_iter().flatten()).collect()
     }
 
     fn one_person(&self) -> Option<String> {

@@ -6,6 +6,7 @@
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
 
 use super::super::geometry::{dot, norm, subtract};
+use super::super::kinematics::Kinematics;
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::HANDS;
@@ -170,14 +171,29 @@ impl Scene {
         self.distance_from_hand(hand, object, age) <= self.hand_contact(object).on_m
     }
 
-    /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it.
+    /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it: its finger tips rest, or its knuckle does while
+    /// the tips take hold or one of them is taken for another.
     fn rests_alone(&self, hand: usize, object: usize, age: usize) -> Option<bool> {
-        if self.follows(hand, object, age) {
+        if self.follows(hand, object, age) || self.knuckle_rests(hand, object, age) {
             return Some(true);
         }
         let (speed, (_, path_m)) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
         Some(speed < self.method.rest_speed_m_s && path_m <= self.rest_m())
+    }
+
+    /// Whether the middle knuckle is known to rest relative to the object in the bench frame, and stays there for as long as a change takes to
+    /// be believed.
+    fn knuckle_rests(&self, hand: usize, object: usize, age: usize) -> bool {
+        let apart = |age: usize| {
+            let (hand, object) = (self.hands[hand].ago(age), self.objects[object].poses.ago(age));
+            let is_known = hand.source == Source::Seen && object.source.is_known();
+            is_known.then(|| subtract(hand.middle_knuckle, object.position))
+        };
+        let is_slow = |motion: Kinematics| norm(motion.velocity) < self.method.rest_speed_m_s;
+        let moved = apart(age).zip(self.newest_known(age, apart));
+        self.kinematics(age, apart).is_some_and(is_slow)
+            && moved.is_some_and(|(from, (_, to))| norm(subtract(to, from)) <= self.rest_m())
     }
 
     /// Whether what has moved so far in metres from one frame to another rests: for most of the time in which a change is believed, because a

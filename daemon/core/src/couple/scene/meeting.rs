@@ -1,9 +1,9 @@
 //! The edges of the scene graph: where and how near hands and objects meet (paper III-A.1, III-A.2). Two objects meet at their interaction
 //! points, or where the runs of a job have shown them to.
 
-use super::super::geometry::Cloud;
+use super::super::geometry::{Cloud, norm, subtract};
 use super::super::poses::{ObjectPose, Source};
-use super::{Scene, squared_distance};
+use super::{Node, Scene, squared_distance};
 use crate::capacity::{MEETINGS, OBJECTS};
 use crate::config::{Contact, Method};
 use crate::input::{Point, Space};
@@ -95,15 +95,20 @@ impl Scene {
         }
         let known: [bool; OBJECTS] =
             core::array::from_fn(|index| posed.get(index).is_some_and(|(_, pose, _)| is_known(pose)));
-        let contact = &self.method.object_contact;
+        let (usual, rest_m) = (&self.method.object_contact, self.rest_m());
         for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
-            for ((other, edge), is_known) in posed.iter().zip(edges).zip(known).skip(i + 1) {
-                if !(known[i] && is_known) {
+            for (j, (other, edge)) in posed.iter().zip(edges).enumerate().skip(i + 1) {
+                if !(known[i] && known[j]) {
                     edge.push_unknown();
-                } else if are_in_reach(extent(one), extent(other), contact) {
-                    edge.push(apart(one, other, planar), &contact_of(one.0, other.0, contact), persist);
+                } else if are_in_reach(extent(one), extent(other), usual) {
+                    let (apart_m, contact) = (apart(one, other, planar), contact_of(one.0, other.0, usual));
+                    edge.push(apart_m, &contact, persist);
+                    let rest = || rest_together([i, j].map(|object| &self.objects[object]), persist, rest_m);
+                    if !edge.is_known() && apart_m < contact.middle_m() && rest() {
+                        edge.settle(persist);
+                    }
                 } else {
-                    edge.push(f32::INFINITY, contact, persist);
+                    edge.push(f32::INFINITY, usual, persist);
                 }
             }
         }
@@ -153,6 +158,17 @@ impl Scene {
 /// Where a hand meets an object.
 fn met_by_hand((shape, pose, points): &Posed<'_>, planar: bool) -> Cloud {
     shape.hand.points.map_or(*points, |learnt| learnt.at(pose.position, pose.orientation, planar))
+}
+
+/// Whether two objects have been seen to rest relative to each other in the newest `persist` frames.
+fn rest_together(objects: [&Node; 2], persist: u8, rest_m: f32) -> bool {
+    let apart = |age: usize| {
+        let [one, other] = objects.map(|node| node.poses.ago(age));
+        let are_seen = one.source == Source::Seen && other.source == Source::Seen;
+        are_seen.then(|| subtract(one.position, other.position))
+    };
+    let moved = apart(0).zip(apart(persist.into()));
+    moved.is_some_and(|(now, before)| norm(subtract(now, before)) <= rest_m)
 }
 
 /// Where two objects were shown to meet, and whether it is the first one that has the place.

@@ -63,7 +63,9 @@ impl Doubt {
                 words(*had),
                 words(*usual)
             ),
-            Self::Outlier(outlier) => outlier.sentence(words),
+            Self::Outlier(outlier) => {
+                format!("{} is not like the others: {}", outlier.run, outlier.figures(words))
+            }
             Self::FewAgree { used, runs } => {
                 format!(
                     "only {used} of {runs} runs agree{} in their steps",
@@ -95,7 +97,8 @@ impl Doubt {
 }
 
 impl Outlier {
-    fn sentence(&self, words: &dyn Fn(Context) -> String) -> String {
+    /// Where and how far it stands out, for a sentence about its run.
+    pub(in crate::teach) fn figures(&self, words: &dyn Fn(Context) -> String) -> String {
         let [least, most] = self.others;
         let figures = match self.measure {
             Measure::Duration => format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value),
@@ -112,7 +115,7 @@ impl Outlier {
             ),
         };
         let place = format!("activity {}, IU {}", self.activity + 1, self.iu + 1);
-        format!("{} is not like the others: in {place} ({}) it {figures}", self.run, words(self.context))
+        format!("in {place} ({}) it {figures}", words(self.context))
     }
 }
 

@@ -28,7 +28,8 @@ use andon_core::dtw::Refused;
 /// Fewer runs than this cannot tell which of them is the odd one.
 const MIN_RUNS: usize = 4;
 
-/// What speaks against learning from these runs, once it is known what they have in common.
+/// What speaks against learning from these runs, once it is known what they have in common, and the demonstrations in which there is only
+/// a pause.
 ///
 /// # Errors
 /// If an IU is too long to be compared.
@@ -36,13 +37,14 @@ pub(super) fn doubts_of(
     runs: &[Run],
     agreement: &Agreement,
     options: &TeachOptions,
-) -> Result<Vec<Doubt>, Refused> {
+) -> Result<(Vec<Doubt>, Vec<Outlier>), Refused> {
     let kept = agreement.used_runs(runs);
     let used = kept.len();
     let few = (2 * used < runs.len() || used == 1 && runs.len() > 1)
         .then_some(Doubt::FewAgree { used, runs: runs.len() });
     // Whoever says that the order does not matter has seen that it differs.
     let order = if options.order_matters == Some(false) { None } else { order::odd_one(&kept) };
-    let outliers = outlier::of_runs(runs, agreement, options)?;
-    Ok(few.into_iter().chain(order).chain(outliers.into_iter().map(Doubt::Outlier)).collect())
+    let (pauses, odd): (Vec<_>, Vec<_>) =
+        outlier::of_runs(runs, agreement, options)?.into_iter().partition(|outlier| outlier.is_pause);
+    Ok((few.into_iter().chain(order).chain(odd.into_iter().map(Doubt::Outlier)).collect(), pauses))
 }

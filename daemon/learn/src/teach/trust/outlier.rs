@@ -117,9 +117,11 @@ pub struct Outlier {
     pub value: f64,
     /// The minimum and the maximum of the others.
     pub others: [f64; 2],
+    /// It only lasts longer than the others, by no more than a pause that is no anomaly.
+    pub is_pause: bool,
 }
 
-/// The demonstrations that stand out, at most one per run: the one that stands out most.
+/// The demonstrations that stand out, at most one per run: the one that stands out most, and a pause only if there is no other.
 pub(super) fn of_runs(
     runs: &[Run],
     agreement: &Agreement,
@@ -132,11 +134,14 @@ pub(super) fn of_runs(
         for index in 0..sequence.contexts.len() {
             // How long a release state lasts says nothing about the work.
             if sequence.contexts[index].is_touch() {
-                of_iu(runs, sequence, index, &mut warp, &mut found)?;
+                of_iu(runs, sequence, index, options, &mut warp, &mut found)?;
             }
         }
     }
-    found.sort_by(|one, other| one.0.cmp(&other.0).then(other.1.total_cmp(&one.1)));
+    found.sort_by(|one, other| {
+        let order = |(run, _, outlier): &(usize, f64, Outlier)| (*run, outlier.is_pause);
+        order(one).cmp(&order(other)).then(other.1.total_cmp(&one.1))
+    });
     found.dedup_by_key(|(run, ..)| *run);
     Ok(found.into_iter().map(|(.., outlier)| outlier).collect())
 }
@@ -146,6 +151,7 @@ fn of_iu(
     runs: &[Run],
     sequence: &Sequence,
     index: usize,
+    options: &TeachOptions,
     warp: &mut Warp,
     found: &mut Vec<(usize, f64, Outlier)>,
 ) -> Result<(), Refused> {
@@ -168,6 +174,8 @@ fn of_iu(
                     measure,
                     value,
                     others: [min, max],
+                    is_pause: measure == Measure::Duration
+                        && (max..=max + options.bounds.pause_s).contains(&value),
                 };
                 found.push((run, share, outlier));
             }
