@@ -252,7 +252,7 @@ fn segment_draws_its_plot() {
     let drawn = std::fs::read_to_string(plot).unwrap();
     assert!(drawn.starts_with("<svg") && drawn.contains("right hand") && drawn.ends_with("</svg>\n"));
     // What was seen of each part, and what the colours say.
-    for words in ["what was seen", "polisher: seen", "legend", "no hand was seen at it"] {
+    for words in ["what was seen", "polisher: seen", "legend", "no hand was seen to move it"] {
         assert!(drawn.contains(words), "{words}: {drawn}");
     }
 }

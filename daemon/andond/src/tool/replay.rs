@@ -50,16 +50,14 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
         judged: false,
     };
     replay(&mut recording, &file, arguments, &mut printer)?;
-    if printer.seq == 0 {
-        let (path, rate_hz) = (arguments.recording.display(), recording.header().rate_hz);
-        if rate_hz < file.min_rate_hz {
-            let needed_hz = file.min_rate_hz;
-            eprintln!(
-                "nothing was judged: {path} has {rate_hz:.1} frames per second, the job needs {needed_hz:.1}"
-            );
-        } else {
-            eprintln!("nothing was judged: in {path} no hand was seen to touch an object of the job");
-        }
+    let (path, rate_hz) = (arguments.recording.display(), recording.header().rate_hz);
+    let needed_hz = file.min_rate_hz;
+    if rate_hz < needed_hz {
+        eprintln!(
+            "{path} has {rate_hz:.1} frames per second, and the job needs {needed_hz:.1}: what fewer frames show is not judged"
+        );
+    } else if printer.seq == 0 {
+        eprintln!("nothing was judged: in {path} no hand was seen to touch an object of the job");
     }
     Ok(printer.exit_code())
 }

@@ -36,7 +36,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
     let names = Names::of_objects(job.as_ref().map_or(&recording.header().objects, |job| &job.objects));
     let segmented = segment(&mut recording, &config, job.as_ref(), arguments)?;
     if segmented.lines.is_empty() {
-        eprintln!("{}: {}", arguments.recording.display(), nothing(job.is_some()));
+        eprintln!("{}: {}", arguments.recording.display(), nothing(&segmented, job.as_ref()));
     }
     let printed =
         if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };
@@ -53,15 +53,33 @@ struct Segmented {
     seen: Seen,
     couples: Vec<Couple>,
     lines: Vec<EventLine>,
+    /// The rate of the grid, in Hz, how many frames it has, and how many of them came.
+    grid_hz: f32,
+    frames: u32,
+    captured: u32,
+}
+
+impl Segmented {
+    /// How many frames per second came, as far as the method takes them.
+    fn rate_hz(&self) -> f32 {
+        self.grid_hz * self.captured as f32 / self.frames.max(1) as f32
+    }
 }
 
 /// Why there is nothing to print, and what to do.
-fn nothing(by_job: bool) -> &'static str {
-    if by_job {
+fn nothing(segmented: &Segmented, job: Option<&JobFile>) -> String {
+    let (rate_hz, needed_hz) = (segmented.rate_hz(), job.map_or(0.0, |job| job.min_rate_hz));
+    if rate_hz < needed_hz {
+        format!(
+            "too few frames to see what a hand does: {rate_hz:.1} per second, and the job needs {needed_hz:.1}"
+        )
+    } else if job.is_some() {
         "no hand touched a part of the job; see with `andond look` whether hands and parts are seen"
+            .to_owned()
     } else {
         "no hand touched a part where the station says that it is touched; name a job that was taught from such recordings with --job, \
          because the runs show where"
+            .to_owned()
     }
 }
 
@@ -80,12 +98,14 @@ fn segment(
     let parts = shapes.iter().map(|shape| shape.id);
     let blind_ns = u64::from(method.blind_ms) * 1_000_000;
     let mut seen = Seen::new(&recording.header().hands, parts, method.period_ns(), blind_ns);
-    let mut segmented = Segmented::default();
+    let mut segmented = Segmented { grid_hz: method.rate_hz, ..Segmented::default() };
     let mut handless = Vec::new();
     let mut take = |couples: andon_core::couple::Couples| {
         if couples.has_moved_unseen || couples.is_carried_unseen {
             handless.push(couples.captured_ns);
         }
+        segmented.frames += 1;
+        segmented.captured += u32::from(couples.is_captured);
         segmented.couples.extend(couples.hands);
         segmenter.step(&couples, &mut |event| segmented.lines.extend(line(event)));
     };

@@ -47,7 +47,7 @@ const SEEN: (&str, &str) = ("#333333", "seen");
 const ASSUMED: (&str, &str) = ("#e69f00", "assumed");
 const UNSEEN: (&str, &str) = ("#cc3311", "unseen");
 const NO_HAND: (&str, &str) = ("#bbbbbb", "no hand seen");
-const MOVED: (&str, &str) = ("#cc79a7", "moved, and no hand was seen at it");
+const MOVED: (&str, &str) = ("#cc79a7", "moved, and no hand was seen to move it");
 
 /// How the directions are counted.
 #[derive(Clone, Copy)]

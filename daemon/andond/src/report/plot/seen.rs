@@ -1,4 +1,4 @@
-//! What of the hands and parts was seen in a recording, and what moved although no hand was seen at it.
+//! What of the hands and parts was seen in a recording, and what moved although no hand was seen to move it.
 
 use andon_core::input::{Frame, Point, Side};
 
