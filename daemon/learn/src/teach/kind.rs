@@ -24,7 +24,34 @@ pub(super) fn is_timed(context: Context, shown: &[Measures]) -> bool {
     is_at_another(context) && !is_repeated(shown)
 }
 
+/// Whether a hand comes to take a part away from where it lies. What has been taken has been taken, however quickly.
+pub(super) fn is_taking(contexts: &[Context], index: usize) -> bool {
+    let is_touch = |index: usize| contexts.get(index).is_some_and(|context| context.is_touch());
+    is_touch(index) && !index.checked_sub(1).is_some_and(is_touch) && is_touch(index + 1)
+}
+
 /// Whether the IU is at another part.
 pub(super) fn is_at_another(context: Context) -> bool {
     context.0[3] != 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hand_takes_what_it_goes_on_with_and_did_not_hold_before() {
+        let contexts = [
+            [1, 5, 5, 3],
+            [1, 5, 0, 0],
+            [1, 5, 5, 2],
+            [0, 0, 5, 2],
+            [1, 5, 5, 2],
+            [1, 5, 0, 0],
+            [1, 5, 5, 3],
+        ]
+        .map(Context);
+        let taking: Vec<usize> = (0..contexts.len()).filter(|index| is_taking(&contexts, *index)).collect();
+        assert_eq!(taking, [0, 4]);
+    }
 }

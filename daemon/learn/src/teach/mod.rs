@@ -46,6 +46,7 @@ use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
 use andon_core::object::Meeting;
 use andon_core::segment::Measures;
+use kind::{is_repeated, is_taking};
 use measures::Rates;
 use people::People;
 use report::Found;
@@ -321,7 +322,7 @@ impl Teacher<'_> {
         let taught = TaughtIu {
             context,
             threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people) as f32,
-            frames: self.frames(context, &measured, &frames),
+            frames: self.frames(&sequence.contexts, index, (&measured, &frames)),
             reversals,
             measures,
             reference: learned.reference.clone(),
@@ -342,13 +343,20 @@ impl Teacher<'_> {
         place(l, j).or_else(|| place(j, l)).unwrap_or_default()
     }
 
-    /// The bounds of duration, from that of the demonstrations, in frames.
-    fn frames(&self, context: Context, measured: &[Measures], frames: &[u32]) -> Bounds {
+    /// The bounds of the duration of one of these IUs, from that of the demonstrations, in frames.
+    fn frames(
+        &self,
+        contexts: &[Context],
+        index: usize,
+        (measured, frames): (&[Measures], &[u32]),
+    ) -> Bounds {
         let TeachOptions { bounds, method, .. } = self.options;
+        let context = contexts[index];
         let likely = self.rates.frames(context, measured, frames, method.rate_hz);
         let (min, max) = likely.unwrap_or_default();
         let max = bounds.max_frames(context, method.rate_hz, (frames, self.people.variety), max);
-        Bounds { min, max }
+        let is_taking = is_taking(contexts, index) && !is_repeated(measured);
+        Bounds { min: if is_taking { 0 } else { min }, max }
     }
 
     fn never_seen(&self, sequence: &Sequence, index: usize) -> TeachError {
