@@ -16,8 +16,9 @@ impl Extent {
     pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Option<(Reason, Measure)> {
         let hidden = if may_be_hidden { self.hidden() } else { 0.0 };
         let [min_frames, max_frames] = if may_be_hidden { self.possible_frames() } else { [self.frames; 2] };
-        // With fewer frames contacts are believed later.
-        let max_frames = max_frames as f32 * (1.0 + GIVES_WAY * hidden);
+        // With fewer frames contacts are believed later. Gaps at the ends are in the possible frames already.
+        let missing = if may_be_hidden { self.measures.hidden } else { 0.0 };
+        let max_frames = max_frames as f32 * (1.0 + GIVES_WAY * missing);
         let hidden_reversals =
             if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
@@ -124,6 +125,8 @@ impl<const N: usize> Around<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bounds::Bounds;
+    use crate::couple::Context;
 
     #[test]
     fn whole_strokes_are_counted_unless_a_half_makes_the_difference() {
@@ -132,6 +135,34 @@ mod tests {
         assert_eq!(strokes([10, 11, 13]), [5.0, 6.0, 6.0]);
         assert_eq!(strokes([9, 11, 11]), [4.0, 5.0, 5.0]);
         assert_eq!(strokes([13, 11, 12]), [6.5, 5.5, 6.0]);
+    }
+
+    #[test]
+    fn a_frame_that_is_missing_at_either_end_hides_no_pause_and_many_may() {
+        let iu = NominalIu {
+            context: Context([1, 6, 6, 3]),
+            reference: &[],
+            threshold: 0.0,
+            frames: Bounds { min: 19, max: u32::MAX },
+            reversals: Bounds { min: 0, max: u32::MAX },
+            measures: MeasureBounds::ANY,
+        };
+        let broken = |gap: u32| {
+            let measures = Measures { hidden: 0.03, ..Measures::default() };
+            let (gap_before, gap_after, ended) = (gap, gap, true);
+            let extent = Extent {
+                frames: 12,
+                assumed: 2,
+                measures,
+                gap_before,
+                gap_after,
+                ended,
+                ..Extent::default()
+            };
+            extent.broken(&iu, true)
+        };
+        assert_eq!(broken(1), Some((Reason::TooShort, Measure::Duration)));
+        assert_eq!(broken(5), None);
     }
 
     #[test]
