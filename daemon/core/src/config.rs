@@ -64,7 +64,8 @@ impl Default for Method {
             persist_frames: 5,
             rest_speed_m_s: 0.03,
             dead_band_m_s2: 0.25,
-            filter_frames: 5,
+            // Quick strokes to and fro change the sign of their acceleration every fourth frame: five would take that away from the quick only.
+            filter_frames: 3,
             blind_ms: 700,
             idle_end_ms: 4000,
         }
