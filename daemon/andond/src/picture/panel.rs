@@ -2,11 +2,11 @@
 
 use andon_core::couple::{Couple, Sight};
 use andon_core::input::Side;
-use andon_core::verdict::{Outcome, Verdict};
+use andon_core::verdict::{Level, Outcome, Verdict};
 
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, GREY, RED, WHITE};
 use super::steps::{State, Step, Steps};
-use crate::report::{Names, acts, reason_words};
+use crate::report::{Cause, Names, acts, is_instead};
 
 /// The width of the panel and the height of the strip, in pixels.
 pub(super) const WIDTH: usize = 470;
@@ -18,6 +18,9 @@ const EDGE: f32 = 18.0;
 const ROW: f32 = 62.0;
 /// The width of a letter at scale 1, in pixels: that of most of OpenCV's letters.
 const LETTER: f64 = 17.0;
+
+/// How many lines of a sentence the panel has room for.
+const MAX_LINES: usize = 5;
 
 /// Scales of the letters: about 25, 18 and 15 pixels high.
 const LARGE: f64 = 1.0;
@@ -76,7 +79,7 @@ fn draw_step(canvas: &mut Canvas, [x, y]: [f32; 2], index: usize, step: &Step) -
 fn draw_fault(
     canvas: &mut Canvas,
     [x, mut y]: [f32; 2],
-    fault: &Verdict,
+    Cause { verdict: fault, why }: &Cause,
     job: Option<&Verdict>,
     names: &Names,
 ) -> opencv::Result<()> {
@@ -92,16 +95,19 @@ fn draw_fault(
     let room = WIDTH as f32 - 2.0 * EDGE;
     y += 34.0;
     canvas.text([x, y], &shortened(&when, letters(room, SMALL)), SMALL, WHITE)?;
-    let pair = names.expected(fault).zip(names.got(fault));
+    // Both are few words where something was measured, or other parts were taken; all else takes a sentence.
+    let is_short = fault.measured.is_some() || (fault.level == Level::Iu && is_instead(fault));
+    let pair = names.expected(fault).zip(names.got(fault)).filter(|_| is_short);
     let rows = match pair {
         Some((expected, got)) => vec![("expected", expected), ("got", got)],
-        None => vec![("", reason_words(fault, names))],
+        None => vec![("", why.clone())],
     };
     for (word, words) in rows {
         let indent = if word.is_empty() { 0.0 } else { 118.0 };
         y += 36.0;
         canvas.text([x, y], word, SMALL, GREY)?;
-        for (row, line) in wrapped(&words, letters(room - indent, NORMAL)).iter().take(3).enumerate() {
+        for (row, line) in wrapped(&words, letters(room - indent, NORMAL)).iter().take(MAX_LINES).enumerate()
+        {
             y += if row > 0 { 28.0 } else { 0.0 };
             canvas.text([x + indent, y], line, NORMAL, WHITE)?;
         }

@@ -3,7 +3,7 @@
 use andon_core::couple::Couple;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
-use crate::report::{Names, acts};
+use crate::report::{Cause, Names, Teller, acts, on_recording};
 
 /// How far a step or an IU is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,9 +28,10 @@ pub(super) struct Step {
 /// The steps of the job, and what has gone wrong in it.
 pub(super) struct Steps {
     names: Names,
+    teller: Teller,
     pub(super) steps: Vec<Step>,
-    /// The newest fault, and the reason of what was not judged; what only follows from it is left out.
-    pub(super) fault: Option<Verdict>,
+    /// The newest fault or what could not be judged, and at the end what the job is wrong or not judged for, as the lines of text say it.
+    pub(super) fault: Option<Cause>,
     /// How the job came out, once it has ended.
     pub(super) job: Option<Verdict>,
 }
@@ -42,7 +43,7 @@ impl Steps {
             state: State::Coming,
             ius: vec![State::Coming; step.contexts.len()],
         });
-        Self { steps: steps.collect(), names, fault: None, job: None }
+        Self { steps: steps.collect(), names, teller: Teller::default(), fault: None, job: None }
     }
 
     /// Takes the next verdict. The first one after the end of a job belongs to the next job.
@@ -66,10 +67,10 @@ impl Steps {
             }
             (_, None) => (),
         }
-        let is_known = self.fault.is_some_and(|fault| fault.reason == verdict.reason);
-        if verdict.outcome != Outcome::Ok && !(is_known && verdict.level != Level::Iu) {
-            self.fault = Some(*verdict);
-        }
+        let cause = self.teller.cause(verdict, &self.names);
+        let is_new = |cause: &Cause| verdict.level == Level::Job || cause.verdict == *verdict;
+        self.fault = cause.filter(is_new).or(self.fault.take());
+        self.teller.tell(&on_recording(verdict.decided_ns), verdict, &self.names);
     }
 
     /// Marks where the hands are by their newest couples.
@@ -142,11 +143,29 @@ mod tests {
     }
 
     #[test]
+    fn the_newest_fault_is_shown_and_at_the_end_the_one_that_the_job_is_wrong_for() {
+        let at = |seconds: u64, verdict: Verdict| Verdict { decided_ns: seconds * 1_000_000_000, ..verdict };
+        let first = at(5, verdict(Level::Iu, Outcome::Anomaly, Some(1)));
+        let second =
+            at(9, Verdict { reason: Reason::Motion, ..verdict(Level::Iu, Outcome::Anomaly, Some(2)) });
+        let mut steps = steps();
+        steps.judge(&first);
+        steps.judge(&second);
+        assert_eq!(steps.fault.as_ref().map(|fault| fault.verdict), Some(second));
+        steps.judge(&at(12, verdict(Level::Job, Outcome::Anomaly, None)));
+        assert_eq!(
+            steps.fault.as_ref().map(|fault| fault.verdict),
+            Some(first),
+            "as `andond replay` says it"
+        );
+    }
+
+    #[test]
     fn what_follows_from_a_fault_does_not_take_its_place_and_the_next_job_begins_anew() {
         let mut steps = steps();
         steps.judge(&verdict(Level::Iu, Outcome::Anomaly, Some(1)));
         steps.judge(&verdict(Level::Job, Outcome::Anomaly, None));
-        assert_eq!(steps.fault.map(|fault| fault.level), Some(Level::Iu));
+        assert_eq!(steps.fault.as_ref().map(|fault| fault.verdict.level), Some(Level::Iu));
         steps.judge(&verdict(Level::Iu, Outcome::Ok, Some(0)));
         assert!(steps.fault.is_none() && steps.job.is_none());
         assert_eq!(steps.steps[0].ius, [OK, State::Coming, State::Coming]);

@@ -13,8 +13,8 @@ mod words;
 
 pub use json::{EventLine, VerdictLine};
 pub use names::{Names, Step};
-pub use teller::{Line, Teller, reason_words};
-pub use words::{acts, outcome_word, verdict_sentence};
+pub use teller::{Cause, Line, Teller};
+pub use words::{acts, is_instead, outcome_word, verdict_sentence};
 
 /// The time of a verdict on a recording, in a column.
 pub fn on_recording(ns: u64) -> String {

@@ -35,6 +35,15 @@ impl Fault {
     }
 }
 
+/// What a verdict that is not right is about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cause {
+    /// The fault, or what could not be judged: the verdict itself, or an earlier one if it only says what follows from that.
+    pub verdict: Verdict,
+    /// Why that one is as it is, in words.
+    pub why: String,
+}
+
 /// One line of text, and how it looks on a terminal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
@@ -94,6 +103,15 @@ impl Teller {
             *self = Self::default();
         }
         Line { text, style: style(verdict) }
+    }
+
+    /// What the next verdict is about; `None` of one that is right. It is to be asked before the verdict is told.
+    pub fn cause(&self, verdict: &Verdict, names: &Names) -> Option<Cause> {
+        let known = self.faults.iter().find(|fault| follows(verdict, &fault.verdict));
+        let about = known.map_or(*verdict, |fault| fault.verdict);
+        let missed = self.instead.as_ref().and_then(|instead| instead.missed(&about, names));
+        let why = missed.or_else(|| because(&about, names)).unwrap_or_default();
+        (verdict.outcome != Outcome::Ok).then_some(Cause { verdict: about, why })
     }
 
     /// The sentence of a verdict, with what was done instead of a step of the job and what was expected.
@@ -157,9 +175,4 @@ fn style(verdict: &Verdict) -> Style {
         Outcome::Ok => return Style::new(),
     };
     Style::new().fg_color(Some(colour.into()))
-}
-
-/// Why a verdict is as it is, in one line; for a picture, which shows the rest.
-pub fn reason_words(verdict: &Verdict, names: &Names) -> String {
-    because(verdict, names).unwrap_or_default()
 }

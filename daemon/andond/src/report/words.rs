@@ -52,7 +52,7 @@ fn what(verdict: &Verdict, names: &Names) -> String {
 }
 
 /// Whether something else was done than was expected, which is more than that it was done otherwise.
-pub(super) fn is_instead(verdict: &Verdict) -> bool {
+pub fn is_instead(verdict: &Verdict) -> bool {
     verdict.outcome == Outcome::Anomaly
         && verdict.broken.is_none()
         && verdict.measured.is_none()
@@ -236,8 +236,10 @@ impl Names {
     /// What came, in words; a job is more than a few words can say, unless something was measured.
     pub fn got(&self, verdict: &Verdict) -> Option<String> {
         let measured = verdict.measured.filter(|_| verdict.outcome == Outcome::Anomaly);
-        let done = (verdict.level != Level::Job).then(|| self.context(verdict.context));
-        measured.map(|of| measure(of).0).or(done)
+        // What is in the wrong place of the order is the step.
+        let step = verdict.broken.and(verdict.nearest).map(|step| self.step(step));
+        let done = || (verdict.level != Level::Job).then(|| self.context(verdict.context));
+        measured.map(|of| measure(of).0).or(step).or_else(done)
     }
 
     /// What went wrong in a step, without figures, so that the same fault has the same words; `None` of what is right.

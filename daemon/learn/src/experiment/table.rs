@@ -33,9 +33,12 @@ impl fmt::Display for Table {
             let (name, split) = (outcome.variation.name, outcome.split.name());
             write!(
                 f,
-                "  {name:34} {split:14} {} of {} correct jobs are OK; {} of {} J1 are missed; {} of the false positives among the IUs are in a J2",
+                "  {name:34} {split:14} {} of {} correct jobs are OK; {} of {} flawed ones are found; {} of {} J1 are missed; {} of the false positives among the \
+                 IUs are in a J2",
                 outcome.correct_jobs_ok,
                 outcome.correct_jobs,
+                outcome.flawed_jobs_found,
+                outcome.flawed_jobs,
                 outcome.j1_missed,
                 outcome.j1,
                 outcome.accused_in_j2

@@ -79,7 +79,8 @@ pub fn run(arguments: &Demo) -> Result<Code, ToolError> {
     }
     line.print_usage();
     let rate_hz = file.method.rate_hz;
-    let rows = clips.iter().zip(&played).map(|(clip, received)| Row::new(clip, received, rate_hz)).collect();
+    let row = |(clip, received): (&PathBuf, &Received)| Row::new(clip, received, &names, rate_hz);
+    let rows = clips.iter().zip(&played).map(row).collect();
     let pages = existing(PAGES);
     print!("\n{}", Summary { rows, rate_hz, needed_hz: file.min_rate_hz, pages: &pages });
     // Afterwards: drawing would take the processor from the line.

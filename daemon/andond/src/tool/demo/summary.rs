@@ -6,6 +6,7 @@ use std::path::Path;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
 use super::watch::Received;
+use crate::report::Names;
 use crate::wire;
 
 /// One clip.
@@ -13,20 +14,24 @@ pub(super) struct Row {
     clip: String,
     expected: Option<Outcome>,
     said: Option<Outcome>,
+    /// What was wrong or not judged, in words; empty where all was right.
+    because: String,
     /// How many frames per second were processed.
     managed_hz: f32,
 }
 
 impl Row {
     /// `rate_hz` is that of the method.
-    pub(super) fn new(clip: &Path, received: &Received, rate_hz: f32) -> Self {
+    pub(super) fn new(clip: &Path, received: &Received, names: &Names, rate_hz: f32) -> Self {
         let verdicts: Vec<Verdict> = received.verdicts.iter().filter_map(wire::verdict::read).collect();
         let couples = received.couples.iter().map(wire::couples::read);
         let captured = couples.filter(|couples| couples.is_captured).count();
+        let said = said(&verdicts);
         Self {
             clip: clip.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             expected: expected(clip),
-            said: said(&verdicts),
+            said: said.map(|job| job.outcome),
+            because: said.and_then(|job| names.fault(job)).unwrap_or_default(),
             managed_hz: rate_hz * captured as f32 / received.couples.len().max(1) as f32,
         }
     }
@@ -48,10 +53,10 @@ fn expected(clip: &Path) -> Option<Outcome> {
 }
 
 /// What was said of the jobs in a clip: an anomaly in one of them is one of the clip. `None` where no job was seen.
-fn said(verdicts: &[Verdict]) -> Option<Outcome> {
-    let jobs = || verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(|job| job.outcome);
-    let worst = [Outcome::Anomaly, Outcome::NotJudged, Outcome::Ok];
-    worst.into_iter().find(|outcome| jobs().any(|job| job == *outcome))
+fn said(verdicts: &[Verdict]) -> Option<&Verdict> {
+    let job =
+        |outcome| verdicts.iter().find(|verdict| verdict.level == Level::Job && verdict.outcome == outcome);
+    [Outcome::Anomaly, Outcome::NotJudged, Outcome::Ok].into_iter().find_map(job)
 }
 
 /// A machine that manages this share of the frames loses none that matters.
@@ -70,7 +75,7 @@ pub(super) struct Summary<'a> {
 impl fmt::Display for Summary<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.rows.iter().map(|row| row.clip.len()).max().unwrap_or_default().max(4);
-        writeln!(f, "{:width$}  expected  said        frames/s  right", "clip")?;
+        writeln!(f, "{:width$}  expected  said        right       frames/s  because", "clip")?;
         for row in &self.rows {
             let right = match (row.is_right(), row.expected) {
                 (Some(true), _) => "yes",
@@ -79,7 +84,11 @@ impl fmt::Display for Summary<'_> {
                 (None, Some(_)) => "not judged",
             };
             let [expected, said] = [row.expected, row.said].map(word);
-            writeln!(f, "{:width$}  {expected:8}  {said:10}  {:8.1}  {right}", row.clip, row.managed_hz)?;
+            let line = format!(
+                "{:width$}  {expected:8}  {said:10}  {right:10}  {:8.1}  {}",
+                row.clip, row.managed_hz, row.because
+            );
+            writeln!(f, "{}", line.trim_end())?;
         }
         writeln!(f, "\n{}", self.sentence())?;
         let slowest = self.rows.iter().map(|row| row.managed_hz).fold(f32::INFINITY, f32::min);
@@ -135,7 +144,14 @@ mod tests {
     use super::*;
 
     fn row(clip: &str, said: Option<Outcome>, managed_hz: f32) -> Row {
-        Row { clip: clip.into(), expected: expected(Path::new(clip)), said, managed_hz }
+        let because = if said == Some(Outcome::Ok) { "" } else { "step 1: too few strokes" };
+        Row {
+            clip: clip.into(),
+            expected: expected(Path::new(clip)),
+            said,
+            because: because.into(),
+            managed_hz,
+        }
     }
 
     #[test]
@@ -153,10 +169,10 @@ mod tests {
         assert_eq!(
             lines[1..],
             [
-                "p1_none_r1.mp4 ok ok 29.5 yes",
-                "p1_none_r2.mp4 ok ANOMALY 29.5 NO",
-                "p2_wrong_object_r1.mp4 ANOMALY NOT JUDGED 7.5 not judged",
-                "mine.mp4 - ok 29.5 -",
+                "p1_none_r1.mp4 ok ok yes 29.5",
+                "p1_none_r2.mp4 ok ANOMALY NO 29.5 step 1: too few strokes",
+                "p2_wrong_object_r1.mp4 ANOMALY NOT JUDGED not judged 7.5 step 1: too few strokes",
+                "mine.mp4 - ok - 29.5",
                 "",
                 "of 3 clips 1 were judged rightly; 1 correct ones were accused, 0 faulty ones were called right, 1 were not judged.",
                 "this machine manages 7.5 of 30 frames per second, and the job needs 10.0 in every step: steps with fewer are not judged. \
