@@ -143,7 +143,14 @@ def measure():
             report["films"] += figures
             rows += printed
     report["covered"], printed = measure_covered()
+    draw_frame()
     return report, rows + printed
+
+
+def draw_frame():
+    """Which thread does what when while a frame of median length is looked at: target/bench/frame.svg."""
+    command = [RELEASE / "perception_accuracy", "profile", "--out", BENCH / "frame.svg", CLIP]
+    subprocess.run(command, cwd=ROOT, check=True, stdout=sys.stderr)
 
 
 def measure_films(size, hands, bare_ms):

@@ -153,7 +153,7 @@ def main():
             is_met = figure <= wanted[1] if wanted[0] == "at most" else figure >= wanted[1]
             goal = f"{wanted[0]} {wanted[1]:g}: {'met' if is_met else 'MISSED'}"
         print(f"{name:<{width}}  {figure:9.3f} {unit:<11} {goal}".rstrip())
-    print(f"clock {ghz:.2f} GHz; all in {BENCH / 'report.json'}")
+    print(f"clock {ghz:.2f} GHz; all in {BENCH / 'report.json'}, and what each thread does in a frame in {BENCH / 'frame.svg'}")
 
 
 main()

@@ -9,6 +9,7 @@ mod look;
 mod models;
 mod palm;
 mod region;
+mod rest;
 mod runtime;
 mod side;
 mod tracker;

@@ -131,6 +131,8 @@ struct Bench {
     tracker: Tracker<Models, Models>,
     workers: Workers,
     now_ns: u64,
+    /// The brightness of the picture, and that of a corner of it.
+    grey: [u8; 2],
 }
 
 impl Bench {
@@ -139,7 +141,13 @@ impl Bench {
         let config = HandsConfig { sides: sides.to_vec(), ..HandsConfig::default() };
         let looks = sides.iter().map(|_| script.clone()).collect();
         let tracker = Tracker::new(script.clone(), looks, config);
-        Self { tracker, workers: Workers::new(&ThreadsConfig::default()).unwrap(), script, now_ns: 0 }
+        Self {
+            tracker,
+            workers: Workers::new(&ThreadsConfig::default()).unwrap(),
+            script,
+            now_ns: 0,
+            grey: [0; 2],
+        }
     }
 
     fn frame(&mut self, hands: &[Scripted]) -> heapless::Vec<Found, HANDS> {
@@ -149,7 +157,12 @@ impl Bench {
     fn frame_after(&mut self, frames: u64, hands: &[Scripted]) -> heapless::Vec<Found, HANDS> {
         self.now_ns += frames * FRAME_NS;
         self.script.script().hands = hands.to_vec();
-        let image = ImageView::new(1280, 720, 1280, PixelFormat::Gray8, &[0; 1280 * 720]).unwrap();
+        let [grey, corner] = self.grey;
+        let mut pixels = vec![grey; 1280 * 720];
+        for row in pixels.chunks_exact_mut(1280).take(20) {
+            row[..20].fill(corner);
+        }
+        let image = ImageView::new(1280, 720, 1280, PixelFormat::Gray8, &pixels).unwrap();
         self.tracker.step(&image, self.now_ns, &self.workers, &mut Spent::default()).unwrap()
     }
 
@@ -186,12 +199,49 @@ fn a_lost_hand_is_looked_for_in_the_same_frame() {
 }
 
 #[test]
-fn an_empty_bench_is_searched_on_every_frame() {
+fn an_empty_bench_is_searched_on_every_frame_until_it_rests_and_then_on_every_tenth() {
     let mut bench = Bench::wanting(&[Side::Right]);
-    for _ in 0..7 {
+    for _ in 0..50 {
         assert!(bench.frame(&[]).is_empty());
     }
-    assert_eq!(bench.palm_detections(), 7);
+    assert_eq!(bench.palm_detections(), 10 + 4);
+}
+
+#[test]
+fn a_bench_at_rest_is_searched_in_the_frame_in_which_anything_changes() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    for _ in 0..15 {
+        bench.frame(&[]);
+    }
+    assert_eq!(bench.palm_detections(), 10);
+    bench.grey[1] = 20;
+    assert_eq!(bench.frame(&[hand(300.0, 0.9)]).len(), 1);
+}
+
+#[test]
+fn a_bench_whose_picture_goes_on_changing_is_searched_on_every_frame() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    for frame in 0..50 {
+        bench.grey[0] = 100 + 4 * (frame % 2);
+        bench.frame(&[]);
+    }
+    assert_eq!(bench.palm_detections(), 50);
+}
+
+#[test]
+fn a_hand_that_comes_back_to_a_bench_that_rested_ends_its_rest() {
+    let mut bench = Bench::wanting(&[Side::Right]);
+    for _ in 0..20 {
+        bench.frame(&[]);
+    }
+    bench.grey[1] = 20;
+    assert_eq!(bench.frame(&[hand(300.0, 0.9)]).len(), 1);
+    bench.grey[1] = 0;
+    let before = bench.palm_detections();
+    for _ in 0..5 {
+        bench.frame(&[]);
+    }
+    assert_eq!(bench.palm_detections(), before + 5);
 }
 
 #[test]

@@ -4,6 +4,7 @@ use super::look::Look;
 use super::models::{LandmarkModel, Landmarks, PalmModel};
 use super::palm::Palms;
 use super::region::Region;
+use super::rest::Rest;
 use super::side::Evidence;
 use crate::config::HandsConfig;
 use crate::detections::{HANDS, LANDMARKS, Side, Spent};
@@ -59,6 +60,7 @@ pub(crate) struct Tracker<P, L> {
     lost: Vec<Lost, HANDS>,
     previous_ns: Option<u64>,
     frames_since_search: u32,
+    rest: Rest,
     /// Whether a search has begun beside the followed hands. The next frame takes what it has found, and waits for it where it must: the
     /// same frames give the same hands however fast the machine is.
     is_searching: bool,
@@ -76,6 +78,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
             lost: Vec::new(),
             previous_ns: None,
             frames_since_search: 0,
+            rest: Rest::default(),
             is_searching: false,
         }
     }
@@ -104,6 +107,9 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         } else {
             self.follow(image, captured_ns, workers)?;
             self.search_where_one_is_missing(image, followed, spent)?;
+        }
+        if !self.tracks.is_empty() {
+            self.rest.end();
         }
         spent.landmarks_ns += self.looks.iter_mut().map(Look::spent_ns).sum::<u64>();
         match self.tracks.as_mut_slice() {
@@ -171,7 +177,8 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         Ok(())
     }
 
-    /// Searches while nothing is followed, and beside what is followed otherwise: a hand that is missing does not hold up the other one.
+    /// Searches while nothing is followed, and beside what is followed otherwise: a hand that is missing does not hold up the other one. A
+    /// bench that rests is searched now and then, and at once when anything in its picture changes.
     fn search_where_one_is_missing(
         &mut self,
         image: &ImageView<'_>,
@@ -188,7 +195,8 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
             return Ok(());
         }
         if self.tracks.is_empty() {
-            return self.search(image, spent);
+            let is_due = self.frames_since_search >= self.config.search_every_frames;
+            return if !is_due && self.rest.lasts(image) { Ok(()) } else { self.search(image, spent) };
         }
         self.frames_since_search = 0;
         self.is_searching = true;
@@ -202,7 +210,7 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
             .any(|side| self.tracks.iter().all(|track| track.evidence.side() != Some(*side)))
     }
 
-    /// Whether palm detection has to run: a wanted hand is missing, and no hand is followed, one was just lost, or the pause
+    /// Whether palm detection may have to run: a wanted hand is missing, and no hand is followed, one was just lost, or the pause
     /// since the last search is over.
     fn must_search(&self, followed: usize) -> bool {
         let lost_now = self.tracks.len() < followed;
@@ -217,7 +225,11 @@ impl<P: PalmModel, L: LandmarkModel> Tracker<P, L> {
         let begin = Instant::now();
         let palms = self.palms.palms(image)?;
         spent.palm_ns += begin.elapsed().as_nanos() as u64;
-        self.look_at(image, &palms)
+        self.look_at(image, &palms)?;
+        if self.tracks.is_empty() {
+            self.rest.found_nothing(image);
+        }
+        Ok(())
     }
 
     fn look_at(&mut self, image: &ImageView<'_>, palms: &Palms) -> Result<(), PerceptionError> {
