@@ -84,6 +84,17 @@ fn a_pause_shows_the_start_of_a_job_unless_a_hand_that_was_not_seen_has_carried_
 }
 
 #[test]
+fn a_pause_before_the_first_job_that_is_watched_may_be_one_in_the_middle_of_a_job() {
+    let job = polish_and_measure();
+    let said = |parts: &[Part]| judged_cold_by(&job, stream(parts, &[])).last().unwrap().clone();
+    let measured = [&[away(300)][..], &measure(), &[idle(20)]].concat();
+    assert_eq!(said(&measured), "NotJudged BeginningNotSeen");
+    let whole = [&polish(6)[..], &measure()].concat();
+    assert_eq!(said(&[&[away(300)][..], &whole].concat()), "JobOk");
+    assert_eq!(said(&[&whole[..], &measured].concat()), "JobAnomaly NotCompleted");
+}
+
+#[test]
 fn a_pause_shows_the_start_of_a_job_only_while_the_bench_is_in_sight() {
     let hidden = |frames| measured_after_a_pause_with(frames, |couples| couples.is_bench_hidden = true);
     assert_eq!(hidden(0..170), "JobAnomaly NotCompleted", "4 s of it were in sight");

@@ -264,6 +264,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn at_start_of_job(mut self) -> Self {
         self.bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
         self.bench.progress.expect_start();
+        self.segmenter.expect_start();
         self
     }
 

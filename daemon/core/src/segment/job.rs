@@ -41,6 +41,8 @@ pub struct JobSegmenter {
     bench_ns: u64,
     /// An encoder that has started again does not see an object that had been in sight, and has not seen a hand yet.
     has_lost_object: bool,
+    /// A job has ended, or the first one is about to begin. Otherwise a pause may be one in the middle of a job.
+    is_between_jobs: bool,
     /// There has been a pause since the last job, and nothing has moved.
     has_paused: bool,
     /// A hand that was not seen has carried something since a hand last began to act: the next job may have begun.
@@ -68,6 +70,7 @@ impl JobSegmenter {
             resting_ns: 0,
             bench_ns: 0,
             has_lost_object: false,
+            is_between_jobs: false,
             has_paused: false,
             may_have_begun: false,
             unseen_since_ns: None,
@@ -129,7 +132,7 @@ impl JobSegmenter {
         if self.job.is_none_or(|job| job.matched) && couples.is_carried_unseen {
             self.unseen_since_ns.get_or_insert(couples.captured_ns);
         }
-        self.has_paused |= self.job.is_none() && self.resting_ns >= self.idle_end_ns;
+        self.has_paused |= self.is_between_jobs && self.job.is_none() && self.resting_ns >= self.idle_end_ns;
         self.has_paused &= !couples.has_moved_unseen && !self.may_have_begun;
     }
 
@@ -141,6 +144,11 @@ impl JobSegmenter {
     /// Whether objects have moved since a hand last began to act, while no hand was seen.
     pub fn is_disturbed(&self) -> bool {
         self.is_disturbed
+    }
+
+    /// The next job is the first one, from its beginning.
+    pub fn expect_start(&mut self) {
+        self.is_between_jobs = true;
     }
 
     /// The encoder has started again between these couples: it does not know that an object which it does not see was in sight before.
@@ -190,6 +198,7 @@ impl JobSegmenter {
     fn end(&mut self, now_ns: u64, emit: &mut impl FnMut(Event)) {
         self.hands.iter_mut().for_each(|hand| hand.finish(now_ns, emit));
         if let Some(OpenJob { began_ns, ended_ns, .. }) = self.job.take() {
+            self.is_between_jobs = true;
             // A job that began on command may end before the frame that it was to begin with.
             emit(Event::JobEnded { began_ns, ended_ns: ended_ns.min(now_ns).max(began_ns) });
         }
