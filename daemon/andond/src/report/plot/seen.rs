@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn what_is_hidden_is_assumed_for_a_while_and_then_unseen() {
         let seen =
-            seen(|number| (30..40).contains(&number), |number| (number < 30 || number > 60).then_some(0.0));
+            seen(|number| (30..40).contains(&number), |number| (!(30..=60).contains(&number)).then_some(0.0));
         assert_eq!(looks(&seen, 1), [NO_HAND.1, SEEN.1, ASSUMED.1, NO_HAND.1]);
         assert_eq!(looks(&seen, 2), [SEEN.1, ASSUMED.1, UNSEEN.1, SEEN.1]);
         assert_eq!(looks(&seen, 0), [SEEN.1]);
