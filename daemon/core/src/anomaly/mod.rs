@@ -85,7 +85,7 @@ pub use comparison::Memory;
 use crate::bounds::Bounds;
 use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couples, Sight};
+use crate::couple::{Context, Couple, Couples, Sight};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
@@ -345,8 +345,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             }
         }
         // What a hand does with the same part afterwards is not the rest of what it did before.
-        if bench.progress.is_set_anew() && couples.hands.iter().all(|couple| couple.context == Context::IDLE)
-        {
+        let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.is_doubtful;
+        if bench.progress.is_set_anew() && couples.hands.iter().all(is_idle) {
             segmenter.finish(&mut |event| bench.take(&event, None, emit));
         }
     }

@@ -316,7 +316,11 @@ impl<'a> Progress<'a> {
         if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
             return false;
         }
-        if is_disturbed && self.fault.is_some() || self.is_set_anew() {
+        if is_disturbed && self.fault.is_some() {
+            return true;
+        }
+        if self.is_set_anew() {
+            self.is_end_assumed = may_go_on;
             return true;
         }
         let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
