@@ -264,8 +264,20 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn at_start_of_job(mut self) -> Self {
         self.bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
         self.bench.progress.expect_start();
-        self.segmenter.expect_start();
+        self.segmenter.set_between_jobs(true);
         self
+    }
+
+    /// No job is under way: a pause shows that the next one begins. Otherwise the first pause may be one in the middle of a job.
+    #[must_use]
+    pub fn between_jobs(mut self) -> Self {
+        self.segmenter.set_between_jobs(true);
+        self
+    }
+
+    /// Whether it is known that no job is under way.
+    pub fn is_between_jobs(&self) -> bool {
+        self.segmenter.is_between_jobs()
     }
 
     /// Takes the next couples. Where some are missing before them, as those that were on their way when the encoder ended and started again,
@@ -392,6 +404,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         progress.break_off();
         self.newest = None;
         self.finish(emit);
+        self.segmenter.set_between_jobs(false);
         let Bench { hands, progress } = &mut self.bench;
         hands.iter_mut().for_each(|hand| hand.is_broken_off = false);
         progress.is_broken_off = false;

@@ -146,9 +146,14 @@ impl JobSegmenter {
         self.is_disturbed
     }
 
-    /// The next job is the first one, from its beginning.
-    pub fn expect_start(&mut self) {
-        self.is_between_jobs = true;
+    /// Whether it is known that no job is under way.
+    pub fn is_between_jobs(&self) -> bool {
+        self.is_between_jobs && self.job.is_none()
+    }
+
+    /// No job is under way, or it is not known whether one is.
+    pub fn set_between_jobs(&mut self, is_between_jobs: bool) {
+        self.is_between_jobs = is_between_jobs;
     }
 
     /// The encoder has started again between these couples: it does not know that an object which it does not see was in sight before.

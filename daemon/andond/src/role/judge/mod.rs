@@ -33,6 +33,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         state: State::new(node, is_enabled)?,
         auditor: Auditor::open(node)?,
         asked_by: "configuration",
+        is_between_jobs: false,
     };
     let mut cycle = Cycle::new(node)?;
     let mut job = jobs::chosen(config).or_else(|| config.station.job.clone());
@@ -68,6 +69,8 @@ struct Ports {
     auditor: Auditor,
     /// Who has asked for the job in force.
     asked_by: &'static str,
+    /// It was known that no piece was under work when that was asked for.
+    is_between_jobs: bool,
 }
 
 impl Ports {
@@ -133,7 +136,7 @@ fn watch(
     ports.state.job(&file);
     ports.state.phase(JudgePhase::Waiting);
     file.with_job(|job| {
-        let watched = Some(Watched::new(job, &file, &config.station.name)?);
+        let watched = Some(Watched::new(job, &file, &config.station.name, ports.is_between_jobs)?);
         Session { config, ports, watched, next: None }.run(cycle)
     })
 }
@@ -226,6 +229,7 @@ impl Session<'_, '_> {
                 if state.has_job(job_id, found.model_hash) {
                     return Ok(Ok(()));
                 }
+                self.ports.is_between_jobs = watched.as_ref().is_some_and(Watched::is_between_jobs);
                 // As where the judge is disabled: nobody says that the piece will not be completed.
                 if let Some(watched) = watched {
                     watched.break_off(self.ports, cycle)?;

@@ -33,7 +33,13 @@ pub(super) struct Watched<'j> {
 }
 
 impl<'j> Watched<'j> {
-    pub(super) fn new(job: &'j Job<'j>, file: &'j JobFile, station: &str) -> Result<Self, RoleError> {
+    /// `is_between_jobs`: it is known that no piece is under work.
+    pub(super) fn new(
+        job: &'j Job<'j>,
+        file: &'j JobFile,
+        station: &str,
+        is_between_jobs: bool,
+    ) -> Result<Self, RoleError> {
         let sender = Sender {
             job_id: file.id,
             model_hash: file.model_hash(),
@@ -42,7 +48,13 @@ impl<'j> Watched<'j> {
         };
         let names = Names::of_job(file);
         let judge = judge(job, file)?;
+        let judge = if is_between_jobs { judge.between_jobs() } else { judge };
         Ok(Self { job, file, sender, names, judge, newest_ns: 0, events: Vec::new() })
+    }
+
+    /// Whether it is known that no piece is under work.
+    pub(super) fn is_between_jobs(&self) -> bool {
+        self.judge.is_between_jobs()
     }
 
     /// Whether the couples are made for this job.
