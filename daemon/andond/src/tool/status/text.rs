@@ -127,7 +127,8 @@ fn look_here(line: &RoleLine, station: &StationLine<'_>, clock: &Clock) -> Vec<S
         let lost = line.kept.filter(|kept| *kept < KEPT_WELL);
         let lost =
             lost.map(|kept| format!(" It has kept {:.0} of 100 frames.", 100.0 * kept)).unwrap_or_default();
-        let rates = (line.trouble == Some(Sight::TooFewFrames)).then(|| rates(station)).unwrap_or_default();
+        let is_slow = line.trouble == Some(Sight::TooFewFrames);
+        let rates = if is_slow { rates(station) } else { String::new() };
         words.push(format!("{}{since}, {}{rates}.{lost} {}", code.name, code.meaning, code.remedy));
     }
     if line.is_configured_otherwise {
