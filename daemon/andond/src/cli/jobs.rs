@@ -139,7 +139,7 @@ pub struct Segment {
 /// Who did what in each recording of a folder.
 #[derive(Debug, Default, Args)]
 pub struct Names {
-    /// How the names of the recordings say who did what, without their endings: {person}, {what} and {n}, and * for anything
+    /// How the names of the recordings say who did what, without their endings: {person}, {what} and {run}, and * for anything
     /// [default: p<person>_<what>_r<n>]
     #[arg(long, value_name = "PATTERN", conflicts_with = "runs")]
     pub names: Option<String>,

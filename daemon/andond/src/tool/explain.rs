@@ -92,6 +92,15 @@ mod tests {
     }
 
     #[test]
+    fn the_remedy_of_a_code_fits_every_camera_that_it_may_be_about() {
+        let refused = find("AND-105").map(explain).unwrap_or_default();
+        assert!(
+            refused.contains("v4l2-ctl") && refused.contains("for a RealSense camera with `rs-"),
+            "{refused}"
+        );
+    }
+
+    #[test]
     fn a_code_that_there_is_not_gets_near_ones_and_the_list() {
         let said = find("AND-399").err().unwrap_or_default();
         assert!(said.starts_with("AND-399: there is no such code; near it are\n  AND-309  "), "{said}");

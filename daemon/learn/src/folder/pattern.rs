@@ -1,9 +1,9 @@
-//! Names of recordings in a form of their own: `{person}_{what}_r{n}`.
+//! Names of recordings in a form of their own: `{person}_{what}_r{run}`.
 
 use super::Written;
 use regex_lite::Regex;
 
-/// How the names of recordings say who did what: text with the fields `{person}`, `{what}` and `{n}`, and `*` for anything. It is held against
+/// How the names of recordings say who did what: text with the fields `{person}`, `{what}` and `{run}`, and `*` for anything. It is held against
 /// the name without its ending.
 #[derive(Clone, Debug)]
 pub struct Pattern {
@@ -14,7 +14,7 @@ pub struct Pattern {
 /// Why a pattern cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{problem}; its fields are {{person}}, {{what}} and {{n}}, and * is anything: '{{person}}_{{what}}_r{{n}}'"
+    "{problem}; its fields are {{person}}, {{what}} and {{run}}, and * is anything: '{{person}}_{{what}}_r{{run}}'"
 )]
 pub struct PatternError {
     problem: String,
@@ -40,7 +40,7 @@ impl Pattern {
             expression += match field {
                 "person" => "(?<person>.+?)",
                 "what" => "(?<what>.+?)",
-                "n" => "(?<n>[0-9]+)",
+                "run" => "(?<run>[0-9]+)",
                 _ => return Err(problem(format!("there is no field {{{field}}}"))),
             };
             seen.push(field);
@@ -67,7 +67,7 @@ impl Pattern {
         Some(Written {
             person: field("person").unwrap_or_else(|| "1".to_owned()),
             what: field("what").unwrap_or_else(|| super::CORRECT.to_owned()),
-            repetition: field("n").and_then(|number| number.parse().ok()),
+            repetition: field("run").and_then(|number| number.parse().ok()),
         })
     }
 }
@@ -90,8 +90,8 @@ mod tests {
     #[test]
     fn the_fields_of_a_name_are_read_wherever_they_stand() {
         let good = |person: &str, n| Some((person.to_owned(), "good".to_owned(), n));
-        assert_eq!(read("{person}_{what}_r{n}", "anna_good_r3"), good("anna", Some(3)));
-        assert_eq!(read("shift.{n} ({what}) {person}", "shift.12 (good) anna"), good("anna", Some(12)));
+        assert_eq!(read("{person}_{what}_r{run}", "anna_good_r3"), good("anna", Some(3)));
+        assert_eq!(read("shift.{run} ({what}) {person}", "shift.12 (good) anna"), good("anna", Some(12)));
         assert_eq!(read("*-{what}", "monday-good"), good("1", None));
         assert_eq!(read("{person}-{what}", "anna-good"), good("anna", None));
     }
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_name_of_another_form_says_nothing() {
         for name in ["anna_good", "anna_good_r", "anna_good_rx", "_good_r1"] {
-            assert_eq!(read("{person}_{what}_r{n}", name), None, "{name}");
+            assert_eq!(read("{person}_{what}_r{run}", name), None, "{name}");
         }
         assert_eq!(read("a.c_{what}", "abc_good"), None, "a point is a point");
     }
@@ -107,13 +107,13 @@ mod tests {
     #[test]
     fn a_pattern_that_says_nothing_is_refused_with_an_example() {
         for (pattern, problem) in [
-            ("run{n}", "neither who nor what"),
+            ("piece{run}", "neither who nor what"),
             ("{who}_{what}", "no field {who}"),
             ("{what}_{what}", "comes twice"),
             ("{what", "no }"),
         ] {
             let said = Pattern::new(pattern).unwrap_err().to_string();
-            assert!(said.contains(problem) && said.contains("{person}_{what}_r{n}"), "{said}");
+            assert!(said.contains(problem) && said.contains("{person}_{what}_r{run}"), "{said}");
         }
     }
 }

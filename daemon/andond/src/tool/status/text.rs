@@ -251,5 +251,6 @@ mod tests {
         let text = shown(&[line]);
         assert!(text.starts_with("station bench1: all 1 roles are healthy\n"), "{text}");
         assert!(text.ends_with("perceive has lost 92 of 100 since its start, and keeps up now\n"), "{text}");
+        assert!(!text.contains("8205.4"), "what plays as fast as it can has no rate: {text}");
     }
 }

@@ -41,7 +41,7 @@ fn colour(shade: u32) -> String {
 pub(crate) fn heat(matrix: &Matrix, title: &str, group: impl Fn(usize) -> String) -> String {
     let rows = matrix.rows.len().max(1);
     let cell = SIDE / rows as f64;
-    let mut svg = Svg::new(MARGIN + SIDE + 110.0, MARGIN + SIDE + 14.0, title);
+    let mut svg = Svg::new(MARGIN + SIDE + 130.0, MARGIN + SIDE + 14.0, title);
     svg.add(format_args!("<g shape-rendering=\"crispEdges\">"));
     for (row, values) in matrix.values.chunks(rows).enumerate() {
         let y = MARGIN + row as f64 * cell;

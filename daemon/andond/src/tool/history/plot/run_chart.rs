@@ -84,7 +84,9 @@ impl Points {
     fn median(&self) -> f64 {
         let mut shares: Vec<f64> = self.points.iter().filter_map(|point| point.wrong()).collect();
         shares.sort_by(f64::total_cmp);
-        shares.get(shares.len() / 2).copied().unwrap_or_default()
+        // One in the middle, or the two of an even number of points.
+        let middle = shares.get(shares.len().saturating_sub(1) / 2..=shares.len() / 2).unwrap_or_default();
+        if middle.is_empty() { 0.0 } else { middle.iter().sum::<f64>() / middle.len() as f64 }
     }
 
     /// Where the middle of a point lies, and how far the next one is, in pixels.
@@ -223,6 +225,16 @@ mod tests {
         assert_eq!(points(&outcomes).top(), 0.2);
         assert_eq!(points(&[Outcome::Anomaly]).top(), 1.0);
         assert_eq!([0.05, 0.025].map(percent), ["5 %", "2.5 %"]);
+    }
+
+    #[test]
+    fn the_median_of_an_even_number_of_points_lies_between_the_two_in_the_middle() {
+        let known = KnownJobs::of(&Config::default());
+        let mut summary = Summary::new(&known);
+        let piece = |minute: u64, outcome| Piece { utc_ns: minute * 60_000_000_000, outcome };
+        summary.pieces = vec![piece(0, Outcome::Ok), piece(1, Outcome::Anomaly)];
+        let points = Points::of(&summary).unwrap();
+        assert_eq!((points.points.len(), points.median()), (2, 0.5));
     }
 
     #[test]
