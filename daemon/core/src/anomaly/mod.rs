@@ -275,7 +275,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         self
     }
 
-    /// Whether it is known that no job is under way.
+    /// Whether it is known that no job is under way, or that all of it is done.
     pub fn is_between_jobs(&self) -> bool {
         self.segmenter.is_between_jobs()
     }

@@ -146,9 +146,9 @@ impl JobSegmenter {
         self.is_disturbed
     }
 
-    /// Whether it is known that no job is under way.
+    /// Whether it is known that no job is under way, or that all of it is done.
     pub fn is_between_jobs(&self) -> bool {
-        self.is_between_jobs && self.job.is_none()
+        self.job.map_or(self.is_between_jobs, |job| job.matched)
     }
 
     /// No job is under way, or it is not known whether one is.
