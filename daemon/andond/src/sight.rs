@@ -1,6 +1,6 @@
 //! The words for what the line cannot see: the same in the log, in `andond status`, in `andond tail`, in the journal and for the PLC.
 
-use andon_perception::sight::{Rates, Trouble};
+use andon_perception::sight::Trouble;
 use shm_schemas::{Health, RoleId, Sight};
 
 use crate::log::{Code, code};
@@ -71,11 +71,12 @@ pub fn code(sight: Sight) -> Option<&'static Code> {
     })
 }
 
-/// How many pictures per second are too few, to follow the meaning of the code.
-pub fn rates(rates: Rates) -> String {
-    let Rates { processed_hz, expected_hz, needed_hz } = rates;
-    let needed = needed_hz.map(|needed_hz| format!(", and the job needs {needed_hz:.1}"));
-    format!(": {processed_hz:.1} of {expected_hz:.1} per second{}", needed.unwrap_or_default())
+/// How many pictures per second are processed, how many come, and how many the job needs, as far as that is known: to follow the meaning of the
+/// code for too few.
+pub fn rates(processed_hz: f32, expected_hz: Option<f32>, needed_hz: Option<f32>) -> String {
+    let expected = expected_hz.map(|expected_hz| format!(" of {expected_hz:.1}")).unwrap_or_default();
+    let needed = needed_hz.map(|needed_hz| format!(", and the job needs {needed_hz:.1}")).unwrap_or_default();
+    format!(": {processed_hz:.1}{expected} per second{needed}")
 }
 
 /// The one word for it in `andond status`.

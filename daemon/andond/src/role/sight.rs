@@ -1,7 +1,7 @@
 //! Tells what the line's own sight is worth: once in the log, and in the health of `perceive` for as long as it lasts.
 
 use andon_perception::Detections;
-use andon_perception::sight::{Expected, Look, Spell, Trouble};
+use andon_perception::sight::{Expected, Look, Rates, Spell, Trouble};
 use shm_schemas::{FrameHeader, Judging, Sight};
 
 use super::Liveness;
@@ -62,8 +62,9 @@ impl SightWatch {
                     let seen = sight::of_trouble(trouble);
                     liveness.sees(seen, monotonic_ns(since_ns));
                     if let Some(code) = sight::code(seen) {
-                        let rates =
-                            (trouble == Trouble::TooFewFrames).then(|| sight::rates(self.sight.rates()));
+                        let Rates { processed_hz, expected_hz, needed_hz } = self.sight.rates();
+                        let rates = (trouble == Trouble::TooFewFrames)
+                            .then(|| sight::rates(processed_hz, Some(expected_hz), needed_hz));
                         code.log_found(
                             &format_args!("{}{}", code.meaning, rates.unwrap_or_default()),
                             Remedy::OfCode,

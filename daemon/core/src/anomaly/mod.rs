@@ -264,8 +264,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     pub fn at_start_of_job(mut self) -> Self {
         self.bench.hands.iter_mut().for_each(|hand| hand.watch.begin());
         self.bench.progress.expect_start();
-        self.segmenter.set_between_jobs(true);
-        self
+        self.between_jobs()
     }
 
     /// No job is under way: a pause shows that the next one begins. Otherwise the first pause may be one in the middle of a job.

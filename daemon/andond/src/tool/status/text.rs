@@ -155,11 +155,10 @@ fn rates(station: &StationLine<'_>) -> String {
         let line = station.roles.iter().find(|line| line.role == role.name());
         line.and_then(|line| line.rate_hz)
     };
-    let Some(processed_hz) = rate_of(RoleId::Perceive) else { return String::new() };
-    let expected = rate_of(RoleId::Capture).map(|came_hz| format!(" of {came_hz:.1}")).unwrap_or_default();
-    let needed = station.job.as_ref().and_then(|job| job.min_rate_hz);
-    let needed = needed.map(|needed_hz| format!(", and the job needs {needed_hz:.1}")).unwrap_or_default();
-    format!(": {processed_hz:.1}{expected} per second{needed}")
+    let needed_hz = station.job.as_ref().and_then(|job| job.min_rate_hz);
+    rate_of(RoleId::Perceive)
+        .map(|processed_hz| sight::rates(processed_hz, rate_of(RoleId::Capture), needed_hz))
+        .unwrap_or_default()
 }
 
 #[cfg(test)]
