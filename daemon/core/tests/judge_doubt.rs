@@ -426,23 +426,6 @@ fn what_is_wrong_after_a_part_was_first_seen_is_found() {
     assert!(verdicts.contains(&"r0.2 IuAnomaly Motion!".to_owned()), "{verdicts:?}");
 }
 
-/// The brick is seen only for the last strokes, of which there are too few.
-#[test]
-fn what_a_hand_already_holds_may_have_been_at_a_part_before_that_was_first_seen() {
-    let [grasp, stroke, carry, end] = polish(6);
-    let said = |is_object_new: bool| {
-        let hidden = Part { context: [1, 5, 0, 0], frames: 66, ..stroke };
-        let seen = Part { frames: 30, ..stroke };
-        let mut couples = stream(&[grasp, hidden, seen, carry, end], &[]);
-        for couple in couples.iter_mut().map(|couples| &mut couples.hands[0]) {
-            couple.is_object_new = is_object_new && couple.context.is_pair();
-        }
-        judged(&polish_and_measure(), &couples).iter().map(short).collect::<Vec<_>>()
-    };
-    assert!(said(false).iter().any(|verdict| verdict.contains("Anomaly TooShort")), "{:?}", said(false));
-    assert!(!said(true).iter().any(|verdict| verdict.contains("TooShort")), "{:?}", said(true));
-}
-
 #[test]
 fn the_piece_after_one_whose_end_was_hidden_is_right() {
     let job = teach(&[&polish(6)]);

@@ -74,3 +74,20 @@ fn an_activity_that_must_have_ended_unseen_swallows_no_other_piece() {
     assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
     assert_eq!(verdicts.last().unwrap(), "JobOk", "{verdicts:?}");
 }
+
+/// The brick is seen only for the last strokes, of which there are too few.
+#[test]
+fn what_a_hand_already_holds_may_have_been_at_a_part_before_that_was_first_seen() {
+    let [grasp, stroke, carry, end] = polish(6);
+    let said = |is_object_new: bool| {
+        let hidden = Part { context: [1, 5, 0, 0], frames: 66, ..stroke };
+        let seen = Part { frames: 30, ..stroke };
+        let mut couples = stream(&[grasp, hidden, seen, carry, end], &[]);
+        for couple in couples.iter_mut().map(|couples| &mut couples.hands[0]) {
+            couple.is_object_new = is_object_new && couple.context.is_pair();
+        }
+        judged(&polish_and_measure(), &couples).iter().map(short).collect::<Vec<_>>()
+    };
+    assert!(said(false).iter().any(|verdict| verdict.contains("Anomaly TooShort")), "{:?}", said(false));
+    assert!(!said(true).iter().any(|verdict| verdict.contains("TooShort")), "{:?}", said(true));
+}
