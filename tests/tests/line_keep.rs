@@ -225,13 +225,18 @@ fn commands_and_job_loads_are_in_the_journal_with_who_and_when() {
 fn a_role_that_was_down_leaves_a_row_from_begin_to_end_and_tail_says_so() {
     let mut line = Line::new(Settings::live());
     let mut watcher = line.up();
-    let mut tail = std::process::Command::new(andon_tests::line::andond());
-    tail.args(["tail", "--config"]).arg(line.config());
-    let [said, verdicts] = ["tail.log", "tail.verdicts"].map(|name| line.path(name));
-    let file = |path| std::fs::File::create(path).unwrap();
-    let mut tail = tail.stdout(file(&verdicts)).stderr(file(&said)).spawn().unwrap();
+    let follow = |name: &str, json: &[&str]| {
+        let file = |kind: &str| std::fs::File::create(line.path(&format!("{name}.{kind}"))).unwrap();
+        let mut tail = std::process::Command::new(andon_tests::line::andond());
+        tail.args(["tail", "--config"]).arg(line.config()).args(json);
+        tail.stdout(file("verdicts")).stderr(file("log")).spawn().unwrap()
+    };
+    let tails = [follow("tail", &[]), follow("json", &["--json"])];
+    let verdicts = ["tail", "json"].map(|name| line.path(&format!("{name}.verdicts")));
     // It must have heard encode before it can miss it: it listens when it shows a verdict.
-    until("tail's first verdict", || std::fs::metadata(&verdicts).unwrap().len() > 0);
+    until("the first verdict of both", || {
+        verdicts.iter().all(|path| std::fs::metadata(path).unwrap().len() > 0)
+    });
     let beat = |watcher: &Watcher| watcher.health(RoleId::Encode).unwrap().stamp.seq;
     watcher.listen(Duration::from_millis(100));
     let heard = beat(&watcher);
@@ -248,8 +253,17 @@ fn a_role_that_was_down_leaves_a_row_from_begin_to_end_and_tail_says_so() {
         let said = std::fs::read_to_string(line.path("tail.log")).unwrap();
         said.contains("not watching from ") && said.contains("encode was down")
     });
-    tail.kill().unwrap();
-    tail.wait().unwrap();
+    until("the JSON lines", || {
+        let said = std::fs::read_to_string(&verdicts[1]).unwrap();
+        let of_encode = r#"{"kind":"Outage","role":"encode","began_utc_ns":"#;
+        let mut outages = said.lines().filter(|line| line.starts_with(of_encode));
+        outages.next().is_some_and(|begun| begun.ends_with(r#""ended_utc_ns":null}"#))
+            && outages.next().is_some_and(|ended| !ended.contains("null"))
+    });
+    for mut tail in tails {
+        tail.kill().unwrap();
+        tail.wait().unwrap();
+    }
     // The steward has seen who died.
     until("the death", || audit(&line).contains("death"));
     assert!(audit(&line).contains("encode (pid "), "{}", audit(&line));

@@ -77,20 +77,24 @@ fn said(line: &mut Line, sight: Sight, words: &Words) -> Watcher {
 fn said_and_undone(mut line: Line, sight: Sight, words: &Words) {
     let mut watcher = said(&mut line, sight, words);
     until_logged(&line, "plc", "AND-510", "does not see its bench");
-    let mut tail = Command::new(andond())
-        .args(["tail", "-c"])
-        .arg(line.config())
-        .stdout(std::process::Stdio::null())
-        .stderr(std::fs::File::create(line.path("tail.log")).unwrap())
-        .spawn()
-        .unwrap();
+    let file = |name: &str| std::fs::File::create(line.path(name)).unwrap();
+    let follow = |json: &[&str], said: &str, verdicts: &str| {
+        let mut tail = Command::new(andond());
+        tail.args(["tail", "-c"]).arg(line.config()).args(json);
+        tail.stdout(file(verdicts)).stderr(file(said)).spawn().unwrap()
+    };
+    let tails = [follow(&[], "tail.log", "tail.verdicts"), follow(&["--json"], "tail.errors", "json.log")];
     until_sees(&mut watcher, Sight::Clear);
     line.wait_for_log("perceive", "AND-221", "");
     until_printed(&line, "history", "-- not watching until 2");
     until_logged(&line, "tail", &format!("not watching: {}", words.meaning), words.remedy);
     until_logged(&line, "tail", "watching again", "");
-    tail.kill().unwrap();
-    tail.wait().unwrap();
+    until_logged(&line, "json", r#"{"kind":"Sight","#, &format!(r#""code":"{}""#, words.code));
+    until_logged(&line, "json", r#"{"kind":"Sight","#, r#""sight":"Clear""#);
+    for mut tail in tails {
+        tail.kill().unwrap();
+        tail.wait().unwrap();
+    }
     // Once for each time that the film was played, never twice without an end between.
     let log = line.log("perceive");
     let told: Vec<bool> = log

@@ -9,11 +9,13 @@ pub(crate) mod sample;
 mod teller;
 #[cfg(test)]
 mod tests;
+mod watch;
 mod words;
 
 pub use json::{EventLine, VerdictLine};
 pub use names::{Names, Step};
 pub use teller::{Cause, Line, Teller};
+pub(crate) use watch::WatchLine;
 pub use words::{acts, is_instead, outcome_word, verdict_sentence};
 
 /// The time of a verdict on a recording, in a column.

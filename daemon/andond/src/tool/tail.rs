@@ -4,7 +4,8 @@ use std::io::Write;
 use std::time::Duration;
 
 use andon_core::verdict::{Level, Outcome, Verdict};
-use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, Wake};
+use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, UtcTime, Wake};
+use serde::Serialize;
 use shm_schemas::{Health, RoleId, Verdict as Message};
 
 use super::clock::Clock;
@@ -15,7 +16,7 @@ use crate::cli::{self, Tail};
 use crate::config::Config;
 use crate::exit::Code;
 use crate::outage::{Outage, Outages};
-use crate::report::{Teller, VerdictLine};
+use crate::report::{Teller, VerdictLine, WatchLine};
 use crate::sight::{self, SightChange, SightChanges};
 use crate::wire;
 
@@ -52,14 +53,14 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
         }
         while let Some(health) = health.take()? {
             if let Some(change) = sight.receive(&health) {
-                tell_sight(change, &printer.clock);
+                printer.tell_sight(change).map_err(ToolError::Print)?;
             }
             if let Some(outage) = outages.receive(&health) {
-                tell_outage(&outage, &printer.clock);
+                printer.tell_outage(&outage).map_err(ToolError::Print)?;
             }
         }
         for outage in outages.look(MonotonicTime::now()) {
-            tell_outage(&outage, &printer.clock);
+            printer.tell_outage(&outage).map_err(ToolError::Print)?;
         }
         while let Some(message) = verdicts.take()? {
             printer.print(&message).map_err(ToolError::Print)?;
@@ -67,33 +68,6 @@ pub fn run(arguments: &Tail) -> Result<Code, ToolError> {
         if verdicts.lost() > lost {
             eprintln!("{} verdicts were not shown; `andond history` has them", verdicts.lost() - lost);
             lost = verdicts.lost();
-        }
-    }
-}
-
-/// Says once when the line stops seeing its bench, and once when it sees it again. Not among the verdicts, which programs read.
-fn tell_sight(change: SightChange, clock: &Clock) {
-    let now = clock.time_of(MonotonicTime::now());
-    match change.now.and_then(sight::code) {
-        Some(code) => eprintln!("{now} not watching: {}. {}", code.meaning, code.remedy),
-        None => eprintln!("{now} watching again"),
-    }
-}
-
-/// Says when a role is down, and when it is back: from when to when nobody watched.
-fn tell_outage(outage: &Outage, clock: &Clock) {
-    let role = outage.role.name();
-    let is_beside = matches!(outage.role, RoleId::Steward | RoleId::Journal | RoleId::Plc);
-    let what = if is_beside { "" } else { "not watching " };
-    match outage.ended {
-        None => eprintln!("{what}since {}: {role} is down", clock.time_of(outage.began)),
-        Some(ended) => {
-            eprintln!(
-                "{what}from {} to {}: {}",
-                clock.time_of(outage.began),
-                clock.time_of(ended),
-                outage.why()
-            );
         }
     }
 }
@@ -117,18 +91,53 @@ impl Printer<'_> {
             self.known = KnownJobs::of(&self.config);
         }
         let names = self.known.names(message.model_hash);
-        // Without colours where they are not wanted, or where this is no terminal.
-        let mut out = anstream::stdout().lock();
         if self.arguments.json {
             let line = VerdictLine::new(message.stamp.seq, &verdict, &message.part, names);
-            serde_json::to_writer(&mut out, &line)?;
-            writeln!(out)?;
-        } else {
-            let when = self.clock.time(message.decided_utc_ns);
-            self.teller.tell(&when, &verdict, names).write(&mut out)?;
+            return print_json(&line);
         }
+        let when = self.clock.time(message.decided_utc_ns);
+        // Without colours where they are not wanted, or where this is no terminal.
+        let mut out = anstream::stdout().lock();
+        self.teller.tell(&when, &verdict, names).write(&mut out)?;
         out.flush()
     }
+
+    /// Says once when the line stops seeing its bench, and once when it sees it again: for people beside the verdicts, for programs between them.
+    fn tell_sight(&self, change: SightChange) -> std::io::Result<()> {
+        if self.arguments.json {
+            return print_json(&WatchLine::of_sight(change, UtcTime::now()));
+        }
+        let now = self.clock.time_of(MonotonicTime::now());
+        match change.now.and_then(sight::code) {
+            Some(code) => eprintln!("{now} not watching: {}. {}", code.meaning, code.remedy),
+            None => eprintln!("{now} watching again"),
+        }
+        Ok(())
+    }
+
+    /// Says when a role is down, and when it is back: from when to when nobody watched.
+    fn tell_outage(&self, outage: &Outage) -> std::io::Result<()> {
+        if self.arguments.json {
+            return print_json(&WatchLine::of_outage(outage));
+        }
+        let role = outage.role.name();
+        let is_beside = matches!(outage.role, RoleId::Steward | RoleId::Journal | RoleId::Plc);
+        let what = if is_beside { "" } else { "not watching " };
+        let began = self.clock.time_of(outage.began);
+        match outage.ended.map(|ended| self.clock.time_of(ended)) {
+            None => eprintln!("{what}since {began}: {role} is down"),
+            Some(ended) => eprintln!("{what}from {began} to {ended}: {}", outage.why()),
+        }
+        Ok(())
+    }
+}
+
+/// One line, at once: programs wait for it.
+fn print_json(line: &impl Serialize) -> std::io::Result<()> {
+    let mut out = std::io::stdout().lock();
+    serde_json::to_writer(&mut out, line)?;
+    writeln!(out)?;
+    out.flush()
 }
 
 fn is_wanted(arguments: &Tail, verdict: &Verdict) -> bool {
