@@ -25,6 +25,26 @@ fn couples_that_are_missing_accuse_nobody() {
     }
 }
 
+/// Whether hand and part move together is read from a few frames around each, so one that is missing may let a contact seem to end later.
+#[test]
+fn a_step_is_not_too_short_where_a_frame_shortly_before_it_was_missing() {
+    let before: usize = polish(6).iter().map(|part| part.frames).sum();
+    let is_accused = |frames: usize, missing: Option<usize>| {
+        let mut parts = measure();
+        parts[1].frames = frames;
+        let begins = before + parts[0].frames;
+        let mut couples = stream(&[polish(6), parts].concat(), &[]);
+        if let Some(missing) = missing {
+            let hand = &mut couples[begins - missing].hands[0];
+            (hand.sight[0], hand.is_clear) = (Sight::Assumed, false);
+        }
+        judged(&polish_and_measure(), &couples).iter().any(|verdict| verdict.outcome == Outcome::Anomaly)
+    };
+    let too_short = (1..measure()[1].frames).rev().find(|frames| is_accused(*frames, None)).unwrap();
+    assert_eq!([1, 2, 3].map(|missing| is_accused(too_short, Some(missing))), [false; 3]);
+    assert!(is_accused(too_short, Some(20)), "long before it nothing is read from the frame");
+}
+
 /// What the judge says where the encoder starts again after this many couples. It does not see at once what a hand holds.
 fn with_a_restart(job: &Job<'_>, whole: &[Couples], first: usize) -> Vec<Verdict> {
     let mut left = whole.to_vec();

@@ -17,6 +17,10 @@ pub(super) struct Watch {
     hidden_frames: u32,
     /// How many frames up to the newest one were not clear, or up to the one before if the newest is clear.
     gap: u32,
+    /// How many frames up to the newest one were clear.
+    clear_frames: u32,
+    /// How many frames were not clear just before those.
+    hidden_before_clear: u32,
     /// In how many frames since the couple before something may have come and gone.
     newly_hidden: u32,
     /// Clear frames since the newest doubtful couple.
@@ -60,6 +64,8 @@ impl Watch {
             newest_ns: u64::MAX,
             hidden_frames: 0,
             gap: 0,
+            clear_frames: u32::MAX,
+            hidden_before_clear: 0,
             newly_hidden: 0,
             since_doubt: 0,
             certain: None,
@@ -83,6 +89,7 @@ impl Watch {
     /// What follows is the beginning of a job, so nothing that was not seen before matters.
     pub(super) fn begin(&mut self) {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
+        self.clear_frames = u32::MAX;
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
         (self.has_been_clear, self.may_be_rest, self.is_begun_late) = (false, false, false);
         (self.is_object_new, self.may_be_new) = (false, false);
@@ -115,6 +122,10 @@ impl Watch {
         self.hidden_frames = self.hidden_frames.saturating_add(missing);
         if couple.is_clear {
             self.gap = core::mem::take(&mut self.hidden_frames);
+            if self.gap > 0 {
+                (self.clear_frames, self.hidden_before_clear) = (0, self.gap);
+            }
+            self.clear_frames = self.clear_frames.saturating_add(1);
             self.has_been_clear = true;
         } else {
             self.hidden_frames = self.hidden_frames.saturating_add(1);
@@ -162,6 +173,9 @@ impl Watch {
         } else if self.since_doubt <= 2 * self.persist_frames {
             // Behind a gap, a change is believed as much later as the contact takes to be known again.
             self.gap.max(self.persist_frames)
+        } else if self.gap == 0 && self.clear_frames <= self.persist_frames {
+            // Whether two move together is read from as many frames before the change.
+            self.hidden_before_clear.saturating_add(self.clear_frames - 1)
         } else {
             self.gap
         }
