@@ -4,7 +4,7 @@ use crate::HANDS;
 use crate::layout::wire;
 use crate::stamp::{Stamp, message};
 
-wire! { "andon.HandCouple", 44;
+wire! { "andon.HandCouple", 56;
     /// The feature couple of one hand.
     struct HandCouple {
         /// `x_c = [ID_h, ID_oj, ID_oj, ID_ol]`.
@@ -13,6 +13,8 @@ wire! { "andon.HandCouple", 44;
         distances_m: [f32; 2],
         /// Where the hand acts in metres: `o_j` in the frame of `o_l`, or without `o_l` the finger tips on the bench; NaN where it was not seen.
         position_m: [f32; 3],
+        /// The finger tips on the bench in metres; NaN where they were not seen, or the hand does not act.
+        tips_m: [f32; 3],
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
         /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`.
@@ -28,7 +30,7 @@ wire! { "andon.HandCouple", 44;
     }
 }
 
-wire! { "andon.Couples", 168;
+wire! { "andon.Couples", 192;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.

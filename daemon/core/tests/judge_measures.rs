@@ -86,6 +86,9 @@ fn a_path_a_stroke_a_direction_and_a_place_are_measured_in_metres_and_degrees() 
     let (said, measure, metres) = of(&job(|bounds| bounds.path_m = Range { min: 0.0, max: 0.5 }));
     assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly TooLong!", Measure::Path));
     assert!((0.5..0.55).contains(&metres), "{metres}");
+    let (said, measure, metres) = of(&job(|bounds| bounds.max_bow_m = 0.05));
+    assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly TooLong!", Measure::Bow));
+    assert!((0.05..0.07).contains(&metres), "{metres}");
     let (said, measure, metres) = of(&job(|bounds| bounds.stroke_m = Range { min: 0.0, max: 0.01 }));
     assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly Motion", Measure::StrokeLength));
     assert!((metres - 0.14).abs() < 0.03, "{metres}");

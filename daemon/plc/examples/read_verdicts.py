@@ -31,7 +31,7 @@ REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong",
            "Overload", "HandNotSeen", "ObjectNotSeen", "BeginningNotSeen", "BrokenOff", "FramesMissing", "TooFewFrames", "Passing"]
 NOTES = [None, "Order", "Again", "OtherHand", "Step"]
 MEASURES = [None, ("Duration", "s"), ("Strokes", "strokes"), ("StrokeLength", "m"), ("Path", "m"), ("Direction", "degrees"),
-            ("Place", "m")]
+            ("Place", "m"), ("Bow", "m")]
 
 
 class Verdict(ctypes.Structure):

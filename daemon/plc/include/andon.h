@@ -201,6 +201,10 @@ enum AndonMeasure {
    * How far its place lies from the one that was shown, in metres.
    */
   ANDON_MEASURE_PLACE = 6,
+  /**
+   * How far off the straight line the way of the hand leads, in metres.
+   */
+  ANDON_MEASURE_BOW = 7,
 };
 
 /**

@@ -169,6 +169,17 @@ impl Capture {
         Self { instants: self.instants.into_iter().flat_map(repeated).collect(), ..self }
     }
 
+    /// Leads hand and box to the table over an arc that is higher by so many metres, and leaves it as gently as it comes to it.
+    pub(crate) fn over_an_arc(mut self, metres: f32) -> Self {
+        let (from, to) = self.label("move_obj_table");
+        for Instant { number, markers } in &mut self.instants {
+            let share = ((*number - from) as f32 / (to - from) as f32).clamp(0.0, 1.0);
+            let up = metres * (share * std::f32::consts::PI).sin().powi(2);
+            markers.iter_mut().flatten().for_each(|point| point[2] += up);
+        }
+        self
+    }
+
     /// Has the whole bench turned by 30 degrees about the vertical axis.
     pub(crate) fn turned(mut self) -> Self {
         self.yaw = 30_f32.to_radians();

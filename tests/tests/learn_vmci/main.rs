@@ -8,7 +8,7 @@ use andon_core::config::Method;
 use andon_core::couple::Context;
 use andon_core::input::{Side, Space};
 use andon_core::object::Meeting;
-use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_core::verdict::{Level, Measure, Measured, Outcome, Reason, Verdict};
 use andon_learn::experiment::{Ladder, Split, Table, Variation, experiment_2};
 use andon_learn::folder::Labelled;
 use andon_learn::job_file::JobFile;
@@ -243,6 +243,17 @@ fn halves_in_reverse_order_are_an_anomaly_where_it_is_not_known_that_the_recordi
 #[test]
 fn a_way_back_that_is_cut_short_is_an_anomaly() {
     assert_eq!(judged_ok(Capture::cut_short), none());
+}
+
+#[test]
+fn a_detour_that_is_spread_over_the_whole_way_is_an_anomaly_while_it_happens() {
+    for (number, job) in TAUGHT_BY_OTHERS.iter() {
+        let verdicts = run(&Capture::read(*number).over_an_arc(0.25)).judge(job).unwrap();
+        let wrong = verdicts.iter().find(|verdict| verdict.outcome == Outcome::Anomaly).unwrap();
+        let Measured { measure, value, shown_max, .. } = wrong.measured.unwrap();
+        assert_eq!((measure, wrong.reason), (Measure::Bow, Reason::TooLong), "run {number}: {wrong:?}");
+        assert!(wrong.early && value > shown_max, "run {number}: {wrong:?}");
+    }
 }
 
 /// `ANDON_SEED` and `ANDON_CASES` choose other deletions.

@@ -50,7 +50,7 @@ impl MeasureLine {
             unit: match measured.measure {
                 Measure::Duration => "s",
                 Measure::Strokes => "strokes",
-                Measure::StrokeLength | Measure::Path | Measure::Place => "m",
+                Measure::StrokeLength | Measure::Path | Measure::Bow | Measure::Place => "m",
                 Measure::Direction => "degrees",
             },
             value: number(Some(measured.value)),

@@ -254,6 +254,7 @@ impl Names {
             (_, Some((Measure::StrokeLength, true))) => "strokes too small",
             (_, Some((Measure::StrokeLength, false))) => "strokes too large",
             (_, Some((Measure::Path, _))) => "another path",
+            (_, Some((Measure::Bow, _))) => "a detour",
             (_, Some((Measure::Direction, _))) => "another direction",
             (_, Some((Measure::Place, _))) => "another place",
             (Reason::WrongObject, _) => "wrong part",
@@ -294,7 +295,9 @@ fn measure(measured: Measured) -> (String, String) {
             let got = got.split_once(" (").map_or(got, |(off, _)| off);
             (got.to_owned(), format!("a path of {}", shown.trim_end_matches(')')))
         }
-        Measure::Duration | Measure::StrokeLength | Measure::Place => (got.to_owned(), shown.to_owned()),
+        Measure::Duration | Measure::StrokeLength | Measure::Bow | Measure::Place => {
+            (got.to_owned(), shown.to_owned())
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Feature couples, from the method to shared memory and back.
 
 use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
-use andon_core::input::Side;
+use andon_core::input::{Point, Side};
 use andon_core::set::ActivitySet;
 use shm_schemas::{Couples as Message, HandCouple, flag};
 
@@ -20,7 +20,8 @@ pub fn write(couples: &Couples, message: &mut Message) {
         *place = HandCouple {
             x_c: couple.context.0,
             distances_m: couple.distances,
-            position_m: couple.position.unwrap_or([f32::NAN; 3]),
+            position_m: place_of(couple.position),
+            tips_m: place_of(couple.tips),
             x_m: couple.motion.unwrap_or_default().0,
             flags: bit(couple.motion.is_some(), flag::MEASURED)
                 | bit(couple.is_clear, flag::CLEAR)
@@ -43,7 +44,8 @@ pub fn read(message: &Message) -> Couples {
         captured_ns: message.described_ns,
         motion: (place.flags & flag::MEASURED != 0).then_some(Motion(place.x_m)),
         context: Context(place.x_c),
-        position: Some(place.position_m).filter(|position| position.iter().all(|value| value.is_finite())),
+        position: point_of(place.position_m),
+        tips: point_of(place.tips_m),
         distances: place.distances_m,
         sight: place.sight.map(sight),
         is_clear: place.flags & flag::CLEAR != 0,
@@ -65,6 +67,15 @@ pub fn read(message: &Message) -> Couples {
         out_of_sight_object: message.out_of_sight_object,
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
+}
+
+/// A place that is not known is not a number.
+fn place_of(point: Option<Point>) -> [f32; 3] {
+    point.unwrap_or([f32::NAN; 3])
+}
+
+fn point_of(place: [f32; 3]) -> Option<Point> {
+    Some(place).filter(|place| place.iter().all(|value| value.is_finite()))
 }
 
 /// The bit, if it is to be set.
@@ -91,6 +102,7 @@ mod tests {
             motion: Some(Motion([1, 2, -3, 4, 5, 6, 7])),
             context: Context([1, 5, 5, 6]),
             position: Some([0.1, -0.2, 0.3]),
+            tips: Some([0.3, 0.1, 0.2]),
             distances: [0.01, 0.02],
             sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
             is_clear: true,

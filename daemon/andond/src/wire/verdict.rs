@@ -126,6 +126,7 @@ pub(crate) const fn measure(measure: Measure) -> VerdictMeasure {
         Measure::Strokes => VerdictMeasure::Strokes,
         Measure::StrokeLength => VerdictMeasure::StrokeLength,
         Measure::Path => VerdictMeasure::Path,
+        Measure::Bow => VerdictMeasure::Bow,
         Measure::Direction => VerdictMeasure::Direction,
         Measure::Place => VerdictMeasure::Place,
     }
@@ -144,6 +145,7 @@ const fn measure_of_method(measure: VerdictMeasure) -> Option<Measure> {
         VerdictMeasure::Strokes => Some(Measure::Strokes),
         VerdictMeasure::StrokeLength => Some(Measure::StrokeLength),
         VerdictMeasure::Path => Some(Measure::Path),
+        VerdictMeasure::Bow => Some(Measure::Bow),
         VerdictMeasure::Direction => Some(Measure::Direction),
         VerdictMeasure::Place => Some(Measure::Place),
     }

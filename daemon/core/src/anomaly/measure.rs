@@ -9,6 +9,9 @@ use crate::verdict::{Measure, Measured, Reason};
 /// A stroke goes to and fro.
 const PER_STROKE: u32 = 2;
 
+/// A straight line has as many.
+const ENDS: f32 = 2.0;
+
 impl Extent {
     /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
     /// `may_be_hidden` only if no motion in the frames that were not seen could have kept it. A path that was seen is not
@@ -24,7 +27,7 @@ impl Extent {
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
-        let Measures { reversals, path_m: walked_m, detour_m, .. } = self.measures;
+        let Measures { reversals, path_m: walked_m, detour_m, bow_m, unseen_before_way, .. } = self.measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last.
         let step_m = if hidden > 0.0 { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
@@ -32,16 +35,18 @@ impl Extent {
         } else {
             walked_m > path_m.max + step_m
         };
-        let first = |measures: [(bool, Measure); 3]| {
-            measures.into_iter().find(|(is_broken, _)| *is_broken).map(|(_, measure)| measure)
-        };
-        let too_long = first([
+        // Where the hand was not seen before its way, that may have begun elsewhere.
+        let unseen = if may_be_hidden { unseen_before_way as f32 } else { 0.0 };
+        let bow_step_m = if hidden + unseen > 0.0 { ENDS * MOVED_M + unseen * speed } else { 0.0 };
+        let is_bow = bow_m > iu.measures.max_bow_m + bow_step_m;
+        let too_long = first(&[
             (reversals > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),
+            (is_bow, Measure::Bow),
             (is_detour, Measure::Path),
         ]);
         let too_short = || {
-            first([
+            first(&[
                 (reversals.saturating_add(hidden_reversals) < iu.reversals.min, Measure::Strokes),
                 (max_frames < iu.frames.min as f32, Measure::Duration),
                 (walked_m + hidden_m < path_m.min, Measure::Path),
@@ -52,7 +57,7 @@ impl Extent {
         } else if !self.ended {
             return None;
         }
-        let elsewhere = first(self.elsewhere_broken(&iu.measures, GIVES_WAY * hidden, hidden_m));
+        let elsewhere = first(&self.elsewhere_broken(&iu.measures, GIVES_WAY * hidden, hidden_m));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
             (Some(Measure::Strokes), Some(other))
@@ -83,18 +88,24 @@ impl Extent {
     /// What this measure is, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
     pub(super) fn measured(&self, iu: &NominalIu<'_>, measure: Measure, rate_hz: f32) -> Option<Measured> {
         let bounds = &iu.measures;
-        let Shown { frames, reversals, stroke_m, path_m, axis, place_m, .. } = bounds.shown?;
+        let Shown { frames, reversals, stroke_m, path_m, bow_m, axis, place_m, .. } = bounds.shown?;
         let seconds = |frames: u32| frames as f32 / rate_hz;
         let [value, shown_min, shown_max] = match measure {
             Measure::Duration => [self.frames, frames.min, frames.max].map(seconds),
             Measure::Strokes => strokes([self.measures.reversals, reversals.min, reversals.max]),
             Measure::StrokeLength => [self.measures.stroke_m?, stroke_m.min, stroke_m.max],
             Measure::Path => [self.measures.path_m, path_m.min, path_m.max],
+            Measure::Bow => [self.measures.bow_m, 0.0, bow_m],
             Measure::Direction => [degrees(bounds.axis.distance(self.measures.axis)), 0.0, degrees(axis)],
             Measure::Place => [bounds.place_m.distance(self.measures.place_m), 0.0, place_m],
         };
         Some(Measured { measure, value, shown_min, shown_max })
     }
+}
+
+/// The first measure that is broken.
+fn first(measures: &[(bool, Measure)]) -> Option<Measure> {
+    measures.iter().find(|(is_broken, _)| *is_broken).map(|(_, measure)| *measure)
 }
 
 /// The strokes to and fro in these numbers of reversals: of the IU, and the minimum and maximum that were shown. A stroke has two reversals, and

@@ -94,6 +94,8 @@ pub struct Couple {
     /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame.
     /// `None` where it was not seen, or the hand does not act.
     pub position: Option<Point>,
+    /// The finger tips in the bench frame, in metres; `None` where they were not seen, or the hand does not act.
+    pub tips: Option<Point>,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
     /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
@@ -124,6 +126,7 @@ impl Couple {
             motion: Some(Motion::default()),
             context: Context::IDLE,
             position: None,
+            tips: None,
             distances: [f32::INFINITY; 2],
             sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
             is_clear: false,
@@ -141,6 +144,7 @@ impl Couple {
             captured_ns,
             motion: None,
             position: None,
+            tips: None,
             sight: self.sight.map(|before| before.max(sight)),
             is_clear: false,
             is_doubtful: true,

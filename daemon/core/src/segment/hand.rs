@@ -2,6 +2,7 @@
 
 use super::filter::OpeningClosing;
 use super::measures::{Measures, Meter};
+use super::way::Way;
 use super::{Event, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
@@ -60,6 +61,10 @@ pub struct Segmenter {
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,
+    /// The way of the hand with `o_j`, which ends where that leaves the `o_l` that it came to, and the way that begins there.
+    ways: [Way; 2],
+    /// In how many frames in a row, up to now, it was not clear what the hand does.
+    unclear: u32,
     activity: Option<OpenActivity>,
     /// Contexts with which a longer nominal activity would continue.
     continuations: Vec<Context, ACTIVITIES>,
@@ -78,6 +83,8 @@ impl Segmenter {
             in_filter: Deque::new(),
             context: Context::IDLE,
             iu: None,
+            ways: [const { Way::after(0) }; 2],
+            unclear: 0,
             activity: None,
             continuations: Vec::new(),
         })
@@ -88,7 +95,10 @@ impl Segmenter {
         let now_ns = couple.captured_ns;
         if couple.context != self.context {
             self.end_iu(now_ns, emit);
+            self.change_ways(couple.context);
         }
+        self.unclear = if couple.is_clear { 0 } else { self.unclear.saturating_add(1) };
+        self.ways.iter_mut().for_each(|way| way.push(couple.tips));
         if self.begins_activity(couple) {
             self.end_activity(emit);
             self.begin_activity(couple, emit);
@@ -117,7 +127,7 @@ impl Segmenter {
 
     /// The measures of the open IU so far; those of nothing if none is open.
     pub fn measures(&self) -> Measures {
-        self.iu.as_ref().map(|iu| iu.meter.measures()).unwrap_or_default()
+        self.iu.as_ref().map(|iu| iu.meter.measures(&self.ways[0])).unwrap_or_default()
     }
 
     /// Whether an activity would begin with this couple, if it were the next one.
@@ -150,6 +160,20 @@ impl Segmenter {
     /// An object that the hand touches already counts as a new touch.
     pub fn forget_touch(&mut self) {
         self.context = Context::IDLE;
+    }
+
+    /// The next couple has this context.
+    fn change_ways(&mut self, next: Context) {
+        let [hand, j, _, l] = next.0;
+        let [way, next_way] = &mut self.ways;
+        let begun = Way::after(self.unclear);
+        if !next.is_touch() || self.context.0[..2] != [hand, j] {
+            (*way, *next_way) = (begun.clone(), begun);
+        } else if l != 0 {
+            *next_way = begun;
+        } else {
+            *way = next_way.clone();
+        }
     }
 
     fn begin_activity(&mut self, couple: &Couple, emit: &mut impl FnMut(Event)) {
@@ -201,7 +225,10 @@ impl Segmenter {
             if let Some(Eru { motion, began_ns }) = eru {
                 emit(Event::Eru { side, context, motion, began_ns, ended_ns });
             }
-            emit(Event::IuEnded { side, iu: Iu { ended_ns, measures: meter.measures(), ..so_far } });
+            emit(Event::IuEnded {
+                side,
+                iu: Iu { ended_ns, measures: meter.measures(&self.ways[0]), ..so_far },
+            });
             if let Some(activity) = &mut self.activity {
                 activity.ended_ns = ended_ns;
             }

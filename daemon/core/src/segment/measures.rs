@@ -1,5 +1,6 @@
 //! What is measured of an IU in metres. DTW forgives a motion that was cut short, repeated too often or made small; measures do not.
 
+use super::way::Way;
 use crate::couple::geometry::{norm, subtract};
 use crate::input::Point;
 
@@ -26,6 +27,11 @@ pub struct Measures {
     pub path_m: f32,
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
+    /// How far off the straight line the way of the hand on the bench has led, from where it took `o_j`, or came with it to the `o_l` that it has
+    /// left, to where it is now, in metres. It never becomes less until that way ends, with the time at the next `o_l`.
+    pub bow_m: f32,
+    /// In how many frames just before that way the hand was not seen.
+    pub unseen_before_way: u32,
     /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and
     /// `sin 2α` for a path along the angle `α` from the x axis, and shorter the more the path turns. Zero before the first step.
     pub axis: [f32; 2],
@@ -140,8 +146,8 @@ impl Meter {
         self.has_gap && self.returned_m > MOVED_M / 2.0
     }
 
-    /// The measures so far.
-    pub(super) fn measures(&self) -> Measures {
+    /// The measures so far, with those of the way of which the IU is the newest part.
+    pub(super) fn measures(&self, way: &Way) -> Measures {
         let mut ended = *self;
         ended.has_gap |= self.unknown > 0;
         ended.end_gap();
@@ -152,6 +158,8 @@ impl Meter {
             stroke_m: (self.reversals > 1).then(|| self.strokes_m / (self.reversals - 1) as f32),
             path_m: self.path_m,
             detour_m: self.path_m - self.step.map_or(0.0, |step| distance(self.began, step)),
+            bow_m: way.bow_m(),
+            unseen_before_way: way.unseen_before(),
             axis: self.axis.map(per_path),
             place_m: self.sum.map(|sum| (sum / known) as f32),
             hidden_reversals: ended.hidden_reversals,
@@ -161,7 +169,7 @@ impl Meter {
     }
 }
 
-fn distance(a: Point, b: Point) -> f32 {
+pub(super) fn distance(a: Point, b: Point) -> f32 {
     norm(subtract(a, b))
 }
 
@@ -174,7 +182,7 @@ mod tests {
     fn measure(positions: impl IntoIterator<Item = Option<Point>>) -> Measures {
         let mut meter = Meter::default();
         positions.into_iter().for_each(|position| meter.push(position));
-        meter.measures()
+        meter.measures(&Way::after(0))
     }
 
     /// Strokes of 7 cm along the angle, each to and fro in 24 frames, from the middle.

@@ -4,6 +4,7 @@ mod filter;
 mod hand;
 mod job;
 mod measures;
+mod way;
 
 pub use hand::Segmenter;
 pub use job::JobSegmenter;

@@ -82,15 +82,19 @@ fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
     let mut position = [0.0; 3];
     frames
         .enumerate()
-        .map(|(index, (part, frame))| Couple {
-            motion: Some(part.motion(frame)),
-            position: (part.seen && part.sighted).then(|| walked(&mut position, part.direction(frame))),
-            context: Context(part.context),
-            distances: [0.01, 0.01],
-            sight: [sight(part.seen), sight(part.sighted), Sight::Seen],
-            is_clear: part.seen && part.sighted,
-            is_doubtful: !(part.seen && part.sighted),
-            ..Couple::idle(side, index as u64 * PERIOD_NS)
+        .map(|(index, (part, frame))| {
+            let position = (part.seen && part.sighted).then(|| walked(&mut position, part.direction(frame)));
+            Couple {
+                motion: Some(part.motion(frame)),
+                position,
+                tips: position,
+                context: Context(part.context),
+                distances: [0.01, 0.01],
+                sight: [sight(part.seen), sight(part.sighted), Sight::Seen],
+                is_clear: part.seen && part.sighted,
+                is_doubtful: !(part.seen && part.sighted),
+                ..Couple::idle(side, index as u64 * PERIOD_NS)
+            }
         })
         .collect()
 }
@@ -174,7 +178,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
 
 /// What one demonstration shows.
 fn shown(iu: &Iu) -> Shown {
-    let Measures { reversals, stroke_m, path_m, detour_m, .. } = iu.measures;
+    let Measures { reversals, stroke_m, path_m, detour_m, bow_m, .. } = iu.measures;
     let metres = |metres: f32| Range { min: metres, max: metres };
     Shown {
         frames: Bounds { min: iu.frames, max: iu.frames },
@@ -182,6 +186,7 @@ fn shown(iu: &Iu) -> Shown {
         stroke_m: metres(stroke_m.unwrap_or_default()),
         path_m: metres(path_m),
         detour_m,
+        bow_m,
         axis: 0.0,
         place_m: 0.0,
     }

@@ -203,6 +203,7 @@ struct IuText {
     stroke_m: Option<[f32; 2]>,
     path_m: Option<[f32; 2]>,
     max_detour_m: Option<f32>,
+    max_bow_m: Option<f32>,
     axis: Option<[f32; 3]>,
     place_m: Option<[f32; 4]>,
     /// A file without this key was taught before verdicts named it.
@@ -220,6 +221,9 @@ struct ShownText {
     /// A file without this key was taught before it was measured.
     #[serde(default)]
     detour_m: f32,
+    /// The same.
+    #[serde(default)]
+    bow_m: f32,
     axis: f32,
     place_m: f32,
 }
@@ -422,6 +426,7 @@ fn measures_of(iu: &IuText) -> MeasureBounds {
         stroke_m: range(iu.stroke_m, any.stroke_m),
         path_m: range(iu.path_m, any.path_m),
         max_detour_m: iu.max_detour_m.unwrap_or(any.max_detour_m),
+        max_bow_m: iu.max_bow_m.unwrap_or(any.max_bow_m),
         axis: iu.axis.map_or(any.axis, |[x, y, max]| Around { centre: [x, y], max }),
         place_m: iu.place_m.map_or(any.place_m, |[x, y, z, max]| Around { centre: [x, y, z], max }),
         shown: iu.shown.as_ref().map(shown_of),
@@ -436,6 +441,7 @@ fn shown_of(text: &ShownText) -> Shown {
         stroke_m: range_of(text.stroke_m),
         path_m: range_of(text.path_m),
         detour_m: text.detour_m,
+        bow_m: text.bow_m,
         axis: text.axis,
         place_m: text.place_m,
     }

@@ -59,7 +59,14 @@ impl JobFile {
             text,
             "# times that the motion comes back. `stroke_m` is the mean length of a stroke and `path_m` that of the whole way,"
         );
-        line!(text, "# which is no more than `max_detour_m` longer than the straight one;");
+        line!(
+            text,
+            "# which is no more than `max_detour_m` longer than the straight one. `max_bow_m` is how far off the straight line the hand"
+        );
+        line!(
+            text,
+            "# may go on its way on the bench, from where it took the part or came to the part before to where it is then;"
+        );
         line!(
             text,
             "# `axis` (cos 2a, sin 2a for a way along the angle a) and `place_m` are a centre and the maximum distance from"
@@ -253,8 +260,10 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
             line!(text, "{name} = [{min:?}, {max:?}]");
         }
     }
-    if bounds.max_detour_m.is_finite() {
-        line!(text, "max_detour_m = {:?}", bounds.max_detour_m);
+    for (name, max) in [("max_detour_m", bounds.max_detour_m), ("max_bow_m", bounds.max_bow_m)] {
+        if max.is_finite() {
+            line!(text, "{name} = {max:?}");
+        }
     }
     let Around { centre: [x, y], max } = bounds.axis;
     if max.is_finite() {
@@ -267,11 +276,11 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
 }
 
 fn shown_text(text: &mut String, shown: &Shown) {
-    let Shown { frames, reversals, stroke_m, path_m, detour_m, axis, place_m } = shown;
+    let Shown { frames, reversals, stroke_m, path_m, detour_m, bow_m, axis, place_m } = shown;
     let range = |Range { min, max }: &Range| format!("[{min:?}, {max:?}]");
     line!(
         text,
-        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
+        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, bow_m = {bow_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
         bounds_text(*frames),
         bounds_text(*reversals),
         range(stroke_m),

@@ -2,6 +2,7 @@
 
 use andon_core::couple::Context;
 use andon_core::segment::Measures;
+use std::ops::RangeInclusive;
 
 /// A motion with fewer reversals than this is not a repeated one.
 const MIN_REPEATED_REVERSALS: u32 = 3;
@@ -30,6 +31,22 @@ pub(super) fn is_taking(contexts: &[Context], index: usize) -> bool {
     is_touch(index) && !index.checked_sub(1).is_some_and(is_touch) && is_touch(index + 1)
 }
 
+/// Whether the hand is on its way with a part.
+pub(super) fn is_on_the_way(context: Context) -> bool {
+    context.is_touch() && !is_at_another(context)
+}
+
+/// The IUs of the way to which one of these belongs: the one on the way, and the one at the part that it leads to, if it leads to one.
+pub(super) fn way_of(contexts: &[Context], index: usize) -> Option<RangeInclusive<usize>> {
+    let begin = [Some(index), index.checked_sub(1)]
+        .into_iter()
+        .flatten()
+        .find(|begin| is_on_the_way(contexts[*begin]))?;
+    let with = |context: &Context| context.0[..2] == contexts[begin].0[..2];
+    let end = begin + usize::from(contexts.get(begin + 1).is_some_and(with));
+    (begin..=end).contains(&index).then_some(begin..=end)
+}
+
 /// Whether the IU is at another part.
 pub(super) fn is_at_another(context: Context) -> bool {
     context.0[3] != 0
@@ -40,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hand_takes_what_it_goes_on_with_and_did_not_hold_before() {
+    fn a_hand_takes_what_it_goes_on_with_and_did_not_hold_before_and_then_brings_it_to_another_part() {
         let contexts = [
             [1, 5, 5, 3],
             [1, 5, 0, 0],
@@ -53,5 +70,9 @@ mod tests {
         .map(Context);
         let taking: Vec<usize> = (0..contexts.len()).filter(|index| is_taking(&contexts, *index)).collect();
         assert_eq!(taking, [0, 4]);
+        let ways: Vec<_> = (0..contexts.len()).map(|index| way_of(&contexts, index)).collect();
+        let (first, second) = (Some(1..=2), Some(5..=6));
+        assert_eq!(ways, [None, first.clone(), first, None, None, second.clone(), second]);
+        assert_eq!(way_of(&contexts[..2], 1), Some(1..=1));
     }
 }

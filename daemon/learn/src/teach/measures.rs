@@ -5,7 +5,7 @@
 //! compared by their ratios, because people differ by them.
 
 use super::bounds::UNBOUNDED;
-use super::kind::{is_at_another, is_directed, is_repeated, is_timed};
+use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
 use crate::statistics::{deviation, mean, median, student_t};
 use andon_core::bounds::{Around, Bounds, Range};
@@ -21,6 +21,8 @@ const PRIOR_FREEDOM: f64 = 16.0;
 const PRIOR_STROKE: f64 = 0.15;
 const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
+/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`STRAY_BOW_M`].
+const PRIOR_BOW: f64 = 0.12;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
@@ -38,9 +40,16 @@ const STRAY_PATH_M: f64 = 0.05;
 /// Nobody notices a way that is less straight by this, in metres.
 const STRAY_DETOUR_M: f64 = 0.1;
 
+/// A way that leads off the straight line by this differs half as much as it would if people differed only in how much they are inclined to go
+/// round, in metres.
+const STRAY_BOW_M: f64 = 0.1;
+
 /// The share of the job's rate of false alarms that each of the three measures has by which people differ so much that what is wrong is found
 /// only near the limit: half of a stroke, no pause at a part, one stroke less. The four other measures share the rest.
-const NEAR_SHARE: f64 = 0.3;
+const NEAR_SHARE: f64 = 0.27;
+
+/// The share that a way has that leads too far off the straight line.
+const BOW_SHARE: f64 = 0.15;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
 /// that have it share that equally.
@@ -49,6 +58,7 @@ pub(super) struct Rates {
     reversals: f64,
     stroke: f64,
     path: f64,
+    bow: f64,
     axis: f64,
     place: f64,
     duration: f64,
@@ -68,11 +78,12 @@ impl Rates {
                 ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - 3.0 * NEAR_SHARE) / 4.0;
+        let other = (1.0 - 3.0 * NEAR_SHARE - BOW_SHARE) / 4.0;
         Self {
             reversals: rate(NEAR_SHARE, &|_, _| true),
             stroke: rate(NEAR_SHARE, &|_, shown| is_repeated(shown)),
             path: rate(other, &|_, _| true),
+            bow: rate(BOW_SHARE, &|context, _| is_on_the_way(context)),
             axis: rate(other, &|context, shown| is_directed(context, shown)),
             place: rate(other, &|context, _| is_at_another(context)),
             duration: rate(NEAR_SHARE, &is_timed),
@@ -82,12 +93,14 @@ impl Rates {
     }
 
     /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations and their lengths in frames. `met_within_m` is
-    /// how near the runs show its two parts to come, 0 where the station says it.
+    /// how near the runs show its two parts to come, 0 where the station says it; `way` is what they measured at the end of the way that the IU is
+    /// a part of.
     pub(super) fn bounds(
         &self,
         context: Context,
         shown: &[Measures],
         frames: &[u32],
+        way: Option<&[Measures]>,
         met_within_m: f32,
     ) -> (Bounds, MeasureBounds) {
         let any = MeasureBounds::ANY;
@@ -100,13 +113,20 @@ impl Rates {
             stroke_m: if is_repeated(shown) { self.stroke_m(shown) } else { any.stroke_m },
             path_m: self.path_m(shown),
             max_detour_m: self.max_detour_m(shown),
+            max_bow_m: way.map_or(any.max_bow_m, |way| self.max_bow_m(way)),
             axis: if is_directed(context, shown) { self.axis(shown) } else { any.axis },
             place_m: if is_at_another(context) { self.place_m(shown, met_within_m) } else { any.place_m },
             shown: None,
         };
         (
             self.reversals(shown),
-            MeasureBounds { shown: Some(what_was_shown(shown, frames, &bounds)), ..bounds },
+            MeasureBounds {
+                shown: Some(Shown {
+                    bow_m: most_bow_m(way.unwrap_or(shown)),
+                    ..what_was_shown(shown, frames, &bounds)
+                }),
+                ..bounds
+            },
         )
     }
 
@@ -186,6 +206,13 @@ impl Rates {
         ((centre + apart).exp() - STRAY_DETOUR_M) as f32
     }
 
+    /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
+    fn max_bow_m(&self, shown: &[Measures]) -> f32 {
+        let bows: Vec<f64> = shown.iter().map(|measures| measures.bow_m.into()).collect();
+        let (centre, apart) = self.interval(&bows, PRIOR_BOW * (mean(&bows) + STRAY_BOW_M), 2.0 * self.bow);
+        (centre + apart) as f32
+    }
+
     fn axis(&self, shown: &[Measures]) -> Around<2> {
         self.around(&shown.iter().map(|measures| measures.axis).collect::<Vec<_>>(), PRIOR_AXIS, self.axis)
     }
@@ -221,9 +248,14 @@ fn what_was_shown(shown: &[Measures], frames: &[u32], bounds: &MeasureBounds) ->
         stroke_m: lengths(shown.iter().filter_map(|measures| measures.stroke_m)),
         path_m: lengths(shown.iter().map(|measures| measures.path_m)),
         detour_m: most(&mut shown.iter().map(|measures| measures.detour_m)),
+        bow_m: most_bow_m(shown),
         axis: most(&mut shown.iter().map(|measures| bounds.axis.distance(measures.axis))),
         place_m: most(&mut shown.iter().map(|measures| bounds.place_m.distance(measures.place_m))),
     }
+}
+
+fn most_bow_m(shown: &[Measures]) -> f32 {
+    shown.iter().map(|measures| measures.bow_m).fold(0.0, f32::max)
 }
 
 /// The reversals of each demonstration. Where some may have been hidden, as many as bring it nearest to the others: a hand that was not seen for

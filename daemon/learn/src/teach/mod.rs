@@ -46,7 +46,7 @@ use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
 use andon_core::object::Meeting;
 use andon_core::segment::Measures;
-use kind::{is_repeated, is_taking};
+use kind::{is_repeated, is_taking, way_of};
 use measures::Rates;
 use people::People;
 use report::Found;
@@ -317,8 +317,9 @@ impl Teacher<'_> {
         let context = sequence.contexts[index];
         let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
         let measured = measures_of(self.runs, sequence, index);
+        let way = self.way(sequence, index);
         let (reversals, measures) =
-            self.rates.bounds(context, &measured, &frames, self.met_within_m(context));
+            self.rates.bounds(context, &measured, &frames, way.as_deref(), self.met_within_m(context));
         let taught = TaughtIu {
             context,
             threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people) as f32,
@@ -330,6 +331,18 @@ impl Teacher<'_> {
         };
         self.ius.push(IuReport::new(sequence.activity, index, &learned, &taught));
         Ok(taught)
+    }
+
+    /// What the demonstrations measured of a way at its end, where the IU is a part of one; it ends with the time at the part that it leads to,
+    /// unless strokes are made there.
+    fn way(&self, sequence: &Sequence, index: usize) -> Option<Vec<Measures>> {
+        let way = way_of(&sequence.contexts, index)?;
+        let [begin, end] = [*way.start(), *way.end()].map(|iu| measures_of(self.runs, sequence, iu));
+        match (is_repeated(&end), index == *way.start()) {
+            (false, _) => Some(end),
+            (true, true) => Some(begin),
+            (true, false) => None,
+        }
     }
 
     /// How near the runs show the two parts of an IU to come, in metres; 0 where the station says it.

@@ -22,7 +22,10 @@ pub(super) struct Noticed<'a> {
 impl fmt::Display for Noticed<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "what would be noticed: the smallest difference from what was shown, less and more")?;
-        writeln!(f, "step  IU  strokes       seconds        path cm      stroke cm      place cm  degrees")?;
+        writeln!(
+            f,
+            "step  IU  strokes       seconds        path cm      bow cm  stroke cm      place cm  degrees"
+        )?;
         self.ius.iter().try_for_each(|iu| self.line(iu, f))
     }
 }
@@ -30,20 +33,21 @@ impl fmt::Display for Noticed<'_> {
 impl Noticed<'_> {
     fn line(&self, iu: &IuReport, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(cells) = self.cells(iu) else { return Ok(()) };
-        let [strokes, seconds, path, stroke, place, degrees] = cells;
+        let [strokes, seconds, path, bow, stroke, place, degrees] = cells;
         writeln!(
             f,
-            "{:>4}  {:>2}  {strokes:<12}  {seconds:<13}  {path:<11}  {stroke:<13}  {place:<8}  {degrees}",
+            "{:>4}  {:>2}  {strokes:<12}  {seconds:<13}  {path:<11}  {bow:<6}  {stroke:<13}  {place:<8}  {degrees}",
             iu.activity + 1,
             iu.iu + 1,
         )
     }
 
-    /// What would be noticed of an IU: strokes, seconds, the length of the path, that of strokes, place and axis. `None` where nothing was
+    /// What would be noticed of an IU: strokes, seconds, the length of the path and how far off the
+    /// straight line it leads, the length of strokes, place and axis. `None` where nothing was
     /// measured.
-    pub(super) fn cells(&self, iu: &IuReport) -> Option<[String; 6]> {
+    pub(super) fn cells(&self, iu: &IuReport) -> Option<[String; 7]> {
         let bounds = &iu.measures;
-        let Shown { frames, reversals, stroke_m, path_m, detour_m, .. } = bounds.shown?;
+        let Shown { frames, reversals, stroke_m, path_m, detour_m, bow_m, .. } = bounds.shown?;
         let strokes = counts(reversals, iu.reversals).map(|count| count.map(|count| count / 2.0));
         let seconds = counts(frames, iu.frames).map(|count| count.map(|count| count / self.rate_hz));
         let off = |bound: f32| bound.is_finite().then_some(bound);
@@ -54,6 +58,7 @@ impl Noticed<'_> {
             both(strokes, 1),
             both(seconds, 1),
             both([path_less, off(bounds.max_detour_m - detour_m).map(centimetres)], 0),
+            both([None, off(bounds.max_bow_m - bow_m).map(centimetres)], 0),
             both(lengths(stroke_m, bounds.stroke_m), 1),
             one(off(bounds.place_m.max).map(centimetres), 1),
             one(degrees, 0),

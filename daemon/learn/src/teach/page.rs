@@ -69,7 +69,7 @@ fn noticed(job: &JobFile, report: &TeachReport) -> String {
         let [name, number] = place(job, iu);
         Some([name, number].into_iter().chain(noticed.cells(iu)?).collect())
     });
-    let head = ["step", "IU", "strokes", "seconds", "path cm", "stroke cm", "place cm", "degrees"];
+    let head = ["step", "IU", "strokes", "seconds", "path cm", "bow cm", "stroke cm", "place cm", "degrees"];
     let table = table(
         &head,
         &["step"],

@@ -364,6 +364,7 @@ impl Scene {
                 _ => Context::IDLE,
             },
             position: from_hand.and_then(|j| self.position(hand, j, l, age)),
+            tips: from_hand.and_then(|_| self.tips(hand, age)),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
@@ -387,12 +388,15 @@ impl Scene {
 
     /// Where a hand acts on `o_j`, see [`Couple::position`].
     fn position(&self, hand: usize, j: usize, l: Option<usize>, age: usize) -> Option<Point> {
-        let Some(l) = l else {
-            let hand = self.hands[hand].ago(age);
-            return (hand.source == Source::Seen).then(|| hand.grip());
-        };
+        let Some(l) = l else { return self.tips(hand, age) };
         let [of_j, of_l] = [j, l].map(|object| self.objects[object].poses.ago(age));
         self.are_seen(j, l, age).then(|| of_l.own(of_j.position))
+    }
+
+    /// Where the finger tips of a hand are on the bench; `None` where they were not seen.
+    fn tips(&self, hand: usize, age: usize) -> Option<Point> {
+        let hand = self.hands[hand].ago(age);
+        (hand.source == Source::Seen).then(|| hand.grip())
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.

@@ -1,0 +1,162 @@
+//! How far a hand goes round on its way with a part.
+
+use super::measures::{MOVED_M, distance};
+use crate::couple::geometry::{dot, subtract};
+use crate::input::Point;
+use heapless::Vec;
+
+/// Maximum number of points that are kept of a way. One that is longer than as many steps is kept with every second of them.
+const POINTS: usize = 64;
+
+/// The way of a hand with a part, from where it took that, or came with it to a part that it has left, to where it is now; in fixed memory.
+#[derive(Clone, Debug)]
+pub(super) struct Way {
+    /// Where it has been, from where the way began.
+    points: Vec<Point, POINTS>,
+    /// The minimum distance of two points that are kept, in metres.
+    spacing_m: f32,
+    /// Where the newest step ended.
+    step: Point,
+    bow_m: f32,
+    /// In how many frames just before its first point the hand was not seen.
+    unseen_before: u32,
+}
+
+impl Way {
+    /// A way that begins after as many frames in which the hand was not seen.
+    pub(super) const fn after(unseen: u32) -> Self {
+        Self { points: Vec::new(), spacing_m: MOVED_M, step: [0.0; 3], bow_m: 0.0, unseen_before: unseen }
+    }
+
+    /// How far it has led off the straight line so far, in metres: the greatest distance that a point of it had, at any time, from the line
+    /// between where it began and where the hand was then. It never becomes less.
+    pub(super) fn bow_m(&self) -> f32 {
+        self.bow_m
+    }
+
+    /// In how many frames just before its first point the hand was not seen: it may have begun elsewhere.
+    pub(super) fn unseen_before(&self) -> u32 {
+        self.unseen_before
+    }
+
+    /// Takes the next frame, with the finger tips in the bench frame if they are known.
+    pub(super) fn push(&mut self, tips: Option<Point>) {
+        let (began, tips) = match (self.points.first(), tips) {
+            (Some(began), Some(tips)) => (*began, tips),
+            (Some(_), None) => return,
+            (None, None) => {
+                self.unseen_before = self.unseen_before.saturating_add(1);
+                return;
+            }
+            (None, Some(tips)) => {
+                self.keep(tips);
+                self.step = tips;
+                return;
+            }
+        };
+        if distance(self.step, tips) < MOVED_M {
+            return;
+        }
+        self.step = tips;
+        let off = self.points.iter().map(|point| squared_distance_from_line(*point, began, tips));
+        self.bow_m = self.bow_m.max(libm::sqrtf(off.fold(0.0, f32::max)));
+        if self.points.last().is_none_or(|last| distance(*last, tips) >= self.spacing_m) {
+            self.keep(tips);
+        }
+    }
+
+    fn keep(&mut self, point: Point) {
+        if self.points.is_full() {
+            let mut index = 0;
+            self.points.retain(|_| {
+                index += 1;
+                index % 2 == 1
+            });
+            self.spacing_m *= 2.0;
+        }
+        // There is room now.
+        let _ = self.points.push(point);
+    }
+}
+
+/// The squared distance of a point from the line between two others, which ends there.
+fn squared_distance_from_line(point: Point, from: Point, to: Point) -> f32 {
+    let (along, off) = (subtract(to, from), subtract(point, from));
+    let squared_length = dot(along, along);
+    let share = if squared_length > 0.0 { (dot(off, along) / squared_length).clamp(0.0, 1.0) } else { 0.0 };
+    let apart = subtract(off, along.map(|length| share * length));
+    dot(apart, apart)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use core::f32::consts::PI;
+    use std::vec::Vec;
+
+    /// The bow after each frame of this way.
+    fn bows(way: impl IntoIterator<Item = Option<Point>>) -> Vec<f32> {
+        let mut measured = Way::after(0);
+        let bow = |tips| {
+            measured.push(tips);
+            measured.bow_m()
+        };
+        way.into_iter().map(bow).collect()
+    }
+
+    /// A metre along x in 60 frames, and so far off it in the middle.
+    fn arc(off_m: f32) -> Vec<Option<Point>> {
+        let at = |frame: i32| frame as f32 / 60.0;
+        (0..=60).map(|frame| Some([at(frame), 0.0, off_m * libm::sinf(PI * at(frame))])).collect()
+    }
+
+    #[track_caller]
+    fn check(way: impl IntoIterator<Item = Option<Point>>, expected_m: f32) {
+        let bow_m = bows(way).pop().unwrap_or_default();
+        assert!((bow_m - expected_m).abs() < 0.01, "{bow_m} instead of {expected_m}");
+    }
+
+    #[test]
+    fn an_arc_is_as_far_off_as_it_is_high() {
+        check(arc(0.0), 0.0);
+        check(arc(0.1), 0.1);
+        check(arc(0.3), 0.3);
+    }
+
+    #[test]
+    fn a_way_out_and_back_is_off_by_its_whole_length() {
+        let out = |metres: f32| (0..30).map(move |frame| Some([metres * frame as f32 / 29.0, 0.0, 0.0]));
+        check(out(0.25).chain(out(0.25).collect::<Vec<_>>().into_iter().rev()), 0.25);
+    }
+
+    #[test]
+    fn how_far_off_a_way_has_led_is_known_before_its_end_and_never_taken_back() {
+        let bows = bows(arc(0.3));
+        assert!(bows.is_sorted());
+        assert!(bows[45] > 0.15, "{}", bows[45]);
+    }
+
+    #[test]
+    fn a_hand_that_trembles_or_rests_goes_no_way() {
+        let noise = [0.0, 0.004, -0.004, 0.003, -0.002];
+        check((0..500).map(|frame| Some([noise[frame % 5], noise[frame % 3], 0.0])), 0.0);
+    }
+
+    #[test]
+    fn a_way_of_many_metres_is_kept_in_the_same_memory() {
+        // Three full circles, which come no farther from the line than their diameter.
+        let angle = |frame: i32| 6.0 * PI * frame as f32 / 600.0;
+        let circle = |frame: i32| Some([libm::cosf(angle(frame)), libm::sinf(angle(frame)), 0.0]);
+        let bow_m = bows((0..=600).map(circle)).pop().unwrap_or_default();
+        assert!((bow_m - 2.0).abs() < 0.02, "{bow_m}");
+    }
+
+    #[test]
+    fn frames_in_which_the_hand_is_not_seen_lead_nowhere_and_are_counted_before_the_first_point() {
+        let hidden = arc(0.3).into_iter().enumerate().map(|(frame, tips)| tips.filter(|_| frame % 7 != 0));
+        check(hidden, 0.3);
+        let mut way = Way::after(2);
+        [None, None, Some([0.0; 3]), None].into_iter().for_each(|tips| way.push(tips));
+        assert_eq!(way.unseen_before(), 4);
+    }
+}
