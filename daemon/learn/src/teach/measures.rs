@@ -29,6 +29,9 @@ const PRIOR_PLACE_M: f64 = 0.008;
 /// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
+/// A motion that comes back by less than this is not counted, in metres.
+const COUNTED_M: f32 = 0.015;
+
 /// Somebody who corrects the place of a part goes back and forth once more.
 const STRAY_REVERSALS: u32 = 2;
 
@@ -38,9 +41,10 @@ const STRAY_PATH_M: f64 = 0.05;
 /// Nobody notices a way that is less straight by this, in metres.
 const STRAY_DETOUR_M: f64 = 0.1;
 
-/// The share of the job's rate of false alarms that each of the three measures has by which people differ so much that what is wrong is found
-/// only near the limit: half of a stroke, no pause at a part, one stroke less. The four other measures share the rest.
-const NEAR_SHARE: f64 = 0.3;
+/// The share of the job's rate of false alarms that each of the two measures has by which people differ so much that what is wrong is found
+/// only near the limit: strokes half as long, no pause at a part. The five other measures share the rest: counts are whole, so that a stroke less
+/// is found at any rate.
+const NEAR_SHARE: f64 = 0.4;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
 /// that have it share that equally.
@@ -68,9 +72,9 @@ impl Rates {
                 ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - 3.0 * NEAR_SHARE) / 4.0;
+        let other = (1.0 - 2.0 * NEAR_SHARE) / 5.0;
         Self {
-            reversals: rate(NEAR_SHARE, &|_, _| true),
+            reversals: rate(other, &|_, _| true),
             stroke: rate(NEAR_SHARE, &|_, shown| is_repeated(shown)),
             path: rate(other, &|_, _| true),
             axis: rate(other, &|context, shown| is_directed(context, shown)),
@@ -131,8 +135,8 @@ impl Rates {
         // Right work is near the minimum only, because of the pause, so the whole rate is there.
         let (centre, apart) = self.interval(&durations, prior, 2.0 * rate);
         let least = (centre - apart).exp();
-        // One frame beyond the border may be none.
-        let min = if least < 1.0 { 0 } else { (least + border) as u32 };
+        // One frame beyond the border may be none. Among people who differ more, the quick ones pass the border more quickly, too.
+        let min = if least < 1.0 { 0 } else { (least + border / self.people.variety) as u32 };
         // Who is half as quick takes twice as long for the way.
         Some((min, is_timed.then(|| (centre + apart).exp() + 2.0 * border)))
     }
@@ -149,10 +153,18 @@ impl Rates {
         if is_repeated(shown) {
             // Where the runs show no reversal more or less at the border, others may.
             let border = if usual.min == usual.max { BORDER_REVERSALS } else { 0 };
-            Bounds { min: usual.min - less.max(border).min(usual.min), max: max.max(usual.max + border) }
+            let less = less.max(border) + self.uncounted(shown);
+            Bounds { min: usual.min - less.min(usual.min), max: max.max(usual.max + border) }
         } else {
             Bounds { min: 0, max: max.max(most + STRAY_REVERSALS) }
         }
+    }
+
+    /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
+    /// the last stroke begin and end in the middle.
+    fn uncounted(&self, shown: &[Measures]) -> u32 {
+        let is_short = self.people.variety > 1.0 && self.stroke_m(shown).min < 2.0 * COUNTED_M;
+        if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
     /// The maximum length of a stroke, in metres, of an IU with these demonstrations; `None` where the motion is not a repeated one.
