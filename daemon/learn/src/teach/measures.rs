@@ -356,6 +356,35 @@ mod tests {
     }
 
     #[test]
+    fn who_is_quick_among_people_who_differ_more_passes_the_border_quickly_and_need_not_pause() {
+        let shown = [Measures::default(); 7];
+        let at_meter = Context([1, 6, 6, 3]);
+        let frames = [28, 34, 31, 47, 25, 36, 40];
+        let min = |variety| {
+            let people = People { one_person: 0.0, variety, freedom: f64::INFINITY };
+            let rates = Rates::new(0.03, people, [(at_meter, shown.as_slice())].into_iter());
+            rates.frames(at_meter, &shown, &frames, 30.0).map(|(min, _)| min)
+        };
+        // On its way in and out the part is at the meter for 6 frames, and for 2 if people differ three times as much.
+        assert!(min(1.0).is_some_and(|min| min > 14) && min(3.0).is_some_and(|min| (2..6).contains(&min)));
+    }
+
+    #[test]
+    fn strokes_that_may_be_so_short_that_half_of_one_is_not_counted_may_have_a_reversal_less_at_either_end() {
+        let min = |stroke_m: f32, variety: f64| {
+            let shown = [12, 13, 13, 12, 13].map(|reversals| Measures {
+                reversals,
+                stroke_m: Some(stroke_m),
+                ..Measures::default()
+            });
+            let people = People { variety, ..People::IN_GENERAL };
+            let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
+            Rates::new(0.03, people, ius.into_iter()).reversals(&shown).min
+        };
+        assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
+    }
+
+    #[test]
     fn that_people_differ_more_is_uncertain_and_makes_the_bounds_wider_than_as_many_times() {
         let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
         let apart = |prior, variety, freedom| {

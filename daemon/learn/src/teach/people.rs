@@ -31,7 +31,7 @@ const SURE: f64 = 0.99;
 
 /// How probable it is that people who do differ more differ less than they are taken to. Runs that stand out are not learnt from, so that what is
 /// left is more alike than people are: of groups who differ three times as much, the accepted ones seem to differ 2.2 times as much.
-const LESS: f64 = 0.95;
+const LESS: f64 = 0.9;
 
 /// What the runs tell of the people who showed them.
 #[derive(Clone, Copy, Debug)]
@@ -149,8 +149,8 @@ mod tests {
     #[test]
     fn people_differ_as_much_at_most_as_all_that_is_measured_of_them_says() {
         let (twice, freedom) = variety(&[spread(2.0), spread(2.0), spread(2.0)]);
-        // Of chi-squared with 18 degrees of freedom, 9.39 is exceeded by 95 %.
-        assert!((twice - 2.0 * (18.0_f64 / 9.39).sqrt()).abs() < 1e-3 && freedom == 18.0, "{twice}");
+        // Chi-squared with 18 degrees of freedom exceeds 10.865 in 90 %.
+        assert!((twice - 2.0 * (18.0_f64 / 10.865).sqrt()).abs() < 1e-3 && freedom == 18.0, "{twice}");
         // What is more in two measures and as usual in a third one is chance.
         assert!(variety(&[spread(1.5), spread(1.5)]).0 > 1.0);
         for usual in [[1.5, 1.5, 0.9].map(spread), [const { Vec::new() }; 3]] {
