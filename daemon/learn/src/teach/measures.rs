@@ -31,6 +31,9 @@ const PRIOR_PLACE_M: f64 = 0.008;
 /// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
+/// A motion that comes back by less than this is not counted, in metres.
+const COUNTED_M: f32 = 0.015;
+
 /// Somebody who corrects the place of a part goes back and forth once more.
 const STRAY_REVERSALS: u32 = 2;
 
@@ -44,9 +47,10 @@ const STRAY_DETOUR_M: f64 = 0.1;
 /// round, in metres.
 const STRAY_BOW_M: f64 = 0.1;
 
-/// The share of the job's rate of false alarms that each of the three measures has by which people differ so much that what is wrong is found
-/// only near the limit: half of a stroke, no pause at a part, one stroke less. The four other measures share the rest.
-const NEAR_SHARE: f64 = 0.27;
+/// The share of the job's rate of false alarms that each of the two measures has by which people differ so much that what is wrong is found
+/// only near the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole,
+/// so that a stroke less is found at any rate.
+const NEAR_SHARE: f64 = 0.35;
 
 /// The share that a way has that leads too far off the straight line.
 const BOW_SHARE: f64 = 0.15;
@@ -78,9 +82,9 @@ impl Rates {
                 ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - 3.0 * NEAR_SHARE - BOW_SHARE) / 4.0;
+        let other = (1.0 - 2.0 * NEAR_SHARE - BOW_SHARE) / 5.0;
         Self {
-            reversals: rate(NEAR_SHARE, &|_, _| true),
+            reversals: rate(other, &|_, _| true),
             stroke: rate(NEAR_SHARE, &|_, shown| is_repeated(shown)),
             path: rate(other, &|_, _| true),
             bow: rate(BOW_SHARE, &|context, _| is_on_the_way(context)),
@@ -151,8 +155,8 @@ impl Rates {
         // Right work is near the minimum only, because of the pause, so the whole rate is there.
         let (centre, apart) = self.interval(&durations, prior, 2.0 * rate);
         let least = (centre - apart).exp();
-        // One frame beyond the border may be none.
-        let min = if least < 1.0 { 0 } else { (least + border) as u32 };
+        // One frame beyond the border may be none. Among people who differ more, the quick ones pass the border more quickly, too.
+        let min = if least < 1.0 { 0 } else { (least + border / self.people.variety) as u32 };
         // Who is half as quick takes twice as long for the way.
         Some((min, is_timed.then(|| (centre + apart).exp() + 2.0 * border)))
     }
@@ -169,10 +173,18 @@ impl Rates {
         if is_repeated(shown) {
             // Where the runs show no reversal more or less at the border, others may.
             let border = if usual.min == usual.max { BORDER_REVERSALS } else { 0 };
-            Bounds { min: usual.min - less.max(border).min(usual.min), max: max.max(usual.max + border) }
+            let less = less.max(border) + self.uncounted(shown);
+            Bounds { min: usual.min - less.min(usual.min), max: max.max(usual.max + border) }
         } else {
             Bounds { min: 0, max: max.max(most + STRAY_REVERSALS) }
         }
+    }
+
+    /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
+    /// the last stroke begin and end in the middle.
+    fn uncounted(&self, shown: &[Measures]) -> u32 {
+        let is_short = self.people.variety > 1.0 && self.stroke_m(shown).min < 2.0 * COUNTED_M;
+        if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
     /// The maximum length of a stroke, in metres, of an IU with these demonstrations; `None` where the motion is not a repeated one.
@@ -373,6 +385,35 @@ mod tests {
         assert!(max.is_some_and(|max| (60.0..90.0).contains(&max)), "{max:?}");
         // Who only passes has no pause that could be left out.
         assert_eq!(bounds([5, 6, 5, 7, 6, 5, 6]).0, 0);
+    }
+
+    #[test]
+    fn who_is_quick_among_people_who_differ_more_passes_the_border_quickly_and_need_not_pause() {
+        let shown = [Measures::default(); 7];
+        let at_meter = Context([1, 6, 6, 3]);
+        let frames = [28, 34, 31, 47, 25, 36, 40];
+        let min = |variety| {
+            let people = People { one_person: 0.0, variety, freedom: f64::INFINITY };
+            let rates = Rates::new(0.03, people, [(at_meter, shown.as_slice())].into_iter());
+            rates.frames(at_meter, &shown, &frames, 30.0).map(|(min, _)| min)
+        };
+        // On its way in and out the part is at the meter for 6 frames, and for 2 if people differ three times as much.
+        assert!(min(1.0).is_some_and(|min| min > 14) && min(3.0).is_some_and(|min| (2..6).contains(&min)));
+    }
+
+    #[test]
+    fn strokes_that_may_be_so_short_that_half_of_one_is_not_counted_may_have_a_reversal_less_at_either_end() {
+        let min = |stroke_m: f32, variety: f64| {
+            let shown = [12, 13, 13, 12, 13].map(|reversals| Measures {
+                reversals,
+                stroke_m: Some(stroke_m),
+                ..Measures::default()
+            });
+            let people = People { variety, ..People::IN_GENERAL };
+            let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
+            Rates::new(0.03, people, ius.into_iter()).reversals(&shown).min
+        };
+        assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
     }
 
     #[test]

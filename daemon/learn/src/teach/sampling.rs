@@ -11,6 +11,10 @@ const LEAST_HZ: f32 = 1.0;
 /// Shares of the frames that are tried before every second, third, fourth frame and so on: numerator and denominator.
 const MOST: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
 
+/// The share that is tried where no smaller one is enough: no camera delivers every frame, and a job that needed each would not be judged for the
+/// loss of one.
+const ALMOST_ALL: [u32; 2] = [19, 20];
+
 /// One in this number of thinned runs may fail to be judged: what a run itself hides may lie where a frame is left out.
 const UNJUDGED: usize = 10;
 
@@ -40,6 +44,7 @@ pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
     };
     let every = (2..=(rate_hz / LEAST_HZ) as u32).map(|every| [1, every]);
     let least = MOST.into_iter().chain(every).take_while(is_enough).last();
+    let least = least.or_else(|| Some(ALMOST_ALL).filter(is_enough));
     least.filter(|_| !shown.is_empty()).map_or(rate_hz, rate_of)
 }
 
