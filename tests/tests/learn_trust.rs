@@ -77,7 +77,7 @@ fn a_run_with_half_of_the_strokes_among_four_correct_ones_is_named_with_the_iu_a
     assert_eq!((outlier.run.as_str(), outlier.activity, outlier.iu), ("p5", 0, 1));
     assert_eq!(outlier.measure, Measure::Reversals);
     assert!(outlier.value < 0.8 * outlier.others[0], "{outlier:?}");
-    for part in ["p5 is not like the others", "activity 1, IU 2", "reverses its motion", "the others"] {
+    for part in ["p5 is not like the others", "step 1, IU 2", "reverses its motion", "the others"] {
         assert!(first.contains(part), "{first}");
     }
     assert!(
@@ -140,10 +140,7 @@ fn a_pause_that_is_no_anomaly_is_named_and_learnt() {
     let report = waiting(2, 3);
     assert!(report.is_trusted(), "{report}");
     let text = report.to_string();
-    assert!(
-        text.contains("note: p5 is slow: in activity 1, IU 1") && text.contains(" s, the others "),
-        "{text}"
-    );
+    assert!(text.contains("note: p5 is slow: in step 1, IU 1") && text.contains(" s, the others "), "{text}");
 }
 
 #[test]
@@ -151,7 +148,7 @@ fn one_run_in_another_order_is_named_with_what_is_different_unless_the_order_is_
     let runs = with(Flaw::WrongOrder);
     let report = taught(&runs);
     let first = refused(&report);
-    assert!(first.contains("p5 has another order than the 4 others: its activity 1 begins with"), "{first}");
+    assert!(first.contains("p5 has another order than the 4 others: its step 1 begins with"), "{first}");
     assert!(first.contains("brick, theirs with right hand with polisher"), "{first}");
     assert!(report.to_string().contains("--order false"), "{report}");
     let free = TeachOptions { order_matters: Some(false), ..options() };
@@ -213,7 +210,7 @@ fn an_iu_of_which_too_little_was_seen_is_not_learnt_and_named_with_its_run() {
         report.blind.iter().map(|blind| (blind.run.as_str(), blind.activity, blind.iu)).collect();
     assert_eq!(places, [("p5", 0, 1)], "{report}");
     assert_eq!(report.ius[1].demonstrations, 4);
-    assert!(report.to_string().contains("too little was seen of p5 in activity 1, IU 2"), "{report}");
+    assert!(report.to_string().contains("too little was seen of p5 in step 1, IU 2"), "{report}");
     assert!(report.is_trusted(), "the other IUs of the run are well seen: {report}");
 }
 
@@ -238,7 +235,7 @@ fn fewer_than_half_of_the_runs_in_agreement_are_not_trusted() {
 fn where_a_run_differs_from_the_others_the_difference_is_named() {
     let report = taught(&[run(1, Flaw::J2), run(2, Flaw::StepLeftOut)]);
     refused(&report);
-    assert!(report.to_string().contains("left out was p1: in activity"), "{report}");
+    assert!(report.to_string().contains("left out was p1: in step"), "{report}");
 }
 
 #[test]
@@ -252,7 +249,7 @@ fn where_each_run_does_another_step_otherwise_each_difference_is_named() {
     let error = teach(&[run(1, Flaw::J2), named("p2", &unseen)], &options()).unwrap_err();
     let TeachError::NoneAgrees { runs: 2, differences } = &error else { panic!("{error}") };
     assert!(error.is_of_runs());
-    for name in ["p1: in activity", "p2: in activity"] {
+    for name in ["p1: in step", "p2: in step"] {
         assert!(differences.iter().any(|found| found.starts_with(name)), "{error}");
     }
     let nothing = error.to_string();
@@ -306,6 +303,6 @@ fn a_doubt_uses_the_words_that_it_is_given() {
     let sentence = doubt.sentence(&|context| format!("<{}>", context.0[1]));
     assert_eq!(
         sentence,
-        "p1 has another order than the 4 others: its activity 2 begins with <5>, theirs with <6>"
+        "p1 has another order than the 4 others: its step 2 begins with <5>, theirs with <6>"
     );
 }

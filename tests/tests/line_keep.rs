@@ -43,7 +43,7 @@ fn a_journal_that_is_removed_under_its_writer_begins_anew_with_a_gap_and_confirm
         line.path("journal.sqlite").exists() && line.journal().verdicts().contains(&sent)
     });
     let history = text(&line, "history", &[]);
-    assert!(history.contains("-- gap: removed"), "{history}");
+    assert!(history.contains("-- what was before is not here any more: somebody has removed"), "{history}");
     assert!(audit(&line).contains("a new one has begun"), "{}", audit(&line));
     // The PLC goes on: what it is offered from now on is in the new journal.
     plc.control(control::ENABLE | control::RESET_ERROR).unwrap();
@@ -78,7 +78,10 @@ fn a_damaged_journal_is_put_aside_and_the_line_comes_up_with_a_new_one() {
     watcher.until("a verdict", |watcher| !watcher.verdicts.is_empty());
     let sent = watcher.newest_verdict_key().unwrap();
     until("the verdict", || line.journal().verdicts().contains(&sent));
-    assert!(text(&line, "history", &[]).contains("-- gap: damaged"));
+    assert!(
+        text(&line, "history", &[])
+            .contains("-- what was before is not here any more: the database was damaged")
+    );
 }
 
 #[test]

@@ -27,6 +27,13 @@ fn object(entry: &str) -> String {
 }
 
 #[test]
+fn an_object_of_a_track_file_without_points_has_one_at_its_centre() {
+    let header = tracks("", r#"{"id":5,"name":"brick"}"#, "{\"t\":0}");
+    let recording = recording::read("good", header.as_bytes()).unwrap();
+    assert_eq!(recording.header.objects[0].shape.interaction_points.as_slice(), [[0.0; 3]]);
+}
+
+#[test]
 fn a_track_file_that_cannot_be_trusted_is_refused_with_its_line_and_the_reason() {
     const OBJECT: &str = r#"{"id":5,"p":[0,0,0],"q":[1,0,0,0]}"#;
     const HAND: &str = r#"{"id":"right","landmarks":[[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0]]}"#;

@@ -7,7 +7,7 @@ mod common;
 use andon_perception::bench::{BenchMarker, Calibration, CalibrationError, calibrate, examine};
 use andon_perception::metric::{Distortion, Lens};
 use andon_perception::{BenchPoint, Dictionary};
-use common::{DAYLIGHT, Drawn, gray, picture, straight_down};
+use common::{DAYLIGHT, Drawn, blurred, gray, picture, straight_down};
 
 const SIDE_M: f64 = 0.04;
 
@@ -41,6 +41,23 @@ fn a_calibration_is_read_as_it_was_written_and_places_a_pixel_on_the_bench() {
     calibration.save(&path).unwrap();
     assert_eq!(Calibration::load(&path).unwrap(), calibration);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left");
+}
+
+/// A picture as `andond look --save` gives it where the lens is not focused, with the markers of the bench.
+#[test]
+fn blur_hides_no_marker() {
+    let ids = 46..50;
+    let drawn: Vec<_> =
+        ids.clone().zip(CORNERS).map(|(id, centre)| Drawn::new(id, centre, SIDE_M, 0.0)).collect();
+    let named: Vec<_> = ids.zip(named(&CORNERS)).map(|(id, marker)| BenchMarker { id, ..marker }).collect();
+    let sharp =
+        picture(1280, 720, &straight_down(1280, 720, 1000.0), &drawn, Dictionary::default(), DAYLIGHT);
+    // 47 is the first that is lost.
+    for deviation_px in [1.0, 1.5, 2.0] {
+        let blurred = blurred(1280, &sharp, deviation_px);
+        let calibration = calibrate(&gray(1280, 720, &blurred), &named, Dictionary::default()).unwrap();
+        assert!(calibration.centre_error_m < 0.002, "{deviation_px}: {calibration:?}");
+    }
 }
 
 #[test]

@@ -37,25 +37,25 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
         &[
             (
                 "learn a job from films and track files",
-                "andond teach run1.mp4 run2.mp4 run3.tracks.jsonl --out polish.toml",
+                "andond teach run1.mp4 run2.mp4 run3.tracks.jsonl --out jobs/polish.toml",
             ),
             (
                 "show it at the bench instead, and look at the report in a browser",
-                "andond teach --live --out polish.toml --report polish.html",
+                "andond teach --live --out jobs/polish.toml --report polish.html",
             ),
             (
                 "teach it again with one more run and without another one",
-                "andond teach --add run6.mp4 --without run2.mp4 --out polish.toml",
+                "andond teach --add run6.mp4 --without run2.mp4 --out jobs/polish.toml",
             ),
         ],
     ),
     (
         "replay",
         &[
-            ("judge a film", "andond replay --job polish.toml run7.mp4"),
+            ("judge a film", "andond replay --job jobs/polish.toml run7.mp4"),
             (
                 "keep the film with the verdicts drawn on it",
-                "andond replay --job polish.toml run7.mp4 --annotate judged.mp4",
+                "andond replay --job jobs/polish.toml run7.mp4 --annotate judged.mp4",
             ),
         ],
     ),
@@ -65,7 +65,7 @@ const EXAMPLES: &[(&str, &[(&str, &str)])] = &[
             ("see what a recording is divided into", "andond segment run1.tracks.jsonl"),
             (
                 "draw it, where the station does not say where parts are touched",
-                "andond segment run1.mp4 --job polish.toml --plot run1.svg",
+                "andond segment run1.mp4 --job jobs/polish.toml --plot run1.svg",
             ),
         ],
     ),

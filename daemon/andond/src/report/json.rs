@@ -118,7 +118,7 @@ pub struct VerdictLine {
     nearest: Option<u16>,
     /// The name of the step that `nearest` is.
     step: Option<String>,
-    /// What was expected instead, and what came, by the names of parts and steps.
+    /// What was expected, and what came, in words of one kind.
     expected: Option<String>,
     got: Option<String>,
     measures: Option<MeasureLine>,
@@ -252,7 +252,8 @@ mod tests {
     }
 
     fn names() -> Names {
-        Names::new([(5, "polisher".to_owned()), (6, "brick".to_owned())])
+        let names = Names::new([(5, "polisher".to_owned()), (6, "brick".to_owned())]);
+        names.with_steps(&[("take", &[]), ("polish", &[[1, 5, 0, 0], [1, 5, 5, 6], [1, 5, 5, 6]])])
     }
 
     #[test]
@@ -262,7 +263,7 @@ mod tests {
                 .unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"captured_percent":98,"seen_percent":90,"nearest":1,"step":null,"expected":"step 2","got":"polisher at brick","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"captured_percent":98,"seen_percent":90,"nearest":1,"step":"polish","expected":"polisher at brick","got":"polisher at brick, in another motion","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
     }
 

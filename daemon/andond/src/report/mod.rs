@@ -3,6 +3,7 @@
 mod instead;
 mod json;
 mod names;
+mod pair;
 pub mod plot;
 #[cfg(test)]
 pub(crate) mod sample;

@@ -42,7 +42,7 @@ fn what(verdict: &Verdict, names: &Names) -> String {
         (Level::Iu, _) => {
             let place = format!("{step} IU {}", verdict.iu.map_or(0, |iu| iu + 1));
             // What was done instead of something else is said with that.
-            if is_instead(verdict) && names.expected(verdict).is_some() {
+            if is_instead(verdict) && instead(verdict, names).is_some() {
                 place
             } else {
                 format!("{place}: {}", done())
@@ -192,12 +192,16 @@ fn missing_words(verdict: &Verdict, names: &Names) -> String {
 
 /// What was done, and what was expected instead.
 fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
-    let expected = names.expected(verdict)?;
-    let other = verdict.nearest.and_then(|step| names.nominal(step, verdict.iu));
-    let got = verdict.context;
-    Some(match (got.0, other.map(|other| other.0)) {
-        // Which parts were meant is said of the IU.
-        _ if verdict.level != Level::Iu => "something else was done than was shown".to_owned(),
+    let step = verdict.nearest?;
+    // Which parts were meant is said of the IU.
+    if verdict.level != Level::Iu {
+        return Some("something else was done than was shown".to_owned());
+    }
+    let (got, shown) = (verdict.context, names.nominal(step, verdict.iu));
+    if shown == Some(got) {
+        return None;
+    }
+    Some(match (got.0, shown.map(|shown| shown.0)) {
         // The same parts in the other hand.
         ([hand, a, b, c], Some([shown, d, e, f])) if [a, b, c] == [d, e, f] && hand != shown => {
             let of = |hand: u16| if hand == Side::Left as u16 { Side::Left } else { Side::Right };
@@ -209,39 +213,11 @@ fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
         ([1 | 2, part, _, at @ (1..)], Some([1 | 2, shown, _, place @ (1..)])) if part == shown => {
             format!("{} at {}; expected at {}", names.the(part), names.the(at), names.the(place))
         }
-        _ => format!("{}; expected {expected}", names.context(got)),
+        _ => format!("{}; expected {}", names.context(got), names.expected(verdict)?),
     })
 }
 
 impl Names {
-    /// What was expected instead of what a verdict is about: a measure, another step, or another context within the nearest one.
-    pub fn expected(&self, verdict: &Verdict) -> Option<String> {
-        let broken = verdict.broken;
-        match verdict.outcome {
-            Outcome::Anomaly if broken.is_some() => {
-                let BrokenOrder { fault, activity, .. } = broken?;
-                matches!(fault, OrderFault::NotBegun | OrderFault::NotEnded).then(|| self.step(activity))
-            }
-            Outcome::Anomaly if verdict.measured.is_some() => verdict.measured.map(|of| measure(of).1),
-            Outcome::Anomaly => {
-                let nearest = verdict.nearest?;
-                let context = self.nominal(nearest, verdict.iu);
-                let other = context.filter(|context| *context != verdict.context);
-                Some(other.map_or_else(|| self.step(nearest), |context| self.context(context)))
-            }
-            _ => None,
-        }
-    }
-
-    /// What came, in words; a job is more than a few words can say, unless something was measured.
-    pub fn got(&self, verdict: &Verdict) -> Option<String> {
-        let measured = verdict.measured.filter(|_| verdict.outcome == Outcome::Anomaly);
-        // What is in the wrong place of the order is the step.
-        let step = verdict.broken.and(verdict.nearest).map(|step| self.step(step));
-        let done = || (verdict.level != Level::Job).then(|| self.context(verdict.context));
-        measured.map(|of| measure(of).0).or(step).or_else(done)
-    }
-
     /// What went wrong in a step, without figures, so that the same fault has the same words; `None` of what is right.
     pub fn fault(&self, verdict: &Verdict) -> Option<String> {
         use andon_core::verdict::Measure;
@@ -279,25 +255,6 @@ impl Names {
             Some(step) => format!("{}: {kind}", self.step(step)),
             None => kind.to_owned(),
         })
-    }
-}
-
-/// A measure that is out of its bounds: what came and what was shown, each with its unit.
-fn measure(measured: Measured) -> (String, String) {
-    use andon_core::verdict::Measure;
-    let words = measured_words(measured).to_string();
-    let (got, shown) = words.split_once(", shown ").unwrap_or((&words, ""));
-    match measured.measure {
-        Measure::Strokes => (got.to_owned(), format!("{shown} strokes")),
-        Measure::Direction => (got.to_owned(), format!("{shown} degrees")),
-        // The length of the way is in parentheses there.
-        Measure::Path => {
-            let got = got.split_once(" (").map_or(got, |(off, _)| off);
-            (got.to_owned(), format!("a path of {}", shown.trim_end_matches(')')))
-        }
-        Measure::Duration | Measure::StrokeLength | Measure::Bow | Measure::Place => {
-            (got.to_owned(), shown.to_owned())
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! `andond jobs`: the jobs of a station, and which of them is in force.
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -45,6 +45,10 @@ pub fn run(arguments: &Jobs) -> Result<Code, ToolError> {
     for fault in &jobs.faults {
         eprintln!("{fault}");
     }
+    if let Some(config) = config.filter(|_| lines.is_empty() && arguments.folder.is_none()) {
+        let folder = config.station.jobs.display();
+        eprintln!("the station has no job yet: write one there with `andond teach --out {folder}/NAME.toml`");
+    }
     Ok(Code::Stopped)
 }
 
@@ -76,7 +80,8 @@ pub(super) struct FoundJobs {
 pub(super) fn of_station(config: &Config) -> Result<FoundJobs, ToolError> {
     let configured = config.station.job.as_deref();
     let mut found = match in_folder(&config.station.jobs) {
-        // A station with one job has perhaps no folder of them.
+        // A station with one job has perhaps no folder of them, and a new one has it with its first job.
+        Err(ToolError::Read { source, .. }) if source.kind() == ErrorKind::NotFound => FoundJobs::default(),
         Err(_) if configured.is_some() => FoundJobs::default(),
         found => found?,
     };

@@ -19,9 +19,16 @@ use crate::exit::Code;
 /// That standard output is closed.
 pub fn completions(arguments: &Completions) -> Result<Code, ToolError> {
     let mut text = Vec::new();
-    clap_complete::generate(arguments.shell, &mut cli::command(), "andond", &mut text);
+    clap_complete::generate(arguments.shell, &mut shown(), "andond", &mut text);
     io::stdout().lock().write_all(&text).map_err(ToolError::Print)?;
     Ok(Code::Stopped)
+}
+
+/// The command line without what its help does not show: the completions would offer that.
+fn shown() -> Command {
+    let all = cli::command();
+    let shown = all.get_subcommands().filter(|command| !command.is_hide_set());
+    Command::new("andond").version(env!("CARGO_PKG_VERSION")).propagate_version(true).subcommands(shown)
 }
 
 /// Prints the table of exit codes.
@@ -129,4 +136,27 @@ fn exit_status() -> Roff {
         roff.control("TP", []).text([bold(*code)]).text([roman(*meaning)]);
     }
     roff
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use clap_complete::Shell;
+
+    #[test]
+    fn completions_offer_what_the_help_shows_and_nothing_else() {
+        for shell in [Shell::Bash, Shell::Fish, Shell::Zsh] {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut shown(), "andond", &mut text);
+            let text = String::from_utf8(text).unwrap();
+            for command in cli::command().get_subcommands() {
+                let name = command.get_name();
+                // As bash, fish and zsh have it.
+                let ways = [format!("andond,{name})"), format!("-a \"{name}\""), format!("\n({name})\n")];
+                let is_offered = ways.iter().any(|way| text.contains(way));
+                assert_eq!(is_offered, !command.is_hide_set(), "{name} in {shell}");
+            }
+        }
+    }
 }

@@ -71,7 +71,13 @@ pub(super) struct HeaderObject {
     pub(super) id: u16,
     #[serde(default)]
     pub(super) name: String,
+    #[serde(default = "centre")]
     pub(super) interaction_points: Vec<[f64; 3]>,
+}
+
+/// An object without points has one where it is, as in a station file: the runs show where it is touched.
+fn centre() -> Vec<[f64; 3]> {
+    vec![[0.0; 3]]
 }
 
 #[derive(Serialize, Deserialize)]

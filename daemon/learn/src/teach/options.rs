@@ -135,7 +135,7 @@ pub enum TeachError {
     NoRun,
     /// No run has an activity, or no step is common to most of them.
     #[error(
-        "the {0} runs have no activity in common: check that the hand touches the objects (interaction points, contact distances) \
+        "the {0} runs have no step in common: check that the hand touches the objects (interaction points, contact distances) \
          and that all runs show the same job"
     )]
     NothingInCommon(usize),
@@ -152,7 +152,7 @@ pub enum TeachError {
     },
     /// No run shows an IU well enough.
     #[error(
-        "activity {activity}, IU {iu} ({what}) was not seen well enough in any run: see that hand and parts stay in view, with at least half \
+        "step {activity}, IU {iu} ({what}) was not seen well enough in any run: see that hand and parts stay in view, with at least half \
          of the frames"
     )]
     NeverSeen {
@@ -182,7 +182,7 @@ pub enum TeachError {
         max: usize,
     },
     /// An IU cannot be compared.
-    #[error("run {run}, activity {activity}, IU {iu}: {refused}; at most {IU_FRAMES} frames can be compared")]
+    #[error("run {run}, step {activity}, IU {iu}: {refused}; at most {IU_FRAMES} frames can be compared")]
     Iu {
         /// The run's name.
         run: String,

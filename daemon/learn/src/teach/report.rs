@@ -135,7 +135,7 @@ impl TeachReport {
         let missing =
             ENOUGH_DEMONSTRATIONS.checked_sub(fewest.demonstrations).filter(|missing| *missing > 0)?;
         Some(format!(
-            "{few} of {} IUs rest on fewer than {ENOUGH_DEMONSTRATIONS} demonstrations, activity {}, IU {} on {}: show {missing} more",
+            "{few} of {} IUs rest on fewer than {ENOUGH_DEMONSTRATIONS} demonstrations, step {}, IU {} on {}: show {missing} more",
             self.ius.len(),
             fewest.activity + 1,
             fewest.iu + 1,
@@ -146,7 +146,7 @@ impl TeachReport {
     fn not_seen(&self) -> Option<String> {
         let place = |blind: &Blind| {
             let what = self.words(blind.context);
-            format!("{} in activity {}, IU {} ({what})", blind.run, blind.activity + 1, blind.iu + 1)
+            format!("{} in step {}, IU {} ({what})", blind.run, blind.activity + 1, blind.iu + 1)
         };
         let places: Vec<String> = self.blind.iter().map(place).collect();
         (!places.is_empty())
@@ -275,9 +275,9 @@ impl TeachReport {
 impl Disagreement {
     /// Where the run differs from the others, in words.
     pub(super) fn sentence(&self, words: &dyn Fn(Context) -> String) -> String {
-        let words = |context: Option<Context>| context.map_or("the end of the activity".to_owned(), words);
+        let words = |context: Option<Context>| context.map_or("the end of the step".to_owned(), words);
         format!(
-            "{}: in activity {}, IU {} it has {}, the others have {}",
+            "{}: in step {}, IU {} it has {}, the others have {}",
             self.name,
             self.activity + 1,
             self.iu + 1,

@@ -237,8 +237,13 @@ fn find(
     let objects: Vec<_> =
         markers.iter().map(|marker| MarkerObject { id: marker.id, side_m: marker.side_m as f32 }).collect();
     let config = MarkersConfig { dictionary, objects, ..MarkersConfig::default() };
-    let found =
-        Markers::new(&config)?.find(image, None, |id| markers.iter().any(|marker| marker.id == id))?;
+    let is_named = |id| markers.iter().any(|marker| marker.id == id);
+    let mut found = Markers::new(&config)?.find(image, None, is_named)?;
+    if found.len() < markers.len() {
+        let is_missing = |id| is_named(id) && found.iter().all(|other| other.id != id);
+        let others = Markers::patient(&config)?.find(image, None, is_missing)?;
+        found.extend(others);
+    }
     let with_id = |marker: &BenchMarker| found.iter().find(|other| other.id == marker.id).copied();
     let pairs: Vec<_> = markers.iter().filter_map(|marker| Some((*marker, with_id(marker)?))).collect();
     if pairs.len() < markers.len() {

@@ -4,21 +4,46 @@ use crate::dictionary::Dictionary;
 use opencv::core::{Point2f, ToInputArray, Vector};
 use opencv::prelude::*;
 
-/// Window of the adaptive threshold in pixels, odd. One window instead of OpenCV's three is three times as fast; 13 is
-/// twice to four times a module of the markers that are read here (3 to 7 pixels, see `Markers::find`).
-const THRESHOLD_WINDOW: i32 = 13;
+/// How markers are read.
+#[derive(Clone, Copy)]
+pub(super) struct Reading {
+    /// The smallest and the largest window of the adaptive threshold in pixels, odd, and the step between them.
+    windows: [i32; 3],
+    /// How much darker than its window a pixel must be to count as black, in grey levels of 255.
+    constant: f64,
+    /// Into how many pixels a module is drawn to be read, along each axis.
+    module_px: i32,
+    /// The share of a module that does not count, at each of its borders.
+    module_margin: f64,
+}
+
+impl Reading {
+    /// For a single picture. OpenCV's own threshold, which takes three times as long, and only the middle of each module: where the lens is not
+    /// focused, its neighbours shine into the rest.
+    pub(super) const PATIENT: Self =
+        Self { windows: [3, 23, 10], constant: 7.0, module_px: 8, module_margin: 0.3 };
+
+    /// For a running line: one window, of 13 pixels, which is twice to four times a module of the markers that are read here (3 to 7 pixels, see
+    /// `Markers::find`). Modules are read as OpenCV does by default.
+    pub(super) const fn quick(constant: f64) -> Self {
+        // With one window the step only has to be over 0.
+        Self { windows: [13, 13, 1], constant, module_px: 4, module_margin: 0.13 }
+    }
+}
 
 /// Minimum perimeter of a marker as a share of the picture's larger side: OpenCV's default.
 const MIN_PERIMETER: f64 = 0.03;
 
 /// Sets the parameters, whose names both interfaces share.
 macro_rules! set_parameters {
-    ($parameters:ident, $threshold_constant:expr) => {
-        $parameters.set_adaptive_thresh_win_size_min(THRESHOLD_WINDOW);
-        $parameters.set_adaptive_thresh_win_size_max(THRESHOLD_WINDOW);
-        // With one window it only has to be over 0.
-        $parameters.set_adaptive_thresh_win_size_step(1);
-        $parameters.set_adaptive_thresh_constant($threshold_constant);
+    ($parameters:ident, $reading:expr) => {
+        let Reading { windows: [min, max, step], constant, module_px, module_margin } = $reading;
+        $parameters.set_adaptive_thresh_win_size_min(min);
+        $parameters.set_adaptive_thresh_win_size_max(max);
+        $parameters.set_adaptive_thresh_win_size_step(step);
+        $parameters.set_adaptive_thresh_constant(constant);
+        $parameters.set_perspective_remove_pixel_per_cell(module_px);
+        $parameters.set_perspective_remove_ignored_margin_per_cell(module_margin);
         // The caller refines corners at full size: OpenCV's own refinement snaps to inner modules of small markers.
         $parameters.set_corner_refinement_method(0);
     };
@@ -37,12 +62,9 @@ mod interface {
     }
 
     impl Aruco {
-        pub(in crate::markers) fn new(
-            dictionary: Dictionary,
-            threshold_constant: f64,
-        ) -> opencv::Result<Self> {
+        pub(in crate::markers) fn new(dictionary: Dictionary, reading: Reading) -> opencv::Result<Self> {
             let mut parameters = DetectorParameters::create()?;
-            set_parameters!(parameters, threshold_constant);
+            set_parameters!(parameters, reading);
             Ok(Self {
                 dictionary: aruco::get_predefined_dictionary_i32(dictionary.code())?,
                 parameters,
@@ -77,12 +99,9 @@ mod interface {
     }
 
     impl Aruco {
-        pub(in crate::markers) fn new(
-            dictionary: Dictionary,
-            threshold_constant: f64,
-        ) -> opencv::Result<Self> {
+        pub(in crate::markers) fn new(dictionary: Dictionary, reading: Reading) -> opencv::Result<Self> {
             let mut parameters = DetectorParameters::default()?;
-            set_parameters!(parameters, threshold_constant);
+            set_parameters!(parameters, reading);
             let dictionary = objdetect::get_predefined_dictionary_i32(dictionary.code())?;
             let detector = ArucoDetector::new(&dictionary, &parameters, RefineParameters::new_def()?)?;
             Ok(Self { detector, parameters, rejected: Vector::new() })

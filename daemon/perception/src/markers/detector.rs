@@ -1,6 +1,6 @@
 //! Markers in a part of a picture, with exact corners.
 
-use super::aruco::Aruco;
+use super::aruco::{Aruco, Reading};
 use super::{Found, Marker, edges};
 use crate::config::MarkersConfig;
 use crate::image::ImageView;
@@ -22,9 +22,9 @@ pub(super) struct Detector {
 }
 
 impl Detector {
-    pub(super) fn new(config: &MarkersConfig) -> opencv::Result<Self> {
+    pub(super) fn new(config: &MarkersConfig, reading: Reading) -> opencv::Result<Self> {
         Ok(Self {
-            aruco: Aruco::new(config.dictionary, config.threshold_constant)?,
+            aruco: Aruco::new(config.dictionary, reading)?,
             modules: config.dictionary.modules(),
             half: Mat::default(),
             corners: Vector::new(),

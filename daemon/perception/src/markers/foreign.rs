@@ -1,6 +1,6 @@
 //! Markers that are not the station's: printed from another dictionary, or with other ids than the configuration has.
 
-use super::aruco::Aruco;
+use super::aruco::{Aruco, Reading};
 use crate::dictionary::Dictionary;
 use crate::image::ImageView;
 use opencv::core::{Point2f, Vector};
@@ -68,7 +68,7 @@ fn ids_of(name: &str, own: Dictionary, gray: &ImageView<'_>) -> opencv::Result<V
     else {
         return Ok(Vec::new());
     };
-    let mut aruco = Aruco::new(dictionary, THRESHOLD_CONSTANT)?;
+    let mut aruco = Aruco::new(dictionary, Reading::quick(THRESHOLD_CONSTANT))?;
     let (mut corners, mut ids) = (Vector::<Vector<Point2f>>::new(), Vector::<i32>::new());
     gray.with_pixels(|pixels| aruco.detect(pixels, 1.0, &mut corners, &mut ids))?;
     Ok(ids.iter().collect())

@@ -12,6 +12,7 @@ use crate::error::{PerceptionError, while_doing};
 use crate::image::ImageView;
 use crate::pixel_format::PixelFormat;
 use crate::points::PixelPoint;
+use aruco::Reading;
 use detector::Detector;
 use foreign::Foreign;
 use heapless::Vec;
@@ -48,8 +49,21 @@ impl Markers {
     /// # Errors
     /// [`PerceptionError::OpenCv`] when OpenCV refuses the dictionary.
     pub(crate) fn new(config: &MarkersConfig) -> Result<Self, PerceptionError> {
+        Self::with(config, Reading::quick(config.threshold_constant))
+    }
+
+    /// For a single picture, on which more time may be spent.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub(crate) fn patient(config: &MarkersConfig) -> Result<Self, PerceptionError> {
+        Self::with(config, Reading::PATIENT)
+    }
+
+    fn with(config: &MarkersConfig, reading: Reading) -> Result<Self, PerceptionError> {
         Ok(Self {
-            detector: Detector::new(config).map_err(while_doing("setting up the marker detector"))?,
+            detector: Detector::new(config, reading)
+                .map_err(while_doing("setting up the marker detector"))?,
             windows: Windows::new(config),
             gray: Mat::default(),
             between: Mat::default(),

@@ -193,3 +193,15 @@ impl Noise {
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
 }
+
+/// The picture through a lens that spreads a point by this standard deviation. It spreads light, not grey values.
+pub fn blurred(width: usize, pixels: &[u8], deviation_px: f64) -> Vec<u8> {
+    let light: Vec<f32> = pixels.iter().map(|grey| light_of(f64::from(*grey)) as f32).collect();
+    let sharp = Mat::from_slice(&light).unwrap();
+    let sharp = sharp.reshape(1, (pixels.len() / width) as i32).unwrap();
+    let mut soft = Mat::default();
+    let size = opencv::core::Size::default();
+    opencv::imgproc::gaussian_blur_def(&sharp, &mut soft, size, deviation_px).unwrap();
+    let light = soft.data_typed::<f32>().unwrap();
+    light.iter().map(|light| grey_of(f64::from(*light)).round() as u8).collect()
+}

@@ -51,20 +51,35 @@ impl<'a> Table<'a> {
     }
 
     fn write_gap(&self, gap: &Gap, out: &mut impl Write) -> io::Result<()> {
-        let when = self.clock.date_time(gap.utc_ns);
-        let last = gap.last_seq.map_or("?".into(), |seq| seq.to_string());
-        writeln!(
-            out,
-            "{when}  -- gap: {}, verdicts {} to {last} of epoch {}",
-            gap.why, gap.first_seq, gap.epoch
-        )
+        writeln!(out, "{}  -- {}", self.clock.date_time(gap.utc_ns), missing_words(gap))
     }
 
     fn write_not_watching(&self, blind: &NotWatching, out: &mut impl Write) -> io::Result<()> {
         let when = self.clock.date_time(blind.began_utc_ns);
-        let end = blind.ended_utc_ns.map_or("?".into(), |end| self.clock.date_time(end));
         let what = if blind.is_beside() { "" } else { "not watching " };
-        writeln!(out, "{when}  -- {what}until {end}: {}", blind.meaning())
+        match blind.ended_utc_ns {
+            Some(end) => {
+                writeln!(out, "{when}  -- {what}until {}: {}", self.clock.date_time(end), blind.meaning())
+            }
+            None => writeln!(out, "{when}  -- {what}from here on, no end is known: {}", blind.meaning()),
+        }
+    }
+}
+
+/// Which verdicts are missing before this place, and why.
+fn missing_words(gap: &Gap) -> String {
+    let before = |why: &str| format!("what was before is not here any more: {why}");
+    let count = gap.last_seq.map(|last| (last + 1).saturating_sub(gap.first_seq));
+    match (gap.why.as_str(), count) {
+        ("lost", Some(1)) => "1 verdict is missing: it was lost on its way to the journal".to_owned(),
+        ("lost", Some(count)) => {
+            format!("{count} verdicts are missing: they were lost on their way to the journal")
+        }
+        ("restart", _) => "verdicts may be missing: the judge has started again".to_owned(),
+        ("retention", _) => before("the oldest are removed, as journal.keep_days and journal.keep_mb say"),
+        ("removed", _) => before("somebody has removed the database under its writer"),
+        ("damaged", _) => before("the database was damaged and has been put aside"),
+        (other, _) => format!("verdicts may be missing: {other}"),
     }
 }
 
@@ -74,4 +89,30 @@ pub(super) fn deeds_header(clock: &Clock) -> String {
 
 pub(super) fn write_deed(deed: &Deed, clock: &Clock, out: &mut impl Write) -> io::Result<()> {
     writeln!(out, "{:19}  {:14} {:20} {}", clock.date_time(deed.utc_ns), deed.kind, deed.who, deed.what)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_said_with_its_number_and_its_reason() {
+        let gap =
+            |why: &str, last_seq| Gap { utc_ns: 0, why: why.to_owned(), epoch: 7, first_seq: 4, last_seq };
+        for (gap, words) in [
+            (gap("lost", Some(4)), "1 verdict is missing: it was lost on its way to the journal"),
+            (gap("lost", Some(6)), "3 verdicts are missing: they were lost on their way to the journal"),
+            (gap("restart", None), "verdicts may be missing: the judge has started again"),
+            (
+                gap("retention", Some(9)),
+                "what was before is not here any more: the oldest are removed, as journal.keep_days and journal.keep_mb say",
+            ),
+            (
+                gap("damaged", None),
+                "what was before is not here any more: the database was damaged and has been put aside",
+            ),
+        ] {
+            assert_eq!(missing_words(&gap), words);
+        }
+    }
 }

@@ -105,6 +105,8 @@ fn camera(source: &str) -> Result<Camera, ToolError> {
 /// What was written, and what comes next.
 fn summary(station: &Station, out: &Path) -> String {
     let file = out.display();
+    let jobs = out.with_file_name(station.jobs());
+    let jobs = jobs.display();
     let width = station.parts.iter().map(|part| part.name.chars().count()).max().unwrap_or_default();
     let part = |part: &Part| {
         let side_mm = 1000.0 * part.side_m;
@@ -119,7 +121,7 @@ fn summary(station: &Station, out: &Path) -> String {
         "{file}: the station {} with {count}\n{parts}\nNext:\n  andond markers -c {file}    print the markers, and stick them flat on the parts\n  \
          andond check -c {file}      says what is wrong in the file, and what this machine lacks\n  \
          andond look -c {file}       says whether light, sharpness and sizes are right\n  \
-         andond teach run*.mp4 -c {file} --out JOB.toml    learns the job from five films of correct runs\n",
+         andond teach run*.mp4 -c {file} --out {jobs}/my-job.toml    learns the job from five films of correct runs\n",
         station.name
     )
 }

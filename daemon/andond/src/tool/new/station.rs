@@ -60,6 +60,14 @@ pub(super) struct Station {
 }
 
 impl Station {
+    /// Where its jobs lie, from the folder of its file.
+    pub(super) fn jobs(&self) -> PathBuf {
+        match self.installation {
+            Installation::Package => Config::default().station.jobs,
+            Installation::Sources { .. } => "jobs".into(),
+        }
+    }
+
     /// The file, with comments for the person who will edit it.
     pub(super) fn text(&self) -> String {
         let mut text = format!(
@@ -71,10 +79,13 @@ impl Station {
         if let Installation::Sources { .. } = self.installation {
             text += "# Without root's rights. Where the package is installed, leave this key out: a cleaner of /tmp would split the line.\n\
                      root = \"/tmp/andon\"\n";
-            text += "jobs = \"jobs\"\n";
+            text += "# Where `andond jobs` and `andond use` look.\njobs = \"jobs\"\n";
         }
-        text +=
-            "# The job that is judged, once `andond teach` has written it.\n#job = \"jobs/my-job.toml\"\n\n";
+        let _ = writeln!(
+            text,
+            "# The job that the line begins with, once `andond teach` has written it.\n#job = {}\n",
+            quoted_path(&self.jobs().join("my-job.toml"))
+        );
         text += &self.camera();
         text += "[perception]\n# The hands that work here: \"right\", \"left\" or both.\n";
         let _ = writeln!(text, "hands = {}", hands_listed(self.hands));

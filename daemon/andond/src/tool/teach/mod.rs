@@ -3,12 +3,14 @@
 
 mod bench;
 mod live;
+mod next;
 mod number;
 mod sources;
 mod unseen;
 
 pub use sources::SourceError;
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -21,7 +23,7 @@ use andon_learn::teach::{TeachOptions, TeachReport, page, teach};
 
 use super::runs::{common_space, read_runs};
 use super::{ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn};
-use crate::atomic;
+use crate::atomic::{self, folder_of};
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
 use crate::config::Config;
@@ -39,6 +41,7 @@ const FALSE_ALARMS: f64 = 0.01;
 pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
     let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty());
     let before = is_changed.then(|| job::load(&arguments.out)).transpose()?;
+    make_folder(&arguments.out)?;
     for file in
         [Some(&arguments.out), arguments.plot.as_ref(), arguments.report.as_ref()].into_iter().flatten()
     {
@@ -80,7 +83,18 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
             job.id
         );
     }
+    if !is_changed {
+        print!("{}", next::steps(arguments, &job, &config));
+    }
     Ok(Code::Stopped)
+}
+
+/// The first job of a station makes the folder of its jobs.
+fn make_folder(out: &Path) -> Result<(), ToolError> {
+    match std::fs::create_dir(folder_of(out)) {
+        Err(error) if error.kind() != ErrorKind::AlreadyExists => Err(cannot_write(out)(error)),
+        _ => Ok(()),
+    }
 }
 
 /// Writes what was asked for, and says what was written. What cannot be trusted is only drawn and described.

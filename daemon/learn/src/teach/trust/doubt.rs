@@ -58,7 +58,7 @@ impl Doubt {
                 has(runs)
             ),
             Self::OtherOrder { run, others, place, had, usual } => format!(
-                "{run} has another order than the {others} others: its activity {} begins with {}, theirs with {}",
+                "{run} has another order than the {others} others: its step {} begins with {}, theirs with {}",
                 place + 1,
                 words(*had),
                 words(*usual)
@@ -114,7 +114,7 @@ impl Outlier {
                 self.value
             ),
         };
-        let place = format!("activity {}, IU {}", self.activity + 1, self.iu + 1);
+        let place = format!("step {}, IU {}", self.activity + 1, self.iu + 1);
         format!("in {place} ({}) it {figures}", words(self.context))
     }
 }
