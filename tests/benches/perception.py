@@ -24,13 +24,17 @@ RATE_HZ = 30
 FROM_S, LENGTH_S = "3", "8"
 # It is shown so many times over at full speed, so that the start of the programs hardly counts. At the rate of a camera once is enough.
 ROUNDS = {"max": 6, "file": 1}
-# The environment of the peer, apart from the others: it needs an older numpy.
-PEERS = ["mediapipe==0.10.21", "onnxruntime==1.23.2"]
+# The environment of the peer, apart from the others: it needs an older numpy. ONNX Runtime is the one that the line has.
+PEERS = ["mediapipe==0.10.21", "onnxruntime==1.31.1"]
 
 # Minimum frames per second by size and hands, and minimum ratio to the peer with one hand in the smallest size.
 MIN_RATE_HZ = {("640x480", 1): 110, ("1280x720", 1): 80, ("640x480", 2): 70}
 MIN_RATIO = 2.5
-# Maxima for one hand in the smallest size at the rate of a camera.
+# The line and the peer take turns so many times where a ratio must be reached, and once elsewhere: a shared machine gives its cores more
+# or less from one run to the next, which moves a single ratio by a tenth. The pair in the middle counts.
+PAIRS = 5
+RATIO_OF = ("640x480", 1)
+# Maxima for the same at the rate of a camera.
 MAX = {"core_share": 0.25, "p50_ms": 8.0, "p99_ms": 12.0, "memory_mib": 110.0}
 
 
@@ -156,19 +160,28 @@ def draw_frame():
 def measure_films(size, hands, bare_ms):
     """The films of a size with so many hands, with each model, and the peer with its own."""
     name, films = f"{size[0]}x{size[1]}", {speed: film(size, hands, speed) for speed in ROUNDS}
-    python = in_peers_environment("--peer", films["max"], hands)
     figures, rows = [], []
     for model in MODELS:
-        fast, camera = (line(films[speed], hands, model, speed) for speed in ("max", "file"))
+        # The default has goals.
+        bar = (name, hands) if model == MODELS[0] else None
+        pairs = paired(films["max"], hands, model, PAIRS if bar == RATIO_OF else 1)
+        ratio, fast, python = pairs[len(pairs) // 2]
+        camera = line(films["file"], hands, model, "file")
         # Each hand costs a run of its model; a palm is looked for only now and then.
         bare_hz = 1e3 / (hands * bare_ms[model])
-        ratio = fast["frames_per_s"] / python["frames_per_s"]
-        figures.append({"size": name, "hands": hands, "model": model, "max_speed": fast, "camera_rate": camera,
-                        "python": python, "ratio_to_python": ratio, "bare_models_one_core_hz": bare_hz})
-        is_default = model == MODELS[0]
-        rows += rows_of(f"{name}, {hands} hand{'s' * (hands - 1)}, {model}", fast, camera, python, ratio, bare_hz,
-                        (name, hands) if is_default else None)
+        figures.append({"size": name, "hands": hands, "model": model, "max_speed": fast, "camera_rate": camera, "python": python,
+                        "ratio_to_python": ratio, "ratios": [pair[0] for pair in pairs], "bare_models_one_core_hz": bare_hz})
+        rows += rows_of(f"{name}, {hands} hand{'s' * (hands - 1)}, {model}", fast, camera, python, ratio, bare_hz, bar)
     return figures, rows
+
+
+def paired(path, hands, model, times):
+    """The film through the line and through the peer by turns: ratio, line and peer, in order of the ratio."""
+    pairs = []
+    for _ in range(times):
+        fast, python = line(path, hands, model, "max"), in_peers_environment("--peer", path, hands)
+        pairs.append((fast["frames_per_s"] / python["frames_per_s"], fast, python))
+    return sorted(pairs, key=lambda pair: pair[0])
 
 
 def measure_covered():
@@ -183,7 +196,7 @@ def measure_covered():
 
 def rows_of(label, fast, camera, python, ratio, bare_hz, bar):
     """Rows of name, figure, unit and goal; `bar` is the key of what must be reached, if anything must."""
-    is_first = bar == ("640x480", 1)
+    is_first = bar == RATIO_OF
     goal = lambda key: ("at most", MAX[key]) if is_first else None
     minimum = MIN_RATE_HZ.get(bar)
     return [

@@ -181,13 +181,14 @@ impl<'a> Sampler<'a> {
 
     /// Interpolates between four pixels; `None` outside the picture.
     fn at(&self, PixelPoint { x, y }: PixelPoint) -> Option<Sample> {
-        let (left, top) = (x.floor(), y.floor());
         // Written so that NaN is outside.
-        if !(left >= 0.0 && top >= 0.0 && left < self.last[0] && top < self.last[1]) {
+        if !(x >= 0.0 && y >= 0.0 && x < self.last[0] && y < self.last[1]) {
             return None;
         }
-        let (right_share, bottom_share) = (x - left, y - top);
-        let first = top as usize * self.stride + left as usize;
+        // A cast rounds down what is not negative; `floor` is a call into the mathematical library, for every point.
+        let (left, top) = (x as usize, y as usize);
+        let (right_share, bottom_share) = (x - left as f64, y - top as f64);
+        let first = top * self.stride + left;
         let (above, below) =
             (&self.data[first..first + 2], &self.data[first + self.stride..first + self.stride + 2]);
         let pixels = [
