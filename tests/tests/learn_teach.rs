@@ -7,6 +7,7 @@ use andon_core::verdict::{Level, Measure, Measured, Outcome, Reason, Verdict};
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
+use andon_learn::seen::Seen;
 use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::deletion::Deletion;
@@ -74,6 +75,24 @@ fn a_part_that_lies_turned_otherwise_in_each_run_and_goes_the_same_way_is_positi
         let read = JobFile::parse("job.toml", job.to_toml().as_bytes()).unwrap();
         assert_eq!(read.objects, job.objects);
     }
+}
+
+#[test]
+fn a_run_shows_its_steps_where_nobody_says_where_parts_are_touched() {
+    let performance = Performance { seed: SEED, person: 1, repetition: 1, noise: Noise::default() };
+    let (mut recording, _) = perform(&performance, Flaw::None);
+    for object in &mut recording.header.objects {
+        object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
+    }
+    let run = Run::new("p1", "", &recording, &Method::default()).unwrap();
+    let seen = Seen::of(&run, &Method::default());
+    let steps: Vec<&str> = seen.steps.iter().map(|(step, _)| step.as_str()).collect();
+    assert_eq!(
+        steps,
+        ["right hand: polisher at brick", "right hand: brick at meter"],
+        "{:?}",
+        run.activities.len()
+    );
 }
 
 fn position(frame: &Frame, id: u16) -> Option<[f32; 3]> {

@@ -245,7 +245,9 @@ fn a_role_that_was_down_leaves_a_row_from_begin_to_end_and_tail_says_so() {
     let heard = beat(&watcher);
     watcher.until("four more signs of life", |watcher| beat(watcher) >= heard + 4);
     line.role("encode").kill();
-    until("the row", || text(&line, "history", &[]).contains("-- not watching until ?: encode was down"));
+    until("the row", || {
+        text(&line, "history", &[]).contains("-- not watching from here on, no end is known: encode was down")
+    });
     until("tail", || std::fs::read_to_string(line.path("tail.log")).unwrap().contains("encode is down"));
     line.start("encode");
     until("the end", || {

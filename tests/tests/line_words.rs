@@ -51,7 +51,7 @@ fn history_names_parts_and_steps_in_local_time_with_one_line_per_fault_a_summary
     );
 
     let summary = text(&line.command("history", &["--summary", "--utc"]));
-    assert!(summary.starts_with("1 piece from "), "{summary}");
+    assert!(summary.starts_with("1 piece at "), "{summary}");
     assert!(summary.contains("  wrong           1  100.0 %\n"), "{summary}");
     assert!(
         summary.contains("wrong, by fault\n       1  step 1 (polisher at brick): too few strokes\n"),

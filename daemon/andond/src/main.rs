@@ -39,9 +39,7 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::New(arguments) => tool::new::run(&arguments)?.into(),
         Command::Markers(arguments) => tool::markers::run(&arguments)?.into(),
         Command::Look(arguments) => tool::look::run(&arguments)?.into(),
-        Command::Teach(arguments) => {
-            tool::working("teach", || tool::teach::run(&arguments).map_err(Box::new))?.into()
-        }
+        Command::Teach(arguments) => tool::teach::run(&arguments)?.into(),
         Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
         Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),
         Command::Run(arguments) => role::run(arguments.role, &tool::take_config(&arguments)?).into(),

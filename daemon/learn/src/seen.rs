@@ -3,6 +3,8 @@
 use crate::job_file::sequence_words;
 use crate::recording::object_name;
 use crate::run::Run;
+use crate::teach::{TeachOptions, as_shown_to_meet};
+use andon_core::config::Method;
 use std::fmt;
 
 /// What was seen in one run. `Display` says it in one line.
@@ -21,14 +23,19 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Looks at a run.
-    pub fn of(run: &Run) -> Self {
+    /// Looks at a run that was read with this method.
+    pub fn of(run: &Run, method: &Method) -> Self {
+        // Where the station does not say where parts are touched, the run shows it.
+        let options = TeachOptions::new(&run.name, "", *method);
+        let met =
+            as_shown_to_meet(std::slice::from_ref(run), &options).ok().and_then(|met| met.into_iter().next());
+        let activities = met.as_ref().map_or(&run.activities, |met| &met.activities);
         let frames = run.frames();
         let captured = |frame: Option<&andon_core::input::Frame>| frame.map_or(0, |frame| frame.captured_ns);
         let is_unseen =
             |id: u16| !frames.iter().any(|frame| frame.objects.iter().any(|object| object.id == id));
         let unseen = run.objects.iter().filter(|object| is_unseen(object.shape.id));
-        let steps = run.activities.iter().map(|activity| {
+        let steps = activities.iter().map(|activity| {
             let began_ns = activity.ius.first().map_or(0, |iu| iu.began_ns);
             let name = sequence_words(&activity.contexts(), |id| object_name(&run.objects, id));
             (name, seconds(began_ns, activity.ended_ns()))

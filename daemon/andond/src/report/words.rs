@@ -2,9 +2,7 @@
 
 use andon_core::couple::Context;
 use andon_core::input::Side;
-use andon_core::verdict::{
-    BrokenOrder, Level, Measured, Missing, Note, OrderFault, Outcome, Reason, Verdict,
-};
+use andon_core::verdict::{BrokenOrder, Level, Missing, Note, OrderFault, Outcome, Reason, Verdict};
 
 use super::Names;
 use crate::wire::verdict::measured_words;

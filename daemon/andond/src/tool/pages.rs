@@ -153,7 +153,7 @@ mod tests {
             for command in cli::command().get_subcommands() {
                 let name = command.get_name();
                 // As bash, fish and zsh have it.
-                let ways = [format!("andond,{name})"), format!("-a \"{name}\""), format!("\n({name})\n")];
+                let ways = [format!("andond,{name})"), format!("-a \"{name}\""), format!("({name})\n")];
                 let is_offered = ways.iter().any(|way| text.contains(way));
                 assert_eq!(is_offered, !command.is_hide_set(), "{name} in {shell}");
             }

@@ -77,9 +77,11 @@ impl<'a> Summary<'a> {
             return "no piece was finished".to_owned();
         };
         let all = self.pieces.len();
-        let pieces = if all == 1 { "piece" } else { "pieces" };
         let [first, last] = [first, last].map(|piece| clock.date_time(piece.utc_ns));
-        format!("{all} {pieces} from {first} to {last} ({})", clock.zone())
+        match all {
+            1 => format!("1 piece at {last} ({})", clock.zone()),
+            _ => format!("{all} pieces from {first} to {last} ({})", clock.zone()),
+        }
     }
 
     pub(super) fn text(&self, clock: &Clock) -> String {

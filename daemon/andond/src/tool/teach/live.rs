@@ -150,7 +150,7 @@ impl Showing<'_> {
         let name = format!("run {number}");
         let run = Run::read(&name, &bytes, &method)
             .map_err(|source| ToolError::Run { path: name.clone().into(), source })?;
-        let seen = Seen::of(&run);
+        let seen = Seen::of(&run, &method);
         let lost = if lost > 0 {
             format!("; {lost} frames were lost, because the machine is too busy")
         } else {

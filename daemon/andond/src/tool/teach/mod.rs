@@ -22,7 +22,7 @@ use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachOptions, TeachReport, page, teach};
 
 use super::runs::{common_space, read_runs};
-use super::{ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn};
+use super::{ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn, working};
 use crate::atomic::{self, folder_of};
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
@@ -59,32 +59,42 @@ pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
         let Some(shown) = live::show(arguments, &config)? else { return Ok(Code::Declined) };
         recordings.extend(shown);
     }
-    let options = options(arguments, before.as_ref(), &recordings, &config)?;
+    working("teach", || learn(arguments, before.as_ref(), &recordings, &config))
+}
+
+/// Teaches the job from these recordings, or teaches the one `before` again, and writes it.
+fn learn(
+    arguments: &Teach,
+    before: Option<&JobFile>,
+    recordings: &[PathBuf],
+    config: &Config,
+) -> Result<Code, ToolError> {
+    let options = options(arguments, before, recordings, config)?;
     // In the order of their names, whichever way they were given, so that the same recordings teach the same job.
-    let mut runs = read_runs(&recordings, &config, &options.method, &|| ())?;
+    let mut runs = read_runs(recordings, config, &options.method, &|| ())?;
     runs.sort_by(|one, other| (&one.name, &one.sha256).cmp(&(&other.name, &other.sha256)));
     let unseen = unseen::parts(&runs);
     let (job, report) =
-        teach(&runs, &options).map_err(|nothing| unseen::explain(&unseen, &recordings, nothing))?;
+        teach(&runs, &options).map_err(|nothing| unseen::explain(&unseen, recordings, nothing))?;
     // Before the report is printed: who reads its first line only, as with `head`, ends the process.
     let written = write(arguments, &job, &report);
     println!("{report}");
     if !unseen.is_empty() {
-        eprintln!("note: the job was learned without all parts: {}", unseen::words(&unseen, &recordings));
+        eprintln!("note: the job was learned without all parts: {}", unseen::words(&unseen, recordings));
     }
     print!("{}", written?);
     if !(report.is_trusted() || arguments.force) {
         return Ok(Code::Declined);
     }
-    for other in number::others_with(job.id, &arguments.out, &config) {
+    for other in number::others_with(job.id, &arguments.out, config) {
         eprintln!(
             "note: {} has the number {} as well: only their hashes tell them apart",
             other.display(),
             job.id
         );
     }
-    if !is_changed {
-        print!("{}", next::steps(arguments, &job, &config));
+    if before.is_none() {
+        print!("{}", next::steps(arguments, &job, config));
     }
     Ok(Code::Stopped)
 }
