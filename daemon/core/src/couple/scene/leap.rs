@@ -27,8 +27,15 @@ impl Leap {
             return true;
         }
         let (from, seen, frames) = (newest.place(), seen.place(), newest.unseen().saturating_add(1));
-        let is_step_seen = [newest, before].iter().all(|pose| pose.source() == Source::Seen);
-        let step = if is_step_seen { subtract(from, before.place()) } else { [0.0; 3] };
+        // What was not seen before the newest frame is held where it was seen last, and has come from there since.
+        let is_step_seen =
+            newest.source() == Source::Seen && matches!(before.source(), Source::Seen | Source::Held);
+        let step = if is_step_seen {
+            let since = before.unseen().saturating_add(1) as f32;
+            subtract(from, before.place()).map(|way| way / since)
+        } else {
+            [0.0; 3]
+        };
         // It rests or goes on as it moved, and was pushed meanwhile.
         let ahead = [from, add(from, step.map(|step| step * frames as f32))];
         let is_reached = ahead.iter().any(|ahead| is_within_reach(*ahead, seen, frames, method));
