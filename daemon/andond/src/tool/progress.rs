@@ -1,13 +1,14 @@
 //! How far a command has come: a bar on a terminal, and elsewhere a line every few seconds, so that nobody waits before silence.
 
 use std::cell::Cell;
+use std::fmt::Write;
 use std::io::IsTerminal;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 /// How long nothing is said.
 const PERIOD: Duration = Duration::from_secs(5);
@@ -47,12 +48,17 @@ pub(super) fn progress(count: Option<u64>, what: &Path) -> Progress {
     let name = what.file_name().unwrap_or(what.as_os_str()).to_string_lossy().into_owned();
     let (bar, template) = match count {
         Some(count) => {
-            (ProgressBar::new(count), "{msg:28} [{bar:32}] {pos}/{len} frames, {per_sec}, {eta} left")
+            (ProgressBar::new(count), "{msg:28} [{bar:32}] {pos}/{len} frames, {rate}, {eta} left")
         }
-        None => (ProgressBar::new_spinner(), "{msg:28} {spinner} {pos} frames, {per_sec}"),
+        None => (ProgressBar::new_spinner(), "{msg:28} {spinner} {pos} frames, {rate}"),
     };
     // The templates above are constants that are well formed.
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    // The library's own rate has four decimals.
+    let style = style.with_key("rate", |state: &ProgressState, out: &mut dyn Write| {
+        // Where it cannot be written, nothing of the bar can.
+        let _ = write!(out, "{:.0} per second", state.per_sec());
+    });
     let bar = bar.with_style(style.progress_chars("=> ")).with_message(name.clone());
     let next = (!std::io::stderr().is_terminal()).then(|| Instant::now() + PERIOD);
     Progress { bar, name, count, done: Cell::new(0), next: Cell::new(next) }

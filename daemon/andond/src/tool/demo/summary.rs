@@ -124,8 +124,8 @@ impl Summary<'_> {
         let unjudged = self.unjudged();
         let all = if right == known && known > 0 { "All is as it should be: " } else { "" };
         format!(
-            "{all}of {known} clips {right} were judged rightly; {accused} correct ones were accused, {missed} faulty ones were called right, \
-             {unjudged} were not judged."
+            "{all}{right} of {known} clips judged rightly; correct ones accused: {accused}, faulty ones called right: {missed}, \
+             not judged: {unjudged}."
         )
     }
 }
@@ -174,7 +174,7 @@ mod tests {
                 "p2_wrong_object_r1.mp4 ANOMALY NOT JUDGED not judged 7.5 step 1: too few strokes",
                 "mine.mp4 - ok - 29.5",
                 "",
-                "of 3 clips 1 were judged rightly; 1 correct ones were accused, 0 faulty ones were called right, 1 were not judged.",
+                "1 of 3 clips judged rightly; correct ones accused: 1, faulty ones called right: 0, not judged: 1.",
                 "this machine manages 7.5 of 30 frames per second, and the job needs 10.0 in every step: steps with fewer are not judged. \
                  `--speed max` plays the clips without losing any",
                 "",

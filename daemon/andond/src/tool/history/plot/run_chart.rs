@@ -162,7 +162,7 @@ fn draw_pieces(out: &mut String, points: &Points, clock: &Clock, bottom: f64) {
 }
 
 fn tip(point: &Point, begins: &str) -> String {
-    format!("{begins}: {} pieces, {} wrong, {} not judged", point.all, point.wrong, point.not_judged)
+    format!("{begins}: pieces {}, wrong {}, not judged {}", point.all, point.wrong, point.not_judged)
 }
 
 fn draw_ring(out: &mut String, x: f64, y: f64) {
