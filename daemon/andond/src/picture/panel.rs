@@ -97,10 +97,9 @@ fn draw_fault(
     canvas.text([x, y], &shortened(&when, letters(room, SMALL)), SMALL, WHITE)?;
     // Both are few words where something was measured, or other parts were taken; all else takes a sentence.
     let is_short = fault.measured.is_some() || (fault.level == Level::Iu && is_instead(fault));
-    let pair = names.expected(fault).zip(names.got(fault)).filter(|_| is_short);
-    let rows = match pair {
-        Some((expected, got)) => vec![("expected", expected), ("got", got)],
-        None => vec![("", why.clone())],
+    let rows = match names.expected_and_got(fault) {
+        (Some(expected), Some(got)) if is_short => vec![("expected", expected), ("got", got)],
+        _ => vec![("", why.clone())],
     };
     for (word, words) in rows {
         let indent = if word.is_empty() { 0.0 } else { 118.0 };

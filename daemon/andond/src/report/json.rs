@@ -136,6 +136,7 @@ impl VerdictLine {
     pub fn new(seq: u64, verdict: &Verdict, part: &PartId, names: &Names) -> Self {
         let (level, outcome) = (level(verdict.level), outcome(verdict.outcome));
         let of_job = verdict.level == Level::Job;
+        let (expected, got) = names.expected_and_got(verdict);
         Self {
             seq,
             kind: verdict_kind(level, outcome),
@@ -156,8 +157,8 @@ impl VerdictLine {
                 .nearest
                 .and_then(|step| names.steps().get(usize::from(step)))
                 .map(|step| step.name.clone()),
-            expected: names.expected(verdict),
-            got: names.got(verdict),
+            expected,
+            got,
             measures: verdict.measured.map(MeasureLine::new),
             broken: verdict.broken.map(BrokenLine::new),
             note: verdict.note.map(|word| note(word).name()),

@@ -6,17 +6,9 @@ use super::Names;
 use crate::wire::verdict::measured_words;
 
 impl Names {
-    /// What was expected where a verdict is given; `None` where nothing is known of it, and of a job that is right.
-    pub fn expected(&self, verdict: &Verdict) -> Option<String> {
-        self.pair(verdict).0
-    }
-
-    /// What came there, in words of the same kind; `None` where it was not seen.
-    pub fn got(&self, verdict: &Verdict) -> Option<String> {
-        self.pair(verdict).1
-    }
-
-    fn pair(&self, verdict: &Verdict) -> (Option<String>, Option<String>) {
+    /// What was expected where a verdict is given, and what came, in words of one kind. The first is `None` where nothing is known of it, and of a
+    /// job that is right; the second where it was not seen.
+    pub fn expected_and_got(&self, verdict: &Verdict) -> (Option<String>, Option<String>) {
         let (expected, got) = (self.taught(verdict), self.done(verdict));
         match (verdict.outcome, verdict.broken, verdict.measured) {
             (Outcome::Ok, ..) => (expected, got),
@@ -112,8 +104,7 @@ mod tests {
 
     #[track_caller]
     fn says(verdict: Verdict, expected: &str, got: &str) {
-        let names = names();
-        let pair = (names.expected(&verdict), names.got(&verdict));
+        let pair = names().expected_and_got(&verdict);
         // An empty text stands for nothing.
         let some = |words: &str| (!words.is_empty()).then(|| words.to_owned());
         assert_eq!(pair, (some(expected), some(got)));

@@ -211,7 +211,7 @@ fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
         ([1 | 2, part, _, at @ (1..)], Some([1 | 2, shown, _, place @ (1..)])) if part == shown => {
             format!("{} at {}; expected at {}", names.the(part), names.the(at), names.the(place))
         }
-        _ => format!("{}; expected {}", names.context(got), names.expected(verdict)?),
+        _ => format!("{}; expected {}", names.context(got), names.expected_and_got(verdict).0?),
     })
 }
 

@@ -28,8 +28,8 @@ pub(super) struct Extent {
     pub(super) is_doubtful: bool,
 }
 
-/// The ends of an IU: its beginning and its end.
-const ENDS: u32 = 2;
+/// The ends of an IU, and of a way: its beginning and its end.
+pub(super) const ENDS: u32 = 2;
 
 /// The share of an IU up to which what was hidden in it is assumed to have gone on like the rest. Short gaps hide no reversal, so beyond it
 /// half of the strokes could seem to be all of them.

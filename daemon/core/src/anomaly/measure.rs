@@ -1,6 +1,6 @@
 //! Which measure of an IU is not right.
 
-use super::extent::{Extent, GIVES_WAY};
+use super::extent::{ENDS, Extent, GIVES_WAY};
 use crate::bounds::{Around, Range};
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
@@ -8,9 +8,6 @@ use crate::verdict::{Measure, Measured, Reason};
 
 /// A stroke goes to and fro.
 const PER_STROKE: u32 = 2;
-
-/// A straight line has as many.
-const ENDS: f32 = 2.0;
 
 impl Extent {
     /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
@@ -37,7 +34,7 @@ impl Extent {
         };
         // Where the hand was not seen before its way, that may have begun elsewhere.
         let unseen = if may_be_hidden { unseen_before_way as f32 } else { 0.0 };
-        let bow_step_m = if hidden + unseen > 0.0 { ENDS * MOVED_M + unseen * speed } else { 0.0 };
+        let bow_step_m = if hidden + unseen > 0.0 { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
         let is_bow = bow_m > iu.measures.max_bow_m + bow_step_m;
         let too_long = first(&[
             (reversals > iu.reversals.max, Measure::Strokes),

@@ -5,7 +5,7 @@ use crate::couple::geometry::{norm, subtract};
 use crate::input::Point;
 
 /// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
-pub(crate) const MOVED_M: f32 = 0.015;
+pub const MOVED_M: f32 = 0.015;
 
 /// In as many frames in a row that were not seen, a motion may have reversed.
 pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;

@@ -8,8 +8,8 @@ mod way;
 
 pub use hand::Segmenter;
 pub use job::JobSegmenter;
-pub use measures::Measures;
-pub(crate) use measures::{FRAMES_PER_REVERSAL, MOVED_M};
+pub(crate) use measures::FRAMES_PER_REVERSAL;
+pub use measures::{MOVED_M, Measures};
 
 use crate::couple::{Context, Motion};
 use crate::input::Side;

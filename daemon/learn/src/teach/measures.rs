@@ -11,7 +11,7 @@ use crate::statistics::{deviation, mean, median, student_t};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
 use andon_core::job::{MeasureBounds, Shown};
-use andon_core::segment::Measures;
+use andon_core::segment::{MOVED_M, Measures};
 
 /// As many runs as the spread of people in general counts for.
 const PRIOR_FREEDOM: f64 = 16.0;
@@ -30,9 +30,6 @@ const PRIOR_PLACE_M: f64 = 0.008;
 /// Where a hand comes from and where it goes to may make one reversal more of a repeated motion, or one less: the way out of the contact is
 /// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
-
-/// A motion that comes back by less than this is not counted, in metres.
-const COUNTED_M: f32 = 0.015;
 
 /// Somebody who corrects the place of a part goes back and forth once more.
 const STRAY_REVERSALS: u32 = 2;
@@ -111,7 +108,10 @@ impl Rates {
         if !context.is_touch() {
             return (UNBOUNDED, any);
         } else if self.path <= 0.0 {
-            return (UNBOUNDED, MeasureBounds { shown: Some(what_was_shown(shown, frames, &any)), ..any });
+            return (
+                UNBOUNDED,
+                MeasureBounds { shown: Some(what_was_shown(shown, shown, frames, &any)), ..any },
+            );
         }
         let bounds = MeasureBounds {
             stroke_m: if is_repeated(shown) { self.stroke_m(shown) } else { any.stroke_m },
@@ -125,10 +125,7 @@ impl Rates {
         (
             self.reversals(shown),
             MeasureBounds {
-                shown: Some(Shown {
-                    bow_m: most_bow_m(way.unwrap_or(shown)),
-                    ..what_was_shown(shown, frames, &bounds)
-                }),
+                shown: Some(what_was_shown(shown, way.unwrap_or(shown), frames, &bounds)),
                 ..bounds
             },
         )
@@ -183,7 +180,7 @@ impl Rates {
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
     /// the last stroke begin and end in the middle.
     fn uncounted(&self, shown: &[Measures]) -> u32 {
-        let is_short = self.people.variety > 1.0 && self.stroke_m(shown).min < 2.0 * COUNTED_M;
+        let is_short = self.people.variety > 1.0 && self.stroke_m(shown).min < 2.0 * MOVED_M;
         if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
@@ -252,7 +249,7 @@ impl Rates {
 }
 
 /// What the demonstrations measured, from minimum to maximum.
-fn what_was_shown(shown: &[Measures], frames: &[u32], bounds: &MeasureBounds) -> Shown {
+fn what_was_shown(shown: &[Measures], way: &[Measures], frames: &[u32], bounds: &MeasureBounds) -> Shown {
     let most = |distances: &mut dyn Iterator<Item = f32>| distances.fold(0.0, f32::max);
     Shown {
         frames: counts(frames.iter().copied()),
@@ -260,14 +257,10 @@ fn what_was_shown(shown: &[Measures], frames: &[u32], bounds: &MeasureBounds) ->
         stroke_m: lengths(shown.iter().filter_map(|measures| measures.stroke_m)),
         path_m: lengths(shown.iter().map(|measures| measures.path_m)),
         detour_m: most(&mut shown.iter().map(|measures| measures.detour_m)),
-        bow_m: most_bow_m(shown),
+        bow_m: most(&mut way.iter().map(|measures| measures.bow_m)),
         axis: most(&mut shown.iter().map(|measures| bounds.axis.distance(measures.axis))),
         place_m: most(&mut shown.iter().map(|measures| bounds.place_m.distance(measures.place_m))),
     }
-}
-
-fn most_bow_m(shown: &[Measures]) -> f32 {
-    shown.iter().map(|measures| measures.bow_m).fold(0.0, f32::max)
 }
 
 /// The reversals of each demonstration. Where some may have been hidden, as many as bring it nearest to the others: a hand that was not seen for
