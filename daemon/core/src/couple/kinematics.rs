@@ -1,4 +1,4 @@
-//! Velocity and tangential acceleration, and their quantisation (paper III-A.2, III-A.3).
+//! Place, velocity and tangential acceleration, and their quantisation (paper III-A.2, III-A.3).
 
 use super::geometry::{Quaternion, dot, inverse, norm, rotated};
 use crate::config::Method;
@@ -8,6 +8,10 @@ use core::f32::consts::{FRAC_PI_2, PI, TAU};
 /// How a hand or an object moves in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Kinematics {
+    /// Where it is, in metres in the bench frame, as the positions before and after the frame say it, and how far these are off the parabola, as
+    /// root mean square.
+    pub(super) position: Point,
+    pub(super) residual_m: f32,
     /// Velocity in m/s, in the bench frame.
     pub(super) velocity: Point,
     /// Acceleration along the velocity, in m/s².
@@ -45,7 +49,7 @@ impl Precision {
 /// A time in seconds from the frame that is asked for, and the position then.
 pub(super) type Sample = (f64, Point);
 
-/// Fits a parabola to the positions around a frame and takes its derivatives in that frame: a Savitzky-Golay filter that uses
+/// Fits a parabola to the positions around a frame and takes its value and its derivatives in that frame: a Savitzky-Golay filter that uses
 /// the time stamps as they are and skips frames without a position. The window is centred, so there is no phase lag.
 ///
 /// `None` if the positions are too few, or too unevenly spread, for the precision, or all lie on one side of the frame: what was not
@@ -58,10 +62,12 @@ pub(super) fn kinematics(
     let scale = samples.clone().map(|(t, _)| t.abs()).reduce(f64::max).filter(|scale| *scale > 0.0)?;
     let mut powers = [0.0; 5];
     let mut moments = [[0.0; 3]; 3];
+    let mut squares = 0.0;
     let (mut before, mut after) = (false, false);
     for (t, position) in samples {
         before |= t <= 0.0;
         after |= t >= 0.0;
+        squares += position.iter().map(|value| f64::from(*value) * f64::from(*value)).sum::<f64>();
         let t = t / scale;
         let mut power = 1.0;
         for (k, sum) in powers.iter_mut().enumerate() {
@@ -78,12 +84,15 @@ pub(super) fn kinematics(
     if !(before && after && curve.is_precise(scale, precision)) {
         return None;
     }
-    let [velocity, acceleration]: [Point; 2] = [(1, scale), (2, scale * scale / 2.0)].map(|(row, unit)| {
-        [0, 1, 2].map(|axis| (curve.coefficient(row, moments.map(|moment| moment[axis])) / unit) as f32)
-    });
+    let rows: [[f64; 3]; 3] =
+        [0, 1, 2].map(|row| [0, 1, 2].map(|axis| curve.coefficient(row, moments.map(|moment| moment[axis]))));
+    let [position, velocity, acceleration]: [Point; 3] = [(0, 1.0), (1, scale), (2, scale * scale / 2.0)]
+        .map(|(row, unit)| rows[row].map(|value| (value / unit) as f32));
+    let explained: f64 = rows.iter().flatten().zip(moments.iter().flatten()).map(|(a, b)| a * b).sum();
+    let residual_m = libm::sqrt((squares - explained).max(0.0) / powers[0]) as f32;
     let speed = norm(velocity);
     let tangential = if speed > 0.0 { dot(acceleration, velocity) / speed } else { 0.0 };
-    Some(Kinematics { velocity, tangential })
+    Some(Kinematics { position, residual_m, velocity, tangential })
 }
 
 /// The inverse of the normal equations of a parabola.
@@ -193,7 +202,7 @@ mod tests {
     }
 
     fn moving(velocity: Point) -> Kinematics {
-        Kinematics { velocity, tangential: 0.0 }
+        Kinematics { velocity, ..Kinematics::default() }
     }
 
     #[test]
@@ -205,6 +214,7 @@ mod tests {
             &precision(),
         );
         let motion = motion.unwrap_or_default();
+        assert!((motion.position[1] - 3.0).abs() < 1e-4 && motion.residual_m < 1e-4, "{motion:?}");
         assert!((motion.velocity[1] + 0.5).abs() < 1e-4, "{motion:?}");
         assert!((motion.tangential + 4.0).abs() < 1e-3, "{motion:?}");
         assert!(motion.velocity[2].abs() < 1e-6, "{motion:?}");
@@ -251,7 +261,7 @@ mod tests {
     #[test]
     fn below_the_rest_speed_there_is_no_direction_and_no_sign() {
         let quantiser = quantiser(Space::Metric);
-        let slow = Kinematics { velocity: [0.02, 0.0, 0.0], tangential: 9.0 };
+        let slow = Kinematics { velocity: [0.02, 0.0, 0.0], tangential: 9.0, ..Kinematics::default() };
         assert_eq!(quantiser.direction(&slow, about_z(0.0)), [0, 0]);
         assert_eq!(quantiser.sign(&slow), 0);
     }
@@ -259,8 +269,8 @@ mod tests {
     #[test]
     fn opposite_signs_are_not_joint_motion() {
         let quantiser = quantiser(Space::Plane);
-        let faster = Kinematics { velocity: [1.0, 0.0, 0.0], tangential: 1.0 };
-        let slower = Kinematics { velocity: [1.0, 0.0, 0.0], tangential: -1.0 };
+        let faster = Kinematics { tangential: 1.0, ..moving([1.0, 0.0, 0.0]) };
+        let slower = Kinematics { tangential: -1.0, ..moving([1.0, 0.0, 0.0]) };
         assert_eq!(quantiser.joint_motion(&faster, &faster), 1);
         assert_eq!(quantiser.joint_motion(&faster, &slower), 0);
         assert_eq!(quantiser.joint_motion(&faster, &moving([1.0, 0.0, 0.0])), 0);

@@ -7,9 +7,11 @@ mod grid;
 mod interaction;
 mod kinematics;
 mod poses;
+pub(crate) mod scatter;
 mod scene;
 
 pub use encoder::{Encoder, Refused, Unusable};
+pub use scatter::apart_by_chance_m;
 
 use crate::capacity::HANDS;
 use crate::input::{Point, Side};
@@ -92,9 +94,9 @@ pub struct Couple {
     /// Context features.
     pub context: Context,
     /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame.
-    /// `None` where it was not seen, or the hand does not act.
+    /// `None` where it was not seen, or the hand does not act. Where one frame is too inexact to measure strokes, the frames around it say it.
     pub position: Option<Point>,
-    /// The finger tips in the bench frame, in metres; `None` where they were not seen, or the hand does not act.
+    /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were not seen, or the hand does not act.
     pub tips: Option<Point>,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],

@@ -2,10 +2,8 @@
 
 use super::way::Way;
 use crate::couple::geometry::{norm, subtract};
+pub use crate::couple::scatter::MOVED_M;
 use crate::input::Point;
-
-/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
-pub const MOVED_M: f32 = 0.015;
 
 /// In as many frames in a row that were not seen, a motion may have reversed.
 pub(crate) const FRAMES_PER_REVERSAL: u32 = 4;

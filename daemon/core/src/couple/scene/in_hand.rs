@@ -12,12 +12,18 @@ use super::Scene;
 use crate::capacity::HANDS;
 use crate::input::Point;
 
+/// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
+const AT_REST: f32 = 0.4;
+
 /// Whether a hand acts on an object.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum InHand {
     /// It is not at the object, or only passes it.
     #[default]
     No,
+    /// It has let go of the object and has not gone away since: a hand that rests there only lingers, until the object moves with it or it has
+    /// come back from where it was farthest, in metres.
+    Lingers { farthest_m: f32 },
     /// It is at the object, and it has not been seen whether it acts on it.
     Unknown,
     /// It acts on the object.
@@ -67,16 +73,37 @@ impl Scene {
         if before == InHand::Yes {
             let stays =
                 (edge.is_believed() || self.follows(hand, object, age)) && !self.leaves(hand, object, age);
-            return if stays { InHand::Yes } else { InHand::No };
+            return match (stays, edge.is_believed()) {
+                (true, _) => InHand::Yes,
+                (false, true) => InHand::Lingers { farthest_m: 0.0 },
+                (false, false) => InHand::No,
+            };
         }
         if !edge.is_believed() {
             return InHand::No;
+        }
+        if let InHand::Lingers { farthest_m } = before
+            && edge.was_known(age, self.method.persist_frames)
+        {
+            return self.next_lingering(hand, object, age, farthest_m);
         }
         match self.rests(hand, object, age) {
             Some(true) => InHand::Yes,
             // A hand that came to the object unseen may hold it already.
             _ if before == InHand::No && edge.was_known(age, self.method.persist_frames) => InHand::No,
             _ => InHand::Unknown,
+        }
+    }
+
+    /// What errors of some millimetres show of a hand that has opened at a part is no touch.
+    fn next_lingering(&self, hand: usize, object: usize, age: usize, farthest_m: f32) -> InHand {
+        let distance_m = self.distance_from_hand(hand, object, age);
+        let has_returned = farthest_m - distance_m > self.slipped_m();
+        let is_moved = self.is_at(hand, object, age) && self.follows(hand, object, age);
+        if is_moved || has_returned && self.rests(hand, object, age) == Some(true) {
+            InHand::Yes
+        } else {
+            InHand::Lingers { farthest_m: farthest_m.max(distance_m) }
         }
     }
 
@@ -179,7 +206,9 @@ impl Scene {
         }
         let (speed, (_, path_m)) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
-        Some(speed < self.method.rest_speed_m_s && path_m <= self.rest_m())
+        let apart = |age: usize| Some(self.relative_positions(hand, object, age)?[0]);
+        let seems_to_rest = || path_m <= AT_REST * self.apart_by_chance_m(age, apart);
+        Some(speed < self.method.rest_speed_m_s && (path_m <= self.rest_m() || seems_to_rest()))
     }
 
     /// Whether the middle knuckle is known to rest relative to the object in the bench frame, and stays there for as long as a change takes to
@@ -223,8 +252,17 @@ impl Scene {
     /// and the object does not follow.
     pub(super) fn slips_until(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
         let (newest, path_m) = self.relative_path(hand, object, age)?;
-        let slips = path_m > self.method.hand_contact.on_m / 2.0 && !self.follows(hand, object, age);
+        let apart = |age: usize| Some(self.relative_positions(hand, object, age)?[0]);
+        // The errors come last, because they take longest.
+        let slips = path_m > self.slipped_m()
+            && !self.follows(hand, object, age)
+            && path_m > self.apart_by_chance_m(age, apart);
         slips.then_some(newest)
+    }
+
+    /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that.
+    fn slipped_m(&self) -> f32 {
+        self.method.hand_contact.on_m / 2.0
     }
 
     /// Whether the object moves with the hand: more than half as far as the two move apart, and the hand more than a quarter of its way.
@@ -236,6 +274,7 @@ impl Scene {
             let led = subtract(hands.ago(newest).grip(), hands.ago(age).grip());
             norm(followed) > f32::max(path_m / 2.0, self.rest_m())
                 && dot(led, followed) > dot(followed, followed) / 4.0
+                && norm(followed) > self.apart_by_chance_m(age, |age| self.seen_object(object, age))
         })
     }
 

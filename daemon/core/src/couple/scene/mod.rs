@@ -11,18 +11,23 @@ use super::contact::Edge;
 use super::geometry::{dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
-use super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
+use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
+use super::scatter::{MOVED_M, apart_by_chance_m};
 use super::{Context, Couple, Couples, Motion, Sight};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
+use core::ops::RangeInclusive;
 use glimpse::Glimpses;
 use heapless::Vec;
 use in_hand::{InHand, Meets};
 use leap::Leap;
 use meeting::Shape;
 use start::Start;
+
+/// Positions are off their parabola by errors alone if they are by no more than this share of how far apart they are by chance: a third.
+const ERRORS: f32 = 3.0;
 
 /// An object as a node of the graph.
 #[derive(Clone, Debug)]
@@ -353,6 +358,7 @@ impl Scene {
             j.map(|j| node(j).shape.id),
             l.map(|l| node(l).shape.id),
         ];
+        let tips = from_hand.and_then(|_| self.tips(hand, age));
         let mut couple = Couple {
             side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
@@ -363,8 +369,8 @@ impl Scene {
                 (Some(j), None) => Context([h.unwrap_or(0), j, 0, 0]),
                 _ => Context::IDLE,
             },
-            position: from_hand.and_then(|j| self.position(hand, j, l, age)),
-            tips: from_hand.and_then(|_| self.tips(hand, age)),
+            position: from_hand.and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
+            tips,
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
@@ -386,17 +392,32 @@ impl Scene {
         couple
     }
 
-    /// Where a hand acts on `o_j`, see [`Couple::position`].
-    fn position(&self, hand: usize, j: usize, l: Option<usize>, age: usize) -> Option<Point> {
-        let Some(l) = l else { return self.tips(hand, age) };
-        let [of_j, of_l] = [j, l].map(|object| self.objects[object].poses.ago(age));
-        self.are_seen(j, l, age).then(|| of_l.own(of_j.position))
+    /// Where `o_j` is in the frame of reference of `o_l`.
+    fn position(&self, j: usize, l: usize, age: usize) -> Option<Point> {
+        self.steady(age, |age| {
+            let [of_j, of_l] = [j, l].map(|object| self.objects[object].poses.ago(age));
+            self.are_seen(j, l, age).then(|| of_l.own(of_j.position))
+        })
     }
 
     /// Where the finger tips of a hand are on the bench; `None` where they were not seen.
     fn tips(&self, hand: usize, age: usize) -> Option<Point> {
-        let hand = self.hands[hand].ago(age);
-        (hand.source == Source::Seen).then(|| hand.grip())
+        self.steady(age, |age| {
+            let hand = self.hands[hand].ago(age);
+            (hand.source == Source::Seen).then(|| hand.grip())
+        })
+    }
+
+    /// A position in the frame of this age. Where one frame alone is too inexact to measure anything, the parabola through the frames before and
+    /// after it says where it was, unless they are farther off that than their errors: what moves so quickly stays as it is seen.
+    fn steady(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> Option<Point> {
+        let seen = known(age)?;
+        let by_chance_m = apart_by_chance_m(self.around(age).map(known));
+        if by_chance_m <= MOVED_M {
+            return Some(seen);
+        }
+        let steady = self.kinematics(age, known).filter(|motion| ERRORS * motion.residual_m <= by_chance_m);
+        Some(steady.map_or(seen, |motion| motion.position))
     }
 
     /// `x_m` of a hand that acts on an object and of a pair of objects that touch each other; `None` where any of it was not measured.
@@ -441,18 +462,37 @@ impl Scene {
         })
     }
 
-    /// Uses the `persist_frames` before and after a frame, which adds nothing to the delay of the contacts.
-    fn kinematics(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Clone) -> Option<Kinematics> {
+    /// Where an object is seen in the frame of this age.
+    fn seen_object(&self, object: usize, age: usize) -> Option<Point> {
+        let pose = self.objects[object].poses.ago(age);
+        (pose.source == Source::Seen).then_some(pose.position)
+    }
+
+    /// How far apart two positions of what lies still seem to be at most, by the errors of what sees it, in metres: as they are in all frames that
+    /// are remembered, or in those around `age` if they are worse, as where fingers pass before a marker; 0 where they are not known.
+    fn apart_by_chance_m(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> f32 {
+        f32::max(
+            apart_by_chance_m((0..REMEMBERED).map(known)),
+            apart_by_chance_m(self.around(age).map(known)),
+        )
+    }
+
+    /// The ages of a frame and of the `persist_frames` before and after it.
+    fn around(&self, age: usize) -> RangeInclusive<usize> {
         let half = usize::from(self.method.persist_frames);
+        age.saturating_sub(half)..=age + half
+    }
+
+    /// Uses the frames [`around`](Self::around) this one, which adds nothing to the delay of the contacts.
+    fn kinematics(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Clone) -> Option<Kinematics> {
         let now = *self.times_ns.ago(age);
-        let ages = age.saturating_sub(half)..=age + half;
         let sample = |age: usize| -> Option<Sample> {
             let position = known(age)?;
             let time = *self.times_ns.ago(age);
             let apart = time.abs_diff(now) as f64 * 1e-9;
             (apart < self.window_s).then_some((if time < now { -apart } else { apart }, position))
         };
-        kinematics(ages.filter_map(sample), &self.precision)
+        kinematics(self.around(age).filter_map(sample), &self.precision)
     }
 }
 

@@ -63,7 +63,8 @@ impl Scene {
     }
 
     /// Finds out whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
-    /// a part that is put in place while the camera is covered, does not move before and after that. Where frames come too seldom to measure what
+    /// a part that is put in place while the camera is covered, does not move before and after that, and what is misread, as where fingers pass
+    /// before a marker, is back where it was. Where frames come too seldom to measure what
     /// a hand does, it does not matter whether the hand is seen.
     pub(super) fn push_carried_unseen(&mut self) {
         let moves_unmeasured = self.move_unmeasured();
@@ -72,15 +73,17 @@ impl Scene {
             let mut hands = self.hands.iter().zip(&self.touches);
             hands.any(|(hand, touches)| hand.ago(0).source == Source::Seen && touches[object].is_near())
         };
-        let moves = |node: &Node| {
-            let [now, before, first] = [0, persist, 2 * persist].map(|age| node.poses.ago(age));
-            [now, before, first].iter().all(|pose| pose.source == Source::Seen)
-                && [[now, before], [before, first]]
+        let moves = |object: usize| {
+            let seen = |age: usize| self.seen_object(object, age);
+            let moves_farther = |min_m: f32| {
+                let [now, before, first] = [0, persist, 2 * persist].map(seen);
+                [now.zip(before), before.zip(first), now.zip(first)]
                     .iter()
-                    .all(|[to, from]| norm(subtract(to.position, from.position)) > self.rest_m())
+                    .all(|pair| pair.is_some_and(|(to, from)| norm(subtract(to, from)) > min_m))
+            };
+            moves_farther(self.rest_m()) && moves_farther(self.apart_by_chance_m(persist, seen))
         };
-        let mut objects = self.objects.iter().enumerate();
-        let is_carried = objects.any(|(object, node)| !is_seen_at(object) && moves(node));
+        let is_carried = (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
         self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
     }
 

@@ -56,10 +56,7 @@ impl Scene {
 
     /// Whether an object that is seen stays where it is for most of the time in which a change would be believed.
     fn lies(&self, object: usize, age: usize) -> bool {
-        let seen = |age: usize| {
-            let pose = self.objects[object].poses.ago(age);
-            (pose.source == Source::Seen).then_some(pose.position)
-        };
+        let seen = |age: usize| self.seen_object(object, age);
         let moved = seen(age).zip(self.newest_known(age, seen));
         moved.is_some_and(|(from, (newest, to))| self.shows_rest(age, newest, norm(subtract(to, from))))
     }

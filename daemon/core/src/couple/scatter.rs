@@ -1,0 +1,95 @@
+//! How exactly positions are seen, from the positions themselves: what moves about by less than their errors does not move.
+
+use super::geometry::dot;
+use crate::capacity::PERSIST_FRAMES;
+use crate::input::Point;
+use heapless::Vec;
+
+/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
+pub const MOVED_M: f32 = 0.015;
+
+/// Two positions of what lies still are hardly ever farther apart than this multiple of the standard deviation of one: in the plane once in 270,000
+/// times if that is known, and once in some thousand times as it is estimated here.
+const APART_BY_CHANCE: f32 = 5.0;
+
+/// The variance of a third difference, as a multiple of that of a position: 1 + 9 + 9 + 1.
+const OF_THIRD_DIFFERENCE: f32 = 20.0;
+
+/// The square of a third difference counts up to this multiple of the one in the middle: of errors one in 500 exceeds it.
+const MAX_OF_MIDDLE: f32 = 9.0;
+
+/// Fewer third differences tell nothing.
+const MIN_COUNT: usize = 4;
+
+/// As many are used, the first ones.
+const MAX_COUNT: usize = 2 * PERSIST_FRAMES;
+
+/// How far apart two positions of something that lies still seem to be at most, in metres, by the errors of what sees it: as they are in these
+/// `positions`, one per frame, of which those that are not known are `None`; 0 where too few are known in a row to tell.
+///
+/// Errors are what differs from frame to frame: those that last, as of a tracker that filters, are not seen. They are taken from third differences, in
+/// which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is misread is in four of them,
+/// which count no more than large errors do.
+pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
+    let mut squares: Vec<f32, MAX_COUNT> = Vec::new();
+    // The newest three, the newest first.
+    let mut before = [None; 3];
+    for position in positions {
+        if let (Some(fourth), [Some(third), Some(second), Some(first)]) = (position, before) {
+            let [first, second, third, fourth]: [Point; 4] = [first, second, third, fourth];
+            let difference =
+                [0, 1, 2].map(|axis| fourth[axis] - first[axis] + 3.0 * (second[axis] - third[axis]));
+            let square = dot(difference, difference);
+            // What is exactly where it was is the same measurement once more. There is room for all of a window; of more, the first tell as much.
+            if square > 0.0 {
+                let _ = squares.push(square);
+            }
+        }
+        before = [position, before[0], before[1]];
+    }
+    if squares.len() < MIN_COUNT {
+        return 0.0;
+    }
+    let middle = (squares.len() - 1) / 2;
+    let max = MAX_OF_MIDDLE * *squares.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let mean = squares.iter().map(|square| square.min(max)).sum::<f32>() / squares.len() as f32;
+    APART_BY_CHANCE * libm::sqrtf(mean / OF_THIRD_DIFFERENCE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of positions on a line that are given for each frame.
+    fn along(position: impl Fn(i32) -> f32) -> f32 {
+        apart_by_chance_m((0..2 * PERSIST_FRAMES as i32).map(|frame| Some([position(frame), 0.0, 0.0])))
+    }
+
+    /// Each frame has an error of its own, of a standard deviation of 1 mm.
+    fn error(frame: i32) -> f32 {
+        0.001 * libm::sqrtf(2.0) * libm::sinf((frame * frame) as f32)
+    }
+
+    #[test]
+    fn errors_are_seen_in_what_lies_still_and_motion_is_not_taken_for_errors() {
+        let still = along(error);
+        assert!((0.004..0.0065).contains(&still), "{still}");
+        // Two strokes of 7 cm per second.
+        let stroke = |frame: i32| 0.035 * libm::sinf(frame as f32 * 4.0 * core::f32::consts::PI / 30.0);
+        assert!(along(stroke) < 0.004, "{}", along(stroke));
+        let moving = along(|frame| stroke(frame) + error(frame));
+        assert!((0.004..0.009).contains(&moving), "{moving}");
+    }
+
+    #[test]
+    fn what_is_repeated_is_one_measurement() {
+        let repeated = along(|frame| error(frame.max(2 * PERSIST_FRAMES as i32 - 10)));
+        assert!((0.004..0.0065).contains(&repeated), "{repeated}");
+    }
+
+    #[test]
+    fn where_every_fourth_frame_is_missing_nothing_is_known_of_errors() {
+        let seen = |frame: i32| (frame % 4 > 0).then_some([(frame % 3) as f32, 0.0, 0.0]);
+        assert_eq!(apart_by_chance_m((0..100).map(seen)), 0.0);
+    }
+}

@@ -1,0 +1,148 @@
+//! The encoder where positions are seen inexactly, as a depth camera sees parts without markers.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use andon_core::couple::Couples;
+use andon_core::input::Side;
+use common::bench::{Bench, contexts, encode};
+
+const TOOL: u16 = 5;
+const BOX: u16 = 7;
+
+/// The standard deviation of a position along an axis, in metres.
+const DEVIATION_M: f32 = 0.0025;
+
+/// The couples of a bench whose hands and parts are seen in each frame with errors of this standard deviation along each axis, in metres.
+fn seen_inexactly(mut bench: Bench, deviation_m: f32, seed: u32) -> Vec<Couples> {
+    let mut state = seed;
+    let mut error = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        // All errors up to the maximum are equally likely.
+        ((state >> 8) as f32 / (1 << 23) as f32 - 1.0) * deviation_m * 3_f32.sqrt()
+    };
+    for frame in &mut bench.frames {
+        for hand in &mut frame.hands {
+            let shift = [error(), error()];
+            let points = hand.tips.iter_mut().chain([&mut hand.wrist, &mut hand.middle_knuckle]);
+            points.for_each(|point| (0..2).for_each(|axis| point[axis] += shift[axis]));
+        }
+        for object in &mut frame.objects {
+            (0..2).for_each(|axis| object.position[axis] += error());
+        }
+    }
+    encode(&bench.ids(), &bench.frames)
+}
+
+#[test]
+fn what_lies_still_and_is_seen_inexactly_is_not_carried_by_a_hand_that_is_not_seen() {
+    for seed in 0..50 {
+        let mut bench = Bench::new(&[(TOOL, [0.3, 0.2]), (BOX, [-0.3, 0.2])]);
+        bench.hand(Side::Right, [0.0, -0.3]).rest(200);
+        let couples = seen_inexactly(bench, DEVIATION_M, seed);
+        assert!(couples.iter().all(|couples| !couples.is_carried_unseen), "seed {seed}");
+    }
+}
+
+#[test]
+fn what_moves_and_is_seen_inexactly_is_carried_by_a_hand_that_is_not_seen() {
+    for seed in 0..50 {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+        bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.3, 0.0], 30).rest(20);
+        bench.frames.iter_mut().for_each(|frame| frame.hands.clear());
+        let couples = seen_inexactly(bench, DEVIATION_M, seed);
+        assert!(couples.iter().any(|couples| couples.is_carried_unseen), "seed {seed}");
+    }
+}
+
+#[test]
+fn what_is_misread_for_some_frames_is_not_carried_by_a_hand_that_is_not_seen() {
+    for misread in 1..20 {
+        let mut bench = Bench::new(&[(TOOL, [0.3, 0.2]), (BOX, [-0.3, 0.2])]);
+        bench.hand(Side::Right, [0.0, -0.3]).rest(100);
+        bench.frames[50..50 + misread].iter_mut().for_each(|frame| frame.objects[0].position[0] += 0.01);
+        let couples = seen_inexactly(bench, 0.1 * DEVIATION_M, misread as u32);
+        assert!(couples.iter().all(|couples| !couples.is_carried_unseen), "misread in {misread} frames");
+    }
+}
+
+/// The contexts in which a hand touches something.
+fn touches(bench: &Bench, side: Side) -> Vec<[u16; 4]> {
+    let couples = encode(&bench.ids(), &bench.frames);
+    contexts(&couples, side)
+        .into_iter()
+        .map(|(context, _)| context)
+        .filter(|context| context[0] > 0)
+        .collect()
+}
+
+#[test]
+fn a_hand_that_has_let_go_and_lingers_takes_the_part_again_only_by_moving_it() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, -0.3]).rest(10).go([0.0, 0.0], 20).rest(12);
+    bench.hold(Side::Right, TOOL).go([0.2, 0.1], 30).rest(10).let_go(Side::Right);
+    // Just beyond where a contact begins, which is not where it ends, and just within.
+    bench.go([0.2, 0.068], 5).rest(12).go([0.2, 0.076], 5).rest(20);
+    assert_eq!(touches(&bench, Side::Right).len(), 1);
+    bench.hold(Side::Right, TOOL).go([0.0, 0.0], 30).rest(10);
+    assert_eq!(touches(&bench, Side::Right).len(), 2);
+}
+
+#[test]
+fn a_hand_that_comes_back_to_a_part_that_does_not_move_touches_it_again() {
+    let mut bench = Bench::new(&[(BOX, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, -0.3]).rest(10).go([0.0, 0.0], 20).rest(20);
+    bench.go([0.0, -0.038], 5).rest(10).go([0.0, 0.0], 5).rest(30);
+    assert_eq!(touches(&bench, Side::Right).len(), 2);
+}
+
+#[test]
+fn a_hand_that_lingers_does_not_take_what_the_other_hand_carries_off() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, -0.3]).hand(Side::Left, [-0.3, 0.3]).rest(10);
+    bench.go([0.0, 0.0], 20).rest(12).hold(Side::Right, TOOL).go([0.0, 0.1], 20).rest(10);
+    bench.carry([None, Some([0.0, 0.11])], 20).let_go(Side::Right).go([0.0, 0.062], 6).rest(10);
+    bench.hold(Side::Left, TOOL).carry([Some([0.3, 0.062]), Some([0.3, 0.11])], 30).rest(10);
+    assert_eq!(touches(&bench, Side::Right).len(), 1);
+}
+
+#[test]
+fn a_position_that_is_misread_once_does_not_end_a_touch() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, -0.3]).rest(10).go([0.0, 0.0], 20).rest(90);
+    bench.frames[80].objects[0].position[1] += 0.045;
+    let couples = encode(&bench.ids(), &bench.frames);
+    let touching = contexts(&couples, Side::Right).iter().map(|(_, frames)| frames).sum::<usize>();
+    assert!(touching > 80, "{touching}");
+}
+
+/// Frames in which a hand rests before and after its strokes.
+const REST: usize = 60;
+
+/// A hand strokes with a tool that it holds, 8 cm to and fro. How far off along the strokes its tips are measured while it rests, and how far it
+/// is measured to come, in metres.
+fn stroked(half_stroke: usize, seed: u32) -> (f32, f32) {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(REST).hold(Side::Right, TOOL);
+    for stroke in 0..12 {
+        bench.go([if stroke % 2 == 0 { 0.08 } else { 0.0 }, 0.0], half_stroke);
+    }
+    bench.rest(REST);
+    let couples = seen_inexactly(bench, 2.0 * DEVIATION_M, seed);
+    let along = |couples: &Couples| couples.hands[0].tips.map(|[x, ..]| x);
+    let rest: Vec<f32> = couples[..REST - 10].iter().filter_map(along).collect();
+    assert!(rest.len() > 10, "a hand at rest at a part touches it");
+    let squares: f32 = rest.iter().map(|x| x.powi(2)).sum();
+    ((squares / rest.len() as f32).sqrt(), couples.iter().filter_map(along).fold(0.0, f32::max))
+}
+
+#[test]
+fn the_place_of_what_is_seen_inexactly_is_measured_from_several_frames_and_its_strokes_keep_their_length() {
+    for seed in 0..10 {
+        for half_stroke in [5, 8, 12] {
+            let (deviation_m, length_m) = stroked(half_stroke, seed);
+            assert!(deviation_m < 1.4 * DEVIATION_M, "{deviation_m} at rest, seed {seed}");
+            assert!((0.065..0.095).contains(&length_m), "{length_m} in {half_stroke} frames, seed {seed}");
+        }
+    }
+}
