@@ -1,11 +1,14 @@
 //! What a run shows of the ways of hands and objects.
 
+use crate::statistics;
+use andon_core::couple;
 use andon_core::input::{Frame, Hand, Point, Space};
 use andon_core::object::ObjectShape;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-/// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`CHANGE_S`], in metres.
-const MOVED_M: f32 = 0.015;
+/// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`CHANGE_S`], in metres. Where markers are
+/// seen less exactly, it is as much as their errors.
+const MIN_WAY_M: f32 = 0.015;
 
 /// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default.
 const CHANGE_S: f64 = 1.0 / 6.0;
@@ -23,6 +26,9 @@ const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
 /// A pause in which an object that is carried does not move, in seconds.
 const PAUSE_S: f64 = 1.0;
 
+/// Frames in which the errors of positions are measured. A marker that jumps is seen in few of them.
+const SCATTER_FRAMES: usize = 12;
+
 /// The finger tips of a hand, in metres.
 pub(super) type Tips = [Point3<f32>; 3];
 
@@ -35,6 +41,8 @@ pub(super) struct Trajectories {
     hands: [Vec<Option<Tips>>; 2],
     /// In the order of the shapes.
     objects: Vec<Vec<Option<Isometry3<f32>>>>,
+    /// For each object, the least way that is one, in metres.
+    min_ways_m: Vec<f32>,
     /// For each object, the frames in which it is carried, with the finger tips in its frame of reference.
     carried: Vec<Vec<(usize, Tips)>>,
 }
@@ -61,10 +69,12 @@ impl Trajectories {
             };
             frames.iter().map(seen).collect()
         };
+        let objects: Vec<Vec<Option<Isometry3<f32>>>> = shapes.iter().map(of_object).collect();
         let mut ways = Self {
             times_s: frames.iter().map(|frame| frame.captured_ns as f64 * 1e-9).collect(),
             hands: [0, 1].map(of_hand),
-            objects: shapes.iter().map(of_object).collect(),
+            min_ways_m: objects.iter().map(|poses| apart_by_chance_m(poses).max(MIN_WAY_M)).collect(),
+            objects,
             carried: Vec::new(),
         };
         ways.carried = (0..shapes.len()).map(|object| ways.find_carried(object)).collect();
@@ -100,7 +110,7 @@ impl Trajectories {
         let hold = self.carried[object].chunk_by(|one, next| self.is_within(CHANGE_S, one, next)).next()?;
         let pose = |frame: usize| self.objects[object][frame];
         let (began, ended) = pose(hold.first()?.0).zip(pose(hold.last()?.0))?;
-        let way = (ended.translation.vector - began.translation.vector).try_normalize(MOVED_M)?;
+        let way = (ended.translation.vector - began.translation.vector).try_normalize(MIN_WAY_M)?;
         Some([way, began.rotation.inverse_transform_vector(&way)])
     }
 
@@ -175,7 +185,7 @@ impl Trajectories {
         let distance = |tips: &Tips| centre(tips).coords.norm();
         let held =
             self.hands.iter().filter_map(held).min_by(|one, other| distance(one).total_cmp(&distance(other)));
-        held.filter(|_| way.norm() > MOVED_M)
+        held.filter(|_| way.norm() > self.min_ways_m[object])
     }
 
     /// The first frame that is at least this many seconds later.
@@ -185,6 +195,15 @@ impl Trajectories {
         let index = self.times_s.partition_point(|time| *time < at);
         (index < self.times_s.len()).then_some(index)
     }
+}
+
+/// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.
+fn apart_by_chance_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
+    let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
+    let apart_m =
+        |poses: &[Option<Isometry3<f32>>]| f64::from(couple::apart_by_chance_m(poses.iter().map(place)));
+    let known = poses.chunks(SCATTER_FRAMES).map(apart_m).filter(|apart_m| *apart_m > 0.0);
+    statistics::median(&known.collect::<Vec<_>>()) as f32
 }
 
 fn centre(points: &Tips) -> Point3<f32> {
