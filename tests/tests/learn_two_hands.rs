@@ -21,9 +21,12 @@ const MIN_ACCEPTED: usize = 90;
 const MIN_FOUND: usize = 75;
 
 fn recording(work: TwoHanded, person: u64, is_faulty: bool) -> Recording {
+    recording_seen(Noise::default(), work, person, is_faulty)
+}
+
+fn recording_seen(noise: Noise, work: TwoHanded, person: u64, is_faulty: bool) -> Recording {
     let seed = environment::number("ANDON_SEED", 71);
-    let performance = Performance { seed, person, repetition: 1, noise: Noise::default() };
-    perform_with_two_hands(&performance, work, is_faulty)
+    perform_with_two_hands(&Performance { seed, person, repetition: 1, noise }, work, is_faulty)
 }
 
 fn run(recording: &Recording) -> Run {
@@ -32,7 +35,11 @@ fn run(recording: &Recording) -> Run {
 
 /// Five people show the work.
 fn taught(work: TwoHanded) -> JobFile {
-    let runs: Vec<Run> = (1..=5).map(|person| run(&recording(work, person, false))).collect();
+    taught_seen(Noise::default(), work)
+}
+
+fn taught_seen(noise: Noise, work: TwoHanded) -> JobFile {
+    let runs: Vec<Run> = (1..=5).map(|person| run(&recording_seen(noise, work, person, false))).collect();
     let options =
         TeachOptions { measure_rate: false, ..TeachOptions::new("two hands", "", Method::default()) };
     teach(&runs, &options).unwrap().0
@@ -62,6 +69,26 @@ fn what_may_differ_between_hands_is_right_and_every_fault_is_found() {
                 .map(|person| (work, person)),
         );
     }
+    assert!(100 * right >= MIN_ACCEPTED * of, "{right} of {of}");
+    assert!(missed.is_empty(), "{missed:?}");
+}
+
+#[test]
+fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
+    // 2.5 mm along each axis, as a depth camera sees parts without markers.
+    let noise = Noise { marker_px: 2.0, ..Noise::default() };
+    let (mut right, mut of, mut accused, mut missed) = (0, 0, Vec::new(), Vec::new());
+    for work in TwoHanded::ALL {
+        let job = taught_seen(noise, work);
+        for person in 6..18 {
+            let verdicts = judged(&job, &recording_seen(noise, work, person, false));
+            (right, of) = (right + usize::from(is_right(&verdicts)), of + 1);
+            accused.extend(is_accused(&verdicts).then_some((work, person)));
+        }
+        let is_missed = |person: &u64| is_right(&judged(&job, &recording_seen(noise, work, *person, true)));
+        missed.extend((6..12).filter(is_missed).map(|person| (work, person)));
+    }
+    println!("{right} of {of} accepted, {accused:?} accused, {missed:?} missed");
     assert!(100 * right >= MIN_ACCEPTED * of, "{right} of {of}");
     assert!(missed.is_empty(), "{missed:?}");
 }

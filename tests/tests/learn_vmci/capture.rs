@@ -4,6 +4,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
 use andon_core::object::ObjectShape;
 use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
+use andon_tests::simulator::Random;
 use std::path::PathBuf;
 
 /// Frame rate of the recording.
@@ -184,6 +185,26 @@ impl Capture {
     pub(crate) fn turned(mut self) -> Self {
         self.yaw = 30_f32.to_radians();
         self
+    }
+
+    /// Is seen with an error of its own in each frame for the hand, each of its landmarks and each object: of this standard deviation along each
+    /// axis, in metres. The seed chooses the errors.
+    pub(crate) fn recording_with_errors(&self, deviation_m: f64, seed: u64) -> Recording {
+        let mut random = Random::new(seed, &[6]);
+        let mut recording = self.recording();
+        for frame in &mut recording.frames {
+            for hand in &mut frame.hands {
+                let common = [(); 3].map(|()| random.normal());
+                for point in hand.tips.iter_mut().chain([&mut hand.wrist, &mut hand.middle_knuckle]) {
+                    let error = common.map(|common| (deviation_m * (common + random.normal())) as f32);
+                    *point = [0, 1, 2].map(|axis| point[axis] + error[axis]);
+                }
+            }
+            for object in &mut frame.objects {
+                object.position = object.position.map(|value| value + (deviation_m * random.normal()) as f32);
+            }
+        }
+        recording
     }
 
     /// The run as a tracker would record it.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod capture;
+mod two_hands;
 
 use andon_core::config::Method;
 use andon_core::couple::Context;
@@ -73,7 +74,10 @@ fn every_run_has_the_interactions_that_its_labels_name() {
 
 /// The run as it would be recorded at a station that says nothing of where its parts are touched.
 fn without_points(capture: &Capture) -> Recording {
-    let mut recording = capture.recording();
+    pointless(capture.recording())
+}
+
+fn pointless(mut recording: Recording) -> Recording {
     for object in &mut recording.header.objects {
         object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
     }
@@ -107,6 +111,38 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
             assert_eq!(judged(wrong(Capture::read(number))), Some(Outcome::Anomaly), "run {number}");
         }
     }
+}
+
+/// `ANDON_SEED` chooses other errors.
+#[test]
+fn without_points_runs_that_are_seen_inexactly_are_right_and_their_faults_are_found() {
+    // As exact as a depth camera is.
+    const DEVIATION_M: f64 = 0.004;
+    let method = Method { space: Space::Metric, ..Method::default() };
+    let seed = environment::number("ANDON_SEED", 72);
+    let run = |capture: Capture| {
+        let recording = capture.recording_with_errors(DEVIATION_M, seed);
+        Run::new("run", "", &pointless(recording), &method).unwrap()
+    };
+    let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
+    let (mut right, mut accused, mut found) = (0, 0, 0);
+    for (left_out, number) in RUNS.enumerate() {
+        let mut others = runs.clone();
+        others.remove(left_out);
+        let (job, _) = teach(&others, &TeachOptions::new("shelf", "", method)).unwrap();
+        let is = |capture: Capture, outcome: Outcome| {
+            let verdicts = run(capture).judge(&job).unwrap();
+            usize::from(!jobs(&verdicts).is_empty() && jobs(&verdicts).iter().all(|job| *job == outcome))
+        };
+        right += is(Capture::read(number), Outcome::Ok);
+        accused += is(Capture::read(number), Outcome::Anomaly);
+        for wrong in [Capture::without_second_half, Capture::halves_swapped, Capture::cut_short] {
+            found += is(wrong(Capture::read(number)), Outcome::Anomaly);
+        }
+    }
+    println!("{right} right and {accused} accused of 9, {found} of 27 found");
+    assert!(right >= 7 && accused <= 1, "{right} right and {accused} accused of 9");
+    assert!(found >= 26, "{found} of 27");
 }
 
 /// Right and flawed runs of one person, without points.
