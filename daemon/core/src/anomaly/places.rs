@@ -54,9 +54,11 @@ impl Places {
         }
         let has_context = |index: usize| nominal[index].context == context;
         let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
-        // After an IU that may not have happened, the one before it may go on.
-        let same = (0..nominal.len())
-            .filter(|index| junction.was_doubtful && before.contains(index + 1) && has_context(*index));
+        // After an IU that may not have happened, the one before it may go on, and so may one that was not seen for a while.
+        let may_go_on = |ius| if junction.was_doubtful { before } else { self }.contains(ius);
+        let same = (0..nominal.len()).filter(|index| {
+            (junction.was_doubtful || junction.hidden > 0) && may_go_on(index + 1) && has_context(*index)
+        });
         Self(next.chain(same).fold(0, |places, index| places | 1 << (index + 1)))
     }
 
@@ -193,6 +195,12 @@ mod tests {
         let behind = Junction { was_doubtful: true, ..SEEN };
         assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('x', doubtful), ('p', behind)]), 1 << 2);
         assert_eq!(after(0, &[('g', SEEN), ('x', doubtful), ('y', behind)]), 0);
+    }
+
+    #[test]
+    fn an_iu_that_was_not_seen_for_a_while_may_go_on() {
+        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('p', HIDDEN)]), 1 << 2);
+        assert_eq!(after(0, &[('g', SEEN), ('p', SEEN), ('p', SEEN)]), 0);
     }
 
     #[test]
