@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::config::{Contact, Method};
 use andon_core::input::Side;
-use common::bench::{Bench, contexts, encode};
+use common::bench::{Bench, contexts, encode, errors};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -17,11 +17,7 @@ fn just_contexts(bench: &Bench) -> Vec<[u16; 4]> {
 
 /// The noise of a camera: hands are seen less exactly than markers, and the error of a hand stays for some frames.
 fn with_noise(mut bench: Bench, seed: u32) -> Bench {
-    let mut state = seed;
-    let mut noise = |max_m: f32| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        ((state >> 8) as f32 / (1 << 23) as f32 - 1.0) * max_m
-    };
+    let mut noise = errors(seed);
     let mut drift = [0.0; 2];
     for frame in &mut bench.frames {
         drift = drift.map(|drift| 0.8 * drift + noise(0.002));

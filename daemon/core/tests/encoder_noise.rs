@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::couple::Couples;
 use andon_core::input::Side;
-use common::bench::{Bench, contexts, encode};
+use common::bench::{Bench, contexts, encode, errors};
 
 const TOOL: u16 = 5;
 const BOX: u16 = 7;
@@ -15,12 +15,8 @@ const DEVIATION_M: f32 = 0.0025;
 
 /// The couples of a bench whose hands and parts are seen in each frame with errors of this standard deviation along each axis, in metres.
 fn seen_inexactly(mut bench: Bench, deviation_m: f32, seed: u32) -> Vec<Couples> {
-    let mut state = seed;
-    let mut error = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        // All errors up to the maximum are equally likely.
-        ((state >> 8) as f32 / (1 << 23) as f32 - 1.0) * deviation_m * 3_f32.sqrt()
-    };
+    let mut any_error = errors(seed);
+    let mut error = || any_error(deviation_m * 3_f32.sqrt());
     for frame in &mut bench.frames {
         for hand in &mut frame.hands {
             let shift = [error(), error()];

@@ -55,10 +55,12 @@ impl Places {
         let has_context = |index: usize| nominal[index].context == context;
         let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
         // After an IU that may not have happened, the one before it may go on, and so may one that was not seen for a while.
-        let may_go_on = |ius| if junction.was_doubtful { before } else { self }.contains(ius);
-        let same = (0..nominal.len()).filter(|index| {
-            (junction.was_doubtful || junction.hidden > 0) && may_go_on(index + 1) && has_context(*index)
-        });
+        let going_on = match junction {
+            Junction { was_doubtful: true, .. } => before,
+            Junction { hidden: 0, .. } => Self::NONE,
+            _ => self,
+        };
+        let same = (0..nominal.len()).filter(|index| going_on.contains(index + 1) && has_context(*index));
         Self(next.chain(same).fold(0, |places, index| places | 1 << (index + 1)))
     }
 

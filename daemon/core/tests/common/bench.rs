@@ -157,3 +157,12 @@ pub(crate) fn contexts(couples: &[Couples], side: Side) -> Vec<([u16; 4], usize)
     runs.retain(|(context, _)| *context != [0; 4]);
     runs
 }
+
+/// Errors up to a maximum, of which all are equally likely; the seed chooses them.
+pub(crate) fn errors(seed: u32) -> impl FnMut(f32) -> f32 {
+    let mut state = seed;
+    move |max_m| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((state >> 8) as f32 / (1 << 23) as f32 - 1.0) * max_m
+    }
+}

@@ -206,8 +206,7 @@ impl Scene {
         }
         let (speed, (_, path_m)) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
-        let apart = |age: usize| Some(self.relative_positions(hand, object, age)?[0]);
-        let seems_to_rest = || path_m <= AT_REST * self.apart_by_chance_m(age, apart);
+        let seems_to_rest = || path_m <= AT_REST * self.slips_by_chance_m(hand, object, age);
         Some(speed < self.method.rest_speed_m_s && (path_m <= self.rest_m() || seems_to_rest()))
     }
 
@@ -252,12 +251,16 @@ impl Scene {
     /// and the object does not follow.
     pub(super) fn slips_until(&self, hand: usize, object: usize, age: usize) -> Option<usize> {
         let (newest, path_m) = self.relative_path(hand, object, age)?;
-        let apart = |age: usize| Some(self.relative_positions(hand, object, age)?[0]);
         // The errors come last, because they take longest.
         let slips = path_m > self.slipped_m()
             && !self.follows(hand, object, age)
-            && path_m > self.apart_by_chance_m(age, apart);
+            && path_m > self.slips_by_chance_m(hand, object, age);
         slips.then_some(newest)
+    }
+
+    /// How far a hand that rests at an object seems to move along it at most, by the errors of both, in metres.
+    fn slips_by_chance_m(&self, hand: usize, object: usize, age: usize) -> f32 {
+        self.apart_by_chance_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]))
     }
 
     /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that.

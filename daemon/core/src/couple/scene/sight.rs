@@ -64,8 +64,8 @@ impl Scene {
 
     /// Finds out whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
     /// a part that is put in place while the camera is covered, does not move before and after that, and what is misread, as where fingers pass
-    /// before a marker, is back where it was. Where frames come too seldom to measure what
-    /// a hand does, it does not matter whether the hand is seen.
+    /// before a marker, is back where it was. Where frames come too seldom to measure what a hand does, it does not matter whether the hand is
+    /// seen.
     pub(super) fn push_carried_unseen(&mut self) {
         let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
@@ -75,13 +75,13 @@ impl Scene {
         };
         let moves = |object: usize| {
             let seen = |age: usize| self.seen_object(object, age);
-            let moves_farther = |min_m: f32| {
-                let [now, before, first] = [0, persist, 2 * persist].map(seen);
+            let [now, before, first] = [0, persist, 2 * persist].map(seen);
+            let is_farther = |min_m: f32| {
                 [now.zip(before), before.zip(first), now.zip(first)]
                     .iter()
                     .all(|pair| pair.is_some_and(|(to, from)| norm(subtract(to, from)) > min_m))
             };
-            moves_farther(self.rest_m()) && moves_farther(self.apart_by_chance_m(persist, seen))
+            is_farther(self.rest_m()) && is_farther(self.apart_by_chance_m(persist, seen))
         };
         let is_carried = (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
         self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
