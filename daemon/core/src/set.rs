@@ -57,7 +57,12 @@ impl ActivitySet {
 
     /// The members in the order of their indices.
     pub fn iter(self) -> impl Iterator<Item = usize> {
-        (0..ACTIVITIES).filter(move |activity| self.contains(*activity))
+        let mut left = self.0;
+        core::iter::from_fn(move || {
+            let lowest = left.trailing_zeros();
+            left &= left.wrapping_sub(1);
+            (lowest < u32::BITS).then_some(lowest as usize)
+        })
     }
 
     /// The member with the lowest index.

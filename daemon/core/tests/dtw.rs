@@ -3,7 +3,9 @@
 
 use andon_core::capacity::IU_FRAMES;
 use andon_core::couple::Motion;
-use andon_core::dtw::{LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path};
+use andon_core::dtw::{
+    LocalCosts, OnlineDtw, Refused, Scratch, distance, distance_within, path, path_memory,
+};
 use andon_core::job::LocalCost;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -122,8 +124,8 @@ fn check_all_ways(local: LocalCost, a: &[Motion], b: &[Motion]) {
     assert_eq!(within(whole.next_down()), None);
     assert_eq!(within(whole / 2.0), Some(whole).filter(|&whole| whole == 0.0));
 
-    let mut moves = vec![0xff; a.len() * b.len()];
-    let path = path(&costs, a, b, &mut moves, &mut scratch).unwrap();
+    let mut memory = vec![[i32::MIN; 32]; path_memory(a.len(), b.len())];
+    let path = path(&costs, a, b, &mut memory, &mut scratch).unwrap();
     assert_eq!(path.distance(), whole, "path and batch");
 }
 
@@ -180,8 +182,8 @@ proptest! {
     fn a_warping_path_is_connected_and_its_costs_add_up_to_the_distance(a in motions(1..60), b in motions(1..60)) {
         for local in [LocalCost::Ordinal, LocalCost::Circular { bins: 8 }] {
             let costs = LocalCosts::new(local);
-            let mut moves = vec![0; a.len() * b.len()];
-            let path = path(&costs, &a, &b, &mut moves, &mut Scratch::new()).unwrap();
+            let mut memory = vec![[0; 32]; path_memory(a.len(), b.len())];
+            let path = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap();
             let distance = path.distance();
             let pairs: Vec<_> = path.collect();
             prop_assert_eq!(pairs[0], (a.len() - 1, b.len() - 1));

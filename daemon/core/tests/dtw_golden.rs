@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use andon_core::couple::Motion;
-use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, path};
+use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, path, path_memory};
 use andon_core::job::LocalCost;
 use serde_json::{Value, from_value};
 
@@ -40,8 +40,8 @@ fn ordinal_distances_and_paths_are_those_of_dtaidistance() {
         assert_near(both_ways(LocalCost::Ordinal, &a, &b), &vector["distance"], 1e-9);
 
         let costs = LocalCosts::new(LocalCost::Ordinal);
-        let mut moves = vec![0; a.len() * b.len()];
-        let mut pairs: Vec<_> = path(&costs, &a, &b, &mut moves, &mut Scratch::new()).unwrap().collect();
+        let mut memory = vec![[0; 32]; path_memory(a.len(), b.len())];
+        let mut pairs: Vec<_> = path(&costs, &a, &b, &mut memory, &mut Scratch::new()).unwrap().collect();
         pairs.reverse();
         assert_eq!(pairs, from_value::<Vec<(usize, usize)>>(vector["path"].clone()).unwrap());
     }

@@ -42,7 +42,7 @@ fn change(counts: &mut Counts, motion: Motion, by: fn(u32, u32) -> u32) {
 /// Computes barycentres under one local cost.
 #[derive(Clone, Debug)]
 pub(crate) struct Barycentres {
-    /// Local cost of a direction in the barycentre (row, from 0) against a direction in a sequence (column, from 0).
+    /// Local cost of a direction in a sequence (row, from 0) against a direction in the barycentre (column, from 0).
     direction: Vec<Vec<f64>>,
     /// The same of the other features, rows and columns from -1.
     number: Vec<Vec<f64>>,
@@ -58,11 +58,11 @@ impl Barycentres {
             motion
         };
         // The squared distance of two sequences of one frame each is their local cost; one frame is never refused.
-        let mut local = |index, best, other| {
-            warp.distance(&[at(index, best)], &[at(index, other)]).unwrap_or_default().powi(2)
+        let mut local = |index, other, best| {
+            warp.distance(&[at(index, other)], &[at(index, best)]).unwrap_or_default().powi(2)
         };
         let mut table = |index: usize, values: std::ops::RangeInclusive<i8>| -> Vec<Vec<f64>> {
-            let costs = |best| values.clone().map(|other| local(index, best, other)).collect();
+            let costs = |other| values.clone().map(|best| local(index, other, best)).collect();
             values.clone().map(costs).collect()
         };
         Self { direction: table(2, 0..=bins.min(VALUES as u8 - 2) as i8), number: table(0, -1..=1) }
@@ -142,12 +142,15 @@ impl Barycentres {
             // Counts begin at value -1, directions at 0.
             let (table, min) =
                 if matches!(index, 1 | 2 | 4 | 5) { (&self.direction, 0) } else { (&self.number, -1) };
-            let counts = &counts[(min + 1) as usize..];
-            let sum = |costs: &Vec<f64>| {
-                costs.iter().zip(counts).map(|(cost, count)| cost * f64::from(*count)).sum::<f64>()
-            };
+            let mut sums = [0.0; VALUES];
+            // Few of the values occur.
+            for (costs, &count) in
+                table.iter().zip(&counts[(min + 1) as usize..]).filter(|(_, count)| **count > 0)
+            {
+                sums.iter_mut().zip(costs).for_each(|(sum, cost)| *sum += cost * f64::from(count));
+            }
             // The first of equal ones.
-            let choice = table.iter().map(sum).enumerate().min_by(|one, other| one.1.total_cmp(&other.1));
+            let choice = sums[..table.len()].iter().enumerate().min_by(|one, other| one.1.total_cmp(other.1));
             *best = choice.map_or(0, |(value, _)| value) as i8 + min as i8;
         }
         motion

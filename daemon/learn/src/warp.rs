@@ -9,13 +9,13 @@ use andon_core::job::LocalCost;
 pub struct Warp {
     costs: LocalCosts,
     scratch: Box<Scratch>,
-    moves: Vec<u8>,
+    matrix: Vec<dtw::Cells>,
 }
 
 impl Warp {
     /// Empty memory for this local cost.
     pub fn new(cost: LocalCost) -> Self {
-        Self { costs: LocalCosts::new(cost), scratch: Box::default(), moves: Vec::new() }
+        Self { costs: LocalCosts::new(cost), scratch: Box::default(), matrix: Vec::new() }
     }
 
     /// The DTW distance: the root of the sum of the squared local costs along the warping path.
@@ -49,11 +49,11 @@ impl Warp {
         b: &[Motion],
         visit: impl FnMut((usize, usize)),
     ) -> Result<(), Refused> {
-        let cells = a.len() * b.len();
-        if self.moves.len() < cells {
-            self.moves.resize(cells, 0);
+        let needed = dtw::path_memory(a.len(), b.len());
+        if self.matrix.len() < needed {
+            self.matrix.resize(needed, dtw::Cells::default());
         }
-        dtw::path(&self.costs, a, b, &mut self.moves, &mut self.scratch)?.for_each(visit);
+        dtw::path(&self.costs, a, b, &mut self.matrix, &mut self.scratch)?.for_each(visit);
         Ok(())
     }
 

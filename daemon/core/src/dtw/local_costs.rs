@@ -75,27 +75,12 @@ impl LocalCosts {
         {
             return min;
         }
-        self.advance_with(row, frame, reference, symbols, |_, _, _| {})
-    }
-
-    /// Computes the next row in place and returns its minimum. Calls `visit` for each cell in order with the values of its three
-    /// predecessors: diagonal, up, left.
-    #[inline]
-    pub(super) fn advance_with(
-        &self,
-        row: &mut Row,
-        frame: &Motion,
-        reference: &[Motion],
-        symbols: Option<&Symbols>,
-        mut visit: impl FnMut(i32, i32, i32),
-    ) -> i32 {
         let mut diagonal = core::mem::replace(&mut row.border, UNREACHED);
         let (mut left, mut min) = (UNREACHED, UNREACHED);
         let mut index = 0;
         let next = |cost: i32| {
             let cell = &mut row.blocks[index / BLOCK][slot(index)];
             let up = *cell;
-            visit(diagonal, up, left);
             left = diagonal.min(up).min(left) + cost;
             *cell = left;
             diagonal = up;

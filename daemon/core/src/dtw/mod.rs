@@ -6,7 +6,7 @@
 //!
 //! ```
 //! use andon_core::couple::Motion;
-//! use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, distance_within, path};
+//! use andon_core::dtw::{LocalCosts, OnlineDtw, Scratch, distance, distance_within, path, path_memory};
 //! use andon_core::job::LocalCost;
 //!
 //! let taught = [Motion([0; 7]), Motion([1, 0, 3, 0, 0, 0, 0]), Motion([0, 0, 3, 0, 0, 0, 0])];
@@ -29,8 +29,8 @@
 //! assert_eq!(distance_within(&costs, &seen, &taught, 0.1, &mut scratch)?, None);
 //!
 //! // The warping path, from the last pair back to the first.
-//! let mut moves = [0; 9];
-//! let path = path(&costs, &seen, &taught, &mut moves, &mut scratch)?;
+//! let mut memory = [[0; 32]; path_memory(3, 3)];
+//! let path = path(&costs, &seen, &taught, &mut memory, &mut scratch)?;
 //! assert_eq!(path.distance(), whole);
 //! assert!(path.eq([(2, 2), (1, 1), (0, 0)]));
 //! # Ok::<(), andon_core::dtw::Refused>(())
@@ -48,7 +48,7 @@ mod symbols;
 pub use batch::{Scratch, distance, distance_within};
 pub use local_costs::LocalCosts;
 pub use online::OnlineDtw;
-pub use path::{Path, path};
+pub use path::{Cells, Path, path, path_memory};
 
 use crate::capacity::IU_FRAMES;
 use crate::couple::Motion;

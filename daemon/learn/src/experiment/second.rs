@@ -13,6 +13,7 @@ use andon_core::config::Method;
 use andon_core::couple::Couples;
 use andon_core::verdict::{self, Level, Verdict};
 use oorandom::Rand64;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 /// Share of the correct executions that are in a training set: 14 of the paper's 21.
@@ -101,6 +102,7 @@ pub fn run(
     let needs_both = variations.iter().any(|variation| !variation.is_filtered);
     let raw = if needs_both { encoded_again(all, &unfiltered)? } else { Vec::new() };
     let finds_meetings = variations.iter().any(|variation| variation.finds_meetings);
+    let mut judged = Judged { all, couples: vec![None; all.len()], objects: Vec::new() };
     let (mut outcomes, mut done) = (Vec::new(), 0);
     for (split, rounds) in divided {
         let first = outcomes.len();
@@ -109,11 +111,10 @@ pub fn run(
             let filtered = Training::new(all, &training, *method);
             let raw = needs_both.then(|| Training::new(&raw, &training, unfiltered));
             let mut encodings = Encodings::new(filtered, raw, variations)?;
-            let mut tested = Tested::new(all, &test);
             for outcome in &mut outcomes[first..] {
                 match encodings.teach(&outcome.variation) {
                     Err(nothing) if finds_meetings && nothing.is_of_runs() => outcome.untaught += 1,
-                    job => tested.add_to(outcome, &job?)?,
+                    job => judged.add_to(outcome, &job?, &test)?,
                 }
                 done += 1;
                 progress(f64::from(done) / steps);
@@ -175,31 +176,30 @@ fn people(all: &[Labelled]) -> BTreeSet<u32> {
     all.iter().map(|one| one.person).collect()
 }
 
-/// The test executions of one round.
-struct Tested<'a> {
-    all: Vec<&'a Labelled>,
-    /// What a judge works on in each of them, if the job has these objects. The filter comes after it.
-    couples: Vec<Vec<Couples>>,
+/// The executions as a judge sees them.
+struct Judged<'a> {
+    all: &'a [Labelled],
+    /// What the judge works on in each of them that was needed so far, if the job has these objects. The filter comes after it.
+    couples: Vec<Option<Cow<'a, [Couples]>>>,
     objects: Vec<NamedObject>,
 }
 
-impl<'a> Tested<'a> {
-    fn new(all: &'a [Labelled], indices: &[usize]) -> Self {
-        let all = indices.iter().map(|&index| &all[index]).collect();
-        Self { all, couples: Vec::new(), objects: Vec::new() }
-    }
-
-    /// Adds what a job says of the executions.
-    fn add_to(&mut self, outcome: &mut Outcome, job: &JobFile) -> Result<(), RunError> {
-        // The objects are the same under all rules, so this encodes once for all of them.
+impl Judged<'_> {
+    /// Adds what a job says of the executions with these indices.
+    fn add_to(&mut self, outcome: &mut Outcome, job: &JobFile, test: &[usize]) -> Result<(), RunError> {
+        // The objects are the same under all rules, and mostly in all rounds, so each execution is encoded once for all of them.
         if self.objects != job.objects {
-            let couples = |one: &&Labelled| Ok(one.run.couples_for(job)?.into_owned());
-            self.couples = self.all.iter().map(couples).collect::<Result<_, RunError>>()?;
+            self.couples.fill(None);
             self.objects.clone_from(&job.objects);
         }
         outcome.ius.0.push(Confusion::default());
         outcome.activities.0.push(Confusion::default());
-        for (one, couples) in self.all.iter().zip(&self.couples) {
+        for &index in test {
+            let (one, couples) = (&self.all[index], &mut self.couples[index]);
+            let couples = match couples {
+                Some(couples) => couples,
+                none => none.insert(one.run.couples_for(job)?),
+            };
             let verdicts = verdicts(couples, job).map_err(RunError::Job)?;
             outcome.count(one, job, &verdicts);
         }

@@ -26,6 +26,10 @@ struct Fault {
 #[derive(Clone, Debug)]
 pub(super) struct Progress<'a> {
     pub(super) job: &'a Job<'a>,
+    /// All activities of the job.
+    all: ActivitySet,
+    /// The activities without which the job is not complete.
+    required: ActivitySet,
     /// How many frames a change takes to be believed.
     pub(super) persist_frames: u32,
     /// The time of the newest couples.
@@ -101,8 +105,11 @@ pub(super) struct Progress<'a> {
 
 impl<'a> Progress<'a> {
     pub(super) fn new(job: &'a Job<'a>, persist_frames: u32, missed: [Missed; HANDS]) -> Self {
+        let all = job.numbers();
         Self {
             job,
+            all,
+            required: all.iter().filter(|activity| job.law(*activity).is_required).collect(),
             persist_frames,
             now_ns: 0,
             known_ns: 0,
@@ -149,7 +156,7 @@ impl<'a> Progress<'a> {
             self.forget_hidden();
         }
         let (undone_first, undone) = (self.undone_first | self.seen_undone, self.seen_undone);
-        let may_precede = self.all().without(undone_first | self.behind(undone_first));
+        let may_precede = self.all.without(undone_first | self.behind(undone_first));
         let is_start_seen = is_start_seen || self.is_start_expected || may_precede.is_empty();
         *self = Self {
             began_ns,
@@ -241,7 +248,7 @@ impl<'a> Progress<'a> {
     fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
         if self.first_step == Some(number) && activities.intersects(self.first()) && !self.is_start_seen {
             self.is_start_seen = true;
-            self.may_precede = self.all().without(activities | self.behind(activities));
+            self.may_precede = self.all.without(activities | self.behind(activities));
         }
     }
 
@@ -281,12 +288,12 @@ impl<'a> Progress<'a> {
 
     /// The activities with which a job may begin: those that no law puts behind another one.
     fn first(&self) -> ActivitySet {
-        self.all().iter().filter(|activity| self.job.law(*activity).after().is_empty()).collect()
+        self.all.iter().filter(|activity| self.job.law(*activity).after().is_empty()).collect()
     }
 
     /// The activities that laws put behind one of these, directly or by others between them.
     fn behind(&self, activities: ActivitySet) -> ActivitySet {
-        let all = self.all();
+        let all = self.all;
         let step = |set: ActivitySet| {
             let next =
                 all.iter().filter(|activity| self.job.law(*activity).after().intersects(set | activities));
@@ -297,7 +304,7 @@ impl<'a> Progress<'a> {
 
     /// Whether the job has any order.
     fn has_order(&self) -> bool {
-        self.first() != self.all()
+        self.first() != self.all
     }
 
     /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
@@ -361,7 +368,7 @@ impl<'a> Progress<'a> {
             .tried()
             .iter()
             .fold(ActivitySet::EMPTY, |all, activity| all | self.job.law(activity).after());
-        self.all().without(self.required() | self.tried() | came)
+        self.all.without(self.required | self.tried() | came)
     }
 
     /// Whether the other hand is in the middle of an activity that may still come out right.
@@ -408,16 +415,6 @@ impl<'a> Progress<'a> {
         nominal.into_iter().filter_map(|nominal| self.number(nominal)).map(usize::from).collect()
     }
 
-    /// All activities of the job.
-    fn all(&self) -> ActivitySet {
-        self.job.numbers()
-    }
-
-    /// The activities without which the job is not complete.
-    fn required(&self) -> ActivitySet {
-        self.all().iter().filter(|activity| self.job.law(*activity).is_required).collect()
-    }
-
     /// The activities that were tried and done wrong.
     pub(super) fn wrong(&self) -> ActivitySet {
         self.wrong
@@ -444,7 +441,7 @@ impl<'a> Progress<'a> {
         let came = self.tried() | self.underway[side.other().index()];
         let before = activity.iter().fold(ActivitySet::EMPTY, |all, one| all | self.job.law(one).after());
         if !activity.intersects(self.wrong) {
-            self.excused |= (before & self.required()).without(came);
+            self.excused |= (before & self.required).without(came);
         }
         self.done |= activity;
         self.begin_seen_with(number, activity);
@@ -483,7 +480,7 @@ impl<'a> Progress<'a> {
     /// The same, but of the activities that were done wrong only these count.
     pub(super) fn is_matched_with(&self, wrong: ActivitySet) -> bool {
         let waiting = self.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        self.required().without(self.done | self.unjudged | wrong | waiting).is_empty()
+        self.required.without(self.done | self.unjudged | wrong | waiting).is_empty()
     }
 
     /// Whether the job has its verdict.
@@ -493,7 +490,7 @@ impl<'a> Progress<'a> {
 
     /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`.
     pub(super) fn conclude(&mut self, ended: bool, emit: &mut impl FnMut(Verdict)) {
-        let is_complete = (self.required() | self.may_follow()).without(self.tried()).is_empty();
+        let is_complete = (self.required | self.may_follow()).without(self.tried()).is_empty();
         if !self.is_open || !is_complete && !ended {
             return;
         }
@@ -541,7 +538,7 @@ impl<'a> Progress<'a> {
             Fault { reason, missing, nearest, measured: None, broken: None }
         };
         let not_completed = |lowest: usize| because(Reason::NotCompleted.into(), Some(lowest as u16));
-        let missing = self.required().without(self.done | self.unjudged);
+        let missing = self.required.without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
         let is_end_certain = !self.is_end_assumed;
         let certainly_missing =

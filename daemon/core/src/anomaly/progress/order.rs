@@ -9,7 +9,7 @@ impl Progress<'_> {
     /// The activity that must come next, if that is only one.
     pub(super) fn next_in_order(&self) -> Option<usize> {
         let underway = self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        let left = self.required().without(self.tried() | underway);
+        let left = self.required.without(self.tried() | underway);
         let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
         let mut next = left.iter().filter(is_next);
         next.next().filter(|_| self.has_order() && next.next().is_none())
@@ -26,7 +26,7 @@ impl Progress<'_> {
         }
         let came = self.tried() | self.underway[side.other().index()];
         let is_certain = |other: &usize| !self.may_precede.contains(*other) && !self.may_be_unseen(*other);
-        let not_begun = (law.after() & self.required()).without(came).iter().find(is_certain);
+        let not_begun = (law.after() & self.required).without(came).iter().find(is_certain);
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
         // Otherwise the other one was accused.
@@ -77,7 +77,7 @@ impl Progress<'_> {
     /// Whether an activity comes a second time. It may also be that of the next job, if another activity of that has
     /// come unseen.
     fn is_repeated(&self, activity: usize) -> bool {
-        let mut others = self.required().without(ActivitySet::of(activity)).iter();
+        let mut others = self.required.without(ActivitySet::of(activity)).iter();
         self.done.contains(activity) && !others.any(|other| self.may_be_unseen(other))
     }
 
@@ -85,7 +85,7 @@ impl Progress<'_> {
     pub(in crate::anomaly) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
         let activity = usize::from(self.number(nominal)?);
         let came = self.tried() | self.underway[side.other().index()];
-        let usual = self.job.law(activity).usually_after & self.required();
+        let usual = self.job.law(activity).usually_after & self.required;
         let is_early = usual.without(came | self.may_precede).iter().any(|other| !self.may_be_unseen(other));
         if self.is_repeated(activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
     }

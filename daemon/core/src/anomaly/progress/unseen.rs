@@ -13,7 +13,7 @@ impl Progress<'_> {
             if self.first_step.is_some() {
                 self.first_unjudged = self.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
             } else {
-                (self.is_start_seen, self.may_precede) = (false, self.all());
+                (self.is_start_seen, self.may_precede) = (false, self.all);
             }
         }
     }
