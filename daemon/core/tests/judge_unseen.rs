@@ -4,7 +4,7 @@
 mod common;
 
 use andon_core::set::ActivitySet;
-use andon_core::verdict::Outcome;
+use andon_core::verdict::{Level, Outcome};
 use common::script::{Part, idle, short, stream, teach};
 use common::work::{away, bring, jobs, judged, measure, polish, polish_and_measure};
 
@@ -90,4 +90,25 @@ fn what_a_hand_already_holds_may_have_been_at_a_part_before_that_was_first_seen(
     };
     assert!(said(false).iter().any(|verdict| verdict.contains("Anomaly TooShort")), "{:?}", said(false));
     assert!(!said(true).iter().any(|verdict| verdict.contains("TooShort")), "{:?}", said(true));
+}
+
+#[test]
+fn a_job_is_not_right_with_what_may_belong_to_the_next_piece() {
+    let job = polish_and_measure();
+    let first: usize = polish(6).iter().map(|part| part.frames).sum();
+    let said = |undone: ActivitySet, is_seen: bool| -> String {
+        let mut couples = stream(&[&polish(6)[..], &[idle(90)], &measure()].concat(), &[]);
+        // Something that lay on the bench at first does not any more, so it is not set as it was.
+        couples[..2].iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
+        couples[first + 80..].iter_mut().for_each(|couples| couples.undone = undone);
+        if !is_seen {
+            couples.drain(first + 5..first + 75);
+        }
+        let verdicts = judged(&job, &couples);
+        short(verdicts.iter().find(|verdict| verdict.level == Level::Job).unwrap())
+    };
+    // What was polished lies where it lay before, so it may be the next piece that is measured.
+    assert_eq!(said(ActivitySet::of(0), false), "NotJudged FramesMissing");
+    assert_eq!(said(ActivitySet::EMPTY, false), "JobOk");
+    assert_eq!(said(ActivitySet::of(0), true), "JobOk", "it was only put back");
 }

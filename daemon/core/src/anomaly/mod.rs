@@ -48,6 +48,8 @@
 //!   is not judged. But only as much fits into a gap as it is long: an IU that lasts at least twice as long was not overlooked in it.
 //! - Strokes that were not seen are assumed at the pace of those that were, but only where at most a quarter of the IU was hidden.
 //! - An order that is excused because an activity may have come unseen is not right if that activity comes later.
+//! - A job of which not all was seen is not right where the bench shows at its end that something of it is undone again: what came last may
+//!   belong to the next piece.
 //! - Frames that were not seen make measures less exact, even where what was hidden is assumed: the ends of an IU may shift, a stroke may not
 //!   show that it is one, and the distance may grow.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.

@@ -64,7 +64,7 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Uns
 
 /// Two objects, the one that is carried more before the other one: the place is in the frame of reference of that which lies more.
 fn in_order([with, at]: [usize; 2], shown: &[Trajectories]) -> [usize; 2] {
-    let carried = |object: usize| shown.iter().map(|run| run.carried(object).len()).sum::<usize>();
+    let carried = |object: usize| shown.iter().map(|run| run.carried_frames(object)).sum::<usize>();
     if carried(with) >= carried(at) { [with, at] } else { [at, with] }
 }
 
@@ -111,9 +111,13 @@ fn apart_m(one: &[Point3<f32>], other: &[Point3<f32>]) -> f32 {
 /// As few points as are within a distance of all these, at most as many as an object can have: each next one is that which is farthest from
 /// those before (Gonzalez 1985).
 fn centres(points: &[Point3<f32>], near_m: f32) -> Vec<Point3<f32>> {
-    let mut centres = vec![median(points.iter().copied())];
+    let middle = median(points.iter().copied());
+    let apart_m = |point: &Point3<f32>| (point - middle).norm();
+    let nearest = points.iter().min_by(|one, other| apart_m(one).total_cmp(&apart_m(other)));
+    // Between points that are apart there is none.
+    let mut centres = vec![nearest.filter(|point| apart_m(point) > near_m).copied().unwrap_or(middle)];
     while centres.len() < INTERACTION_POINTS {
-        let apart = |point: &Point3<f32>| apart_m(&[*point], &centres);
+        let apart = |point: &Point3<f32>| self::apart_m(&[*point], &centres);
         let farthest = points.iter().max_by(|one, other| apart(one).total_cmp(&apart(other)));
         let Some(point) = farthest.filter(|point| apart(point) > near_m) else { break };
         centres.push(*point);

@@ -1,6 +1,7 @@
 //! What a run shows of the ways of hands and objects.
 
 use crate::statistics;
+use andon_core::capacity::HANDS;
 use andon_core::couple;
 use andon_core::input::{Frame, Hand, Point, Space};
 use andon_core::object::ObjectShape;
@@ -26,11 +27,20 @@ const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
 /// A pause in which an object that is carried does not move, in seconds.
 const PAUSE_S: f64 = 1.0;
 
+/// Of two hands that move with an object, both hold it if the farther one does so in this share of the time; otherwise it passes by.
+const BOTH_HOLD: (usize, usize) = (3, 4);
+
+/// The nearer one holds it if it is the nearer one in this share of the time: the object is handed over, or both hold it.
+const ONE_HOLDS: (usize, usize) = (1, 4);
+
 /// Frames in which the errors of positions are measured. A marker that jumps is seen in few of them.
 const SCATTER_FRAMES: usize = 12;
 
 /// The finger tips of a hand, in metres.
 pub(super) type Tips = [Point3<f32>; 3];
+
+/// The finger tips of the hands that move with an object, in its frame of reference, by the index of the side; at least one does.
+type Carriers = [Option<Tips>; HANDS];
 
 /// The frames of a dwelling, and the places in metres.
 pub(super) type Dwell = Vec<(usize, Point3<f32>)>;
@@ -38,13 +48,13 @@ pub(super) type Dwell = Vec<(usize, Point3<f32>)>;
 /// The poses in the frames of a run.
 pub(super) struct Trajectories {
     times_s: Vec<f64>,
-    hands: [Vec<Option<Tips>>; 2],
+    hands: [Vec<Option<Tips>>; HANDS],
     /// In the order of the shapes.
     objects: Vec<Vec<Option<Isometry3<f32>>>>,
     /// For each object, the least way that is one, in metres.
     min_ways_m: Vec<f32>,
-    /// For each object, the frames in which it is carried, with the finger tips in its frame of reference.
-    carried: Vec<Vec<(usize, Tips)>>,
+    /// For each object, the frames in which it is carried.
+    carried: Vec<Vec<(usize, Carriers)>>,
 }
 
 impl Trajectories {
@@ -89,20 +99,23 @@ impl Trajectories {
         self.carried[object] = self.find_carried(object);
     }
 
-    fn find_carried(&self, object: usize) -> Vec<(usize, Tips)> {
-        let tips = |frame: usize| Some((frame, self.carrying_tips(object, frame)?));
-        (0..self.times_s.len()).filter_map(tips).collect()
+    fn find_carried(&self, object: usize) -> Vec<(usize, Carriers)> {
+        let carriers = |frame: usize| Some((frame, self.carriers(object, frame)?));
+        (0..self.times_s.len()).filter_map(carriers).collect()
     }
 
-    /// The frames in which the object is carried, with the finger tips in its frame of reference.
-    pub(super) fn carried(&self, object: usize) -> &[(usize, Tips)] {
-        &self.carried[object]
+    /// In how many frames the object is carried.
+    pub(super) fn carried_frames(&self, object: usize) -> usize {
+        self.carried[object].len()
     }
 
-    /// The same, each time that it is carried.
+    /// The finger tips of each hand that holds the object, in its frame of reference, each time that it is carried.
     pub(super) fn holds(&self, object: usize) -> Vec<Vec<Tips>> {
         let holds = self.carried[object].chunk_by(|one, next| self.is_within(PAUSE_S, one, next));
-        holds.map(|hold| hold.iter().map(|(_, tips)| *tips).collect()).collect()
+        holds
+            .flat_map(|hold| [0, 1].map(|hand| held_by(hand, hold)))
+            .filter(|tips| !tips.is_empty())
+            .collect()
     }
 
     /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.
@@ -121,7 +134,7 @@ impl Trajectories {
         (last.translation.vector - first.translation.vector).norm()
     }
 
-    fn is_within(&self, seconds: f64, one: &(usize, Tips), next: &(usize, Tips)) -> bool {
+    fn is_within(&self, seconds: f64, one: &(usize, Carriers), next: &(usize, Carriers)) -> bool {
         self.times_s[next.0] - self.times_s[one.0] <= seconds
     }
 
@@ -168,8 +181,8 @@ impl Trajectories {
         self.carried[object].iter().any(|(frame, _)| CARRIED_S.contains(&ago_s(*frame)))
     }
 
-    /// The finger tips of the hand that carries the object, in its frame of reference; of the nearer one if both may.
-    fn carrying_tips(&self, object: usize, frame: usize) -> Option<Tips> {
+    /// The hands that move with the object, where it moves and one does.
+    fn carriers(&self, object: usize, frame: usize) -> Option<Carriers> {
         let later = self.after(frame, CHANGE_S)?;
         let (pose, moved) = self.objects[object][frame].zip(self.objects[object][later])?;
         let way = moved.translation.vector - pose.translation.vector;
@@ -182,10 +195,8 @@ impl Trajectories {
             let is_carried = slipped_m < way.norm() / 2.0 && centre(&own).coords.norm() < REACH_M;
             is_carried.then_some(own)
         };
-        let distance = |tips: &Tips| centre(tips).coords.norm();
-        let held =
-            self.hands.iter().filter_map(held).min_by(|one, other| distance(one).total_cmp(&distance(other)));
-        held.filter(|_| way.norm() > self.min_ways_m[object])
+        let carriers = self.hands.each_ref().map(held);
+        (way.norm() > self.min_ways_m[object] && carriers.iter().any(Option::is_some)).then_some(carriers)
     }
 
     /// The first frame that is at least this many seconds later.
@@ -195,6 +206,24 @@ impl Trajectories {
         let index = self.times_s.partition_point(|time| *time < at);
         (index < self.times_s.len()).then_some(index)
     }
+}
+
+/// The finger tips of one hand while it holds an object, if it does.
+fn held_by(hand: usize, hold: &[(usize, Carriers)]) -> Vec<Tips> {
+    let apart_m = |tips: &Option<Tips>| tips.map_or(f32::INFINITY, |tips| centre(&tips).coords.norm());
+    let is_nearer = |carriers: &Carriers| apart_m(&carriers[hand]) <= apart_m(&carriers[1 - hand]);
+    let moves_with: Vec<&Carriers> =
+        hold.iter().map(|(_, carriers)| carriers).filter(|carriers| carriers[hand].is_some()).collect();
+    let nearer: Vec<&Carriers> = moves_with.iter().copied().filter(|carriers| is_nearer(carriers)).collect();
+    let is_share = |part: &[&Carriers], (share, of): (usize, usize)| of * part.len() >= share * hold.len();
+    let held = if is_share(&moves_with, BOTH_HOLD) {
+        moves_with
+    } else if is_share(&nearer, ONE_HOLDS) {
+        nearer
+    } else {
+        return Vec::new();
+    };
+    held.iter().filter_map(|carriers| carriers[hand]).collect()
 }
 
 /// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.

@@ -81,7 +81,7 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
     let mut unsure = Vec::new();
     for (index, object) in objects.iter().enumerate() {
         let is_alone =
-            |shown: &Trajectories| shown.carried(index).is_empty() && shown.moved_m(index) > MOVED_M;
+            |shown: &Trajectories| shown.carried_frames(index) == 0 && shown.moved_m(index) > MOVED_M;
         let alone = runs.iter().zip(shown).filter(|(_, shown)| is_alone(shown));
         let runs: Vec<String> = alone.map(|(run, _)| run.name.clone()).collect();
         if !runs.is_empty() {
@@ -111,7 +111,7 @@ fn brought_beside(index: usize, objects: &[NamedObject], shown: &[Trajectories])
     let beside = learnt.filter_map(|other| {
         // What lies there anyway was not brought.
         let is_brought =
-            |shown: &&Trajectories| !shown.carried(index).is_empty() && shown.carried(other).is_empty();
+            |shown: &&Trajectories| shown.carried_frames(index) > 0 && shown.carried_frames(other) == 0;
         let runs = shown.iter().filter(is_brought);
         let places: Vec<_> = runs.filter_map(|shown| joining::beside([index, other], shown)).collect();
         let is_shown = joining::shown_by(in_order([other, index], shown), shown) > 0;
