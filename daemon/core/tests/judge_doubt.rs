@@ -318,6 +318,24 @@ fn judged_cold_by(job: &Job<'_>, couples: Vec<Couples>) -> Vec<String> {
     verdicts.iter().map(short).collect()
 }
 
+/// That nobody saw what came before does not explain what was hidden later.
+#[test]
+fn a_hand_that_was_hidden_is_named_even_where_nobody_saw_what_came_before() {
+    let right = [idle(5), part([1, 5, 0, 0], 28, Toward(3)), idle(20)];
+    let job = teach(&[&right[1..]]);
+    let mut couples = stream(&right, &[]);
+    for couples in &mut couples[12..28] {
+        couples.hands[0].motion = None;
+    }
+    for couples in &mut couples[15..25] {
+        let hand = &mut couples.hands[0];
+        (hand.sight[0], hand.is_clear) = (Sight::Assumed, false);
+    }
+    let said = judged_cold_by(&job, couples);
+    assert_eq!(said[0], "r0.0 NotJudged HandNotSeen!");
+    assert_eq!(said[1], "r0 NotJudged HandNotSeen!");
+}
+
 #[test]
 fn parts_that_lie_where_the_job_begins_show_what_has_not_been_done() {
     let job = Job { laws: &IN_ORDER, ..polish_and_measure() };

@@ -401,7 +401,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn unseen_cause(&self, progress: &Progress<'a>) -> Cause {
         let min_captured = progress.job.min_captured;
         let is_uncaptured = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
-        let is_begun_late = self.activity.as_ref().is_some_and(|activity| activity.is_begun_late);
+        // Where something of the open IU was hidden, that is the reason.
+        let is_seen = self.iu.is_none_or(|iu| iu.extent.assumed == 0);
+        let is_begun_late = is_seen && self.activity.as_ref().is_some_and(|activity| activity.is_begun_late);
         if self.is_broken_off {
             Reason::BrokenOff.into()
         } else if self.iu.is_some_and(is_uncaptured) {
