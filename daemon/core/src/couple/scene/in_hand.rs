@@ -9,7 +9,7 @@ use super::super::geometry::{dot, norm, subtract};
 use super::super::kinematics::Kinematics;
 use super::super::poses::Source;
 use super::Scene;
-use crate::capacity::HANDS;
+use crate::capacity::{HANDS, OBJECTS};
 use crate::input::Point;
 
 /// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
@@ -110,14 +110,16 @@ impl Scene {
     /// Finds for the same frame which objects touch. A part that is carried past another does not: while a change is believed, it moves
     /// farther than the contact is long.
     pub(super) fn update_meets(&mut self, age: usize) {
+        let is_held: [bool; OBJECTS] =
+            core::array::from_fn(|object| self.interactions.iter().any(|what| what.acts_on(object)));
         for i in 0..self.objects.len() {
             for j in i + 1..self.objects.len() {
-                self.meets[i][j] = self.next_meets(i, j, age);
+                self.meets[i][j] = self.next_meets([i, j], is_held[i] || is_held[j], age);
             }
         }
     }
 
-    fn next_meets(&self, i: usize, j: usize, age: usize) -> Meets {
+    fn next_meets(&self, [i, j]: [usize; 2], is_held: bool, age: usize) -> Meets {
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
         if edge.is_believed() {
             if matches!(before, Meets::Rests | Meets::Yes) {
@@ -130,21 +132,24 @@ impl Scene {
                 _ => before,
             };
         }
-        let is_held = self.interactions.iter().any(|what| what.acts_on(i) || what.acts_on(j));
         if !is_held && before != Meets::Rests {
             return Meets::No;
         }
-        let Some((newest, path_m)) = self.path_of_objects(i, j, age) else { return before };
         let off_m = self.object_contact(i, j).off_m;
         let is_near =
             |age: usize| self.are_in_reach(i, j, age) && self.distance_of_objects(i, j, age) <= off_m;
+        // Most pairs of which one is carried stay far apart.
+        if before == Meets::Brought && !is_near(age) {
+            return before;
+        }
+        let Some((newest, path_m)) = self.path_of_objects(i, j, age) else { return before };
         // Places that are assumed do not show that they rest.
         let rests = || {
             self.shows_rest(age, newest, path_m) && [age, newest].iter().all(|age| self.are_seen(i, j, *age))
         };
         match before {
             Meets::Rests if is_near(age) || is_near(newest) => Meets::Rests,
-            Meets::Brought if is_near(age) && rests() => Meets::Rests,
+            Meets::Brought if rests() => Meets::Rests,
             Meets::Brought => Meets::Brought,
             _ if is_held && !is_near(age) => Meets::Brought,
             _ => Meets::No,

@@ -95,12 +95,15 @@ impl Scene {
         }
         let known: [bool; OBJECTS] =
             core::array::from_fn(|index| posed.get(index).is_some_and(|(_, pose, _)| is_known(pose)));
+        // Side by side, because most pairs need nothing else of the objects.
+        let extents: [Extent; OBJECTS] =
+            core::array::from_fn(|index| posed.get(index).map_or(([0.0; 3], 0.0), extent));
         let (usual, rest_m) = (&self.method.object_contact, self.rest_m());
         for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
             for (j, (other, edge)) in posed.iter().zip(edges).enumerate().skip(i + 1) {
                 if !(known[i] && known[j]) {
                     edge.push_unknown();
-                } else if are_in_reach(extent(one), extent(other), usual) {
+                } else if are_in_reach(extents[i], extents[j], usual) {
                     let (apart_m, contact) = (apart(one, other, planar), contact_of(one.0, other.0, usual));
                     edge.push(apart_m, &contact, persist);
                     let rest = || rest_together([i, j].map(|object| &self.objects[object]), persist, rest_m);
