@@ -27,7 +27,8 @@ const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
 /// A pause in which an object that is carried does not move, in seconds.
 const PAUSE_S: f64 = 1.0;
 
-/// Of two hands that move with an object, both hold it if the farther one does so in this share of the time; otherwise it passes by.
+/// Of two hands that move with an object, both hold it if the farther one does so in this share of the time, and brings nothing of its own;
+/// otherwise it passes by.
 const BOTH_HOLD: (usize, usize) = (3, 4);
 
 /// The nearer one holds it if it is the nearer one in this share of the time: the object is handed over, or both hold it.
@@ -113,9 +114,42 @@ impl Trajectories {
     pub(super) fn holds(&self, object: usize) -> Vec<Vec<Tips>> {
         let holds = self.carried[object].chunk_by(|one, next| self.is_within(PAUSE_S, one, next));
         holds
-            .flat_map(|hold| [0, 1].map(|hand| held_by(hand, hold)))
+            .flat_map(|hold| [0, 1].map(|hand| self.held_by(hand, object, hold)))
             .filter(|tips| !tips.is_empty())
             .collect()
+    }
+
+    /// The finger tips of one hand while it holds an object, if it does.
+    fn held_by(&self, hand: usize, object: usize, hold: &[(usize, Carriers)]) -> Vec<Tips> {
+        let (mut nearer, mut all) = (Vec::new(), Vec::new());
+        for (frame, carriers) in hold {
+            let Some(tips) = carriers[hand] else { continue };
+            if carriers[1 - hand].is_none_or(|other| apart_m(&tips) <= apart_m(&other)) {
+                nearer.push(tips);
+                all.push(tips);
+            } else if !self.carries_nearer(hand, object, *frame, apart_m(&tips)) {
+                all.push(tips);
+            }
+        }
+        let is_share = |part: &[Tips], (share, of): (usize, usize)| of * part.len() >= share * hold.len();
+        if is_share(&all, BOTH_HOLD) {
+            all
+        } else if is_share(&nearer, ONE_HOLDS) {
+            nearer
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// Whether a hand moves with another object in this frame that is nearer to it than this one: beside a hand that brings one part, the other
+    /// one may bring another.
+    fn carries_nearer(&self, hand: usize, object: usize, frame: usize, than_m: f32) -> bool {
+        let tips = |carried: &Vec<(usize, Carriers)>| {
+            let index = carried.binary_search_by_key(&frame, |(frame, _)| *frame).ok()?;
+            carried[index].1[hand]
+        };
+        let others = self.carried.iter().enumerate().filter(|(other, _)| *other != object);
+        others.filter_map(|(_, carried)| tips(carried)).any(|tips| apart_m(&tips) < than_m)
     }
 
     /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.
@@ -192,7 +226,7 @@ impl Trajectories {
             let moved_own = moved_tips.map(|tip| moved.inverse_transform_point(&tip));
             let slipped = (centre(&moved_tips) - centre(&tips) - way).norm();
             let slipped_m = slipped.min((centre(&moved_own) - centre(&own)).norm());
-            let is_carried = slipped_m < way.norm() / 2.0 && centre(&own).coords.norm() < REACH_M;
+            let is_carried = slipped_m < way.norm() / 2.0 && apart_m(&own) < REACH_M;
             is_carried.then_some(own)
         };
         let carriers = self.hands.each_ref().map(held);
@@ -208,24 +242,6 @@ impl Trajectories {
     }
 }
 
-/// The finger tips of one hand while it holds an object, if it does.
-fn held_by(hand: usize, hold: &[(usize, Carriers)]) -> Vec<Tips> {
-    let apart_m = |tips: &Option<Tips>| tips.map_or(f32::INFINITY, |tips| centre(&tips).coords.norm());
-    let is_nearer = |carriers: &Carriers| apart_m(&carriers[hand]) <= apart_m(&carriers[1 - hand]);
-    let moves_with: Vec<&Carriers> =
-        hold.iter().map(|(_, carriers)| carriers).filter(|carriers| carriers[hand].is_some()).collect();
-    let nearer: Vec<&Carriers> = moves_with.iter().copied().filter(|carriers| is_nearer(carriers)).collect();
-    let is_share = |part: &[&Carriers], (share, of): (usize, usize)| of * part.len() >= share * hold.len();
-    let held = if is_share(&moves_with, BOTH_HOLD) {
-        moves_with
-    } else if is_share(&nearer, ONE_HOLDS) {
-        nearer
-    } else {
-        return Vec::new();
-    };
-    held.iter().filter_map(|carriers| carriers[hand]).collect()
-}
-
 /// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.
 fn apart_by_chance_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
     let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
@@ -235,6 +251,58 @@ fn apart_by_chance_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
     statistics::median(&known.collect::<Vec<_>>()) as f32
 }
 
+/// How far finger tips are from the middle of the object in whose frame of reference they are, in metres.
+fn apart_m(tips: &Tips) -> f32 {
+    centre(tips).coords.norm()
+}
+
 fn centre(points: &Tips) -> Point3<f32> {
     Point3::from((points[0].coords + points[1].coords + points[2].coords) / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use andon_core::input::{Object, Side};
+
+    /// Two hands and some objects at these places beside each other, in metres, which all go the same way at 0.6 m/s for half a second.
+    fn side_by_side(hands: [f32; 2], objects: &[f32]) -> Trajectories {
+        let frame = |index: u16| {
+            let at = |x: f32| [x, 0.02 * f32::from(index), 0.0];
+            let hand = |(side, x): (Side, f32)| Hand {
+                side,
+                score: 1.0,
+                wrist: at(x),
+                middle_knuckle: at(x),
+                tips: [at(x); 3],
+            };
+            let object =
+                |(id, x): (u16, &f32)| Object { id, position: at(*x), orientation: [1.0, 0.0, 0.0, 0.0] };
+            Frame {
+                captured_ns: u64::from(index) * 33_333_333,
+                hands: Side::ALL.into_iter().zip(hands).map(hand).collect(),
+                objects: (1..).zip(objects).map(object).collect(),
+            }
+        };
+        let frames: Vec<Frame> = (0..15).map(frame).collect();
+        let shape = |id: u16| ObjectShape { id, ..ObjectShape::default() };
+        let shapes: Vec<ObjectShape> = (1..).map(shape).take(objects.len()).collect();
+        Trajectories::new(&frames, &shapes, Space::Plane)
+    }
+
+    /// Where an object is held, to the right of its middle, in centimetres.
+    fn held_cm(run: &Trajectories, object: usize) -> Vec<i32> {
+        run.holds(object).iter().map(|tips| (100.0 * tips[0][0].x).round() as i32).collect()
+    }
+
+    #[test]
+    fn a_part_that_moves_with_two_hands_is_held_by_both() {
+        assert_eq!(held_cm(&side_by_side([0.15, -0.1], &[0.0]), 0), [15, -10]);
+    }
+
+    #[test]
+    fn of_two_hands_that_bring_two_parts_side_by_side_each_holds_its_own() {
+        let run = side_by_side([0.1, -0.1], &[0.1, -0.1]);
+        assert_eq!([0, 1].map(|object| held_cm(&run, object)), [[0], [0]]);
+    }
 }
