@@ -28,4 +28,5 @@ pub mod line;
 pub mod measure;
 pub mod python;
 pub mod simulator;
+pub mod station;
 pub mod workers;

@@ -12,6 +12,7 @@ use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::deletion::Deletion;
 use andon_tests::simulator::{Expected, Flaw, Noise, Performance, Random, perform};
+use andon_tests::station::without_points;
 
 /// The part that the brick is rubbed with.
 const POLISHER: u16 = 5;
@@ -52,10 +53,7 @@ fn job_is(outcome: Outcome, verdicts: &[Verdict]) -> bool {
 fn a_part_that_lies_turned_otherwise_in_each_run_and_goes_the_same_way_is_position_only() {
     let turned = |person: u64, turn: f32| {
         let performance = Performance { seed: SEED, person, repetition: 1, noise: Noise::default() };
-        let (mut recording, _) = perform(&performance, Flaw::None);
-        for object in &mut recording.header.objects {
-            object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
-        }
+        let mut recording = without_points(perform(&performance, Flaw::None).0);
         for object in recording.frames.iter_mut().flat_map(|frame| &mut frame.objects) {
             if object.id == BRICK {
                 let [w, _, _, z] = object.orientation;
@@ -80,10 +78,7 @@ fn a_part_that_lies_turned_otherwise_in_each_run_and_goes_the_same_way_is_positi
 #[test]
 fn a_run_shows_its_steps_where_nobody_says_where_parts_are_touched() {
     let performance = Performance { seed: SEED, person: 1, repetition: 1, noise: Noise::default() };
-    let (mut recording, _) = perform(&performance, Flaw::None);
-    for object in &mut recording.header.objects {
-        object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
-    }
+    let recording = without_points(perform(&performance, Flaw::None).0);
     let run = Run::new("p1", "", &recording, &Method::default()).unwrap();
     let seen = Seen::of(&run, &Method::default());
     let steps: Vec<&str> = seen.steps.iter().map(|(step, _)| step.as_str()).collect();

@@ -13,6 +13,7 @@ use andon_learn::teach::{TeachOptions, teach};
 use andon_tests::deletion::{self, is_accused, length_s, try_deletions, try_two_pieces};
 use andon_tests::environment;
 use andon_tests::simulator::{Noise, Performance, TwoHanded, perform_with_two_hands};
+use andon_tests::station::without_points;
 
 /// The percentage of the right jobs of others that must be accepted: five people do not show how all others move.
 const MIN_ACCEPTED: usize = 90;
@@ -98,10 +99,8 @@ fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
 }
 
 /// The recording as of a station that does not say where its parts are touched, with markers that say nothing of how they lie.
-fn without_points(mut whole: Recording) -> Recording {
-    for object in &mut whole.header.objects {
-        object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
-    }
+fn with_mere_positions(whole: Recording) -> Recording {
+    let mut whole = without_points(whole);
     for object in whole.frames.iter_mut().flat_map(|frame| &mut frame.objects) {
         object.orientation = [1.0, 0.0, 0.0, 0.0];
     }
@@ -110,8 +109,9 @@ fn without_points(mut whole: Recording) -> Recording {
 
 #[test]
 fn where_two_hands_hold_a_part_is_learnt_of_both() {
-    let shown =
-        |person, is_faulty| run(&without_points(recording(TwoHanded::SymmetricalLift, person, is_faulty)));
+    let shown = |person, is_faulty| {
+        run(&with_mere_positions(recording(TwoHanded::SymmetricalLift, person, is_faulty)))
+    };
     let job = taught_by(&(1..=5).map(|person| shown(person, false)).collect::<Vec<_>>());
     let accepted = (6..18).filter(|person| is_right(&shown(*person, false).judge(&job).unwrap())).count();
     assert!(100 * accepted >= MIN_ACCEPTED * 12, "{accepted} of 12 accepted");

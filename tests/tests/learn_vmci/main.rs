@@ -13,11 +13,11 @@ use andon_core::verdict::{Level, Measure, Measured, Outcome, Reason, Verdict};
 use andon_learn::experiment::{Ladder, Split, Table, Variation, experiment_2};
 use andon_learn::folder::Labelled;
 use andon_learn::job_file::JobFile;
-use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
 use andon_tests::deletion::{jobs, judged, try_deletions, try_two_pieces};
 use andon_tests::environment;
+use andon_tests::station::without_points;
 use capture::{BOX, Capture, SHELF, TABLE, method};
 use std::sync::LazyLock;
 
@@ -72,22 +72,10 @@ fn every_run_has_the_interactions_that_its_labels_name() {
     }
 }
 
-/// The run as it would be recorded at a station that says nothing of where its parts are touched.
-fn without_points(capture: &Capture) -> Recording {
-    pointless(capture.recording())
-}
-
-fn pointless(mut recording: Recording) -> Recording {
-    for object in &mut recording.header.objects {
-        object.shape.interaction_points = [[0.0; 3]].into_iter().collect();
-    }
-    recording
-}
-
 #[test]
 fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
     let method = Method { space: Space::Metric, ..Method::default() };
-    let run = |capture: Capture| Run::new("run", "", &without_points(&capture), &method).unwrap();
+    let run = |capture: Capture| Run::new("run", "", &without_points(capture.recording()), &method).unwrap();
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
     assert!(runs.iter().all(|run| run.activities.is_empty()), "by default the hand touches nothing");
     for (left_out, number) in RUNS.enumerate() {
@@ -122,7 +110,7 @@ fn without_points_runs_that_are_seen_inexactly_are_right_and_their_faults_are_fo
     let seed = environment::number("ANDON_SEED", 72);
     let run = |capture: Capture| {
         let recording = capture.recording_with_errors(DEVIATION_M, seed);
-        Run::new("run", "", &pointless(recording), &method).unwrap()
+        Run::new("run", "", &without_points(recording), &method).unwrap()
     };
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
     let (mut right, mut accused, mut found) = (0, 0, 0);
@@ -152,7 +140,7 @@ fn labelled_without_points(method: &Method) -> Vec<Labelled> {
             person: 1,
             what: what.to_owned(),
             repetition: number,
-            run: Run::new("run", "", &without_points(&capture), method).unwrap(),
+            run: Run::new("run", "", &without_points(capture.recording()), method).unwrap(),
         };
         let capture = Capture::read(number);
         let held = capture.clone().held_at_the_table(8.0);
@@ -235,7 +223,7 @@ fn nobody_is_too_quick_on_the_way() {
 #[test]
 fn slack_for_the_slow_is_why_half_the_speed_is_no_anomaly() {
     let method = Method { space: Space::Metric, ..Method::default() };
-    let run = |capture: Capture| Run::new("run", "", &without_points(&capture), &method).unwrap();
+    let run = |capture: Capture| Run::new("run", "", &without_points(capture.recording()), &method).unwrap();
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
     let right_with = |max_slowdown: f32| {
         let options = TeachOptions { max_slowdown, ..TeachOptions::new("shelf", "", method) };

@@ -1,7 +1,7 @@
 //! Two hands of real people: each does a run of its own at a bench of its own, beside the other and at its own time.
 
+use super::RUNS;
 use super::capture::{BOX, Capture, RATE_HZ, SHELF, TABLE};
-use super::{RUNS, pointless};
 use andon_core::config::Method;
 use andon_core::input::{Frame, Point, Side, Space};
 use andon_core::verdict::Outcome;
@@ -11,6 +11,7 @@ use andon_learn::teach::{TeachOptions, teach};
 use andon_tests::deletion::{is_accused, jobs};
 use andon_tests::environment;
 use andon_tests::simulator::Random;
+use andon_tests::station::without_points;
 
 /// The bench of the left hand mirrors that of the right one at this place along the x axis, in metres.
 const MIRROR_M: f32 = -0.7;
@@ -75,7 +76,7 @@ fn two_hands_that_each_do_a_run_of_their_own_are_right_and_what_either_leaves_ou
     let other = |number: u32| 1 + (number - 1 + shift) % 9;
     let compose = |number: u32, right: Capture, left: Capture| {
         let both = together(&right.recording(), &left.recording(), late[number as usize - 1]);
-        Run::new("run", "", &pointless(both), &method).unwrap()
+        Run::new("run", "", &without_points(both), &method).unwrap()
     };
     let whole = |number| compose(number, Capture::read(number), Capture::read(other(number)));
     let runs: Vec<Run> = RUNS.map(whole).collect();

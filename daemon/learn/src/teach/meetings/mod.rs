@@ -112,12 +112,13 @@ fn apart_m(one: &[Point3<f32>], other: &[Point3<f32>]) -> f32 {
 /// those before (Gonzalez 1985).
 fn centres(points: &[Point3<f32>], near_m: f32) -> Vec<Point3<f32>> {
     let middle = median(points.iter().copied());
-    let apart_m = |point: &Point3<f32>| (point - middle).norm();
-    let nearest = points.iter().min_by(|one, other| apart_m(one).total_cmp(&apart_m(other)));
+    let from_middle_m = |point: &Point3<f32>| (point - middle).norm();
+    let nearest = points.iter().min_by(|one, other| from_middle_m(one).total_cmp(&from_middle_m(other)));
     // Between points that are apart there is none.
-    let mut centres = vec![nearest.filter(|point| apart_m(point) > near_m).copied().unwrap_or(middle)];
+    let first = nearest.filter(|point| from_middle_m(point) > near_m).copied().unwrap_or(middle);
+    let mut centres = vec![first];
     while centres.len() < INTERACTION_POINTS {
-        let apart = |point: &Point3<f32>| self::apart_m(&[*point], &centres);
+        let apart = |point: &Point3<f32>| apart_m(&[*point], &centres);
         let farthest = points.iter().max_by(|one, other| apart(one).total_cmp(&apart(other)));
         let Some(point) = farthest.filter(|point| apart(point) > near_m) else { break };
         centres.push(*point);

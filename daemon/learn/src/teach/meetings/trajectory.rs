@@ -124,10 +124,10 @@ impl Trajectories {
         let (mut nearer, mut all) = (Vec::new(), Vec::new());
         for (frame, carriers) in hold {
             let Some(tips) = carriers[hand] else { continue };
-            if carriers[1 - hand].is_none_or(|other| apart_m(&tips) <= apart_m(&other)) {
+            if carriers[1 - hand].is_none_or(|other| from_middle_m(&tips) <= from_middle_m(&other)) {
                 nearer.push(tips);
                 all.push(tips);
-            } else if !self.carries_nearer(hand, object, *frame, apart_m(&tips)) {
+            } else if !self.carries_nearer(hand, object, *frame, from_middle_m(&tips)) {
                 all.push(tips);
             }
         }
@@ -149,7 +149,7 @@ impl Trajectories {
             carried[index].1[hand]
         };
         let others = self.carried.iter().enumerate().filter(|(other, _)| *other != object);
-        others.filter_map(|(_, carried)| tips(carried)).any(|tips| apart_m(&tips) < than_m)
+        others.filter_map(|(_, carried)| tips(carried)).any(|tips| from_middle_m(&tips) < than_m)
     }
 
     /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.
@@ -226,7 +226,7 @@ impl Trajectories {
             let moved_own = moved_tips.map(|tip| moved.inverse_transform_point(&tip));
             let slipped = (centre(&moved_tips) - centre(&tips) - way).norm();
             let slipped_m = slipped.min((centre(&moved_own) - centre(&own)).norm());
-            let is_carried = slipped_m < way.norm() / 2.0 && apart_m(&own) < REACH_M;
+            let is_carried = slipped_m < way.norm() / 2.0 && from_middle_m(&own) < REACH_M;
             is_carried.then_some(own)
         };
         let carriers = self.hands.each_ref().map(held);
@@ -252,7 +252,7 @@ fn apart_by_chance_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
 }
 
 /// How far finger tips are from the middle of the object in whose frame of reference they are, in metres.
-fn apart_m(tips: &Tips) -> f32 {
+fn from_middle_m(tips: &Tips) -> f32 {
     centre(tips).coords.norm()
 }
 
