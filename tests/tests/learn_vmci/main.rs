@@ -101,6 +101,34 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
     }
 }
 
+#[test]
+fn where_nothing_but_the_box_is_known_right_runs_are_right_and_faults_are_found() {
+    let method = Method { space: Space::Metric, ..Method::default() };
+    let run = |capture: Capture| {
+        let mut recording = without_points(capture.recording());
+        recording.header.objects.retain(|object| object.shape.id == BOX);
+        recording.frames.iter_mut().for_each(|frame| frame.objects.retain(|object| object.id == BOX));
+        Run::new("run", "", &recording, &method).unwrap()
+    };
+    let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
+    for (left_out, number) in RUNS.enumerate() {
+        let mut others = runs.clone();
+        others.remove(left_out);
+        let (job, _) = teach(&others, &TeachOptions::new("there and back", "", method)).unwrap();
+        let judged = |capture: Capture| jobs(&run(capture).judge(&job).unwrap());
+        assert_eq!(judged(Capture::read(number)), [Outcome::Ok], "run {number}");
+        assert_eq!(
+            judged(Capture::read(number).half_speed()),
+            [Outcome::Ok],
+            "run {number} at half the speed"
+        );
+        let wrong = [Capture::read(number).without_second_half(), Capture::read(number).over_an_arc(0.25)];
+        for wrong in wrong {
+            assert_eq!(judged(wrong), [Outcome::Anomaly], "run {number}");
+        }
+    }
+}
+
 /// `ANDON_SEED` chooses other errors.
 #[test]
 fn without_points_runs_that_are_seen_inexactly_are_right_and_their_faults_are_found() {

@@ -1,12 +1,14 @@
 //! Whether one person showed all the runs, and how much people differ here. They differ from each other more than each does from time to
 //! time, so what one person does is less than what is right.
 
-use super::kind::is_timed;
+use super::kind::{is_repeated, is_timed};
 use super::measures_of;
 use super::sequence::Agreement;
 use crate::folder::person_of;
 use crate::run::{Iu, Run};
 use crate::statistics::{chi_squared, mean};
+use andon_core::couple::Context;
+use andon_core::segment::Measures;
 
 /// How people differ, and how one person does from run to run: the standard deviation of the logarithm of the pace and of the length of
 /// strokes.
@@ -52,14 +54,15 @@ impl People {
     /// `rate_hz` is the frame rate of the grid.
     pub(super) fn of(runs: &[Run], agreement: &Agreement, rate_hz: f32) -> Self {
         let in_general = IN_GENERAL.sqrt();
-        let stroke = |_, iu: &Iu| iu.measures.stroke_m.map(f64::from);
-        let pace = |is_timed: bool, iu: &Iu| (!is_timed).then_some(f64::from(iu.frames));
+        let pace = |iu: &Iu| Some(iu.frames.into());
+        let stroke = |iu: &Iu| iu.measures.stroke_m.map(f64::from);
         let border = border_frames(rate_hz);
-        let time = |is_timed: bool, iu: &Iu| is_timed.then(|| beyond_border(iu.frames, border));
+        let time = |iu: &Iu| Some(beyond_border(iu.frames, border));
         let deviations = [
-            deviations(runs, agreement, in_general, &pace),
-            deviations(runs, agreement, in_general, &stroke),
-            deviations(runs, agreement, PRIOR_DURATION, &time),
+            deviations(runs, agreement, in_general, &|context, shown| !is_timed(context, shown), &pace),
+            // Where the hand goes back once by chance, how far tells nothing of a person.
+            deviations(runs, agreement, in_general, &|_, shown| is_repeated(shown), &stroke),
+            deviations(runs, agreement, PRIOR_DURATION, &is_timed, &time),
         ];
         let people: Option<Vec<u32>> =
             agreement.used_runs(runs).iter().map(|run| person_of(&run.name)).collect();
@@ -102,21 +105,24 @@ fn evidence_of_one(deviations: &[f64]) -> f64 {
 }
 
 /// By how much each run exceeds the others in something, as the mean over the IUs in which it was measured, in its logarithm and as a multiple of
-/// the standard deviation of people in general. `measured` is given whether the time of an IU tells what is done in it.
+/// the standard deviation of people in general. `tells` is whether that tells anything of people, from the demonstrations of an IU.
 fn deviations(
     runs: &[Run],
     agreement: &Agreement,
     in_general: f64,
-    measured: &dyn Fn(bool, &Iu) -> Option<f64>,
+    tells: &dyn Fn(Context, &[Measures]) -> bool,
+    measured: &dyn Fn(&Iu) -> Option<f64>,
 ) -> Vec<f64> {
     let mut of_run: Vec<Vec<f64>> = vec![Vec::new(); runs.len()];
     for sequence in &agreement.sequences {
         for (index, context) in sequence.contexts.iter().enumerate().filter(|(_, context)| context.is_touch())
         {
-            let is_timed = is_timed(*context, &measures_of(runs, sequence, index));
+            if !tells(*context, &measures_of(runs, sequence, index)) {
+                continue;
+            }
             let values: Vec<(usize, f64)> = sequence
                 .well_shown(runs, index)
-                .filter_map(|(run, iu)| Some((run, measured(is_timed, iu)?.ln())))
+                .filter_map(|(run, iu)| Some((run, measured(iu)?.ln())))
                 .collect();
             let centre = mean(&values.iter().map(|(_, value)| *value).collect::<Vec<_>>());
             for (run, value) in values {
