@@ -1,20 +1,16 @@
 //! Bounds of the measures of an IU, with a stated rate of false alarms.
 //!
-//! A bound is a prediction interval of Student's t: what one more execution will measure, from the mean and the spread of those shown. A few
-//! runs show their spread badly, so it is pooled with that of people in general (an empirical Bayes estimate, Smyth 2004). Lengths are
-//! compared by their ratios, because people differ by them.
+//! A bound is a prediction interval of Student's t: what one more execution will measure, from the mean of those shown and their spread, pooled
+//! with that of people in general. Lengths are compared by their ratios, because people differ by them.
 
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
-use crate::statistics::{deviation, mean, median, student_t};
+use crate::statistics::{PRIOR_FREEDOM, mean, median, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
 use andon_core::job::{MeasureBounds, Shown};
 use andon_core::segment::{MOVED_M, Measures};
-
-/// As many runs as the spread of people in general counts for.
-const PRIOR_FREEDOM: f64 = 16.0;
 
 /// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals beside
 /// those at the border, in the axis and in the place in metres.
@@ -305,15 +301,12 @@ pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) ->
 /// The centre of these values, and how far from it one more may lie at this rate of false alarms. `prior` is the spread of people in general.
 pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: People) -> (f64, f64) {
     let People { one_person, variety, freedom: of_variety } = people;
-    let count = values.len() as f64;
     let prior = (variety * prior).powi(2);
-    let freedom = PRIOR_FREEDOM + count - 1.0;
-    let squares = (count - 1.0) * deviation(values, 1).powi(2);
-    let pooled = |prior: f64| (PRIOR_FREEDOM * prior + squares) / freedom * (1.0 + 1.0 / count);
-    let of_many = pooled(prior);
+    let of_many = variance_of_one_more(values, prior);
     // The mean is that person's, from whom another one differs, and both do from time to time.
-    let of_one = 2.0 * prior + pooled(OF_ONE_PERSON * prior);
+    let of_one = 2.0 * prior + variance_of_one_more(values, OF_ONE_PERSON * prior);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
+    let freedom = PRIOR_FREEDOM + values.len() as f64 - 1.0;
     // How much more than others these people differ is as uncertain again.
     let known = 1.0 / (1.0 / freedom + 1.0 / of_variety);
     // Half of them on each side.
