@@ -1,6 +1,7 @@
 //! What teaching found, and whether the job can be trusted.
 
 use super::iu_report::IuReport;
+use super::kind::is_on_the_way;
 use super::meetings::Unsure;
 use super::noticed::{Noticed, what_more_would_bring};
 use super::options::TeachOptions;
@@ -118,7 +119,13 @@ impl TeachReport {
         let pauses = self.pauses.iter().map(|pause| {
             format!("{} is slow: {}; so short a pause is right", pause.run, pause.figures(&words))
         });
-        let others = [self.few_demonstrations(), self.one_person(), self.not_seen(), self.false_alarms()];
+        let others = [
+            self.few_demonstrations(),
+            self.one_person(),
+            self.not_seen(),
+            self.same_again(),
+            self.false_alarms(),
+        ];
         left_out.chain(pauses).chain(unsure).chain(others.into_iter().flatten()).collect()
     }
 
@@ -151,6 +158,23 @@ impl TeachReport {
         let places: Vec<String> = self.blind.iter().map(place).collect();
         (!places.is_empty())
             .then(|| format!("too little was seen of {}: not learnt from these", places.join(", ")))
+    }
+
+    /// Two IUs one after the other in which a hand has the same part on its way: nothing tells which of them it is.
+    fn same_again(&self) -> Option<String> {
+        let is_same = |one: &IuReport, next: &IuReport| {
+            (one.activity, one.iu + 1, one.context) == (next.activity, next.iu, next.context)
+                && is_on_the_way(next.context)
+        };
+        let (one, next) =
+            self.ius.iter().zip(self.ius.iter().skip(1)).find(|(one, next)| is_same(one, next))?;
+        Some(format!(
+            "step {}, IU {} and IU {} look the same ({}), so that their order and where they end is not judged: put a marker where the part comes to lie",
+            one.activity + 1,
+            one.iu + 1,
+            next.iu + 1,
+            self.words(one.context)
+        ))
     }
 
     fn false_alarms(&self) -> Option<String> {
