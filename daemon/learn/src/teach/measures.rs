@@ -261,7 +261,7 @@ fn what_was_shown(shown: &[Measures], way: &[Measures], frames: &[u32], bounds: 
 
 /// The reversals of each demonstration. Where some may have been hidden, as many as bring it nearest to the others: a hand that was not seen for
 /// a moment made no fewer strokes.
-fn likely_reversals(shown: &[Measures]) -> impl Iterator<Item = u32> + Clone {
+pub(super) fn likely_reversals(shown: &[Measures]) -> impl Iterator<Item = u32> + Clone {
     let seen: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
     let usual = median(&seen) as u32;
     shown.iter().map(move |of| usual.clamp(of.reversals, of.reversals.saturating_add(of.hidden_reversals)))

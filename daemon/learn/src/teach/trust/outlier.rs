@@ -6,12 +6,14 @@
 use super::MIN_RUNS;
 use crate::run::{Iu, Run};
 use crate::statistics::median;
+use crate::teach::measures::likely_reversals;
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
 use crate::warp::{DistanceMatrix, Warp};
 use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
 use andon_core::job::LocalCost;
+use andon_core::segment::Measures;
 
 /// From a median absolute deviation to the standard deviation of a normal distribution.
 const DEVIATIONS_PER_MEDIAN: f64 = 1.4826;
@@ -19,9 +21,9 @@ const DEVIATIONS_PER_MEDIAN: f64 = 1.4826;
 /// Fewer reversals than this are no strokes that are missing, but noise at the beginning or end of one.
 const MIN_REVERSALS: f64 = 4.0;
 
-/// As many reversals as a share of those of the others, or as few, may come from a tracker that loses a part for a moment: 9 of 13 were seen
-/// in correct runs, 7 of 12 are half of the strokes.
-const SEEN_REVERSALS: f64 = 2.0 / 3.0;
+/// As many reversals as a share of those of the others, or as few, may come from a tracker that loses a part for a moment, beside those that it is
+/// known to have hidden: half of the strokes are 7 of 12.
+const SEEN_REVERSALS: f64 = 0.8;
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -186,14 +188,16 @@ fn of_iu(
 
 /// The value of each demonstration; those of the distance depend on which one is left out.
 fn values(measure: Measure, runs: &[Run], shown: &[(usize, &Iu)]) -> Vec<f64> {
-    let value = |&(run, iu): &(usize, &Iu)| match measure {
+    let measures: Vec<Measures> = shown.iter().map(|(_, iu)| iu.measures).collect();
+    // What was hidden may have been a stroke, and need not.
+    let reversals = likely_reversals(&measures);
+    let value = |(&(run, iu), reversals): (&(usize, &Iu), u32)| match measure {
         Measure::Duration => (iu.ended_ns - iu.began_ns) as f64 * 1e-9,
-        // What was hidden may have been a stroke.
-        Measure::Reversals => f64::from(iu.measures.reversals + iu.measures.hidden_reversals),
+        Measure::Reversals => reversals.into(),
         Measure::Path => super::path::length_m(&runs[run], iu),
         Measure::Distance => 0.0,
     };
-    shown.iter().map(value).collect()
+    shown.iter().zip(reversals).map(value).collect()
 }
 
 /// The value of the demonstration at this place, and those that the others have without it.
