@@ -18,14 +18,19 @@ pub(crate) fn deviation(values: &[f64], freedom: usize) -> f64 {
 }
 
 /// As many values as what is known in general counts for in [`variance_of_one_more`].
-pub(crate) const PRIOR_FREEDOM: f64 = 16.0;
+const PRIOR_FREEDOM: f64 = 16.0;
+
+/// The degrees of freedom of [`variance_of_one_more`] from this number of values, at least one.
+pub(crate) fn pooled_freedom(count: usize) -> f64 {
+    PRIOR_FREEDOM + count as f64 - 1.0
+}
 
 /// The variance of one more value around the mean of these. A few values show their variance badly, so it is pooled with `prior`, that of such
 /// values in general (an empirical Bayes estimate, Smyth 2004).
 pub(crate) fn variance_of_one_more(values: &[f64], prior: f64) -> f64 {
     let count = values.len() as f64;
     let squares = (count - 1.0) * deviation(values, 1).powi(2);
-    (PRIOR_FREEDOM * prior + squares) / (PRIOR_FREEDOM + count - 1.0) * (1.0 + 1.0 / count)
+    (PRIOR_FREEDOM * prior + squares) / pooled_freedom(values.len()) * (1.0 + 1.0 / count)
 }
 
 /// The median, for an even number of values the mean of the two in the middle; 0 if there are no values.

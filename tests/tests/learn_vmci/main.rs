@@ -14,7 +14,7 @@ use andon_learn::experiment::{Ladder, Split, Table, Variation, experiment_2};
 use andon_learn::folder::Labelled;
 use andon_learn::job_file::JobFile;
 use andon_learn::run::Run;
-use andon_learn::teach::{TeachOptions, teach};
+use andon_learn::teach::{TeachOptions, TeachReport, teach};
 use andon_tests::deletion::{jobs, judged, try_deletions, try_two_pieces};
 use andon_tests::environment;
 use andon_tests::station::without_points;
@@ -28,16 +28,18 @@ fn run(capture: &Capture) -> Run {
     Run::new("run", "", &capture.recording(), &method()).unwrap()
 }
 
+/// The job that all runs but one teach, and what is said of it.
+fn taught_by_others(runs: &[Run], left_out: usize, options: &TeachOptions) -> (JobFile, TeachReport) {
+    let mut others = runs.to_vec();
+    others.remove(left_out);
+    teach(&others, options).unwrap()
+}
+
 /// For each run, its number and the job that is taught by all other runs.
 static TAUGHT_BY_OTHERS: LazyLock<Vec<(u32, JobFile)>> = LazyLock::new(|| {
     let runs: Vec<Run> = RUNS.map(|number| run(&Capture::read(number))).collect();
     let options = TeachOptions::new("shelf to table and back", "", method());
-    let without = |left_out: usize| {
-        let others: Vec<Run> =
-            (0..runs.len()).filter(|index| *index != left_out).map(|index| runs[index].clone()).collect();
-        teach(&others, &options).unwrap().0
-    };
-    RUNS.enumerate().map(|(index, number)| (number, without(index))).collect()
+    RUNS.enumerate().map(|(index, number)| (number, taught_by_others(&runs, index, &options).0)).collect()
 });
 
 /// The numbers of the runs that are judged OK, after `compose` has changed them, by the job that all other runs taught.
@@ -79,9 +81,7 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
     assert!(runs.iter().all(|run| run.activities.is_empty()), "by default the hand touches nothing");
     for (left_out, number) in RUNS.enumerate() {
-        let mut others = runs.clone();
-        others.remove(left_out);
-        let (job, report) = teach(&others, &TeachOptions::new("shelf", "", method)).unwrap();
+        let (job, report) = taught_by_others(&runs, left_out, &TeachOptions::new("shelf", "", method));
         assert!(report.unsure.is_empty(), "{report}");
         let with = |id: u16| {
             let met =
@@ -112,9 +112,8 @@ fn where_nothing_but_the_box_is_known_right_runs_are_right_and_faults_are_found(
     };
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
     for (left_out, number) in RUNS.enumerate() {
-        let mut others = runs.clone();
-        others.remove(left_out);
-        let (job, report) = teach(&others, &TeachOptions::new("there and back", "", method)).unwrap();
+        let (job, report) =
+            taught_by_others(&runs, left_out, &TeachOptions::new("there and back", "", method));
         let same = "step 1, IU 1 and IU 2 look the same (right hand with box), so that their order and where they end is not judged: put \
                     a marker where the part comes to lie";
         assert!(report.warnings().contains(&same.to_owned()), "{report}");
@@ -146,9 +145,7 @@ fn without_points_runs_that_are_seen_inexactly_are_right_and_their_faults_are_fo
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
     let (mut right, mut accused, mut found) = (0, 0, 0);
     for (left_out, number) in RUNS.enumerate() {
-        let mut others = runs.clone();
-        others.remove(left_out);
-        let (job, _) = teach(&others, &TeachOptions::new("shelf", "", method)).unwrap();
+        let (job, _) = taught_by_others(&runs, left_out, &TeachOptions::new("shelf", "", method));
         let is = |capture: Capture, outcome: Outcome| {
             let verdicts = run(capture).judge(&job).unwrap();
             usize::from(!jobs(&verdicts).is_empty() && jobs(&verdicts).iter().all(|job| *job == outcome))
@@ -259,9 +256,7 @@ fn slack_for_the_slow_is_why_half_the_speed_is_no_anomaly() {
     let right_with = |max_slowdown: f32| {
         let options = TeachOptions { max_slowdown, ..TeachOptions::new("shelf", "", method) };
         let is_right = |(left_out, number): &(usize, u32)| {
-            let mut others = runs.clone();
-            others.remove(*left_out);
-            let (job, _) = teach(&others, &options).unwrap();
+            let (job, _) = taught_by_others(&runs, *left_out, &options);
             let verdicts = run(Capture::read(*number).half_speed()).judge(&job).unwrap();
             jobs(&verdicts) == [Outcome::Ok]
         };

@@ -1,13 +1,13 @@
 //! Two hands of real people: each does a run of its own at a bench of its own, beside the other and at its own time.
 
-use super::RUNS;
 use super::capture::{BOX, Capture, RATE_HZ, SHELF, TABLE};
+use super::{RUNS, taught_by_others};
 use andon_core::config::Method;
 use andon_core::input::{Frame, Point, Side, Space};
 use andon_core::verdict::Outcome;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
-use andon_learn::teach::{TeachOptions, teach};
+use andon_learn::teach::TeachOptions;
 use andon_tests::deletion::{is_accused, jobs};
 use andon_tests::environment;
 use andon_tests::simulator::Random;
@@ -82,9 +82,7 @@ fn two_hands_that_each_do_a_run_of_their_own_are_right_and_what_either_leaves_ou
     let runs: Vec<Run> = RUNS.map(whole).collect();
     let (mut right, mut missed) = (Vec::new(), Vec::new());
     for (left_out, number) in RUNS.enumerate() {
-        let mut others = runs.clone();
-        others.remove(left_out);
-        let (job, _) = teach(&others, &TeachOptions::new("two hands", "", method)).unwrap();
+        let (job, _) = taught_by_others(&runs, left_out, &TeachOptions::new("two hands", "", method));
         right.extend((jobs(&whole(number).judge(&job).unwrap()) == [Outcome::Ok]).then_some(number));
         let (one, two) = (Capture::read(number), Capture::read(other(number)));
         for (side, fault) in [

@@ -6,7 +6,7 @@
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
-use crate::statistics::{PRIOR_FREEDOM, mean, median, student_t, variance_of_one_more};
+use crate::statistics::{mean, median, pooled_freedom, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
 use andon_core::job::{MeasureBounds, Shown};
@@ -292,8 +292,8 @@ fn lengths(values: impl Iterator<Item = f32> + Clone) -> Range {
 /// The share by which the bounds of `runs` runs would be narrower with `more` of them, if these differ as the first ones do.
 pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) -> f64 {
     let width = |runs: usize| {
-        let count = runs.max(1) as f64;
-        student_t(PRIOR_FREEDOM + count - 1.0, false_alarms / 2.0) * (1.0 + 1.0 / count).sqrt()
+        let count = runs.max(1);
+        student_t(pooled_freedom(count), false_alarms / 2.0) * (1.0 + 1.0 / count as f64).sqrt()
     };
     1.0 - width(runs + more) / width(runs)
 }
@@ -306,9 +306,8 @@ pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: Pe
     // The mean is that person's, from whom another one differs, and both do from time to time.
     let of_one = 2.0 * prior + variance_of_one_more(values, OF_ONE_PERSON * prior);
     let spread = (of_many + one_person * (of_one - of_many).max(0.0)).sqrt();
-    let freedom = PRIOR_FREEDOM + values.len() as f64 - 1.0;
     // How much more than others these people differ is as uncertain again.
-    let known = 1.0 / (1.0 / freedom + 1.0 / of_variety);
+    let known = 1.0 / (1.0 / pooled_freedom(values.len()) + 1.0 / of_variety);
     // Half of them on each side.
     (mean(values), student_t(known, false_alarms / 2.0) * spread)
 }
