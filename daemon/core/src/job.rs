@@ -140,6 +140,9 @@ pub struct Law {
     pub usually_after: ActivitySet,
     /// Whether a job without it is not complete. What is optional accuses nobody where it is missing.
     pub is_required: bool,
+    /// The indices of the nominal activities that do only a part of what was shown: where one of them comes, a job without this activity is not
+    /// complete either.
+    pub completes: ActivitySet,
     /// Whether it must not come a second time; otherwise that is a note.
     pub is_once: bool,
     /// How many of the runs that were shown have it.
@@ -153,6 +156,7 @@ impl Law {
         after_end: ActivitySet::EMPTY,
         usually_after: ActivitySet::EMPTY,
         is_required: true,
+        completes: ActivitySet::EMPTY,
         is_once: false,
         runs: 0,
     };

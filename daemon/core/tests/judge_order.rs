@@ -3,11 +3,11 @@
 
 mod common;
 
-use andon_core::job::{Job, Law};
+use andon_core::job::{Job, Law, NominalActivity};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{BrokenOrder, Level, Note, OrderFault, Outcome, Verdict};
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{judged, measure, polish};
+use common::work::{bring, judged, measure, polish};
 
 /// The left hand lifts the lid off.
 fn lift() -> [Part; 3] {
@@ -89,6 +89,31 @@ fn what_is_optional_accuses_nobody_where_it_is_missing_and_only_where_it_comes_t
     assert_eq!(outcome(&[]), ("JobOk".into(), None));
     assert_eq!(outcome(&after(200, &lift())), ("JobAnomaly WrongOrder".into(), Some(OrderFault::TooLate)));
     assert_eq!(outcome(&after(80, &lift())), ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotEnded)));
+}
+
+#[test]
+fn where_a_part_is_done_of_what_others_do_in_one_the_rest_is_required() {
+    let (there, back) = (bring(3, 7, 3), bring(7, 3, 7));
+    let whole = [&there[..4], &back[..]].concat();
+    let taught = teach(&[&whole, &there, &back]);
+    let activities: Vec<NominalActivity<'_>> = taught
+        .activities
+        .iter()
+        .zip([0, 0, 1])
+        .map(|(nominal, activity)| NominalActivity { activity, ..*nominal })
+        .collect();
+    let outcome = |completes: ActivitySet, parts: &[Part]| {
+        let laws = [FREE, Law { is_required: false, completes, ..AFTER_POLISHING }];
+        let job = Job { activities: &activities, laws: &laws, ..taught };
+        short(&job_of(&judged(&job, &stream(&[parts, &[idle(200)]].concat(), &[]))))
+    };
+    let in_two = [&there[..], &[idle(30)], &back[..]].concat();
+    for completes in [ActivitySet::EMPTY, ActivitySet::of(1)] {
+        assert_eq!(outcome(completes, &whole), "JobOk");
+        assert_eq!(outcome(completes, &in_two), "JobOk");
+    }
+    assert_eq!(outcome(ActivitySet::EMPTY, &there), "JobOk");
+    assert_eq!(outcome(ActivitySet::of(1), &there), "JobAnomaly NotCompleted");
 }
 
 #[test]

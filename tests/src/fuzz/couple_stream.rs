@@ -81,6 +81,7 @@ fn law(input: &mut Input<'_>) -> Law {
         after_end: set(input.below(4)),
         usually_after: set(input.below(4)),
         is_required: input.below(4) > 0,
+        completes: set(input.below(4)),
         is_once: input.below(2) == 0,
         runs: input.byte().into(),
     }

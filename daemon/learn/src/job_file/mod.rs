@@ -101,6 +101,9 @@ pub struct Relation {
 pub struct TaughtStep {
     /// Whether all runs have it.
     pub is_required: bool,
+    /// The nominal activities, by their indices in the job, that do only a part of what other runs do in one, and that it completes: it is required
+    /// where one of them was done.
+    pub completes: Vec<u16>,
     /// Whether a second time has no place in the job.
     pub is_once: bool,
     /// How many runs have it.
@@ -240,6 +243,7 @@ impl TaughtStep {
             after_end: after(RelationKind::End),
             usually_after: after(RelationKind::Usual),
             is_required: self.is_required,
+            completes: self.completes.iter().map(|index| usize::from(*index)).collect(),
             is_once: self.is_once,
             runs: self.runs,
         }

@@ -163,6 +163,8 @@ struct MeetingText {
 #[serde(deny_unknown_fields)]
 struct StepText {
     required: bool,
+    #[serde(default)]
+    completes: Vec<u16>,
     once: bool,
     runs: u16,
     after: Vec<RelationText>,
@@ -392,6 +394,7 @@ fn step_of(text: StepText) -> TaughtStep {
     };
     TaughtStep {
         is_required: text.required,
+        completes: text.completes,
         is_once: text.once,
         runs: text.runs,
         after: text.after.into_iter().map(relation).collect(),

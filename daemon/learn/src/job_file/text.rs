@@ -148,6 +148,13 @@ impl JobFile {
             let words = sequence_words(&self.step_contexts(number), |id| self.object_name(id));
             line!(text, "\n[[step]]\n# {number}: {}", words.replace(char::is_control, " "));
             line!(text, "required = {}\nonce = {}\nruns = {}", step.is_required, step.is_once, step.runs);
+            if !step.completes.is_empty() {
+                line!(
+                    text,
+                    "# Required after these sequences, counted from 0: they do only a part of what others do in one."
+                );
+                line!(text, "completes = {:?}", step.completes);
+            }
             let after: Vec<String> = step.after.iter().map(relation_text).collect();
             line!(text, "after = [{}]", after.join(", "));
         }

@@ -38,6 +38,12 @@ pub(super) fn validate(job: &JobFile) -> Result<(), JobFault> {
             )
         })
     })?;
+    let is_sequence = |index: &u16| usize::from(*index) < job.activities.len();
+    job.steps.iter().enumerate().try_for_each(|(number, step)| {
+        rule(step.completes.iter().all(is_sequence), &format!("step[{number}].completes"), || {
+            format!("it names a sequence that there is not: they are 0 to {}", job.activities.len() - 1)
+        })
+    })?;
     names(job)
 }
 

@@ -2,6 +2,7 @@
 
 use super::relation::chance_of_one_order;
 use crate::job_file::{JobFile, Relation, RelationKind};
+use std::collections::BTreeSet;
 use std::fmt;
 
 /// The steps of a job, their laws and what is only usual. `Display` prints them for people, who count from 1.
@@ -25,6 +26,15 @@ fn sentences(job: &JobFile, number: usize) -> Vec<String> {
     let mut sentences = Vec::new();
     if !step.is_required {
         sentences.push(format!("optional: {} of the runs have it", step.runs));
+    }
+    if !step.completes.is_empty() {
+        let earlier = step.completes.iter().map(|index| job.activities[usize::from(*index)].activity);
+        let earlier: BTreeSet<u16> = earlier.collect();
+        let steps: Vec<String> = earlier.iter().map(|number| (number + 1).to_string()).collect();
+        sentences.push(format!(
+            "required where {} ends early: the other runs do both in one",
+            steps.join(" and ")
+        ));
     }
     if step.is_once {
         sentences.push("only once: its place in the order is law".to_owned());

@@ -9,10 +9,11 @@
 //! Two unrelated steps come in the same order in all `n` runs with a probability of `2^(1-n)`, so one run shows no order at all.
 
 use super::options::TeachOptions;
-use super::sequence::Agreement;
+use super::sequence::{Agreement, Sequence};
 use crate::job_file::{Relation, RelationKind, TaughtStep};
 use crate::run::{Activity, Run};
 use crate::statistics::{deviation, mean};
+use andon_core::couple::Context;
 use std::collections::BTreeSet;
 
 /// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance.
@@ -69,6 +70,7 @@ pub(super) fn steps(runs: &[Run], agreement: &Agreement, options: &TeachOptions)
         let count = all[later].iter().flatten().count();
         TaughtStep {
             is_required: count == agreement.used.len(),
+            completes: completed_by(later, agreement),
             is_once: false,
             runs: count as u16,
             after: after.collect(),
@@ -78,6 +80,32 @@ pub(super) fn steps(runs: &[Run], agreement: &Agreement, options: &TeachOptions)
     let once: Vec<bool> = (0..all.len()).map(|index| has_its_place(index, &steps, agreement)).collect();
     steps.iter_mut().zip(once).for_each(|(step, once)| step.is_once = once);
     steps
+}
+
+/// The sequences that do only a part of what other runs do in one, where this step is the rest or a part of it: whoever lets go in the middle
+/// does two steps.
+fn completed_by(step: usize, agreement: &Agreement) -> Vec<u16> {
+    let sequences = &agreement.sequences;
+    let of_step = |sequence: &&Sequence| usize::from(sequence.activity) == step;
+    let is_in = |rest: &[Context]| {
+        sequences
+            .iter()
+            .filter(of_step)
+            .any(|own| rest.windows(own.contexts.len()).any(|part| part == own.contexts))
+    };
+    let is_part = |part: &Sequence| {
+        let mut others = sequences.iter().filter(|other| other.activity == part.activity);
+        others.any(|whole| whole.contexts.strip_prefix(part.contexts.as_slice()).is_some_and(is_in))
+    };
+    let is_always_there = |part: &Sequence| {
+        part.shown.iter().all(|(run, _)| {
+            let index = agreement.used.iter().position(|used| used == run);
+            index.is_some_and(|index| agreement.steps[step][index].is_some())
+        })
+    };
+    let is_completed =
+        |part: &Sequence| usize::from(part.activity) != step && is_part(part) && is_always_there(part);
+    (0u16..).zip(sequences).filter(|(_, part)| is_completed(part)).map(|(index, _)| index).collect()
 }
 
 /// The relation of a step to one that has a lower number in the job, if there is one.
@@ -161,4 +189,33 @@ fn has_its_place(index: usize, steps: &[TaughtStep], agreement: &Agreement) -> b
     steps[index].is_required
         && others.peek().is_some()
         && others.all(|other| is_law(index.min(other), index.max(other)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_does_in_two_steps_what_others_do_in_one_has_to_do_both() {
+        let (there, back) = ([[1, 5, 5, 3], [1, 5, 5, 7]], [[1, 5, 5, 7], [1, 5, 5, 3]]);
+        let sequence = |activity: u16, contexts: &[[u16; 4]], shown: &[(usize, usize)]| Sequence {
+            activity,
+            contexts: contexts.iter().copied().map(Context).collect(),
+            shown: shown.to_vec(),
+        };
+        let whole = sequence(0, &[there, back].concat(), &[(0, 0), (1, 0)]);
+        let part = sequence(0, &there, &[(2, 0), (3, 0)]);
+        let rest = sequence(1, &back, &[(2, 1), (3, 1)]);
+        let agreement = |sequences: &[&Sequence], last: Option<usize>| Agreement {
+            sequences: sequences.iter().copied().cloned().collect(),
+            used: (0..4).collect(),
+            steps: vec![vec![Some(0); 4], vec![None, None, Some(1), last]],
+            ..Agreement::default()
+        };
+        let all = [&whole, &part, &rest];
+        assert_eq!(completed_by(1, &agreement(&all, Some(1))), [1]);
+        assert!(completed_by(0, &agreement(&all, Some(1))).is_empty());
+        assert!(completed_by(1, &agreement(&all, None)).is_empty(), "a run shows that the part is enough");
+        assert!(completed_by(1, &agreement(&[&part, &rest], Some(1))).is_empty(), "nobody does both in one");
+    }
 }

@@ -28,7 +28,7 @@ pub(super) struct Progress<'a> {
     pub(super) job: &'a Job<'a>,
     /// All activities of the job.
     all: ActivitySet,
-    /// The activities without which the job is not complete.
+    /// The activities without which the job is not complete, as it has been done so far.
     required: ActivitySet,
     /// How many frames a change takes to be believed.
     pub(super) persist_frames: u32,
@@ -444,12 +444,20 @@ impl<'a> Progress<'a> {
             self.excused |= (before & self.required).without(came);
         }
         self.done |= activity;
+        self.require_rest_of(nominal);
         self.begin_seen_with(number, activity);
+    }
+
+    /// What completes a nominal activity that does only a part is required now.
+    fn require_rest_of(&mut self, nominal: usize) {
+        let completes = |activity: &usize| self.job.law(*activity).completes.contains(nominal);
+        self.required |= self.all.iter().filter(completes).collect();
     }
 
     /// An activity that is nearest to this nominal one was not judged.
     pub(super) fn set_unjudged(&mut self, nominal: Option<usize>, cause: Cause) {
         self.unjudged |= self.activities_of(nominal);
+        nominal.into_iter().for_each(|nominal| self.require_rest_of(nominal));
         let nearest = nominal.and_then(|nominal| self.number(nominal));
         self.first_unjudged = self.first_unjudged.or(Some((cause, nearest)));
     }
