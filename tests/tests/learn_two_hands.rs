@@ -78,10 +78,8 @@ fn what_may_differ_between_hands_is_right_and_every_fault_is_found() {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
-#[test]
-fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
-    // 2.5 mm along each axis, as a depth camera sees parts without markers.
-    let noise = Noise { marker_px: 2.0, ..Noise::default() };
+/// Right jobs are accepted and faults found as elsewhere, with these errors of all that is seen.
+fn expect_no_more_doubt_with(noise: Noise) {
     let (mut right, mut of, mut accused, mut missed) = (0, 0, Vec::new(), Vec::new());
     for work in TwoHanded::ALL {
         let job = taught_seen(noise, work);
@@ -96,6 +94,21 @@ fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
     println!("{right} of {of} accepted, {accused:?} accused, {missed:?} missed");
     assert!(100 * right >= MIN_ACCEPTED * of, "{right} of {of}");
     assert!(missed.is_empty(), "{missed:?}");
+}
+
+/// 2.5 mm along each axis, as a depth camera sees parts without markers.
+fn inexact(marker_memory: f64) -> Noise {
+    Noise { marker_px: 2.0, marker_memory, ..Noise::default() }
+}
+
+#[test]
+fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
+    expect_no_more_doubt_with(inexact(0.0));
+}
+
+#[test]
+fn parts_that_wander_by_errors_that_last_put_right_jobs_in_doubt_no_more_than_others() {
+    expect_no_more_doubt_with(inexact(0.9));
 }
 
 /// The recording as of a station that does not say where its parts are touched, with markers that say nothing of how they lie.

@@ -5,6 +5,7 @@ use super::movement::{Instant, Truth};
 use super::{Person, Random, Vector, add, turn};
 use andon_core::input::{Frame, Hand, Object, Point, Space};
 use andon_learn::recording::{Header, Landmarks, Recording};
+use std::collections::BTreeMap;
 
 /// Measurement noise and losses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,8 @@ pub struct Noise {
     pub landmark_common: f64,
     /// Standard deviation of a marker's centre in pixels; that of its yaw follows from corners 18 mm away from the centre.
     pub marker_px: f64,
+    /// Share of a marker's error that remains one frame later.
+    pub marker_memory: f64,
     /// Probability per frame that the marker of a held part becomes hidden.
     pub hidden_begins: f64,
     /// Maximum number of frames that it stays hidden; all numbers up to this one are equally likely.
@@ -51,6 +54,7 @@ impl Default for Noise {
             landmark_memory: 0.95,
             landmark_common: 0.2,
             marker_px: 0.05,
+            marker_memory: 0.0,
             hidden_begins: 0.01,
             hidden_frames: 15.0,
             // Worse than in the recordings, which lose no hand and no frame: light and load of a shop floor are worse too.
@@ -78,8 +82,15 @@ impl Noise {
         };
         let bias = self.landmark_bias_px / self.px_per_m;
         let biases = [(); 5].map(|()| [bias * habit.normal(), bias * habit.normal()]);
-        let mut eye =
-            Eye { noise: self, biases, common: [0.0; 2], errors: [[0.0; 2]; 5], hidden: 0.0, lost: 0.0 };
+        let mut eye = Eye {
+            noise: self,
+            biases,
+            common: [0.0; 2],
+            errors: [[0.0; 2]; 5],
+            of_markers: BTreeMap::new(),
+            hidden: 0.0,
+            lost: 0.0,
+        };
         // This is long enough for nothing to be left of the initial errors.
         for _ in 0..60 {
             eye.drift(random);
@@ -100,6 +111,8 @@ struct Eye<'a> {
     common: Vector,
     /// The error that each landmark has alone.
     errors: [Vector; 5],
+    /// The error of the marker of each part along both axes and around it, in standard deviations.
+    of_markers: BTreeMap<u16, [f64; 3]>,
     /// Number of frames that the marker of the held part stays hidden.
     hidden: f64,
     /// Number of frames that the hand stays lost.
@@ -170,10 +183,14 @@ impl Eye<'_> {
         }
     }
 
-    fn object(&self, id: u16, pose: &Pose, random: &mut Random) -> Object {
+    fn object(&mut self, id: u16, pose: &Pose, random: &mut Random) -> Object {
         let deviation = self.noise.marker_px / self.noise.px_per_m;
-        let [x, y] = add(pose.at, [deviation * random.normal(), deviation * random.normal()]);
-        let half = 0.5 * (pose.yaw + deviation / 0.018 * random.normal());
+        let new = [(); 3].map(|()| random.normal());
+        let keep = self.noise.marker_memory;
+        let error = self.of_markers.entry(id).or_insert(new);
+        *error = [0, 1, 2].map(|part| keep * error[part] + (1.0 - keep * keep).sqrt() * new[part]);
+        let [x, y] = add(pose.at, [deviation * error[0], deviation * error[1]]);
+        let half = 0.5 * (pose.yaw + deviation / 0.018 * error[2]);
         let orientation = [half.cos() as f32, 0.0, 0.0, half.sin() as f32];
         Object { id, position: [x as f32, y as f32, 0.0], orientation }
     }

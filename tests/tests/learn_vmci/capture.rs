@@ -5,6 +5,7 @@ use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
 use andon_core::object::ObjectShape;
 use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
 use andon_tests::simulator::Random;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Frame rate of the recording.
@@ -202,6 +203,34 @@ impl Capture {
             }
             for object in &mut frame.objects {
                 object.position = object.position.map(|value| value + (deviation_m * random.normal()) as f32);
+            }
+        }
+        recording
+    }
+
+    /// Is seen by a tracker that filters, so that the error of the hand and that of each object last: of this standard deviation along each axis,
+    /// in metres, and a third of it is left after a third of a second. The seed chooses the errors.
+    pub(crate) fn recording_with_lasting_errors(&self, deviation_m: f64, seed: u64) -> Recording {
+        let kept = (-3.0 / f64::from(RATE_HZ)).exp();
+        let mut random = Random::new(seed, &[7]);
+        let mut errors: BTreeMap<u16, [f64; 3]> = BTreeMap::new();
+        let mut next = |of: u16| {
+            let new = [(); 3].map(|()| deviation_m * random.normal());
+            let error = errors.entry(of).or_insert(new);
+            *error = [0, 1, 2].map(|axis| kept * error[axis] + (1.0 - kept * kept).sqrt() * new[axis]);
+            *error
+        };
+        let moved = |point: Point, by: [f64; 3]| [0, 1, 2].map(|axis| point[axis] + by[axis] as f32);
+        let mut recording = self.recording();
+        for frame in &mut recording.frames {
+            for hand in &mut frame.hands {
+                let error = next(0);
+                for point in hand.tips.iter_mut().chain([&mut hand.wrist, &mut hand.middle_knuckle]) {
+                    *point = moved(*point, error);
+                }
+            }
+            for object in &mut frame.objects {
+                object.position = moved(object.position, next(object.id));
             }
         }
         recording

@@ -24,10 +24,23 @@ const MIN_COUNT: usize = 4;
 /// As many are used, the first ones.
 const MAX_COUNT: usize = 2 * PERSIST_FRAMES;
 
+/// Fewer frames tell nothing of how far something wanders, and so many are remembered: 10 s of the default frame rate.
+const MIN_WANDERING: u16 = 10;
+const MAX_WANDERING: u16 = 300;
+
+/// Errors that last are few in as many frames, and seem to be less than they are.
+const FEW_WANDERING: f32 = 30.0;
+
+/// What moves by more than this while a change is believed does not wander, in metres: who sees no better than that sees no touch.
+const MAX_WANDER_M: f32 = 0.03;
+
+/// Who moves a part unseen moves it farther than it wanders: a square counts up to this multiple of their mean.
+const MAX_OF_MEAN: f32 = 9.0;
+
 /// How far apart two positions of something that lies still seem to be at most, in metres, by the errors of what sees it: as they are in these
 /// `positions`, one per frame, of which those that are not known are `None`; 0 where too few are known in a row to tell.
 ///
-/// Errors are what differs from frame to frame: those that last, as of a tracker that filters, are not seen. They are taken from third differences, in
+/// Errors are what differs from frame to frame: those that last, as of a tracker that filters, only [`Wandering`] shows. They are taken from third differences, in
 /// which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is misread is in four of them,
 /// which count no more than large errors do.
 pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
@@ -56,6 +69,42 @@ pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 
     APART_BY_CHANCE * libm::sqrtf(mean / OF_THIRD_DIFFERENCE)
 }
 
+/// How far something that nobody acts on seems to move while a change is believed.
+///
+/// Most trackers filter, so that their errors last, and third differences show little of them. What lies still shows all of them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wandering {
+    mean_square: f32,
+    count: u16,
+}
+
+impl Wandering {
+    /// Takes the square of how far it seems to have moved from some frame to the one in which a change is believed.
+    pub(super) fn push(&mut self, square: f32) {
+        // What is exactly where it was is the same measurement once more.
+        if square > 0.0 {
+            let is_known = self.count >= MIN_WANDERING;
+            let square = if is_known { square.min(MAX_OF_MEAN * self.mean_square) } else { square };
+            self.count = (self.count + 1).min(MAX_WANDERING);
+            self.mean_square += (square - self.mean_square) / f32::from(self.count);
+        }
+    }
+
+    /// As [`apart_by_chance_m`]; `None` where it has not been seen to lie still for long enough.
+    pub(super) fn apart_by_chance_m(&self) -> Option<f32> {
+        let count = f32::from(self.count);
+        // Two positions have their errors.
+        let variance = self.mean_square / 2.0 * (1.0 + FEW_WANDERING / count);
+        let is_known = self.count >= MIN_WANDERING;
+        is_known.then(|| (APART_BY_CHANCE * libm::sqrtf(variance)).min(MAX_WANDER_M))
+    }
+
+    /// The same where nobody may be wronged: the maximum where it is not known.
+    pub(super) fn apart_at_most_m(&self) -> f32 {
+        self.apart_by_chance_m().unwrap_or(MAX_WANDER_M)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -79,6 +128,24 @@ mod tests {
         assert!(along(stroke) < 0.004, "{}", along(stroke));
         let moving = along(|frame| stroke(frame) + error(frame));
         assert!((0.004..0.009).contains(&moving), "{moving}");
+    }
+
+    #[test]
+    fn what_lies_still_shows_how_far_it_wanders_and_little_of_being_moved_once() {
+        let mut wandering = Wandering::default();
+        let mut push = |moved_m: f32, frames: usize| {
+            (0..frames).for_each(|_| wandering.push(moved_m * moved_m));
+            wandering.apart_by_chance_m()
+        };
+        assert_eq!(push(0.002, 9), None, "too little to tell");
+        let wanders_m = APART_BY_CHANCE * 0.002 / libm::sqrtf(2.0);
+        let is_about = |apart_m: Option<f32>, share: f32| {
+            apart_m.is_some_and(|apart_m| (wanders_m..share * wanders_m).contains(&apart_m))
+        };
+        assert!(is_about(push(0.002, 291), 1.1));
+        assert!(is_about(push(0.3, 10), 1.5));
+        assert!(is_about(push(0.002, 300), 1.2));
+        assert_eq!(push(0.3, 300), Some(MAX_WANDER_M));
     }
 
     #[test]

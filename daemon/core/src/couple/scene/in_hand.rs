@@ -11,6 +11,7 @@ use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::{HANDS, OBJECTS};
 use crate::input::Point;
+use core::f32::consts::SQRT_2;
 
 /// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
 const AT_REST: f32 = 0.4;
@@ -265,7 +266,10 @@ impl Scene {
 
     /// How far a hand that rests at an object seems to move along it at most, by the errors of both, in metres.
     fn slips_by_chance_m(&self, hand: usize, object: usize, age: usize) -> f32 {
-        self.apart_by_chance_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]))
+        let from_frame_to_frame_m =
+            self.apart_by_chance_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
+        // No tracker sees finger tips more exactly than parts.
+        from_frame_to_frame_m.max(SQRT_2 * self.wanders_m(object))
     }
 
     /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that.
@@ -282,6 +286,7 @@ impl Scene {
             let led = subtract(hands.ago(newest).grip(), hands.ago(age).grip());
             norm(followed) > f32::max(path_m / 2.0, self.rest_m())
                 && dot(led, followed) > dot(followed, followed) / 4.0
+                && norm(followed) > self.wanders_m(object)
                 && norm(followed) > self.apart_by_chance_m(age, |age| self.seen_object(object, age))
         })
     }

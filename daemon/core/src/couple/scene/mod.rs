@@ -12,7 +12,7 @@ use super::geometry::{dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
-use super::scatter::{MOVED_M, apart_by_chance_m};
+use super::scatter::{MOVED_M, Wandering, apart_by_chance_m};
 use super::{Context, Couple, Couples, Motion, Sight};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
 use crate::config::Method;
@@ -39,6 +39,7 @@ struct Node {
     /// For each hand, whether it was moved while it was hidden, and that hand has not been seen to begin with it since.
     is_displaced: [bool; HANDS],
     leap: Leap,
+    wandering: Wandering,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
@@ -63,6 +64,7 @@ impl Node {
             known_frames: 0,
             is_displaced: [false; HANDS],
             leap: Leap::default(),
+            wandering: Wandering::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],
@@ -100,6 +102,8 @@ pub(super) struct Scene {
     bench_hidden: u32,
     /// For how many frames no hand has been seen.
     handless_frames: u32,
+    /// For how many frames no hand has acted on anything.
+    idle_frames: u32,
     hands: [Recent<HandPose>; HANDS],
     leaps: [Leap; HANDS],
     /// Sorted by id.
@@ -145,6 +149,7 @@ impl Scene {
             carried_unseen: 0,
             bench_hidden: 0,
             handless_frames: 0,
+            idle_frames: 0,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             leaps: [Leap::default(); HANDS],
             objects,
@@ -310,6 +315,7 @@ impl Scene {
             couple.is_doubtful |= is_assumed && self.began_unseen[hand];
             couple
         });
+        self.push_wandering(age);
         Couples {
             captured_ns: *self.times_ns.ago(age),
             known_ns,
@@ -321,6 +327,22 @@ impl Scene {
             out_of_sight: self.out_of_sight(age),
             out_of_sight_object: self.out_of_sight_object(age),
             hands,
+        }
+    }
+
+    /// While no hand acts on anything, nothing moves.
+    fn push_wandering(&mut self, age: usize) {
+        let is_idle = self.interactions.iter().all(|what| !matches!(what, Interaction::Acts { .. }));
+        self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
+        let persist = self.method.persist_frames;
+        if self.idle_frames <= persist.into() {
+            return;
+        }
+        for object in 0..self.objects.len() {
+            let before = self.seen_object(object, age + usize::from(persist));
+            if let Some((now, before)) = self.seen_object(object, age).zip(before) {
+                self.objects[object].wandering.push(squared_distance(now, before));
+            }
         }
     }
 
@@ -475,6 +497,11 @@ impl Scene {
             apart_by_chance_m((0..REMEMBERED).map(known)),
             apart_by_chance_m(self.around(age).map(known)),
         )
+    }
+
+    /// How far an object that lies still seems to move at most while a change is believed, in metres; 0 where that is not known.
+    fn wanders_m(&self, object: usize) -> f32 {
+        self.objects[object].wandering.apart_by_chance_m().unwrap_or_default()
     }
 
     /// The ages of a frame and of the `persist_frames` before and after it.

@@ -81,7 +81,9 @@ impl Scene {
                     .iter()
                     .all(|pair| pair.is_some_and(|(to, from)| norm(subtract(to, from)) > min_m))
             };
-            is_farther(self.rest_m()) && is_farther(self.apart_by_chance_m(persist, seen))
+            is_farther(self.rest_m())
+                && is_farther(self.objects[object].wandering.apart_at_most_m())
+                && is_farther(self.apart_by_chance_m(persist, seen))
         };
         let is_carried = (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
         self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
