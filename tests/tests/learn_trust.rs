@@ -266,7 +266,7 @@ fn that_the_ius_rest_on_few_demonstrations_is_said_once() {
 /// `ANDON_SETS` asks for more sets, `ANDON_SEED` for others.
 #[test]
 fn correct_runs_are_seldom_doubted_and_half_of_the_strokes_seldom_pass() {
-    let (sets, seed) = (environment::number("ANDON_SETS", 12), environment::number("ANDON_SEED", SEED));
+    let (sets, seed) = (environment::number("ANDON_SETS", 100), environment::number("ANDON_SEED", SEED));
     let (mut doubted, mut missed) = (0, 0);
     for set in 0..sets {
         let of_set = |index: u64, flaw| {
@@ -286,8 +286,8 @@ fn correct_runs_are_seldom_doubted_and_half_of_the_strokes_seldom_pass() {
         missed += u64::from(report.is_trusted() && is_learnt);
     }
     println!("{doubted} of {sets} correct sets doubted, {missed} of {sets} J1 passed");
-    assert!(50 * doubted <= sets.max(50), "{doubted} of {sets} correct sets doubted");
-    assert!(20 * missed <= sets.max(20), "{missed} of {sets} J1 passed");
+    assert!(50 * doubted <= sets, "{doubted} of {sets} correct sets doubted");
+    assert!(20 * missed <= sets, "{missed} of {sets} J1 passed");
 }
 
 /// What a context looks like in a sentence is the same everywhere.

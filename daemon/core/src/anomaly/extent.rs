@@ -55,12 +55,7 @@ impl Extent {
     /// How many reversals were hidden within the IU if the hand went on at the pace at which it was seen; none where so much was hidden that
     /// this is not known. What happened before it or after it is not known.
     pub(super) fn assumed_reversals(&self) -> u32 {
-        let hidden = self.measures.hidden;
-        if hidden > MAX_ASSUMED {
-            return 0;
-        }
-        let assumed = self.measures.reversals as f32 * hidden / (1.0 - hidden);
-        (libm::roundf(assumed) as u32).min(self.measures.hidden_reversals)
+        if self.measures.hidden > MAX_ASSUMED { 0 } else { self.measures.hidden_reversals_at_pace() }
     }
 
     /// In how much of the IU something may have happened that was not seen, as a share of its frames; more than 1 if most of it lies in

@@ -43,6 +43,14 @@ pub struct Measures {
     pub hidden: f32,
 }
 
+impl Measures {
+    /// How many reversals were hidden if the motion went on at the pace at which it was seen.
+    pub fn hidden_reversals_at_pace(&self) -> u32 {
+        let hidden = self.reversals as f32 * self.hidden / (1.0 - self.hidden);
+        (libm::roundf(hidden) as u32).min(self.hidden_reversals)
+    }
+}
+
 /// Measures an IU frame by frame, in fixed memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Meter {
@@ -236,6 +244,8 @@ mod tests {
             strokes(6, 0.0).into_iter().enumerate().map(|(k, p)| p.filter(|_| !(20..60).contains(&k))),
         );
         assert_eq!(gap.hidden_reversals, 10);
+        // As often as in the other 105 frames.
+        assert_eq!((gap.reversals, gap.hidden_reversals_at_pace()), (10, 4));
         assert!(gap.reversals < 12 && gap.reversals + gap.hidden_reversals >= 12, "{gap:?}");
         assert!((gap.hidden - 40.0 / 145.0).abs() < 0.01, "{gap:?}");
     }

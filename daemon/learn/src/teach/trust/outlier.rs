@@ -191,9 +191,10 @@ fn values(measure: Measure, runs: &[Run], shown: &[(usize, &Iu)]) -> Vec<f64> {
     let ius = shown.iter().map(|(_, iu)| iu);
     match measure {
         Measure::Duration => ius.map(|iu| (iu.ended_ns - iu.began_ns) as f64 * 1e-9).collect(),
-        // What was hidden may have been a stroke, and need not.
+        // What was hidden may have been strokes, but not at any pace: a gap in half of the strokes would hide the other half.
         Measure::Reversals => {
-            let measures: Vec<Measures> = ius.map(|iu| iu.measures).collect();
+            let at_pace = |of: &Measures| Measures { hidden_reversals: of.hidden_reversals_at_pace(), ..*of };
+            let measures: Vec<Measures> = ius.map(|iu| at_pace(&iu.measures)).collect();
             likely_reversals(&measures).map(f64::from).collect()
         }
         Measure::Path => shown.iter().map(|(run, iu)| super::path::length_m(&runs[*run], iu)).collect(),
