@@ -80,6 +80,21 @@ impl Measure {
         }
     }
 
+    /// How many times as much of it a hidden frame of an IU has as a mean one: a part that comes in unseen goes farther than one that is there.
+    const fn per_hidden(self) -> f64 {
+        match self {
+            Self::Path => 2.0,
+            Self::Duration => 1.0,
+            Self::Reversals | Self::Distance => 0.0,
+        }
+    }
+
+    /// What was hidden may be of the IU before or behind: the value with as much less as brings it nearest to the others.
+    fn without_hidden(self, value: f64, iu: &Iu, others: &[f64]) -> f64 {
+        let seen = 1.0 - self.per_hidden() * f64::from(iu.measures.hidden);
+        median(others).clamp(seen.max(0.0) * value, value)
+    }
+
     /// How far a value is away from the others, as a share of what is allowed.
     fn exceeds(self, value: f64, others: &[f64]) -> f64 {
         let log = |value: f64| (value + self.noise()).ln();
@@ -164,7 +179,7 @@ fn of_iu(
         let values = values(measure, runs, &shown);
         for (at, &(run, iu)) in shown.iter().enumerate() {
             let (value, others) = left_out(measure, &values, &distances, at);
-            let share = measure.exceeds(value, &others);
+            let share = measure.exceeds(measure.without_hidden(value, iu, &others), &others);
             if share > 1.0 {
                 let min = others.iter().copied().fold(f64::INFINITY, f64::min);
                 let max = others.iter().copied().fold(0.0, f64::max);
@@ -213,4 +228,28 @@ fn left_out(measure: Measure, values: &[f64], distances: &DistanceMatrix, at: us
         median(&others.map(|other| distances.get(from, other)).collect::<Vec<_>>())
     };
     (to_others(at), others.map(to_others).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_hidden_of_an_iu_does_not_make_it_longer_than_others() {
+        let iu = |hidden: f32| Iu {
+            context: Context([1, 5, 5, 6]),
+            motion: Vec::new(),
+            measures: Measures { hidden, ..Measures::default() },
+            began_ns: 0,
+            ended_ns: 0,
+            frames: 0,
+            is_well_seen: true,
+        };
+        let others = [0.04, 0.05, 0.06];
+        let exceeds =
+            |hidden| Measure::Path.exceeds(Measure::Path.without_hidden(0.3, &iu(hidden), &others), &others);
+        assert!(exceeds(0.0) > 1.0 && exceeds(0.4) < 0.5);
+        // A way that is too short was not made so by what was hidden of it.
+        assert_eq!(Measure::Path.without_hidden(0.01, &iu(0.4), &others), 0.01);
+    }
 }
