@@ -40,9 +40,9 @@ const MAX_OF_MEAN: f32 = 9.0;
 /// How far apart two positions of something that lies still seem to be at most, in metres, by the errors of what sees it: as they are in these
 /// `positions`, one per frame, of which those that are not known are `None`; 0 where too few are known in a row to tell.
 ///
-/// Errors are what differs from frame to frame: those that last, as of a tracker that filters, only [`Wandering`] shows. They are taken from third differences, in
-/// which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is misread is in four of them,
-/// which count no more than large errors do.
+/// Errors are what differs from frame to frame: those that last, as of a tracker that filters, only `Wandering` shows. They are taken from
+/// third differences, in which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is
+/// misread is in four of them, which count no more than large errors do.
 pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
     let mut squares: Vec<f32, MAX_COUNT> = Vec::new();
     // The newest three, the newest first.
