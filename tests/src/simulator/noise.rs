@@ -1,11 +1,11 @@
 //! What a camera and a tracker see of the truth.
 
 use super::bench::{Part, Pose};
+use super::lasting::LastingErrors;
 use super::movement::{Instant, Truth};
 use super::{Person, Random, Vector, add, turn};
 use andon_core::input::{Frame, Hand, Object, Point, Space};
 use andon_learn::recording::{Header, Landmarks, Recording};
-use std::collections::BTreeMap;
 
 /// Measurement noise and losses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ impl Noise {
             biases,
             common: [0.0; 2],
             errors: [[0.0; 2]; 5],
-            of_markers: BTreeMap::new(),
+            of_markers: LastingErrors::new(self.marker_memory),
             hidden: 0.0,
             lost: 0.0,
         };
@@ -111,8 +111,8 @@ struct Eye<'a> {
     common: Vector,
     /// The error that each landmark has alone.
     errors: [Vector; 5],
-    /// The error of the marker of each part along both axes and around it, in standard deviations.
-    of_markers: BTreeMap<u16, [f64; 3]>,
+    /// The error of the marker of each part along both axes and around it.
+    of_markers: LastingErrors,
     /// Number of frames that the marker of the held part stays hidden.
     hidden: f64,
     /// Number of frames that the hand stays lost.
@@ -185,10 +185,7 @@ impl Eye<'_> {
 
     fn object(&mut self, id: u16, pose: &Pose, random: &mut Random) -> Object {
         let deviation = self.noise.marker_px / self.noise.px_per_m;
-        let new = [(); 3].map(|()| random.normal());
-        let keep = self.noise.marker_memory;
-        let error = self.of_markers.entry(id).or_insert(new);
-        *error = [0, 1, 2].map(|part| keep * error[part] + (1.0 - keep * keep).sqrt() * new[part]);
+        let error = self.of_markers.next(id, random);
         let [x, y] = add(pose.at, [deviation * error[0], deviation * error[1]]);
         let half = 0.5 * (pose.yaw + deviation / 0.018 * error[2]);
         let orientation = [half.cos() as f32, 0.0, 0.0, half.sin() as f32];

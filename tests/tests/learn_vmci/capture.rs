@@ -4,8 +4,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
 use andon_core::object::ObjectShape;
 use andon_learn::recording::{Header, Landmarks, NamedObject, Recording};
-use andon_tests::simulator::Random;
-use std::collections::BTreeMap;
+use andon_tests::simulator::{LastingErrors, Random};
 use std::path::PathBuf;
 
 /// Frame rate of the recording.
@@ -213,24 +212,20 @@ impl Capture {
     pub(crate) fn recording_with_lasting_errors(&self, deviation_m: f64, seed: u64) -> Recording {
         let kept = (-3.0 / f64::from(RATE_HZ)).exp();
         let mut random = Random::new(seed, &[7]);
-        let mut errors: BTreeMap<u16, [f64; 3]> = BTreeMap::new();
-        let mut next = |of: u16| {
-            let new = [(); 3].map(|()| deviation_m * random.normal());
-            let error = errors.entry(of).or_insert(new);
-            *error = [0, 1, 2].map(|axis| kept * error[axis] + (1.0 - kept * kept).sqrt() * new[axis]);
-            *error
+        let mut errors = LastingErrors::new(kept);
+        let moved = |point: Point, error: [f64; 3]| {
+            [0, 1, 2].map(|axis| point[axis] + (deviation_m * error[axis]) as f32)
         };
-        let moved = |point: Point, by: [f64; 3]| [0, 1, 2].map(|axis| point[axis] + by[axis] as f32);
         let mut recording = self.recording();
         for frame in &mut recording.frames {
             for hand in &mut frame.hands {
-                let error = next(0);
+                let error = errors.next(0, &mut random);
                 for point in hand.tips.iter_mut().chain([&mut hand.wrist, &mut hand.middle_knuckle]) {
                     *point = moved(*point, error);
                 }
             }
             for object in &mut frame.objects {
-                object.position = moved(object.position, next(object.id));
+                object.position = moved(object.position, errors.next(object.id, &mut random));
             }
         }
         recording

@@ -28,7 +28,8 @@ const MAX_COUNT: usize = 2 * PERSIST_FRAMES;
 const MIN_WANDERING: u16 = 10;
 const MAX_WANDERING: u16 = 300;
 
-/// Errors that last are few in as many frames, and seem to be less than they are.
+/// A few frames hold few different errors if these last, so that they seem less than they are: in so many frames their variance is taken for twice
+/// as large.
 const FEW_WANDERING: f32 = 30.0;
 
 /// What moves by more than this while a change is believed does not wander, in metres: who sees no better than that sees no touch.
