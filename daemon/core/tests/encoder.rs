@@ -299,12 +299,51 @@ fn what_was_not_measured_is_unknown_and_not_rest() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 40).rest(20);
     for frame in &mut bench.frames[30..50] {
-        frame.hands.clear();
+        (frame.hands.clear(), frame.objects.clear());
     }
     let couples = encode(&bench.ids(), &bench.frames);
     let unknown: Vec<usize> = (0..80).filter(|frame| couples[*frame].hands[0].motion.is_none()).collect();
     // Up to three frames from the gap, and from the end of the recording, most positions are on one side: that is too imprecise.
     assert_eq!(unknown, (27..53).chain(77..80).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_hidden_hand_moves_with_what_it_holds() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.4, 0.3])]);
+    bench
+        .hand(Side::Right, [0.0, 0.0])
+        .rest(20)
+        .hold(Side::Right, TOOL)
+        .go([0.4, 0.0], 20)
+        .go([0.4, 0.3], 20);
+    bench.rest(20);
+    let motions = |frames: &Vec<Frame>| {
+        let couples = encode(&bench.ids(), frames);
+        couples.iter().map(|couples| (couples.hands[0].motion, couples.hands[0].tips)).collect::<Vec<_>>()
+    };
+    let mut frames = bench.frames.clone();
+    frames[30..42].iter_mut().for_each(|frame| frame.hands.clear());
+    let [hidden, seen] = [&frames, &bench.frames].map(motions);
+    for (frame, (hidden, seen)) in hidden.iter().zip(&seen).enumerate() {
+        assert_eq!(hidden.0, seen.0, "frame {frame}");
+        let off_m = |(one, other): (f32, f32)| (one - other).abs();
+        let tips = hidden.1.zip(seen.1).map(|(hidden, seen)| hidden.into_iter().zip(seen));
+        assert!(tips.into_iter().flatten().all(|pair| off_m(pair) < 1e-5), "frame {frame}");
+        assert_eq!(hidden.1.is_some(), seen.1.is_some(), "frame {frame}");
+    }
+    // It is not seen all the same.
+    let couples = encode(&bench.ids(), &frames);
+    assert!(couples[30..42].iter().all(|couples| !couples.hands[0].is_clear));
+}
+
+#[test]
+fn a_hidden_hand_does_not_move_with_what_the_other_one_takes_out_of_it() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Left, [-0.01, 0.0]).hand(Side::Right, [0.01, 0.0]).rest(20).hold(Side::Right, TOOL);
+    bench.carry([Some([0.4, 0.0]), Some([-0.01, 0.0])], 20).rest(10);
+    bench.frames[20..35].iter_mut().for_each(|frame| frame.hands.retain(|hand| hand.side == Side::Right));
+    let couples = encode(&bench.ids(), &bench.frames);
+    assert!(couples[20..35].iter().all(|couples| couples.hands[1].tips.is_none()));
 }
 
 #[test]

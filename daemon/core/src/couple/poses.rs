@@ -49,7 +49,7 @@ pub(super) enum Source {
     Never,
     /// It was seen in this frame.
     Seen,
-    /// It is hidden, and moved with the hand that carries it.
+    /// It is hidden, and moved with what is seen: an object with the hand that carries it, a hand with the object that it holds.
     Carried,
     /// It is hidden by a hand that is at it, and is taken to lie where it was last seen.
     Covered,
@@ -142,6 +142,18 @@ impl HandPose {
         match self.source {
             Source::Never => self,
             _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), ..self },
+        }
+    }
+
+    /// The pose of a hidden hand that holds an object while that moves so: as a rigid body.
+    pub(super) fn holding(self, from: &ObjectPose, to: &ObjectPose) -> Self {
+        let moved = |point| add(to.position, rotated(from.own(point), to.orientation));
+        Self {
+            source: Source::Carried,
+            middle_knuckle: moved(self.middle_knuckle),
+            wrist: moved(self.wrist),
+            tips: self.tips.map(moved),
+            ..self
         }
     }
 

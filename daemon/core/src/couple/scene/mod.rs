@@ -188,6 +188,7 @@ impl Scene {
         self.captured = self.captured << 1 | u32::from(frame.is_some());
         self.push_hands(frame);
         self.push_objects(frame);
+        self.move_holding_hands();
         self.push_edges();
         self.update_grips();
         self.push_moved_unseen();
@@ -247,6 +248,31 @@ impl Scene {
             }
             node.known_frames = node.known_frames.saturating_add((pose.source != Source::Never).into());
             node.poses.push(pose);
+        }
+    }
+
+    /// A hand that is hidden while it holds an object that is seen moves with that, until it has not been seen for `blind_ms`. Where the other
+    /// hand is seen at the object, that may move it alone.
+    fn move_holding_hands(&mut self) {
+        for index in 0..HANDS {
+            let [hand, before] = [0, 1].map(|age| self.hands[index].ago(age));
+            if hand.source != Source::Held || !before.source.is_known() || hand.unseen > self.blind_frames {
+                continue;
+            }
+            let is_alone_at = |object: usize| {
+                let mut others = (0..HANDS).filter(|other| *other != index);
+                others.all(|other| {
+                    self.hands[other].ago(0).source != Source::Seen || !self.touches[other][object].is_near()
+                })
+            };
+            let mut objects = self.objects.iter().enumerate();
+            let held = objects.find(|(object, node)| node.grips[index].is_some() && is_alone_at(*object));
+            let moved = held.map(|(_, node)| [1, 0].map(|age| *node.poses.ago(age)));
+            if let Some([from, to]) =
+                moved.filter(|poses| poses.iter().all(|pose| pose.source == Source::Seen))
+            {
+                self.hands[index].revise(1, |pose| *pose = pose.holding(&from, &to));
+            }
         }
     }
 
@@ -426,7 +452,7 @@ impl Scene {
     fn tips(&self, hand: usize, age: usize) -> Option<Point> {
         self.steady(age, |age| {
             let hand = self.hands[hand].ago(age);
-            (hand.source == Source::Seen).then(|| hand.grip())
+            hand.source.is_known().then(|| hand.grip())
         })
     }
 
@@ -473,7 +499,7 @@ impl Scene {
     fn hand_kinematics(&self, hand: usize, age: usize) -> Option<Kinematics> {
         self.kinematics(age, |age| {
             let pose = self.hands[hand].ago(age);
-            (pose.source == Source::Seen).then_some(pose.middle_knuckle)
+            pose.source.is_known().then_some(pose.middle_knuckle)
         })
     }
 
