@@ -200,12 +200,6 @@ impl Run {
         if period_s > 0.0 { 1.0 / period_s } else { 0.0 }
     }
 
-    /// What was seen from one time, in nanoseconds of source time, until before another.
-    pub(crate) fn frames_between(&self, began_ns: u64, ended_ns: u64) -> &[Frame] {
-        let index = |time_ns: u64| self.frames.partition_point(|frame| frame.captured_ns < time_ns);
-        &self.frames[index(began_ns)..index(ended_ns)]
-    }
-
     /// How far the two parts of an IU were apart at most, in metres.
     pub(crate) fn reach_m(&self, iu: &Iu) -> f32 {
         let couples = self.couples.iter().flat_map(|couples| couples.hands);

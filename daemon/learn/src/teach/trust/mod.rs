@@ -7,7 +7,6 @@
 mod doubt;
 mod order;
 mod outlier;
-mod path;
 mod rate;
 mod sight;
 mod summary;

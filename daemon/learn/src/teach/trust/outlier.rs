@@ -32,7 +32,7 @@ pub enum Measure {
     Duration,
     /// How often its motion reversed: the cycles of a repeated motion.
     Reversals,
-    /// The length of the hand's way, in metres.
+    /// The length of the path, in metres, as it is judged by.
     Path,
     /// The median DTW distance to the other demonstrations.
     Distance,
@@ -176,7 +176,7 @@ fn of_iu(
     let motions: Vec<&[Motion]> = shown.iter().map(|(_, iu)| iu.motion.as_slice()).collect();
     let distances = warp.matrix(&motions)?;
     for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
-        let values = values(measure, runs, &shown);
+        let values = values(measure, &shown);
         for (at, &(run, iu)) in shown.iter().enumerate() {
             let (value, others) = left_out(measure, &values, &distances, at);
             let share = measure.exceeds(measure.without_hidden(value, iu, &others), &others);
@@ -202,7 +202,7 @@ fn of_iu(
 }
 
 /// The value of each demonstration; those of the distance depend on which one is left out.
-fn values(measure: Measure, runs: &[Run], shown: &[(usize, &Iu)]) -> Vec<f64> {
+fn values(measure: Measure, shown: &[(usize, &Iu)]) -> Vec<f64> {
     let ius = shown.iter().map(|(_, iu)| iu);
     match measure {
         Measure::Duration => ius.map(|iu| (iu.ended_ns - iu.began_ns) as f64 * 1e-9).collect(),
@@ -212,7 +212,7 @@ fn values(measure: Measure, runs: &[Run], shown: &[(usize, &Iu)]) -> Vec<f64> {
             let measures: Vec<Measures> = ius.map(|iu| at_pace(&iu.measures)).collect();
             likely_reversals(&measures).map(f64::from).collect()
         }
-        Measure::Path => shown.iter().map(|(run, iu)| super::path::length_m(&runs[*run], iu)).collect(),
+        Measure::Path => ius.map(|iu| iu.measures.path_m.into()).collect(),
         Measure::Distance => vec![0.0; shown.len()],
     }
 }
