@@ -35,8 +35,17 @@ pub struct Iu {
     pub ended_ns: u64,
     /// Its length in frames of the grid; more than its motion has where not all of it was measured.
     pub frames: u32,
+    /// In how many of them the hand waited for the other one.
+    pub waited: u32,
     /// Whether so much of it was seen that it can be learnt.
     pub is_well_seen: bool,
+}
+
+impl Iu {
+    /// Its length in frames of the grid without the time in which the hand waited for the other one; at least one.
+    pub(crate) fn worked_frames(&self) -> u32 {
+        self.frames.saturating_sub(self.waited).max(1)
+    }
 }
 
 /// One activity of a run.
@@ -319,6 +328,7 @@ impl Collector {
                         began_ns: iu.began_ns,
                         ended_ns: iu.ended_ns,
                         frames: iu.frames,
+                        waited: iu.waited,
                         is_well_seen: iu.is_in_sight
                             && MIN_MEASURED * f64::from(iu.frames) <= f64::from(iu.measured),
                     });

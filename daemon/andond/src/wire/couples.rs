@@ -1,6 +1,6 @@
 //! Feature couples, from the method to shared memory and back.
 
-use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
+use andon_core::couple::{Context, Couple, Couples, Motion, Sight, Waiting};
 use andon_core::input::{Point, Side};
 use andon_core::set::ActivitySet;
 use shm_schemas::{Couples as Message, HandCouple, flag};
@@ -28,7 +28,9 @@ pub fn write(couples: &Couples, message: &mut Message) {
                 | bit(couple.is_doubtful, flag::DOUBTFUL)
                 | bit(couple.is_rivalled, flag::RIVALLED)
                 | bit(couple.is_object_new, flag::OBJECT_NEW)
-                | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED),
+                | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED)
+                | bit(couple.waiting == Waiting::Yes, flag::WAITING)
+                | bit(couple.waiting == Waiting::Unknown, flag::MAY_WAIT),
             sight: couple.sight.map(|sight| sight as u8),
             reserved: 0,
             hidden_object: couple.hidden_object,
@@ -48,6 +50,7 @@ pub fn read(message: &Message) -> Couples {
         tips: point_of(place.tips_m),
         distances: place.distances_m,
         sight: place.sight.map(sight),
+        waiting: waiting(place.flags),
         is_clear: place.flags & flag::CLEAR != 0,
         is_doubtful: place.flags & flag::DOUBTFUL != 0,
         is_rivalled: place.flags & flag::RIVALLED != 0,
@@ -83,6 +86,14 @@ fn bit<T: Default>(is_set: bool, bit: T) -> T {
     if is_set { bit } else { T::default() }
 }
 
+fn waiting(flags: u8) -> Waiting {
+    match (flags & flag::WAITING != 0, flags & flag::MAY_WAIT != 0) {
+        (true, _) => Waiting::Yes,
+        (false, true) => Waiting::Unknown,
+        (false, false) => Waiting::No,
+    }
+}
+
 /// Numbers that do not exist are taken for the least sight.
 fn sight(number: u8) -> Sight {
     match number {
@@ -110,10 +121,11 @@ mod tests {
             is_rivalled: true,
             is_object_new: true,
             is_object_displaced: true,
+            waiting: Waiting::Yes,
             hidden_object: 7,
             ..Couple::idle(Side::Right, 9)
         };
-        let left = Couple { motion: None, ..Couple::idle(Side::Left, 9) };
+        let left = Couple { motion: None, waiting: Waiting::Unknown, ..Couple::idle(Side::Left, 9) };
         let hands = [couple, left];
         let couples = Couples {
             captured_ns: 9,

@@ -43,6 +43,8 @@ pub(super) struct OpenActivity {
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
+    /// The runs touch its part in other ways as well, and require no step that begins so: what is not like such a step is none.
+    pub(super) is_free: bool,
     /// What was not shown before in that it comes now.
     pub(super) order_note: Option<Note>,
     /// The relation to another activity that it breaks.
@@ -112,6 +114,7 @@ impl OpenActivity {
         Self {
             number,
             step,
+            is_free: false,
             order_note: None,
             broken: None,
             measured: None,

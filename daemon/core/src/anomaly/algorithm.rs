@@ -7,7 +7,7 @@ use super::hand::{Finding, HandJudge, OpenIu};
 use super::missed::{Cause, Missed, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
-use crate::couple::{Context, Couple, Motion, Sight};
+use crate::couple::{Context, Couple, Motion, Sight, Waiting};
 use crate::segment::{Iu, Measures, Segmenter};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason, Verdict};
@@ -31,6 +31,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }
+        activity.is_free = progress.is_free(activity.as_shown(context));
         activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
         self.activity = Some(activity);
         self.note_never_seen(progress);
@@ -256,6 +257,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
+        match couple.waiting {
+            Waiting::Yes => iu.extent.waited = iu.extent.waited.saturating_add(1),
+            Waiting::Unknown if progress.has_hand(self.side.other()) => {
+                iu.extent.may_have_waited = iu.extent.may_have_waited.saturating_add(1);
+            }
+            Waiting::Unknown | Waiting::No => {}
+        }
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
         iu.extent.assumed = iu.extent.assumed.saturating_add((couple.worst_sight() != Sight::Seen).into());
         iu.extent.measures = measures;

@@ -11,6 +11,9 @@ pub(super) const GIVES_WAY: f32 = 2.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
     pub(super) frames: u32,
+    /// In how many of them the hand waited for the other one, and in how many it may have: that was not seen.
+    pub(super) waited: u32,
+    pub(super) may_have_waited: u32,
     /// In how many frames its motion was measured.
     pub(super) measured: u32,
     /// In how many frames a part of it was not seen, even where it was assumed.
@@ -36,11 +39,18 @@ pub(super) const ENDS: u32 = 2;
 const MAX_ASSUMED: f32 = 0.25;
 
 impl Extent {
-    /// The minimum and the maximum number of frames that the IU may have. A frame that was not seen may shift either end by one.
+    /// How many frames the IU lasts without the time in which the hand waited for the other one. That may be any, so it is not too long.
+    pub(super) fn worked_frames(&self) -> u32 {
+        self.frames.saturating_sub(self.waited)
+    }
+
+    /// The minimum number of frames that the hand may have worked, and the maximum that the IU may have. A frame that was not seen may shift
+    /// either end by one.
     pub(super) fn possible_frames(&self) -> [u32; 2] {
         let shift = self.assumed.min(ENDS);
+        let not_work = self.gap_after.saturating_add(shift).saturating_add(self.may_have_waited);
         [
-            self.frames.saturating_sub(self.gap_after.saturating_add(shift)),
+            self.worked_frames().saturating_sub(not_work),
             self.frames.saturating_add(self.gap_before).saturating_add(shift),
         ]
     }

@@ -128,7 +128,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// What the hand does was not shown to be done by it, so nothing in it is wrong.
     pub(super) fn accuses_nobody(&self) -> bool {
         self.activity.as_ref().is_some_and(|activity| match activity.step {
-            Step::Shown(side) => side != self.side,
+            Step::Shown(side) => side != self.side || activity.is_free,
             Step::NotShown => true,
             Step::Foreign => false,
         })

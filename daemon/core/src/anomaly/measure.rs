@@ -15,7 +15,8 @@ impl Extent {
     /// too long only because something else was not.
     pub(super) fn broken(&self, iu: &NominalIu<'_>, may_be_hidden: bool) -> Option<(Reason, Measure)> {
         let hidden = if may_be_hidden { self.hidden() } else { 0.0 };
-        let [min_frames, max_frames] = if may_be_hidden { self.possible_frames() } else { [self.frames; 2] };
+        let [min_frames, max_frames] =
+            if may_be_hidden { self.possible_frames() } else { [self.worked_frames(), self.frames] };
         // With fewer frames contacts are believed later. Gaps at the ends are in the possible frames already.
         let missing = if may_be_hidden { self.measures.hidden } else { 0.0 };
         let max_frames = max_frames as f32 * (1.0 + GIVES_WAY * missing);
@@ -88,7 +89,11 @@ impl Extent {
         let Shown { frames, reversals, stroke_m, path_m, bow_m, axis, place_m, .. } = bounds.shown?;
         let seconds = |frames: u32| frames as f32 / rate_hz;
         let [value, shown_min, shown_max] = match measure {
-            Measure::Duration => [self.frames, frames.min, frames.max].map(seconds),
+            Measure::Duration => {
+                let worked = self.worked_frames();
+                let lasted = if worked > frames.max { worked } else { self.frames };
+                [lasted, frames.min, frames.max].map(seconds)
+            }
             Measure::Strokes => strokes([self.measures.reversals, reversals.min, reversals.max]),
             Measure::StrokeLength => [self.measures.stroke_m?, stroke_m.min, stroke_m.max],
             Measure::Path => [self.measures.path_m, path_m.min, path_m.max],

@@ -25,6 +25,11 @@ use crate::set::ActivitySet;
 pub struct Motion(pub [i8; 7]);
 
 impl Motion {
+    /// Whether the hand is at rest on the bench, and `o_j` is, where there is an `o_l`.
+    pub fn is_at_rest(&self) -> bool {
+        self.0[1..3] == [0, 0] && self.is_pair_at_rest()
+    }
+
     /// Whether `o_j` is at rest on the bench, where there is an `o_l`.
     pub fn is_pair_at_rest(&self) -> bool {
         self.0[4..6] == [0, 0]
@@ -82,6 +87,18 @@ pub enum Sight {
     Unseen,
 }
 
+/// Whether a hand waits for the other one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Waiting {
+    /// It moves, or neither does.
+    #[default]
+    No,
+    /// It rests at what it acts on, and it is not known whether the other one moves.
+    Unknown,
+    /// It rests at what it acts on, and the other one moves.
+    Yes,
+}
+
 /// The feature couple of one hand on one frame of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Couple {
@@ -102,6 +119,8 @@ pub struct Couple {
     pub distances: [f32; 2],
     /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
     pub sight: [Sight; 3],
+    /// Whether the hand waits for the other one.
+    pub waiting: Waiting,
     /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at, may have taken or may
     /// touch with what it is at.
     pub is_clear: bool,
@@ -131,6 +150,7 @@ impl Couple {
             tips: None,
             distances: [f32::INFINITY; 2],
             sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
+            waiting: Waiting::No,
             is_clear: false,
             is_doubtful: true,
             is_rivalled: false,
@@ -148,6 +168,7 @@ impl Couple {
             position: None,
             tips: None,
             sight: self.sight.map(|before| before.max(sight)),
+            waiting: Waiting::No,
             is_clear: false,
             is_doubtful: true,
             ..*self

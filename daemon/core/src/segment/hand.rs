@@ -6,7 +6,7 @@ use super::way::Way;
 use super::{Event, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Motion, Sight};
+use crate::couple::{Context, Couple, Motion, Sight, Waiting};
 use crate::input::Side;
 use heapless::{Deque, Vec};
 
@@ -109,6 +109,7 @@ impl Segmenter {
         }
         if let Some(iu) = &mut self.iu {
             iu.so_far.frames = iu.so_far.frames.saturating_add(1);
+            iu.so_far.waited = iu.so_far.waited.saturating_add((couple.waiting == Waiting::Yes).into());
             iu.so_far.is_in_sight &= couple.is_in_sight();
             iu.so_far.seen = iu.so_far.seen.saturating_add((couple.worst_sight() == Sight::Seen).into());
             iu.meter.push(couple.position);
@@ -196,6 +197,7 @@ impl Segmenter {
             began_ns,
             ended_ns: began_ns,
             frames: 0,
+            waited: 0,
             measured: 0,
             seen: 0,
             measures: Measures::default(),

@@ -25,6 +25,8 @@ pub struct Iu {
     pub ended_ns: u64,
     /// Its length in frames of the grid.
     pub frames: u32,
+    /// In how many of them the hand waited for the other one ([`Waiting::Yes`](crate::couple::Waiting)).
+    pub waited: u32,
     /// In how many of them its motion was measured.
     pub measured: u32,
     /// In how many of them the hand and each object of its context were seen.

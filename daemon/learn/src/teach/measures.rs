@@ -27,6 +27,9 @@ const PRIOR_PLACE_M: f64 = 0.008;
 /// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
+/// Strokes are counted if this share of the runs has as many.
+const COUNTED: (usize, usize) = (2, 3);
+
 /// Somebody who corrects the place of a part goes back and forth once more.
 const STRAY_REVERSALS: u32 = 2;
 
@@ -157,6 +160,11 @@ impl Rates {
     fn reversals(&self, shown: &[Measures]) -> Bounds {
         let likely: Vec<u32> = likely_reversals(shown).collect();
         let usual = usual_reversals(&likely);
+        if is_repeated(shown) && !is_counted(&likely, usual) {
+            let counts: Vec<f64> = likely.iter().copied().map(f64::from).collect();
+            let (centre, apart) = interval(&counts, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
+            return Bounds { min: (centre - apart).ceil().max(0.0) as u32, max: (centre + apart) as u32 };
+        }
         let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
         // How many strokes are right is the same for people who are slow or quick, or make long ones, and for one of them.
         let (centre, apart) = interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
@@ -273,6 +281,12 @@ fn usual_reversals(likely: &[u32]) -> Bounds {
     let of = |min: u32| likely.iter().filter(move |count| (min..=min + BORDER_REVERSALS).contains(*count));
     let least = likely.iter().copied().max_by_key(|min| (of(*min).count(), u32::MAX - min));
     counts(of(least.unwrap_or_default()).copied())
+}
+
+/// Whether people make a certain number of strokes: most of them do.
+fn is_counted(likely: &[u32], usual: Bounds) -> bool {
+    let usual = likely.iter().filter(|count| (usual.min..=usual.max).contains(*count)).count();
+    usual * COUNTED.1 >= likely.len() * COUNTED.0
 }
 
 /// By how many reversals a count is above these bounds, negative if it is below.

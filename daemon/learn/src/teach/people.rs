@@ -54,10 +54,10 @@ impl People {
     /// `rate_hz` is the frame rate of the grid.
     pub(super) fn of(runs: &[Run], agreement: &Agreement, rate_hz: f32) -> Self {
         let in_general = IN_GENERAL.sqrt();
-        let pace = |iu: &Iu| Some(iu.frames.into());
+        let pace = |iu: &Iu| Some(iu.worked_frames().into());
         let stroke = |iu: &Iu| iu.measures.stroke_m.map(f64::from);
         let border = border_frames(rate_hz);
-        let time = |iu: &Iu| Some(beyond_border(iu.frames, border));
+        let time = |iu: &Iu| Some(beyond_border(iu.worked_frames(), border));
         let deviations = [
             deviations(runs, agreement, in_general, &|context, shown| !is_timed(context, shown), &pace),
             // Where the hand goes back once by chance, how far tells nothing of a person.

@@ -8,12 +8,12 @@ mod sight;
 mod start;
 
 use super::contact::Edge;
-use super::geometry::{dot, subtract};
+use super::geometry::{dot, norm, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
 use super::scatter::{MOVED_M, Wandering, apart_by_chance_m};
-use super::{Context, Couple, Couples, Motion, Sight};
+use super::{Context, Couple, Couples, Motion, Sight, Waiting};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
@@ -424,6 +424,7 @@ impl Scene {
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
             ],
             sight: [self.sight(pose.unseen), sight(j), sight(l)],
+            waiting: Waiting::No,
             is_clear: self.clear[hand] >> age & 1 == 1,
             is_doubtful: self.is_doubtful(hand, age)
                 || self.in_hand[hand].contains(&InHand::Unknown)
@@ -434,10 +435,24 @@ impl Scene {
             is_object_displaced: self.is_displaced[hand],
             hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
         };
+        couple.waiting = self.waiting(&couple, age);
         // Only now it is known which objects the context rests on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
+    }
+
+    /// Whether the hand of this couple waits for the other one.
+    fn waiting(&self, couple: &Couple, age: usize) -> Waiting {
+        let rests = couple.context.is_touch() && couple.motion.is_some_and(|motion| motion.is_at_rest());
+        if !rests {
+            return Waiting::No;
+        }
+        match self.hand_kinematics(couple.side.other().index(), age) {
+            Some(other) if norm(other.velocity) < self.method.rest_speed_m_s => Waiting::No,
+            Some(_) => Waiting::Yes,
+            None => Waiting::Unknown,
+        }
     }
 
     /// Where `o_j` is in the frame of reference of `o_l`.

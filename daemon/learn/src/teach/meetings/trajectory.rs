@@ -1,5 +1,6 @@
 //! What a run shows of the ways of hands and objects.
 
+use super::joining::TOUCH_M;
 use crate::statistics;
 use andon_core::capacity::HANDS;
 use andon_core::couple;
@@ -184,7 +185,8 @@ impl Trajectories {
         Some(Point3::from(pose.translation.vector))
     }
 
-    /// Where the first object dwells at the second after one of them was carried there, each time.
+    /// Where the first object dwells at the second after one of them was carried there, each time. Too far away to touch by what the markers
+    /// show, it does so only where it is not that near another object, to which it was carried then.
     pub(super) fn dwells(&self, with: usize, at: usize) -> Vec<Dwell> {
         let place = |frame: usize| {
             let pose = self.relative_pose(with, at, frame)?;
@@ -206,8 +208,21 @@ impl Trajectories {
             }
             end = until;
         }
-        dwells.retain(|dwell| [with, at].iter().any(|object| self.was_carried(*object, dwell[0].0)));
+        dwells.retain(|dwell| {
+            let (began, place) = dwell[0];
+            let is_at = place.coords.norm() < TOUCH_M || !self.is_near_another([with, at], began);
+            is_at && [with, at].iter().any(|object| self.was_carried(*object, began))
+        });
         dwells
+    }
+
+    /// Whether the first of two objects is so near a third one that they may touch.
+    fn is_near_another(&self, [one, other]: [usize; 2], frame: usize) -> bool {
+        let mut others = (0..self.objects.len()).filter(|object| ![one, other].contains(object));
+        others.any(|third| {
+            let pose = self.relative_pose(one, third, frame);
+            pose.is_some_and(|pose| pose.translation.vector.norm() < TOUCH_M)
+        })
     }
 
     fn was_carried(&self, object: usize, began: usize) -> bool {

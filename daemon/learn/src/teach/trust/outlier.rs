@@ -28,7 +28,7 @@ const SEEN_REVERSALS: f64 = 0.8;
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// How long the IU lasted, in seconds.
+    /// How long the hand worked in the IU, in seconds.
     Duration,
     /// How often its motion reversed: the cycles of a repeated motion.
     Reversals,
@@ -89,10 +89,15 @@ impl Measure {
         }
     }
 
-    /// What was hidden may be of the IU before or behind: the value with as much less as brings it nearest to the others.
-    fn without_hidden(self, value: f64, iu: &Iu, others: &[f64]) -> f64 {
+    /// What was hidden may be of the IU before or behind, and a hand that waits may be about to work: as much less, or as much more, as brings the
+    /// value nearest to the others.
+    fn nearest(self, value: f64, iu: &Iu, others: &[f64]) -> f64 {
         let seen = 1.0 - self.per_hidden() * f64::from(iu.measures.hidden);
-        median(others).clamp(seen.max(0.0) * value, value)
+        let waited = match self {
+            Self::Duration => f64::from(iu.waited) / f64::from(iu.worked_frames()),
+            _ => 0.0,
+        };
+        median(others).clamp(seen.max(0.0) * value, (1.0 + waited) * value)
     }
 
     /// How far a value is away from the others, as a share of what is allowed.
@@ -176,10 +181,10 @@ fn of_iu(
     let motions: Vec<&[Motion]> = shown.iter().map(|(_, iu)| iu.motion.as_slice()).collect();
     let distances = warp.matrix(&motions)?;
     for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
-        let values = values(measure, &shown);
+        let values = values(measure, options.method.rate_hz, &shown);
         for (at, &(run, iu)) in shown.iter().enumerate() {
             let (value, others) = left_out(measure, &values, &distances, at);
-            let share = measure.exceeds(measure.without_hidden(value, iu, &others), &others);
+            let share = measure.exceeds(measure.nearest(value, iu, &others), &others);
             if share > 1.0 {
                 let min = others.iter().copied().fold(f64::INFINITY, f64::min);
                 let max = others.iter().copied().fold(0.0, f64::max);
@@ -192,7 +197,7 @@ fn of_iu(
                     value,
                     others: [min, max],
                     is_pause: measure == Measure::Duration
-                        && (max..=max + options.bounds.pause_s).contains(&value),
+                        && (median(&others)..=max + options.bounds.pause_s).contains(&value),
                 };
                 found.push((run, share, outlier));
             }
@@ -202,10 +207,10 @@ fn of_iu(
 }
 
 /// The value of each demonstration; those of the distance depend on which one is left out.
-fn values(measure: Measure, shown: &[(usize, &Iu)]) -> Vec<f64> {
+fn values(measure: Measure, rate_hz: f32, shown: &[(usize, &Iu)]) -> Vec<f64> {
     let ius = shown.iter().map(|(_, iu)| iu);
     match measure {
-        Measure::Duration => ius.map(|iu| (iu.ended_ns - iu.began_ns) as f64 * 1e-9).collect(),
+        Measure::Duration => ius.map(|iu| f64::from(iu.worked_frames()) / f64::from(rate_hz)).collect(),
         // What was hidden may have been strokes, but not at any pace: a gap in half of the strokes would hide the other half.
         Measure::Reversals => {
             let at_pace = |of: &Measures| Measures { hidden_reversals: of.hidden_reversals_at_pace(), ..*of };
@@ -243,13 +248,14 @@ mod tests {
             began_ns: 0,
             ended_ns: 0,
             frames: 0,
+            waited: 0,
             is_well_seen: true,
         };
         let others = [0.04, 0.05, 0.06];
         let exceeds =
-            |hidden| Measure::Path.exceeds(Measure::Path.without_hidden(0.3, &iu(hidden), &others), &others);
+            |hidden| Measure::Path.exceeds(Measure::Path.nearest(0.3, &iu(hidden), &others), &others);
         assert!(exceeds(0.0) > 1.0 && exceeds(0.4) < 0.5);
         // A way that is too short was not made so by what was hidden of it.
-        assert_eq!(Measure::Path.without_hidden(0.01, &iu(0.4), &others), 0.01);
+        assert_eq!(Measure::Path.nearest(0.01, &iu(0.4), &others), 0.01);
     }
 }
