@@ -78,6 +78,21 @@ fn what_may_differ_between_hands_is_right_and_every_fault_is_found() {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
+#[test]
+fn runs_in_which_a_hand_waits_for_the_other_one_are_taught_like_those_in_which_it_does_not() {
+    let mut refused = Vec::new();
+    for first in (1..100).step_by(5) {
+        let runs: Vec<Run> =
+            (first..first + 5).map(|person| run(&recording(TwoHanded::WaitingHand, person, false))).collect();
+        let (_, report) = teach(&runs, &TeachOptions::new("two hands", "", Method::default())).unwrap();
+        let text = report.to_string();
+        let said = text.lines().next().unwrap_or_default().to_owned();
+        refused.extend(said.starts_with("not usable").then_some(said));
+    }
+    println!("{} of 20 refused: {refused:#?}", refused.len());
+    assert!(refused.len() <= 3, "{refused:#?}");
+}
+
 /// Right jobs are accepted and faults found as elsewhere, with these errors of all that is seen.
 fn expect_no_more_doubt_with(noise: Noise) {
     let (mut right, mut of, mut accused, mut missed) = (0, 0, Vec::new(), Vec::new());

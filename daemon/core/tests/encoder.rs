@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
-use andon_core::couple::{Context, Couples, Encoder, Refused, Unusable};
+use andon_core::couple::{Context, Couples, Encoder, Refused, Unusable, Waiting};
 use andon_core::input::{Frame, Object, Side};
 use andon_core::object::{Meeting, StartPlace};
 use andon_core::set::ActivitySet;
@@ -334,6 +334,22 @@ fn a_hidden_hand_moves_with_what_it_holds() {
     // It is not seen all the same.
     let couples = encode(&bench.ids(), &frames);
     assert!(couples[30..42].iter().all(|couples| !couples.hands[0].is_clear));
+}
+
+#[test]
+fn a_hand_waits_that_rests_at_a_part_while_the_other_one_moves() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).hand(Side::Left, [-0.3, 0.0]).rest(40);
+    bench.carry([Some([0.0, 0.0]), Some([-0.3, 0.4])], 40).rest(40);
+    let waiting = |frames: &[Frame]| {
+        let couples = encode(&bench.ids(), frames);
+        [20, 60, 100].map(|frame| couples[frame].hands.map(|couple| couple.waiting))
+    };
+    let [no, yes] = [[Waiting::No; 2], [Waiting::Yes, Waiting::No]];
+    assert_eq!(waiting(&bench.frames), [no, yes, no]);
+    let mut alone = bench.frames.clone();
+    alone.iter_mut().for_each(|frame| frame.hands.retain(|hand| hand.side == Side::Right));
+    assert_eq!(waiting(&alone), [[Waiting::Unknown, Waiting::No]; 3]);
 }
 
 #[test]

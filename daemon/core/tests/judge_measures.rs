@@ -4,6 +4,7 @@
 mod common;
 
 use andon_core::bounds::{Bounds, Range};
+use andon_core::couple::Waiting;
 use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
 use common::bench::PERIOD_NS;
@@ -67,6 +68,31 @@ fn a_step_that_is_too_short_or_too_long_says_its_seconds() {
     assert_eq!(first(&short), ("r1.1 IuAnomaly TooShort", value(Measure::Duration, 0.5, shown)));
     let long = measured(&job, &at_the_meter(90));
     assert_eq!(first(&long), ("r1.1 IuAnomaly TooLong!", value(Measure::Duration, 61.0 / 30.0, shown)));
+}
+
+#[test]
+fn a_hand_may_wait_for_the_other_one_as_long_as_it_likes() {
+    let waits = [part([1, 6, 0, 0], 30, common::script::Toward(5)), part([1, 6, 6, 3], 400, Still), idle(20)];
+    let right = [&polish(6)[..], &waits].concat();
+    let left = [part([2, 8, 0, 0], 30, common::script::Toward(3)), idle(600)];
+    let one_handed = forgiving(polish_and_measure());
+    let two_handed = {
+        let lift = forgiving(common::script::teach(&[&left])).activities[0];
+        let all = [one_handed.activities, &[NominalActivity { activity: 2, ..lift }]].concat();
+        Job { activities: all.leak(), ..one_handed }
+    };
+    let job_of = |job: &Job<'_>, waiting: Waiting| {
+        let is_two_handed = job.activities.len() > one_handed.activities.len();
+        let mut couples = stream(&right, if is_two_handed { &left } else { &[] });
+        couples[210..600].iter_mut().for_each(|couples| couples.hands[0].waiting = waiting);
+        let verdicts = judged(job, &couples);
+        short(verdicts.iter().rfind(|verdict| verdict.level == Level::Job).unwrap())
+    };
+    assert_eq!(job_of(&two_handed, Waiting::Yes), "JobOk");
+    assert_eq!(job_of(&two_handed, Waiting::No), "JobAnomaly TooLong");
+    // It may have waited, unless nobody has shown the job with another hand.
+    assert_eq!(job_of(&two_handed, Waiting::Unknown), "NotJudged Blind");
+    assert_eq!(job_of(&one_handed, Waiting::Unknown), "JobAnomaly TooLong");
 }
 
 #[test]

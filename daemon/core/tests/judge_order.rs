@@ -206,6 +206,22 @@ fn a_hand_that_rests_at_a_part_of_the_job_is_a_note_and_at_any_other_an_anomaly(
 }
 
 #[test]
+fn what_is_not_like_an_optional_step_is_none_where_its_part_is_touched_in_other_ways_as_well() {
+    let optional = Law { is_required: false, ..FREE };
+    let mut longer = lift();
+    longer[0].frames = 400;
+    let judged = |law: Law, rests: &[u16]| {
+        let laws = [FREE, AFTER_POLISHING, law];
+        let job = Job { rests, ..job(&laws) };
+        short(&job_of(&judged(&job, &stream(&in_a_row(), &longer))))
+    };
+    let object = longer[0].context[1];
+    assert_eq!(judged(optional, &[]), "JobAnomaly TooLong");
+    assert_eq!(judged(optional, &[object]), "JobOk");
+    assert_eq!(judged(FREE, &[object]), "JobAnomaly TooLong");
+}
+
+#[test]
 fn a_release_at_the_end_may_be_missing() {
     let without = [&measure()[..2], &[idle(40)]].concat();
     let right = [&polish(6)[..], &without].concat();

@@ -30,17 +30,21 @@ pub enum TwoHanded {
     SymmetricalLift,
     /// Each hand takes what lies on the other's side, so that their ways cross. Fault: the left hand does nothing.
     CrossingHands,
+    /// The left hand moves the corner and goes away at once, or rests there until the right one has moved the drill and the polisher. Fault: the
+    /// drill is left out.
+    WaitingHand,
 }
 
 impl TwoHanded {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::HoldWhileWorking,
         Self::HandOver,
         Self::LateHand,
         Self::RestingHand,
         Self::SymmetricalLift,
         Self::CrossingHands,
+        Self::WaitingHand,
     ];
 
     /// The parts on the bench, and where they lie.
@@ -48,7 +52,7 @@ impl TwoHanded {
         match self {
             Self::HoldWhileWorking => &[(POLISHER_ID, [0.2, -0.05]), (BRICK_ID, [0.0, 0.15])],
             Self::HandOver => &[(CORNER_ID, [-0.3, 0.1])],
-            Self::LateHand => {
+            Self::LateHand | Self::WaitingHand => {
                 &[(CORNER_ID, [-0.35, 0.05]), (DRILL_ID, [-0.15, 0.05]), (POLISHER_ID, [0.2, 0.0])]
             }
             Self::RestingHand => &[(CORNER_ID, [0.1, 0.05]), (DRILL_ID, [0.3, 0.0]), (METER_ID, [-0.3, 0.1])],
@@ -97,6 +101,7 @@ impl Stage<'_> {
             TwoHanded::LateHand => self.late_hand(right, left),
             TwoHanded::RestingHand => self.resting_hand(right, left),
             TwoHanded::SymmetricalLift => self.lift(right, left),
+            TwoHanded::WaitingHand => self.waiting_hand(right, left),
             TwoHanded::CrossingHands => {
                 right.wait(self.random.between(0.0, 0.6));
                 self.move_part(right, CORNER_ID, [0.1, 0.3]);
@@ -165,6 +170,20 @@ impl Stage<'_> {
         self.move_part(left, first, [0.05, 0.35]);
         self.move_part(left, second, [0.05, 0.35]);
         self.move_part(right, POLISHER_ID, [0.1, 0.3]);
+    }
+
+    fn waiting_hand(&mut self, right: &mut Arm<'_>, left: &mut Arm<'_>) {
+        left.take(CORNER_ID, self.grasp(CORNER_ID));
+        left.go(add(left.at(), [0.0, 0.3]));
+        right.wait_until(left.now_s());
+        if !self.is_faulty {
+            self.move_part(right, DRILL_ID, [0.1, 0.3]);
+        }
+        self.move_part(right, POLISHER_ID, [0.1, 0.3]);
+        if self.random.uniform() < 0.3 {
+            left.wait_until(right.now_s());
+        }
+        left.release();
     }
 
     fn resting_hand(&mut self, right: &mut Arm<'_>, left: &mut Arm<'_>) {

@@ -341,6 +341,13 @@ mod tests {
     }
 
     #[test]
+    fn strokes_are_counted_where_most_runs_have_as_many() {
+        let is_counted = |likely: &[u32]| is_counted(likely, usual_reversals(likely));
+        assert!(is_counted(&[12, 13, 12, 12, 10]) && is_counted(&[12, 12, 14]));
+        assert!(!is_counted(&[10, 12, 10, 12, 11]) && !is_counted(&[12, 14]));
+    }
+
+    #[test]
     fn a_reversal_more_at_the_border_is_as_many_strokes_and_a_stroke_less_is_not() {
         let bounds = |reversals: &[u32]| {
             let shown: Vec<Measures> =

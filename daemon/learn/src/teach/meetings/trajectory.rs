@@ -305,6 +305,12 @@ mod tests {
         Trajectories::new(&frames, &shapes, Space::Plane)
     }
 
+    #[test]
+    fn what_lies_far_from_a_part_is_met_by_it_only_where_nothing_is_nearer() {
+        let far = |objects: &[f32]| side_by_side([0.0, 5.0], objects).is_near_another([0, 1], 0);
+        assert!(!far(&[0.0, 0.2, 0.4]) && far(&[0.0, 0.2, 0.1]));
+    }
+
     /// Where an object is held, to the right of its middle, in centimetres.
     fn held_cm(run: &Trajectories, object: usize) -> Vec<i32> {
         run.holds(object).iter().map(|tips| (100.0 * tips[0][0].x).round() as i32).collect()

@@ -240,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_hidden_of_an_iu_does_not_make_it_longer_than_others() {
+    fn what_was_hidden_or_waited_of_an_iu_does_not_make_it_longer_or_shorter_than_others() {
         let iu = |hidden: f32| Iu {
             context: Context([1, 5, 5, 6]),
             motion: Vec::new(),
@@ -255,6 +255,9 @@ mod tests {
         let exceeds =
             |hidden| Measure::Path.exceeds(Measure::Path.nearest(0.3, &iu(hidden), &others), &others);
         assert!(exceeds(0.0) > 1.0 && exceeds(0.4) < 0.5);
+        let waits = Iu { frames: 150, waited: 120, ..iu(0.0) };
+        let nearest = |others: [f64; 3]| Measure::Duration.nearest(1.0, &waits, &others);
+        assert_eq!([nearest([0.5; 3]), nearest([3.0; 3]), nearest([9.0; 3])], [1.0, 3.0, 5.0]);
         // A way that is too short was not made so by what was hidden of it.
         assert_eq!(Measure::Path.nearest(0.01, &iu(0.4), &others), 0.01);
     }
