@@ -13,11 +13,11 @@ wire! { "andon.HandCouple", 56;
         distances_m: [f32; 2],
         /// Where the hand acts in metres: `o_j` in the frame of `o_l`, or without `o_l` the finger tips on the bench; NaN where it was not seen.
         position_m: [f32; 3],
-        /// The finger tips on the bench in metres; NaN where they were not seen, or the hand does not act.
+        /// The finger tips on the bench in metres; NaN where they were neither seen nor assumed, or the hand does not act.
         tips_m: [f32; 3],
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
-        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`.
+        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`, `OBJECT_DISPLACED`, `WAITING`, `MAY_WAIT`.
         flags: u8,
         /// The sight of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
         sight: [u8; 3],

@@ -91,7 +91,7 @@ pub mod flag {
     pub const OBJECT_DISPLACED: u8 = 1 << 5;
     /// Flag of a couple: the hand rests while the other one moves.
     pub const WAITING: u8 = 1 << 6;
-    /// Flag of a couple: the hand rests, and it is not known whether the other one moves.
+    /// Flag of a couple: the hand may rest while the other one moves, as either was not measured.
     pub const MAY_WAIT: u8 = 1 << 7;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;

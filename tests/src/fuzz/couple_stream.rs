@@ -6,7 +6,7 @@ use andon_core::anomaly::Judge;
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight};
+use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight, Waiting};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, Side, Space};
 use andon_core::job::{Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
@@ -186,6 +186,7 @@ impl Line<'_> {
             let is_bench_hidden = input.below(8) == 0;
             let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
             let is_object_displaced = input.below(8) == 0;
+            let waiting = [Waiting::No, Waiting::Unknown, Waiting::Yes][usize::from(input.below(3))];
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
                 255 => 2100,
@@ -204,6 +205,7 @@ impl Line<'_> {
                     is_rivalled,
                     is_object_new,
                     is_object_displaced,
+                    waiting,
                     ..Couple::idle(side, captured_ns)
                 };
                 let mut hands = Side::ALL.map(hand);

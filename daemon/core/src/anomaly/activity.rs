@@ -44,7 +44,7 @@ pub(super) struct OpenActivity {
     pub(super) number: u16,
     pub(super) step: Step,
     /// The runs touch its part in other ways as well, and require no step that begins so: what is not like such a step is none.
-    pub(super) is_free: bool,
+    pub(super) may_differ: bool,
     /// What was not shown before in that it comes now.
     pub(super) order_note: Option<Note>,
     /// The relation to another activity that it breaks.
@@ -114,7 +114,7 @@ impl OpenActivity {
         Self {
             number,
             step,
-            is_free: false,
+            may_differ: false,
             order_note: None,
             broken: None,
             measured: None,
@@ -320,7 +320,9 @@ impl OpenActivity {
     /// What was not shown before in this activity of a hand.
     pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
         match self.step {
-            Step::NotShown => (!job.rests.contains(&self.context.0[1])).then_some(Note::Step),
+            Step::NotShown => {
+                (self.may_differ || !job.rests.contains(&self.context.0[1])).then_some(Note::Step)
+            }
             Step::Shown(shown) if shown != side => Some(Note::OtherHand),
             _ => self.order_note,
         }

@@ -31,7 +31,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }
-        activity.is_free = progress.is_free(activity.as_shown(context));
+        activity.may_differ = progress.may_differ(activity.as_shown(context));
         activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
         self.activity = Some(activity);
         self.note_never_seen(progress);
@@ -71,6 +71,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, couple.context);
         self.comparisons.clear();
+        activity.may_differ &= progress.has_parts_of(context);
         let is_certain = !self.watch.is_doubtful();
         let was_idle = self.watch.was_idle();
         let before = (self.watch.hidden_before(), self.watch.begin_iu());
@@ -257,12 +258,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
+        // In a job of one hand there is nothing to wait for.
+        let has_other = progress.has_hand(self.side.other());
         match couple.waiting {
-            Waiting::Yes => iu.extent.waited = iu.extent.waited.saturating_add(1),
-            Waiting::Unknown if progress.has_hand(self.side.other()) => {
+            Waiting::Yes if has_other => iu.extent.waited = iu.extent.waited.saturating_add(1),
+            Waiting::Unknown if has_other => {
                 iu.extent.may_have_waited = iu.extent.may_have_waited.saturating_add(1);
             }
-            Waiting::Unknown | Waiting::No => {}
+            _ => {}
         }
         iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
         iu.extent.assumed = iu.extent.assumed.saturating_add((couple.worst_sight() != Sight::Seen).into());
@@ -429,9 +432,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
     pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        // A hand that was not shown to do it may only rest there.
         let accuses_nobody = self.accuses_nobody();
         let Some(activity) = &mut self.activity else { return };
+        // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
+        let accuses_nobody = accuses_nobody && !activity.may_differ;
         let Against::Candidates(candidates) = activity.against else { return };
         let is_order_certain = activity.is_order_certain();
         let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);

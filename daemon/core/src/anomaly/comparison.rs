@@ -175,7 +175,7 @@ fn result(
     let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
     // An open IU may still become as slow as the bounds allow.
-    let length = if extent.ended { extent.frames } else { frames.max };
+    let length = if extent.ended { extent.worked_frames() } else { frames.max };
     let threshold = threshold * slowdown_factor(length, reference.len(), max_slowdown);
     let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {
         Some((reason, _)) => reason,
@@ -192,6 +192,6 @@ fn result(
         if is_certain { (possible, max) } else { (extent.broken(comparison.iu, false), threshold) };
     let reason = reason_of(broken, max);
     let is_doubtful = !is_certain && reason != Reason::None || extent.explains(reason, comparison.is_unique);
-    let measured = broken.and_then(|(_, measure)| extent.measured(comparison.iu, measure, rate_hz));
+    let measured = broken.and_then(|broken| extent.measured(comparison.iu, broken, rate_hz));
     ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, measured, is_doubtful }
 }

@@ -11,8 +11,9 @@ pub(super) const GIVES_WAY: f32 = 2.0;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Extent {
     pub(super) frames: u32,
-    /// In how many of them the hand waited for the other one, and in how many it may have: that was not seen.
+    /// In how many of them the hand waited for the other one.
     pub(super) waited: u32,
+    /// In how many it may have, because either hand was not seen.
     pub(super) may_have_waited: u32,
     /// In how many frames its motion was measured.
     pub(super) measured: u32,
@@ -39,7 +40,7 @@ pub(super) const ENDS: u32 = 2;
 const MAX_ASSUMED: f32 = 0.25;
 
 impl Extent {
-    /// How many frames the IU lasts without the time in which the hand waited for the other one. That may be any, so it is not too long.
+    /// How many frames the IU lasts without those in which the hand waited for the other one. A hand may wait for any time.
     pub(super) fn worked_frames(&self) -> u32 {
         self.frames.saturating_sub(self.waited)
     }
@@ -77,7 +78,7 @@ impl Extent {
 
     /// Whether so much of the IU was measured that it can be right.
     pub(super) fn is_known(&self) -> bool {
-        2 * self.measured >= self.frames
+        2 * self.measured.saturating_sub(self.waited) >= self.worked_frames()
     }
 
     /// Whether what was not seen may explain this reason. A part of an IU may be too short, or another motion. What was hidden in the

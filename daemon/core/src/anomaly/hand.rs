@@ -77,7 +77,7 @@ pub(super) struct Finding {
 }
 
 impl Finding {
-    /// What is done otherwise than shown by a hand that was not shown to do it.
+    /// What is done otherwise than shown by a hand that was not shown to do it, or where it need not be done at all.
     pub(super) fn not_shown(early: bool) -> Self {
         Self { early, ..Self::of(Outcome::Ok, Reason::None.into()) }
     }
@@ -125,10 +125,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.iu.is_none_or(|iu| iu.is_concluded && (is_not_shown || iu.context.is_release()))
     }
 
-    /// What the hand does was not shown to be done by it, so nothing in it is wrong.
+    /// What the hand does was not shown to be done by it, or may be no step, so nothing in it is wrong.
     pub(super) fn accuses_nobody(&self) -> bool {
         self.activity.as_ref().is_some_and(|activity| match activity.step {
-            Step::Shown(side) => side != self.side || activity.is_free,
+            Step::Shown(side) => side != self.side || activity.may_differ,
             Step::NotShown => true,
             Step::Foreign => false,
         })

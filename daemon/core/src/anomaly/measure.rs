@@ -83,15 +83,19 @@ impl Extent {
         ]
     }
 
-    /// What this measure is, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
-    pub(super) fn measured(&self, iu: &NominalIu<'_>, measure: Measure, rate_hz: f32) -> Option<Measured> {
+    /// What the measure is that breaks this rule, in its unit, beside what was shown of the IU. `rate_hz` is the frame rate of the grid.
+    pub(super) fn measured(
+        &self,
+        iu: &NominalIu<'_>,
+        (reason, measure): (Reason, Measure),
+        rate_hz: f32,
+    ) -> Option<Measured> {
         let bounds = &iu.measures;
         let Shown { frames, reversals, stroke_m, path_m, bow_m, axis, place_m, .. } = bounds.shown?;
         let seconds = |frames: u32| frames as f32 / rate_hz;
         let [value, shown_min, shown_max] = match measure {
             Measure::Duration => {
-                let worked = self.worked_frames();
-                let lasted = if worked > frames.max { worked } else { self.frames };
+                let lasted = if reason == Reason::TooLong { self.worked_frames() } else { self.frames };
                 [lasted, frames.min, frames.max].map(seconds)
             }
             Measure::Strokes => strokes([self.measures.reversals, reversals.min, reversals.max]),

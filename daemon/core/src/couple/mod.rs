@@ -93,7 +93,7 @@ pub enum Waiting {
     /// It moves, or neither does.
     #[default]
     No,
-    /// It rests at what it acts on, and it is not known whether the other one moves.
+    /// It may rest at what it acts on while the other one moves: either was not measured.
     Unknown,
     /// It rests at what it acts on, and the other one moves.
     Yes,
@@ -113,7 +113,8 @@ pub struct Couple {
     /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame.
     /// `None` where it was not seen, or the hand does not act. Where one frame is too inexact to measure strokes, the frames around it say it.
     pub position: Option<Point>,
-    /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were not seen, or the hand does not act.
+    /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
+    /// hand carries, or the hand does not act.
     pub tips: Option<Point>,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
@@ -168,7 +169,7 @@ impl Couple {
             position: None,
             tips: None,
             sight: self.sight.map(|before| before.max(sight)),
-            waiting: Waiting::No,
+            waiting: if self.context.is_touch() { Waiting::Unknown } else { Waiting::No },
             is_clear: false,
             is_doubtful: true,
             ..*self

@@ -1,4 +1,5 @@
-//! The recent poses of hands and objects on the grid. An unseen pose is held; a hidden object that a hand carries moves with it.
+//! The recent poses of hands and objects on the grid. An unseen pose is held; a hidden object that a hand carries moves with it,
+//! and so does a hidden hand with what it carries.
 
 use super::geometry::{
     Cloud, Quaternion, about_z, add, inverse, is_finite, norm, rotated, rotation_after, subtract, unit, yaw,
@@ -242,14 +243,17 @@ fn is_near(point: Point) -> bool {
 pub(super) struct Grip {
     offset: Point,
     rotation: Quaternion,
+    /// It has moved with the hand, and so shows where that is. What lies still does not.
+    pub(super) has_followed: bool,
 }
 
 impl Grip {
-    pub(super) fn new(pose: &HandPose, object: &ObjectPose) -> Self {
+    pub(super) fn new(pose: &HandPose, object: &ObjectPose, has_followed: bool) -> Self {
         let back = inverse(about_z(pose.yaw));
         Self {
             offset: rotated(subtract(object.position, pose.grip()), back),
             rotation: rotation_after(back, object.orientation),
+            has_followed,
         }
     }
 

@@ -315,7 +315,7 @@ impl Teacher<'_> {
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?
             .slowed(*max_slowdown, leave_out);
         let context = sequence.contexts[index];
-        let frames: Vec<u32> = shown.iter().map(|iu| iu.frames).collect();
+        let frames: Vec<u32> = shown.iter().map(|iu| iu.worked_frames()).collect();
         let measured = measures_of(self.runs, sequence, index);
         let way = self.way(sequence, index);
         let (reversals, measures) =

@@ -277,9 +277,10 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Whether the runs touch the part of this context in other ways as well, and require no activity that begins so.
-    pub(super) fn is_free(&self, context: Context) -> bool {
-        self.job.rests.contains(&context.0[1]) && !self.opening(context).intersects(self.required)
+    /// Whether the runs touch the part of this context in other ways as well, and require no activity of those that begin so.
+    pub(super) fn may_differ(&self, context: Context) -> bool {
+        let opening = self.opening(context);
+        self.job.rests.contains(&context.0[1]) && !opening.is_empty() && !opening.intersects(self.required)
     }
 
     /// Whether this hand was shown to act in the job.

@@ -206,6 +206,15 @@ impl Scene {
         }
         for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
             let seen = seen.filter(|seen| leap.believes(poses, seen, &self.method));
+            let before = *poses.ago(0);
+            let is_elsewhere = |seen: HandPose| {
+                let max_m = self.method.hand_contact.on_m;
+                squared_distance(seen.grip(), before.grip()) > max_m * max_m
+            };
+            // It had let go of what it moved with, or holds it otherwise.
+            if before.source == Source::Carried && seen.is_some_and(is_elsewhere) {
+                poses.revise(before.unseen, |pose| pose.source = Source::Held);
+            }
             poses.push(seen.unwrap_or(poses.ago(0).held()));
         }
     }
@@ -251,8 +260,8 @@ impl Scene {
         }
     }
 
-    /// A hand that is hidden while it holds an object that is seen moves with that, until it has not been seen for `blind_ms`. Where the other
-    /// hand is seen at the object, that may move it alone.
+    /// A hand that is hidden while it carries an object that is seen moves with that, until it has not been seen for `blind_ms`. Where the other
+    /// hand is at the object, that may move it alone.
     fn move_holding_hands(&mut self) {
         for index in 0..HANDS {
             let [hand, before] = [0, 1].map(|age| self.hands[index].ago(age));
@@ -261,12 +270,12 @@ impl Scene {
             }
             let is_alone_at = |object: usize| {
                 let mut others = (0..HANDS).filter(|other| *other != index);
-                others.all(|other| {
-                    self.hands[other].ago(0).source != Source::Seen || !self.touches[other][object].is_near()
-                })
+                others.all(|other| !self.touches[other][object].is_near())
             };
             let mut objects = self.objects.iter().enumerate();
-            let held = objects.find(|(object, node)| node.grips[index].is_some() && is_alone_at(*object));
+            let held = objects.find(|(object, node)| {
+                node.grips[index].is_some_and(|grip| grip.has_followed) && is_alone_at(*object)
+            });
             let moved = held.map(|(_, node)| [1, 0].map(|age| *node.poses.ago(age)));
             if let Some([from, to]) =
                 moved.filter(|poses| poses.iter().all(|pose| pose.source == Source::Seen))
@@ -281,16 +290,24 @@ impl Scene {
     /// lie where it was last seen. What a hand merely passes over it does not carry.
     fn update_grips(&mut self) {
         let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
+        let moved_m = self.moved_m();
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
             let is_seen = pose.source == Source::Seen;
             let is_free = node.grips.iter().all(Option::is_none);
+            let before = node.poses.ago(self.method.persist_frames.into());
+            let has_moved = is_seen
+                && before.source == Source::Seen
+                && squared_distance(pose.position, before.position) > moved_m * moved_m;
             for ((grip, hand), held) in node.grips.iter_mut().zip(&self.hands).zip(held) {
                 let hand = hand.ago(0);
                 let before = grip.filter(|_| hand.unseen <= self.blind_frames);
                 *grip = match before {
                     Some(_) if !is_seen => before,
-                    _ if held == Some(index) && (is_seen || is_free) => Some(Grip::new(hand, pose)),
+                    _ if held == Some(index) && (is_seen || is_free) => {
+                        let has_followed = before.is_some_and(|grip| grip.has_followed);
+                        Some(Grip::new(hand, pose, has_followed || has_moved))
+                    }
                     _ => before.filter(|_| hand.source != Source::Seen),
                 };
             }
@@ -444,14 +461,18 @@ impl Scene {
 
     /// Whether the hand of this couple waits for the other one.
     fn waiting(&self, couple: &Couple, age: usize) -> Waiting {
-        let rests = couple.context.is_touch() && couple.motion.is_some_and(|motion| motion.is_at_rest());
-        if !rests {
+        let may_rest = couple.context.is_touch() && couple.motion.is_none_or(|motion| motion.is_at_rest());
+        if !may_rest {
             return Waiting::No;
         }
-        match self.hand_kinematics(couple.side.other().index(), age) {
-            Some(other) if norm(other.velocity) < self.method.rest_speed_m_s => Waiting::No,
-            Some(_) => Waiting::Yes,
-            None => Waiting::Unknown,
+        let other = couple.side.other().index();
+        let is_seen = self.hands[other].ago(age).source == Source::Seen;
+        match self.hand_kinematics(other, age) {
+            // What it held may lie there, and the hand be gone.
+            Some(motion) if norm(motion.velocity) < self.method.rest_speed_m_s && is_seen => Waiting::No,
+            Some(motion) if norm(motion.velocity) < self.method.rest_speed_m_s => Waiting::Unknown,
+            Some(_) if couple.motion.is_some() => Waiting::Yes,
+            _ => Waiting::Unknown,
         }
     }
 
@@ -463,7 +484,7 @@ impl Scene {
         })
     }
 
-    /// Where the finger tips of a hand are on the bench; `None` where they were not seen.
+    /// Where the finger tips of a hand are on the bench; `None` where they were neither seen nor assumed.
     fn tips(&self, hand: usize, age: usize) -> Option<Point> {
         self.steady(age, |age| {
             let hand = self.hands[hand].ago(age);

@@ -45,7 +45,8 @@ pub(super) fn of(
         let contact = at_given_points([with, at], shapes, shown, &dwells, default);
         return meeting(id, &[], contact, default);
     }
-    let places: Vec<Place> = dwells.iter().map(|(run, dwell)| (*run, place_of(dwell))).collect();
+    let places: Vec<Place> =
+        dwells.iter().map(|(run, dwell)| Place::new(*run, dwell, [with, at], &shown[*run])).collect();
     let first: Vec<Point3<f32>> = shown.iter().filter_map(|run| run.first_place(with, at)).collect();
     at_learnt_places(id, &places, &first, shown.len(), default)
 }
@@ -53,34 +54,47 @@ pub(super) fn of(
 /// How many runs show the first one to dwell at the second so that they may touch.
 pub(super) fn shown_by([with, at]: [usize; 2], shown: &[Trajectories]) -> usize {
     let dwells = |(run, shown): (usize, &Trajectories)| -> Vec<Place> {
-        shown.dwells(with, at).iter().map(|dwell| (run, place_of(dwell))).collect()
+        shown.dwells(with, at).iter().map(|dwell| Place::new(run, dwell, [with, at], shown)).collect()
     };
     let places: Vec<Place> = shown.iter().enumerate().flat_map(dwells).collect();
     runs_of(&touching(&places, shown.len()).0)
 }
 
-/// The number of a run, and where one object dwells at another in it.
-type Place = (usize, Point3<f32>);
+/// Where one object dwells at another.
+#[derive(Clone, Copy)]
+struct Place {
+    /// The number of the run.
+    run: usize,
+    at: Point3<f32>,
+    /// It is so near a third object that it may touch that.
+    is_near_another: bool,
+}
+
+impl Place {
+    fn new(run: usize, dwell: &Dwell, objects: [usize; 2], shown: &Trajectories) -> Self {
+        let is_near_another = dwell.iter().any(|(frame, _)| shown.is_near_another(objects, *frame));
+        Self { run, at: place_of(dwell), is_near_another }
+    }
+}
 
 fn runs_of(places: &[Place]) -> usize {
-    places.iter().map(|(run, _)| *run).collect::<BTreeSet<usize>>().len()
+    places.iter().map(|place| place.run).collect::<BTreeSet<usize>>().len()
 }
 
 /// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. Where fewer than
-/// half of the runs have such a place, those farther away count where they are the same in all runs that have one.
+/// half of the runs have such a place, those farther away count where they are the same in all runs that have one, and no third object is nearer.
 fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let is_near = |place: &Point3<f32>| place.coords.norm() < TOUCH_M;
-    let near: Vec<Point3<f32>> =
-        places.iter().map(|(_, place)| *place).filter(|place| is_near(place)).collect();
+    let near: Vec<Point3<f32>> = places.iter().map(|place| place.at).filter(|place| is_near(place)).collect();
     let split: (Vec<Place>, Vec<Place>) =
-        places.iter().partition(|(_, place)| is_near(place) || apart_m(&[*place], &near) < SAME_M);
+        places.iter().partition(|place| is_near(&place.at) || apart_m(&[place.at], &near) < SAME_M);
     if 2 * runs_of(&split.0) >= runs {
         return split;
     }
-    let is_far = |place: &Point3<f32>| place.coords.norm() < FAR_M;
-    let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(|(_, place)| is_far(place));
-    let usual = median(far.iter().map(|(_, place)| *place));
-    let is_same = far.iter().all(|(_, place)| (place - usual).norm() < SAME_M);
+    let is_far = |place: &&Place| place.at.coords.norm() < FAR_M && !place.is_near_another;
+    let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(is_far);
+    let usual = median(far.iter().map(|place| place.at));
+    let is_same = far.iter().all(|place| (place.at - usual).norm() < SAME_M);
     let is_shown = runs_of(&far) >= SAME_RUNS && 2 * runs_of(&far) >= runs;
     if is_same && is_shown { (far, others) } else { split }
 }
@@ -148,11 +162,11 @@ fn at_learnt_places(
     if near.is_empty() || 2 * runs_of(&near) < runs {
         return None;
     }
-    let points = centres(&near.iter().map(|(_, place)| *place).collect::<Vec<_>>(), PLACES_M);
+    let points = centres(&near.iter().map(|place| place.at).collect::<Vec<_>>(), PLACES_M);
     let apart = |place: &Point3<f32>| apart_m(&[*place], &points);
-    let distances: Vec<f64> = near.iter().map(|(_, place)| f64::from(apart(place))).collect();
+    let distances: Vec<f64> = near.iter().map(|place| f64::from(apart(&place.at))).collect();
     let elsewhere = first.iter().map(apart).filter(|apart_m| *apart_m > WIDE_M);
-    let next_m = others.iter().map(|(_, place)| apart(place)).chain(elsewhere).fold(f32::INFINITY, f32::min);
+    let next_m = others.iter().map(|place| apart(&place.at)).chain(elsewhere).fold(f32::INFINITY, f32::min);
     let contact = contact_of(&distances, default);
     let wide = widened(default, contact.on_m.max(WIDE_M.min(next_m / 2.0)));
     meeting(id, &points, wide, default)
@@ -162,10 +176,15 @@ fn at_learnt_places(
 mod tests {
     use super::*;
 
-    /// How many places count as those of a contact, of these distances in metres in one run each.
+    /// Places at these distances in metres, in one run each.
+    fn places(distances_m: &[f32], is_near_another: bool) -> Vec<Place> {
+        let place = |(run, x): (usize, &f32)| Place { run, at: Point3::new(*x, 0.0, 0.0), is_near_another };
+        distances_m.iter().enumerate().map(place).collect()
+    }
+
+    /// How many of them count as those of a contact.
     fn touching_of(distances_m: &[f32]) -> usize {
-        let places: Vec<Place> = distances_m.iter().map(|x| Point3::new(*x, 0.0, 0.0)).enumerate().collect();
-        touching(&places, distances_m.len()).0.len()
+        touching(&places(distances_m, false), distances_m.len()).0.len()
     }
 
     #[test]
@@ -180,12 +199,15 @@ mod tests {
         assert_eq!(touching_of(&[0.401, 0.402, 0.401, 0.402]), 0, "no part is as large");
         assert_eq!(touching_of(&[0.08, 0.08, 0.2, 0.08]), 3, "one run shows no contact");
         assert_eq!(touching_of(&[0.149, 0.151, 0.152, 0.148]), 4, "they are near within the noise");
+        let beside_another = |distances_m: &[f32]| touching(&places(distances_m, true), 4).0.len();
+        assert_eq!(beside_another(&[0.158, 0.158, 0.159, 0.157]), 0, "it was brought to that");
+        assert_eq!(beside_another(&[0.08, 0.08, 0.08, 0.08]), 4, "it touches both");
     }
 
     #[test]
     fn a_place_ends_before_where_a_part_lies_in_the_beginning() {
         let default = Contact { on_m: 0.03, off_m: 0.045 };
-        let places: Vec<Place> = (0..4).map(|run| (run, Point3::new(0.12, 0.0, 0.0))).collect();
+        let places = places(&[0.12; 4], false);
         let on_m = |first_m: f32| {
             let first = [Point3::new(0.12 + first_m, 0.0, 0.0)];
             at_learnt_places(6, &places, &first, 4, default).map(|met| met.contact.on_m)

@@ -185,8 +185,7 @@ impl Trajectories {
         Some(Point3::from(pose.translation.vector))
     }
 
-    /// Where the first object dwells at the second after one of them was carried there, each time. Too far away to touch by what the markers
-    /// show, it does so only where it is not that near another object, to which it was carried then.
+    /// Where the first object dwells at the second after one of them was carried there, each time.
     pub(super) fn dwells(&self, with: usize, at: usize) -> Vec<Dwell> {
         let place = |frame: usize| {
             let pose = self.relative_pose(with, at, frame)?;
@@ -208,16 +207,12 @@ impl Trajectories {
             }
             end = until;
         }
-        dwells.retain(|dwell| {
-            let (began, place) = dwell[0];
-            let is_at = place.coords.norm() < TOUCH_M || !self.is_near_another([with, at], began);
-            is_at && [with, at].iter().any(|object| self.was_carried(*object, began))
-        });
+        dwells.retain(|dwell| [with, at].iter().any(|object| self.was_carried(*object, dwell[0].0)));
         dwells
     }
 
     /// Whether the first of two objects is so near a third one that they may touch.
-    fn is_near_another(&self, [one, other]: [usize; 2], frame: usize) -> bool {
+    pub(super) fn is_near_another(&self, [one, other]: [usize; 2], frame: usize) -> bool {
         let mut others = (0..self.objects.len()).filter(|object| ![one, other].contains(object));
         others.any(|third| {
             let pose = self.relative_pose(one, third, frame);
@@ -306,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_far_from_a_part_is_met_by_it_only_where_nothing_is_nearer() {
+    fn a_part_is_near_another_than_that_which_it_is_compared_with() {
         let far = |objects: &[f32]| side_by_side([0.0, 5.0], objects).is_near_another([0, 1], 0);
         assert!(!far(&[0.0, 0.2, 0.4]) && far(&[0.0, 0.2, 0.1]));
     }
