@@ -165,5 +165,5 @@ fn hands_that_are_lost_for_a_moment_are_believed_to_hold_what_they_held() {
         }
     }
     println!("{right} right and {accused} accused of {}", 4 * taught.len());
-    assert!(4 * right >= 3 * 4 * taught.len() && accused == 0);
+    assert!(right > 2 * taught.len() && accused == 0);
 }
