@@ -299,7 +299,8 @@ fn what_was_not_measured_is_unknown_and_not_rest() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 40).rest(20);
     for frame in &mut bench.frames[30..50] {
-        (frame.hands.clear(), frame.objects.clear());
+        frame.hands.clear();
+        frame.objects.clear();
     }
     let couples = encode(&bench.ids(), &bench.frames);
     let unknown: Vec<usize> = (0..80).filter(|frame| couples[*frame].hands[0].motion.is_none()).collect();
