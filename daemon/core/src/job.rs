@@ -40,7 +40,7 @@ impl LocalCost {
 /// What the runs that were shown measured in an IU, from minimum to maximum. It decides nothing: a verdict names it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shown {
-    /// How long they lasted, in frames of the grid.
+    /// How long they lasted without what the hand waited for the other one, in frames of the grid.
     pub frames: Bounds,
     /// How often the motion reversed; where some of it was hidden, as often as it most likely did.
     pub reversals: Bounds,
@@ -100,7 +100,7 @@ pub struct NominalIu<'a> {
     /// Maximum DTW distance that is right for an execution no longer than the reference, in the units of dtaidistance's
     /// `dtw_ndim.distance`. For a slower execution it grows, see [`slowdown_factor`].
     pub threshold: f32,
-    /// How long it may last, in frames of the grid.
+    /// How long it may last, in frames of the grid; at most so long without what the hand waits for the other one.
     pub frames: Bounds,
     /// How often the motion may reverse: shows that a repeated motion was cut short.
     pub reversals: Bounds,

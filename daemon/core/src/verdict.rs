@@ -119,7 +119,7 @@ pub enum Note {
 /// What of an IU is out of its bounds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// How long it lasted, in seconds.
+    /// How long it lasted, in seconds; too long is only the time in which the hand did not wait for the other one.
     Duration,
     /// How many strokes it had, to and fro.
     Strokes,

@@ -139,7 +139,7 @@ pub struct Outlier {
     pub value: f64,
     /// The minimum and the maximum of the others.
     pub others: [f64; 2],
-    /// It only lasts longer than the others, by no more than a pause that is no anomaly.
+    /// It only lasts longer than most, and longer than all others by no more than a pause that is no anomaly.
     pub is_pause: bool,
 }
 
