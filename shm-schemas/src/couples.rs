@@ -17,12 +17,12 @@ wire! { "andon.HandCouple", 56;
         tips_m: [f32; 3],
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
-        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`, `OBJECT_DISPLACED`, `WAITING`, `MAY_WAIT`.
+        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
         flags: u8,
         /// The sight of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
         sight: [u8; 3],
-        /// Zero.
-        reserved: u8,
+        /// Whether the hand waits for the other one: 0 no, 1 not known, 2 yes.
+        waiting: u8,
         /// The object because of which the frame does not show what the hand does, as it is hidden; 0 where there is none.
         hidden_object: u16,
         /// Zero.

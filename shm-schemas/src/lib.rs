@@ -89,10 +89,6 @@ pub mod flag {
     pub const OBJECT_NEW: u8 = 1 << 4;
     /// Flag of a couple: `o_j` or `o_l` had been hidden until just before, and was then seen elsewhere.
     pub const OBJECT_DISPLACED: u8 = 1 << 5;
-    /// Flag of a couple: the hand rests while the other one moves.
-    pub const WAITING: u8 = 1 << 6;
-    /// Flag of a couple: the hand may rest while the other one moves, as either was not measured.
-    pub const MAY_WAIT: u8 = 1 << 7;
     /// The object was seen in this frame.
     pub const SEEN: u16 = 1;
     /// The object was hidden, and its pose is held by the hand that carries it.

@@ -10,9 +10,9 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::{TeachOptions, teach};
-use andon_tests::deletion::{self, is_accused, length_s, try_deletions, try_two_pieces};
+use andon_tests::deletion::{self, Deletion, Hidden, is_accused, length_s, try_deletions, try_two_pieces};
 use andon_tests::environment;
-use andon_tests::simulator::{Noise, Performance, TwoHanded, perform_with_two_hands};
+use andon_tests::simulator::{Noise, Performance, Random, TwoHanded, perform_with_two_hands};
 use andon_tests::station::without_points;
 
 /// The percentage of the right jobs of others that must be accepted: five people do not show how all others move.
@@ -151,14 +151,7 @@ fn where_two_hands_hold_a_part_is_learnt_of_both() {
 
 /// The recording with one hand unseen in a stretch of time; its last second stays.
 fn without(whole: &Recording, side: Side, from_s: f64, seconds: f64) -> Recording {
-    let mut left = whole.clone();
-    let to_s = (from_s + seconds).min(length_s(whole) - 1.0);
-    for frame in &mut left.frames {
-        if (from_s..to_s).contains(&(frame.captured_ns as f64 * 1e-9)) {
-            frame.hands = frame.hands.iter().filter(|hand| hand.side != side).cloned().collect();
-        }
-    }
-    left
+    Deletion::Stretch(Hidden::Hand(side), from_s, seconds).of(whole, &mut Random::new(0, &[]))
 }
 
 #[test]

@@ -8,7 +8,7 @@ use andon_core::couple::Waiting;
 use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
 use common::bench::PERIOD_NS;
-use common::script::{Part, Still, idle, part, short, stream};
+use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
 use common::work::{forgiving, judged, measure, polish, polish_and_measure};
 
 /// The job with other bounds for the strokes of the polisher and the brick at the meter.
@@ -59,7 +59,7 @@ fn too_many_strokes_are_counted_while_they_happen() {
 #[test]
 fn a_step_that_is_too_short_or_too_long_says_its_seconds() {
     let at_the_meter = |frames: usize| {
-        let parts = [part([1, 6, 0, 0], 30, common::script::Toward(5)), part([1, 6, 6, 3], frames, Still)];
+        let parts = [part([1, 6, 0, 0], 30, Toward(5)), part([1, 6, 6, 3], frames, Still)];
         [&polish(6)[..], &parts, &[part([0, 0, 6, 3], 20, Still), idle(20)]].concat()
     };
     let job = forgiving(polish_and_measure());
@@ -72,12 +72,12 @@ fn a_step_that_is_too_short_or_too_long_says_its_seconds() {
 
 #[test]
 fn a_hand_may_wait_for_the_other_one() {
-    let waits = [part([1, 6, 0, 0], 30, common::script::Toward(5)), part([1, 6, 6, 3], 400, Still), idle(20)];
+    let waits = [part([1, 6, 0, 0], 30, Toward(5)), part([1, 6, 6, 3], 400, Still), idle(20)];
     let right = [&polish(6)[..], &waits].concat();
-    let left = [part([2, 8, 0, 0], 30, common::script::Toward(3)), idle(600)];
+    let left = [part([2, 8, 0, 0], 30, Toward(3)), idle(600)];
     let one_handed = forgiving(polish_and_measure());
     let two_handed = {
-        let lift = forgiving(common::script::teach(&[&left])).activities[0];
+        let lift = forgiving(teach(&[&left])).activities[0];
         let all = [one_handed.activities, &[NominalActivity { activity: 2, ..lift }]].concat();
         Job { activities: all.leak(), ..one_handed }
     };

@@ -37,10 +37,14 @@ fn taught_by_others(runs: &[Run], left_out: usize, options: &TeachOptions) -> (J
 }
 
 /// For each run, its number and the job that is taught by all other runs.
+fn all_taught_by_others(runs: &[Run], options: &TeachOptions) -> Vec<(u32, JobFile)> {
+    RUNS.enumerate().map(|(index, number)| (number, taught_by_others(runs, index, options).0)).collect()
+}
+
 static TAUGHT_BY_OTHERS: LazyLock<Vec<(u32, JobFile)>> = LazyLock::new(|| {
     let runs: Vec<Run> = RUNS.map(|number| run(&Capture::read(number))).collect();
     let options = TeachOptions::new("shelf to table and back", "", method());
-    RUNS.enumerate().map(|(index, number)| (number, taught_by_others(&runs, index, &options).0)).collect()
+    all_taught_by_others(&runs, &options)
 });
 
 /// The numbers of the runs that are judged OK, after `compose` has changed them, by the job that all other runs taught.

@@ -1,7 +1,7 @@
 //! Two hands of real people: each does a run of its own at a bench of its own, beside the other and at its own time.
 
 use super::capture::{BOX, Capture, RATE_HZ, SHELF, TABLE};
-use super::{RUNS, taught_by_others};
+use super::{RUNS, all_taught_by_others};
 use andon_core::config::Method;
 use andon_core::input::{Frame, Point, Side, Space};
 use andon_core::verdict::Outcome;
@@ -9,7 +9,7 @@ use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
 use andon_learn::teach::TeachOptions;
-use andon_tests::deletion::{is_accused, jobs, length_s};
+use andon_tests::deletion::{Deletion, Hidden, is_accused, jobs, length_s};
 use andon_tests::environment;
 use andon_tests::simulator::Random;
 use andon_tests::station::without_points;
@@ -93,18 +93,18 @@ impl Pairing {
     }
 }
 
+fn method() -> Method {
+    Method { space: Space::Metric, ..Method::default() }
+}
+
 fn run(recording: &Recording) -> Run {
-    Run::new("run", "", recording, &Method { space: Space::Metric, ..Method::default() }).unwrap()
+    Run::new("run", "", recording, &method()).unwrap()
 }
 
 /// For each run, its number and the job that is taught by all others.
 fn taught(pairing: &Pairing) -> Vec<(u32, JobFile)> {
-    let method = Method { space: Space::Metric, ..Method::default() };
     let runs: Vec<Run> = RUNS.map(|number| run(&pairing.whole(number))).collect();
-    let options = TeachOptions::new("two hands", "", method);
-    RUNS.enumerate()
-        .map(|(left_out, number)| (number, taught_by_others(&runs, left_out, &options).0))
-        .collect()
+    all_taught_by_others(&runs, &TeachOptions::new("two hands", "", method()))
 }
 
 /// `ANDON_SEED` chooses which run the left hand does beside which, and how much later.
@@ -139,12 +139,8 @@ fn with_hands_lost(mut recording: Recording, random: &mut Random) -> Recording {
     for side in Side::ALL {
         for _ in 0..LOST {
             let from_s = random.between(0.0, length_s);
-            let lost = from_s..from_s + random.between(LOST_S[0], LOST_S[1]);
-            let frames = recording.frames.iter_mut();
-            let in_it = frames.filter(|frame| lost.contains(&(frame.captured_ns as f64 * 1e-9)));
-            in_it.for_each(|frame| {
-                frame.hands = frame.hands.iter().filter(|hand| hand.side != side).cloned().collect()
-            });
+            let lost = Deletion::Stretch(Hidden::Hand(side), from_s, random.between(LOST_S[0], LOST_S[1]));
+            recording = lost.of(&recording, random);
         }
     }
     recording

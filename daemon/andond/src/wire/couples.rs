@@ -28,11 +28,9 @@ pub fn write(couples: &Couples, message: &mut Message) {
                 | bit(couple.is_doubtful, flag::DOUBTFUL)
                 | bit(couple.is_rivalled, flag::RIVALLED)
                 | bit(couple.is_object_new, flag::OBJECT_NEW)
-                | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED)
-                | bit(couple.waiting == Waiting::Yes, flag::WAITING)
-                | bit(couple.waiting == Waiting::Unknown, flag::MAY_WAIT),
+                | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED),
             sight: couple.sight.map(|sight| sight as u8),
-            reserved: 0,
+            waiting: couple.waiting as u8,
             hidden_object: couple.hidden_object,
             padding: 0,
         };
@@ -50,7 +48,7 @@ pub fn read(message: &Message) -> Couples {
         tips: point_of(place.tips_m),
         distances: place.distances_m,
         sight: place.sight.map(sight),
-        waiting: waiting(place.flags),
+        waiting: waiting(place.waiting),
         is_clear: place.flags & flag::CLEAR != 0,
         is_doubtful: place.flags & flag::DOUBTFUL != 0,
         is_rivalled: place.flags & flag::RIVALLED != 0,
@@ -86,20 +84,21 @@ fn bit<T: Default>(is_set: bool, bit: T) -> T {
     if is_set { bit } else { T::default() }
 }
 
-fn waiting(flags: u8) -> Waiting {
-    match (flags & flag::WAITING != 0, flags & flag::MAY_WAIT != 0) {
-        (true, _) => Waiting::Yes,
-        (false, true) => Waiting::Unknown,
-        (false, false) => Waiting::No,
-    }
-}
-
 /// Numbers that do not exist are taken for the least sight.
 fn sight(number: u8) -> Sight {
     match number {
         0 => Sight::Seen,
         1 => Sight::Assumed,
         _ => Sight::Unseen,
+    }
+}
+
+/// Of numbers that do not exist nothing is known.
+fn waiting(number: u8) -> Waiting {
+    match number {
+        0 => Waiting::No,
+        2 => Waiting::Yes,
+        _ => Waiting::Unknown,
     }
 }
 

@@ -258,11 +258,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
-        // In a job of one hand there is nothing to wait for.
-        let has_other = progress.has_hand(self.side.other());
         match couple.waiting {
-            Waiting::Yes if has_other => iu.extent.waited = iu.extent.waited.saturating_add(1),
-            Waiting::Unknown if has_other => {
+            Waiting::Yes if self.has_other => iu.extent.waited = iu.extent.waited.saturating_add(1),
+            Waiting::Unknown if self.has_other => {
                 iu.extent.may_have_waited = iu.extent.may_have_waited.saturating_add(1);
             }
             _ => {}
@@ -434,12 +432,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         let accuses_nobody = self.accuses_nobody();
         let Some(activity) = &mut self.activity else { return };
-        // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
-        let accuses_nobody = accuses_nobody && !activity.may_differ;
         let Against::Candidates(candidates) = activity.against else { return };
         let is_order_certain = activity.is_order_certain();
         let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
-        if activity.is_concluded || accuses_nobody || !is_certain {
+        // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
+        let has_no_place = accuses_nobody && !activity.may_differ;
+        if activity.is_concluded || has_no_place || !is_certain {
             return;
         }
         // Wherever in it the hand may be, it is too early for all of it while the bench shows that what comes before has not been done.

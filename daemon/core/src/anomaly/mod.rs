@@ -46,7 +46,7 @@
 //! - An IU of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
 //! - An IU that may have begun or ended unseen may be a part of one: it is not too short. What would be right only with what was not seen
 //!   is not judged. But only as much fits into a gap as it is long: an IU that lasts at least twice as long was not overlooked in it.
-//! - Time in which a hand rests while the other one moves is not too long, nor is time in which that may have been.
+//! - An IU is not too long because the hand waits for the other one, or may have waited: it rests while that moves.
 //! - Strokes that were not seen are assumed at the pace of those that were, but only where at most a quarter of the IU was hidden.
 //! - An order that is excused because an activity may have come unseen is not right if that activity comes later.
 //! - A job of which not all was seen is not right where the bench shows at its end that something of it is undone again: what came last may

@@ -143,7 +143,8 @@ impl Quantiser {
         }
     }
 
-    fn is_at_rest(&self, motion: &Kinematics) -> bool {
+    /// Whether this is no motion.
+    pub(super) fn is_at_rest(&self, motion: &Kinematics) -> bool {
         norm(motion.velocity) < self.rest_speed_m_s
     }
 

@@ -111,8 +111,6 @@ pub(super) struct HandPose {
     pub(super) middle_knuckle: Point,
     wrist: Point,
     pub(super) tips: [Point; 3],
-    /// Direction from the wrist to the middle knuckle about z, in radians.
-    pub(super) yaw: f32,
 }
 
 impl HandPose {
@@ -122,7 +120,6 @@ impl HandPose {
         middle_knuckle: [0.0; 3],
         wrist: [0.0; 3],
         tips: [[0.0; 3]; 3],
-        yaw: 0.0,
     };
 
     /// The pose of a hand that is seen; `None` if a number is not finite or too large.
@@ -133,9 +130,13 @@ impl HandPose {
             return None;
         }
         let [wrist, middle_knuckle, tips @ ..] = points;
-        let along = subtract(middle_knuckle, wrist);
-        let yaw = libm::atan2f(along[1], along[0]);
-        Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, wrist, tips, yaw })
+        Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, wrist, tips })
+    }
+
+    /// Direction from the wrist to the middle knuckle about z, in radians.
+    fn yaw(&self) -> f32 {
+        let along = subtract(self.middle_knuckle, self.wrist);
+        libm::atan2f(along[1], along[0])
     }
 
     /// The pose in the next frame if the hand is not seen in it.
@@ -249,7 +250,7 @@ pub(super) struct Grip {
 
 impl Grip {
     pub(super) fn new(pose: &HandPose, object: &ObjectPose, has_followed: bool) -> Self {
-        let back = inverse(about_z(pose.yaw));
+        let back = inverse(about_z(pose.yaw()));
         Self {
             offset: rotated(subtract(object.position, pose.grip()), back),
             rotation: rotation_after(back, object.orientation),
@@ -259,7 +260,7 @@ impl Grip {
 
     /// The pose of the object in the next frame.
     pub(super) fn carried(&self, pose: &HandPose, before: &ObjectPose) -> ObjectPose {
-        let hand = about_z(pose.yaw);
+        let hand = about_z(pose.yaw());
         ObjectPose {
             source: Source::Carried,
             unseen: before.unseen.saturating_add(1),

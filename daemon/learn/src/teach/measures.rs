@@ -161,8 +161,8 @@ impl Rates {
         let likely: Vec<u32> = likely_reversals(shown).collect();
         let usual = usual_reversals(&likely);
         if is_repeated(shown) && !is_counted(&likely, usual) {
-            let counts: Vec<f64> = likely.iter().copied().map(f64::from).collect();
-            let (centre, apart) = interval(&counts, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
+            let numbers: Vec<f64> = likely.iter().copied().map(f64::from).collect();
+            let (centre, apart) = interval(&numbers, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
             return Bounds { min: (centre - apart).ceil().max(0.0) as u32, max: (centre + apart) as u32 };
         }
         let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
@@ -285,8 +285,8 @@ fn usual_reversals(likely: &[u32]) -> Bounds {
 
 /// Whether people make a certain number of strokes: most of them do.
 fn is_counted(likely: &[u32], usual: Bounds) -> bool {
-    let usual = likely.iter().filter(|count| (usual.min..=usual.max).contains(*count)).count();
-    usual * COUNTED.1 >= likely.len() * COUNTED.0
+    let agreeing = likely.iter().filter(|count| beyond(usual, **count) == 0.0).count();
+    agreeing * COUNTED.1 >= likely.len() * COUNTED.0
 }
 
 /// By how many reversals a count is above these bounds, negative if it is below.

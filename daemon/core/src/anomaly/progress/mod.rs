@@ -283,12 +283,6 @@ impl<'a> Progress<'a> {
         self.job.rests.contains(&context.0[1]) && !opening.is_empty() && !opening.intersects(self.required)
     }
 
-    /// Whether this hand was shown to act in the job.
-    pub(super) fn has_hand(&self, side: Side) -> bool {
-        let mut ius = self.job.activities.iter().flat_map(|nominal| nominal.ius);
-        ius.any(|iu| iu.context.0[0] == side as u16)
-    }
-
     /// Whether all objects of this context belong to the job.
     pub(super) fn has_parts_of(&self, context: Context) -> bool {
         let has = |id: u16| {

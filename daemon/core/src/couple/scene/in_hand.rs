@@ -6,7 +6,6 @@
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
 
 use super::super::geometry::{dot, norm, subtract};
-use super::super::kinematics::Kinematics;
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::{HANDS, OBJECTS};
@@ -224,9 +223,8 @@ impl Scene {
             let is_known = hand.source == Source::Seen && object.source.is_known();
             is_known.then(|| subtract(hand.middle_knuckle, object.position))
         };
-        let is_slow = |motion: Kinematics| norm(motion.velocity) < self.method.rest_speed_m_s;
         let moved = apart(age).zip(self.newest_known(age, apart));
-        self.kinematics(age, apart).is_some_and(is_slow)
+        self.kinematics(age, apart).is_some_and(|motion| self.quantiser.is_at_rest(&motion))
             && moved.is_some_and(|(from, (_, to))| norm(subtract(to, from)) <= self.rest_m())
     }
 

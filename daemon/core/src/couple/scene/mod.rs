@@ -8,7 +8,7 @@ mod sight;
 mod start;
 
 use super::contact::Edge;
-use super::geometry::{dot, norm, subtract};
+use super::geometry::{dot, subtract};
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
@@ -215,7 +215,7 @@ impl Scene {
             if before.source == Source::Carried && seen.is_some_and(is_elsewhere) {
                 poses.revise(before.unseen, |pose| pose.source = Source::Held);
             }
-            poses.push(seen.unwrap_or(poses.ago(0).held()));
+            poses.push(seen.unwrap_or(before.held()));
         }
     }
 
@@ -265,24 +265,26 @@ impl Scene {
     fn move_holding_hands(&mut self) {
         for index in 0..HANDS {
             let [hand, before] = [0, 1].map(|age| self.hands[index].ago(age));
-            if hand.source != Source::Held || !before.source.is_known() || hand.unseen > self.blind_frames {
-                continue;
-            }
-            let is_alone_at = |object: usize| {
-                let mut others = (0..HANDS).filter(|other| *other != index);
-                others.all(|other| !self.touches[other][object].is_near())
-            };
-            let mut objects = self.objects.iter().enumerate();
-            let held = objects.find(|(object, node)| {
-                node.grips[index].is_some_and(|grip| grip.has_followed) && is_alone_at(*object)
-            });
-            let moved = held.map(|(_, node)| [1, 0].map(|age| *node.poses.ago(age)));
-            if let Some([from, to]) =
-                moved.filter(|poses| poses.iter().all(|pose| pose.source == Source::Seen))
+            let has_vanished = hand.source == Source::Held && before.source.is_known();
+            if has_vanished
+                && hand.unseen <= self.blind_frames
+                && let Some([from, to]) = self.followed(index)
             {
                 self.hands[index].revise(1, |pose| *pose = pose.holding(&from, &to));
             }
         }
+    }
+
+    /// The newest two poses of the object that moves with this hand alone, if both were seen.
+    fn followed(&self, hand: usize) -> Option<[ObjectPose; 2]> {
+        let is_at = |other: usize, object: usize| other != hand && self.touches[other][object].is_near();
+        let mut objects = self.objects.iter().enumerate();
+        let (_, node) = objects.find(|(object, node)| {
+            node.grips[hand].is_some_and(|grip| grip.has_followed)
+                && !(0..HANDS).any(|other| is_at(other, *object))
+        })?;
+        let poses = [1, 0].map(|age| *node.poses.ago(age));
+        poses.iter().all(|pose| pose.source == Source::Seen).then_some(poses)
     }
 
     /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand has not been seen for `blind_ms`. A
@@ -295,10 +297,10 @@ impl Scene {
             let pose = node.poses.ago(0);
             let is_seen = pose.source == Source::Seen;
             let is_free = node.grips.iter().all(Option::is_none);
-            let before = node.poses.ago(self.method.persist_frames.into());
+            let earlier = node.poses.ago(self.method.persist_frames.into());
             let has_moved = is_seen
-                && before.source == Source::Seen
-                && squared_distance(pose.position, before.position) > moved_m * moved_m;
+                && earlier.source == Source::Seen
+                && squared_distance(pose.position, earlier.position) > moved_m * moved_m;
             for ((grip, hand), held) in node.grips.iter_mut().zip(&self.hands).zip(held) {
                 let hand = hand.ago(0);
                 let before = grip.filter(|_| hand.unseen <= self.blind_frames);
@@ -467,11 +469,11 @@ impl Scene {
         }
         let other = couple.side.other().index();
         let is_seen = self.hands[other].ago(age).source == Source::Seen;
-        match self.hand_kinematics(other, age) {
-            // What it held may lie there, and the hand be gone.
-            Some(motion) if norm(motion.velocity) < self.method.rest_speed_m_s && is_seen => Waiting::No,
-            Some(motion) if norm(motion.velocity) < self.method.rest_speed_m_s => Waiting::Unknown,
-            Some(_) if couple.motion.is_some() => Waiting::Yes,
+        let moves = self.hand_kinematics(other, age).map(|motion| !self.quantiser.is_at_rest(&motion));
+        match moves {
+            Some(true) if couple.motion.is_some() => Waiting::Yes,
+            Some(false) if is_seen => Waiting::No,
+            // What the other one held may lie there, and the hand be gone.
             _ => Waiting::Unknown,
         }
     }

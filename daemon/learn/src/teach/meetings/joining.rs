@@ -72,7 +72,7 @@ struct Place {
 
 impl Place {
     fn new(run: usize, dwell: &Dwell, objects: [usize; 2], shown: &Trajectories) -> Self {
-        let is_near_another = dwell.iter().any(|(frame, _)| shown.is_near_another(objects, *frame));
+        let is_near_another = dwell.iter().any(|(frame, _)| shown.is_near_another(objects, *frame, TOUCH_M));
         Self { run, at: place_of(dwell), is_near_another }
     }
 }

@@ -1,6 +1,5 @@
 //! What a run shows of the ways of hands and objects.
 
-use super::joining::TOUCH_M;
 use crate::statistics;
 use andon_core::capacity::HANDS;
 use andon_core::couple;
@@ -211,12 +210,12 @@ impl Trajectories {
         dwells
     }
 
-    /// Whether the first of two objects is so near a third one that they may touch.
-    pub(super) fn is_near_another(&self, [one, other]: [usize; 2], frame: usize) -> bool {
+    /// Whether the first of two objects is within a distance of a third one.
+    pub(super) fn is_near_another(&self, [one, other]: [usize; 2], frame: usize, near_m: f32) -> bool {
         let mut others = (0..self.objects.len()).filter(|object| ![one, other].contains(object));
         others.any(|third| {
             let pose = self.relative_pose(one, third, frame);
-            pose.is_some_and(|pose| pose.translation.vector.norm() < TOUCH_M)
+            pose.is_some_and(|pose| pose.translation.vector.norm() < near_m)
         })
     }
 
@@ -302,7 +301,7 @@ mod tests {
 
     #[test]
     fn a_part_is_near_another_than_that_which_it_is_compared_with() {
-        let far = |objects: &[f32]| side_by_side([0.0, 5.0], objects).is_near_another([0, 1], 0);
+        let far = |objects: &[f32]| side_by_side([0.0, 5.0], objects).is_near_another([0, 1], 0, 0.15);
         assert!(!far(&[0.0, 0.2, 0.4]) && far(&[0.0, 0.2, 0.1]));
     }
 

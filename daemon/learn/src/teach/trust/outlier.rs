@@ -32,7 +32,7 @@ pub enum Measure {
     Duration,
     /// How often its motion reversed: the cycles of a repeated motion.
     Reversals,
-    /// The length of the path, in metres, as it is judged by.
+    /// The length of the path that is judged, in metres.
     Path,
     /// The median DTW distance to the other demonstrations.
     Distance,
