@@ -354,6 +354,17 @@ fn a_hand_waits_that_rests_at_a_part_while_the_other_one_moves() {
 }
 
 #[test]
+fn a_hand_waits_for_the_other_one_while_that_holds_a_part_still_at_another() {
+    let waiting = |part: [f32; 2]| {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [-0.4, 0.0]), (STORAGE, part)]);
+        bench.hand(Side::Right, [0.0, 0.0]).hand(Side::Left, [-0.4, 0.0]).rest(60);
+        encode(&bench.ids(), &bench.frames)[40].hands.map(|couple| couple.waiting)
+    };
+    assert_eq!(waiting([-0.4, 0.02]), [Waiting::Yes, Waiting::No]);
+    assert_eq!(waiting([-0.4, 0.4]), [Waiting::No; 2], "each holds a part");
+}
+
+#[test]
 fn a_hidden_hand_does_not_move_with_what_the_other_one_takes_out_of_it() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Left, [-0.01, 0.0]).hand(Side::Right, [0.01, 0.0]).rest(20).hold(Side::Right, TOOL);

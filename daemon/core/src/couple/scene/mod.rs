@@ -337,7 +337,7 @@ impl Scene {
         }
         self.update_in_hand(age);
         self.update_meets(age);
-        let hands = core::array::from_fn(|hand| {
+        let mut hands: [Couple; HANDS] = core::array::from_fn(|hand| {
             let touched = self.touched(hand, age);
             let next = self.interactions[hand].next(touched, |j| self.neighbours(j, age));
             // What has just begun goes on for as long as a change takes to be believed.
@@ -360,6 +360,8 @@ impl Scene {
             couple.is_doubtful |= is_assumed && self.began_unseen[hand];
             couple
         });
+        let waiting = [0, 1].map(|hand| self.waiting(&hands[hand], &hands[1 - hand], age));
+        hands.iter_mut().zip(waiting).for_each(|(couple, waiting)| couple.waiting = waiting);
         self.push_wandering(age);
         Couples {
             captured_ns: *self.times_ns.ago(age),
@@ -454,23 +456,24 @@ impl Scene {
             is_object_displaced: self.is_displaced[hand],
             hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
         };
-        couple.waiting = self.waiting(&couple, age);
         // Only now it is known which objects the context rests on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
     }
 
-    /// Whether the hand of this couple waits for the other one.
-    fn waiting(&self, couple: &Couple, age: usize) -> Waiting {
+    /// Whether the hand of this couple waits for that of the other one.
+    fn waiting(&self, couple: &Couple, of_other: &Couple, age: usize) -> Waiting {
         let may_rest = couple.context.is_touch() && couple.motion.is_none_or(|motion| motion.is_at_rest());
         if !may_rest {
             return Waiting::No;
         }
-        let other = couple.side.other().index();
+        let other = of_other.side.index();
         let is_seen = self.hands[other].ago(age).source == Source::Seen;
         let moves = self.hand_kinematics(other, age).map(|motion| !self.quantiser.is_at_rest(&motion));
-        match moves {
+        // Who holds something at another part works there, though it may not move, as who pours.
+        let holds = couple.context.0[3] == 0 && of_other.context.is_touch() && of_other.context.0[3] != 0;
+        match moves.map(|moves| moves || holds) {
             Some(true) if couple.motion.is_some() => Waiting::Yes,
             Some(false) if is_seen => Waiting::No,
             // What the other one held may lie there, and the hand be gone.
