@@ -19,6 +19,9 @@ const FAR_M: f32 = 0.25;
 /// What is put down beside a part is not at the same place in all runs, in metres.
 const SAME_M: f32 = 0.02;
 
+/// What is put back lies where it lay before, in metres.
+const BACK_M: f32 = 0.1;
+
 /// In fewer runs than this, two parts come to the same place beside each other by chance.
 const SAME_RUNS: usize = 3;
 
@@ -66,14 +69,19 @@ struct Place {
     /// The number of the run.
     run: usize,
     at: Point3<f32>,
-    /// It is so near a third object that it may touch that.
-    is_near_another: bool,
+    /// What was carried there is nearer to a third object that lies.
+    is_at_another: bool,
+    /// It was put back to where it lay in the beginning.
+    is_back: bool,
 }
 
 impl Place {
     fn new(run: usize, dwell: &Dwell, objects: [usize; 2], shown: &Trajectories) -> Self {
-        let is_near_another = dwell.iter().any(|(frame, _)| shown.is_near_another(objects, *frame, TOUCH_M));
-        Self { run, at: place_of(dwell), is_near_another }
+        let is_at_another = shown.is_brought_to_another(objects, dwell);
+        let at = place_of(dwell);
+        let first = shown.first_place(objects[0], objects[1]);
+        let is_back = first.is_some_and(|first| nalgebra::distance(&at, &first) < BACK_M);
+        Self { run, at, is_at_another, is_back }
     }
 }
 
@@ -91,7 +99,7 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     if 2 * runs_of(&split.0) >= runs {
         return split;
     }
-    let is_far = |place: &&Place| place.at.coords.norm() < FAR_M && !place.is_near_another;
+    let is_far = |place: &&Place| place.at.coords.norm() < FAR_M && !place.is_at_another && !place.is_back;
     let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(is_far);
     let usual = median(far.iter().map(|place| place.at));
     let is_same = far.iter().all(|place| (place.at - usual).norm() < SAME_M);
@@ -176,9 +184,25 @@ fn at_learnt_places(
 mod tests {
     use super::*;
 
+    #[test]
+    fn what_is_put_back_does_not_touch_what_lies_beside_it() {
+        let of = |is_back: bool| -> Vec<Place> {
+            let places = [places(&[0.16; 4], false), places(&[0.24; 4], false)];
+            let [over, mut home] = places;
+            home.iter_mut().for_each(|place| place.is_back = is_back);
+            touching(&[over, home].concat(), 4).0
+        };
+        assert_eq!([true, false].map(|is_back| of(is_back).len()), [4, 0]);
+    }
+
     /// Places at these distances in metres, in one run each.
-    fn places(distances_m: &[f32], is_near_another: bool) -> Vec<Place> {
-        let place = |(run, x): (usize, &f32)| Place { run, at: Point3::new(*x, 0.0, 0.0), is_near_another };
+    fn places(distances_m: &[f32], is_at_another: bool) -> Vec<Place> {
+        let place = |(run, x): (usize, &f32)| Place {
+            run,
+            at: Point3::new(*x, 0.0, 0.0),
+            is_at_another,
+            is_back: false,
+        };
         distances_m.iter().enumerate().map(place).collect()
     }
 
@@ -199,9 +223,9 @@ mod tests {
         assert_eq!(touching_of(&[0.401, 0.402, 0.401, 0.402]), 0, "no part is as large");
         assert_eq!(touching_of(&[0.08, 0.08, 0.2, 0.08]), 3, "one run shows no contact");
         assert_eq!(touching_of(&[0.149, 0.151, 0.152, 0.148]), 4, "they are near within the noise");
-        let beside_another = |distances_m: &[f32]| touching(&places(distances_m, true), 4).0.len();
-        assert_eq!(beside_another(&[0.158, 0.158, 0.159, 0.157]), 0, "it was brought to that");
-        assert_eq!(beside_another(&[0.08, 0.08, 0.08, 0.08]), 4, "it touches both");
+        let at_another = |distances_m: &[f32]| touching(&places(distances_m, true), 4).0.len();
+        assert_eq!(at_another(&[0.158, 0.158, 0.159, 0.157]), 0, "it was brought to that");
+        assert_eq!(at_another(&[0.08, 0.08, 0.08, 0.08]), 4, "it touches both");
     }
 
     #[test]

@@ -21,6 +21,9 @@ const REACH_M: f32 = 0.3;
 const DWELL_M: f32 = 0.05;
 const DWELL_S: f64 = 0.5;
 
+/// A hand that holds an object stays where it is at it, in metres.
+const HELD_M: f32 = 0.03;
+
 /// When it was carried there, in seconds before it began to dwell.
 const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
 
@@ -210,12 +213,32 @@ impl Trajectories {
         dwells
     }
 
-    /// Whether the first of two objects is within a distance of a third one.
-    pub(super) fn is_near_another(&self, [one, other]: [usize; 2], frame: usize, near_m: f32) -> bool {
-        let mut others = (0..self.objects.len()).filter(|object| ![one, other].contains(object));
-        others.any(|third| {
-            let pose = self.relative_pose(one, third, frame);
-            pose.is_some_and(|pose| pose.translation.vector.norm() < near_m)
+    /// Whether a hand holds the object: one has carried it, and is still where it did so.
+    pub(super) fn is_held(&self, object: usize, frame: usize) -> bool {
+        let carried = &self.carried[object];
+        let Some(last) = carried.partition_point(|(carried, _)| *carried <= frame).checked_sub(1) else {
+            return false;
+        };
+        let Some(pose) = self.objects[object][frame] else { return false };
+        let is_there = |(hand, carrier): (&Vec<Option<Tips>>, &Option<Tips>)| {
+            let Some((tips, carrier)) = hand[frame].zip(*carrier) else { return false };
+            let own = tips.map(|tip| pose.inverse_transform_point(&tip));
+            nalgebra::distance(&centre(&own), &centre(&carrier)) < HELD_M
+        };
+        self.hands.iter().zip(&carried[last].1).any(is_there)
+    }
+
+    /// Whether one of two objects was carried to where they dwell, and is nearer there to a third one that lies.
+    pub(super) fn is_brought_to_another(&self, objects: [usize; 2], dwell: &Dwell) -> bool {
+        let others = (0..self.objects.len()).filter(|object| !objects.contains(object));
+        let brought = objects.into_iter().filter(|object| self.was_carried(*object, dwell[0].0));
+        brought.flat_map(|object| others.clone().map(move |third| (object, third))).any(|(object, third)| {
+            let is_nearer = |(frame, place): &(usize, Point3<f32>)| {
+                let pose = self.relative_pose(object, third, *frame);
+                pose.is_some_and(|pose| pose.translation.vector.norm() < place.coords.norm())
+                    && !self.is_held(third, *frame)
+            };
+            dwell.iter().any(is_nearer)
         })
     }
 
@@ -300,9 +323,27 @@ mod tests {
     }
 
     #[test]
-    fn a_part_is_near_another_than_that_which_it_is_compared_with() {
-        let far = |objects: &[f32]| side_by_side([0.0, 5.0], objects).is_near_another([0, 1], 0, 0.15);
-        assert!(!far(&[0.0, 0.2, 0.4]) && far(&[0.0, 0.2, 0.1]));
+    fn a_part_is_held_while_the_hand_that_carried_it_stays_at_it() {
+        // Whoever carries the first one is at it all the time.
+        let run = side_by_side([0.0, 5.0], &[0.0, 2.0]);
+        assert_eq!([0, 1].map(|object| run.is_held(object, 9)), [true, false]);
+        let mut left = side_by_side([0.0, 5.0], &[0.0, 2.0]);
+        left.hands[0][9] = left.hands[0][9].map(|tips| tips.map(|tip| tip + Vector3::x() * 0.1));
+        assert!(!left.is_held(0, 9) && left.is_held(0, 8));
+    }
+
+    #[test]
+    fn a_part_is_brought_to_what_lies_nearer_and_not_to_what_is_held_beside_it() {
+        let mut run = side_by_side([0.0, 0.12], &[0.0, 0.2, 0.12]);
+        let dwell = vec![(9, Point3::new(0.2, 0.0, 0.0))];
+        let is_to_another = |run: &Trajectories| run.is_brought_to_another([0, 1], &dwell);
+        assert!(!is_to_another(&run), "the other hand holds that");
+        run.carried[2].clear();
+        assert!(is_to_another(&run), "it lies there");
+        assert!(
+            !run.is_brought_to_another([0, 1], &vec![(9, Point3::new(0.1, 0.0, 0.0))]),
+            "it is farther away"
+        );
     }
 
     /// Where an object is held, to the right of its middle, in centimetres.
