@@ -1,11 +1,13 @@
 //! What teaching found for one IU.
 
+use super::measures::is_by_feel;
 use super::threshold::Learned;
 use crate::job_file::TaughtIu;
 use crate::statistics::{deviation, mean};
 use andon_core::bounds::Bounds;
 use andon_core::couple::Context;
 use andon_core::job::MeasureBounds;
+use andon_core::segment::Measures;
 
 /// What teaching found for one IU of a nominal activity.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,12 +30,20 @@ pub struct IuReport {
     pub frames: Bounds,
     /// Bounds of the number of reversals.
     pub reversals: Bounds,
+    /// The demonstrations do not agree in the number of strokes.
+    pub is_by_feel: bool,
     /// Bounds of what it measures in metres, and what was shown.
     pub measures: MeasureBounds,
 }
 
 impl IuReport {
-    pub(super) fn new(activity: u16, iu: usize, learned: &Learned, taught: &TaughtIu) -> Self {
+    pub(super) fn new(
+        activity: u16,
+        iu: usize,
+        learned: &Learned,
+        shown: &[Measures],
+        taught: &TaughtIu,
+    ) -> Self {
         let distances = if learned.left_out.is_empty() { &learned.own } else { &learned.left_out };
         Self {
             activity,
@@ -45,6 +55,7 @@ impl IuReport {
             threshold: taught.threshold,
             frames: taught.frames,
             reversals: taught.reversals,
+            is_by_feel: is_by_feel(shown),
             measures: taught.measures,
         }
     }

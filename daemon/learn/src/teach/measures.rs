@@ -17,6 +17,8 @@ use andon_core::segment::{MOVED_M, Measures};
 const PRIOR_STROKE: f64 = 0.15;
 const PRIOR_PATH: f64 = 0.12;
 const PRIOR_DETOUR: f64 = 0.14;
+/// How people differ in the logarithm of the number of reversals where they make strokes by feel, as they differ in their paths.
+pub(super) const PRIOR_NUMBER: f64 = PRIOR_PATH;
 /// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`STRAY_BOW_M`].
 const PRIOR_BOW: f64 = 0.12;
 const PRIOR_REVERSALS: f64 = 0.2;
@@ -27,8 +29,9 @@ const PRIOR_PLACE_M: f64 = 0.008;
 /// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
-/// Strokes are counted if this share of the runs has as many.
-const COUNTED: (usize, usize) = (2, 3);
+/// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance as often as
+/// who counts them makes a mistake.
+const COUNTED: (usize, usize) = (5, 6);
 
 /// Somebody who corrects the place of a part goes back and forth once more.
 const STRAY_REVERSALS: u32 = 2;
@@ -159,12 +162,10 @@ impl Rates {
 
     fn reversals(&self, shown: &[Measures]) -> Bounds {
         let likely: Vec<u32> = likely_reversals(shown).collect();
-        let usual = usual_reversals(&likely);
-        if is_repeated(shown) && !is_counted(&likely, usual) {
-            let numbers: Vec<f64> = likely.iter().copied().map(f64::from).collect();
-            let (centre, apart) = interval(&numbers, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
-            return Bounds { min: (centre - apart).ceil().max(0.0) as u32, max: (centre + apart) as u32 };
+        if is_by_feel(shown) {
+            return self.by_feel(&likely);
         }
+        let usual = usual_reversals(&likely);
         let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
         // How many strokes are right is the same for people who are slow or quick, or make long ones, and for one of them.
         let (centre, apart) = interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
@@ -179,6 +180,15 @@ impl Rates {
         } else {
             Bounds { min: 0, max: max.max(most + STRAY_REVERSALS) }
         }
+    }
+
+    /// Where people make strokes by feel. Such an IU divides the rate of its strokes between their number and their length.
+    fn by_feel(&self, likely: &[u32]) -> Bounds {
+        let logs: Vec<f64> = likely.iter().map(|count| f64::from(count + 1).ln()).collect();
+        let (centre, apart) = self.interval(&logs, PRIOR_NUMBER, self.stroke / 2.0);
+        let [min, max] = [centre - apart, centre + apart].map(|log| log.exp() - 1.0);
+        let shown = counts(likely.iter().copied());
+        Bounds { min: shown.min.min(min.ceil() as u32), max: shown.max.max(max as u32) }
     }
 
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
@@ -283,10 +293,16 @@ fn usual_reversals(likely: &[u32]) -> Bounds {
     counts(of(least.unwrap_or_default()).copied())
 }
 
-/// Whether people make a certain number of strokes: most of them do.
-fn is_counted(likely: &[u32], usual: Bounds) -> bool {
+/// Whether at least this share of the demonstrations have as many reversals, but for one at the border.
+pub(super) fn do_agree(likely: &[u32], (share, of): (usize, usize)) -> bool {
+    let usual = usual_reversals(likely);
     let agreeing = likely.iter().filter(|count| beyond(usual, **count) == 0.0).count();
-    agreeing * COUNTED.1 >= likely.len() * COUNTED.0
+    agreeing * of >= likely.len() * share
+}
+
+/// Whether the demonstrations repeat a motion, and not a certain number of times.
+pub(super) fn is_by_feel(shown: &[Measures]) -> bool {
+    is_repeated(shown) && !do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED)
 }
 
 /// By how many reversals a count is above these bounds, negative if it is below.
@@ -342,9 +358,9 @@ mod tests {
 
     #[test]
     fn strokes_are_counted_where_most_runs_have_as_many() {
-        let is_counted = |likely: &[u32]| is_counted(likely, usual_reversals(likely));
-        assert!(is_counted(&[12, 13, 12, 12, 10]) && is_counted(&[12, 12, 14]));
-        assert!(!is_counted(&[10, 12, 10, 12, 11]) && !is_counted(&[12, 14]));
+        let is_counted = |likely: &[u32]| do_agree(likely, COUNTED);
+        assert!(is_counted(&[12, 13, 12, 12, 12]) && is_counted(&[13, 15, 13, 12, 13, 13, 13]));
+        assert!(!is_counted(&[12, 13, 12, 12, 10]) && !is_counted(&[12, 12, 14]));
     }
 
     #[test]
@@ -364,6 +380,14 @@ mod tests {
         assert_eq!(bounds(&[13, 15, 13, 12, 13, 13, 13]), (11, 15));
         // Two runs may show the border, too.
         assert_eq!(bounds(&[12, 13]), (12, 13));
+    }
+
+    #[test]
+    fn strokes_that_are_made_by_feel_may_be_some_more_or_less_and_not_half() {
+        let shown = [9, 11, 13, 11, 12].map(|reversals| Measures { reversals, ..Measures::default() });
+        let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
+        let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown);
+        assert!((6..=8).contains(&min) && (15..=18).contains(&max), "{min} {max}");
     }
 
     #[test]

@@ -329,7 +329,7 @@ impl Teacher<'_> {
             reference: learned.reference.clone(),
             demonstrations: shown.len() as u32,
         };
-        self.ius.push(IuReport::new(sequence.activity, index, &learned, &taught));
+        self.ius.push(IuReport::new(sequence.activity, index, &learned, &measured, &taught));
         Ok(taught)
     }
 

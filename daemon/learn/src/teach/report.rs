@@ -124,6 +124,7 @@ impl TeachReport {
             self.one_person(),
             self.not_seen(),
             self.same_again(),
+            self.by_feel(),
             self.false_alarms(),
         ];
         left_out.chain(pauses).chain(unsure).chain(others.into_iter().flatten()).collect()
@@ -175,6 +176,25 @@ impl TeachReport {
             next.iu + 1,
             self.words(one.context)
         ))
+    }
+
+    /// IUs whose strokes are made by feel.
+    fn by_feel(&self) -> Option<String> {
+        let place = |iu: &IuReport| {
+            let shown = iu.measures.shown?.reversals;
+            let [least, most, min, max] = [shown.min, shown.max, iu.reversals.min, iu.reversals.max]
+                .map(|count| f64::from(count) / 2.0);
+            let what = self.words(iu.context);
+            let place = format!("step {}, IU {} ({what})", iu.activity + 1, iu.iu + 1);
+            Some(format!("{least} to {most} in {place}, so that {min} to {max} are right"))
+        };
+        let places: Vec<String> = self.ius.iter().filter(|iu| iu.is_by_feel).filter_map(place).collect();
+        (!places.is_empty()).then(|| {
+            format!(
+                "the runs do not agree in the number of strokes: {}; if one number is right, leave out the runs with others",
+                places.join(", ")
+            )
+        })
     }
 
     fn false_alarms(&self) -> Option<String> {

@@ -5,8 +5,9 @@
 
 use super::MIN_RUNS;
 use crate::run::{Iu, Run};
-use crate::statistics::median;
-use crate::teach::measures::likely_reversals;
+use crate::statistics::{deviation, median};
+use crate::teach::kind::is_at_another;
+use crate::teach::measures::{PRIOR_NUMBER, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
 use crate::warp::{DistanceMatrix, Warp};
@@ -24,6 +25,9 @@ const MIN_REVERSALS: f64 = 4.0;
 /// As many reversals as a share of those of the others, or as few, may come from a tracker that loses a part for a moment, beside those that it is
 /// known to have hidden. Half of the strokes are 7 of 12; one of 600 correct sets is doubted with this share, and with two thirds.
 const SEEN_REVERSALS: f64 = 0.8;
+
+/// Where this share of the demonstrations make as many strokes, the others are exceptions, though they be two.
+const MOST: (usize, usize) = (2, 3);
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,25 +104,40 @@ impl Measure {
         median(others).clamp(seen.max(0.0) * value, (1.0 + waited) * value)
     }
 
-    /// How far a value is away from the others, as a share of what is allowed.
-    fn exceeds(self, value: f64, others: &[f64]) -> f64 {
+    /// How far the value of an IU is away from the others, as a share of what is allowed. `is_counted`: most demonstrations make
+    /// as many strokes.
+    fn exceeds(self, iu: &Iu, value: f64, others: &[f64], is_counted: bool) -> f64 {
+        let value = self.nearest(value, iu, others);
+        if self.is_noise(iu.context, value, median(others)) {
+            return 0.0;
+        }
         let log = |value: f64| (value + self.noise()).ln();
         let logs: Vec<f64> = others.iter().copied().map(log).collect();
         let centre = median(&logs);
-        let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
-        let spread = DEVIATIONS_PER_MEDIAN * median(&deviations);
-        let away = log(value) - centre;
-        let is_noise = match self {
+        let spread = match self {
+            // Those who make another number of strokes than most show how people differ who make them by feel.
+            Self::Reversals if !is_counted => deviation(&logs, 1).hypot(PRIOR_NUMBER),
+            _ => {
+                let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
+                (DEVIATIONS_PER_MEDIAN * median(&deviations)).hypot(self.min_spread())
+            }
+        };
+        (log(value) - centre).abs() / (self.max_spreads() * spread)
+    }
+
+    /// Whether it says nothing that the value differs from this centre of the others.
+    fn is_noise(self, context: Context, value: f64, centre: f64) -> bool {
+        match self {
             Self::Reversals => {
-                let [few, many] = [value.min(median(others)), value.max(median(others))];
+                let [few, many] = [value.min(centre), value.max(centre)];
                 many - few < MIN_REVERSALS || few >= SEEN_REVERSALS * many
             }
             // Nobody is too much like the others.
-            Self::Distance => away < 0.0,
-            _ => false,
-        };
-        let allowed = self.max_spreads() * spread.hypot(self.min_spread());
-        if is_noise { 0.0 } else { away.abs() / allowed }
+            Self::Distance => value < centre,
+            // Somebody may be quick on the way.
+            Self::Duration => value < centre && !is_at_another(context),
+            Self::Path => false,
+        }
     }
 }
 
@@ -182,9 +201,11 @@ fn of_iu(
     let distances = warp.matrix(&motions)?;
     for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
         let values = values(measure, options.method.rate_hz, &shown);
+        let counts: Vec<u32> = values.iter().map(|value| *value as u32).collect();
+        let is_counted = do_agree(&counts, MOST);
         for (at, &(run, iu)) in shown.iter().enumerate() {
             let (value, others) = left_out(measure, &values, &distances, at);
-            let share = measure.exceeds(measure.nearest(value, iu, &others), &others);
+            let share = measure.exceeds(iu, value, &others, is_counted);
             if share > 1.0 {
                 let min = others.iter().copied().fold(f64::INFINITY, f64::min);
                 let max = others.iter().copied().fold(0.0, f64::max);
@@ -239,10 +260,11 @@ fn left_out(measure: Measure, values: &[f64], distances: &DistanceMatrix, at: us
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_was_hidden_or_waited_of_an_iu_does_not_make_it_longer_or_shorter_than_others() {
-        let iu = |hidden: f32| Iu {
-            context: Context([1, 5, 5, 6]),
+    const POLISHING: [u16; 4] = [1, 5, 5, 6];
+
+    fn iu(context: [u16; 4], hidden: f32) -> Iu {
+        Iu {
+            context: Context(context),
             motion: Vec::new(),
             measures: Measures { hidden, ..Measures::default() },
             began_ns: 0,
@@ -250,15 +272,35 @@ mod tests {
             frames: 0,
             waited: 0,
             is_well_seen: true,
-        };
+        }
+    }
+
+    #[test]
+    fn what_was_hidden_or_waited_of_an_iu_does_not_make_it_longer_or_shorter_than_others() {
+        let iu = |hidden| iu(POLISHING, hidden);
         let others = [0.04, 0.05, 0.06];
-        let exceeds =
-            |hidden| Measure::Path.exceeds(Measure::Path.nearest(0.3, &iu(hidden), &others), &others);
+        let exceeds = |hidden| Measure::Path.exceeds(&iu(hidden), 0.3, &others, true);
         assert!(exceeds(0.0) > 1.0 && exceeds(0.4) < 0.5);
         let waits = Iu { frames: 150, waited: 120, ..iu(0.0) };
         let nearest = |others: [f64; 3]| Measure::Duration.nearest(1.0, &waits, &others);
         assert_eq!([nearest([0.5; 3]), nearest([3.0; 3]), nearest([9.0; 3])], [1.0, 3.0, 5.0]);
         // A way that is too short was not made so by what was hidden of it.
         assert_eq!(Measure::Path.nearest(0.01, &iu(0.4), &others), 0.01);
+    }
+
+    #[test]
+    fn who_makes_strokes_by_feel_is_no_exception_and_who_leaves_half_of_them_out_is() {
+        let exceeds = |value: f64, others: [f64; 4]| {
+            let all: Vec<u32> = others.iter().chain([&value]).map(|count| *count as u32).collect();
+            Measure::Reversals.exceeds(&iu(POLISHING, 0.0), value, &others, do_agree(&all, MOST)) > 1.0
+        };
+        assert!(exceeds(7.0, [13.0; 4]) && exceeds(7.0, [13.0, 12.0, 15.0, 13.0]));
+        assert!(!exceeds(11.0, [7.0, 7.0, 11.0, 7.0]) && !exceeds(7.0, [9.0, 11.0, 11.0, 11.0]));
+    }
+
+    #[test]
+    fn who_is_quick_stands_out_only_where_the_time_shows_what_was_done() {
+        let exceeds = |context| Measure::Duration.exceeds(&iu(context, 0.0), 0.3, &[2.0; 4], true) > 1.0;
+        assert!(exceeds(POLISHING) && !exceeds([1, 5, 0, 0]));
     }
 }
