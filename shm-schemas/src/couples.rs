@@ -4,7 +4,7 @@ use crate::HANDS;
 use crate::layout::wire;
 use crate::stamp::{Stamp, message};
 
-wire! { "andon.HandCouple", 56;
+wire! { "andon.HandCouple", 60;
     /// The feature couple of one hand.
     struct HandCouple {
         /// `x_c = [ID_h, ID_oj, ID_oj, ID_ol]`.
@@ -15,6 +15,8 @@ wire! { "andon.HandCouple", 56;
         position_m: [f32; 3],
         /// The finger tips on the bench in metres; NaN where they were neither seen nor assumed, or the hand does not act.
         tips_m: [f32; 3],
+        /// How far apart two such positions may be by errors alone in metres, where these last; 0 where that is not known.
+        wanders_m: f32,
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
         /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
@@ -30,7 +32,7 @@ wire! { "andon.HandCouple", 56;
     }
 }
 
-wire! { "andon.Couples", 192;
+wire! { "andon.Couples", 200;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.

@@ -3,8 +3,10 @@
 
 mod common;
 
+use andon_core::config::Method;
 use andon_core::couple::Couples;
-use andon_core::input::Side;
+use andon_core::input::{Frame, Side};
+use andon_core::segment::{Event, Segmenter};
 use common::bench::{Bench, contexts, encode, errors};
 
 const TOOL: u16 = 5;
@@ -19,27 +21,34 @@ fn seen_inexactly(bench: Bench, deviation_m: f32, seed: u32) -> Vec<Couples> {
 }
 
 /// The same of a tracker that filters: `kept` is the share of an error that is left in the next frame.
-fn seen_with_errors(mut bench: Bench, deviation_m: f32, kept: f32, seed: u32) -> Vec<Couples> {
+fn seen_with_errors(bench: Bench, deviation_m: f32, kept: f32, seed: u32) -> Vec<Couples> {
+    let frames = with_errors(&bench, [deviation_m; 2], kept, seed);
+    encode(&bench.ids(), &frames)
+}
+
+/// The frames of a bench with errors of these standard deviations of hands and of objects, in metres.
+fn with_errors(bench: &Bench, deviations_m: [f32; 2], kept: f32, seed: u32) -> Vec<Frame> {
     let mut any_error = errors(seed);
-    let mut new_error = || any_error(deviation_m * (3.0 * (1.0 - kept * kept)).sqrt());
+    let mut new_error = |deviation_m: f32| any_error(deviation_m * (3.0 * (1.0 - kept * kept)).sqrt());
     let mut of_hands = [[0.0; 2]; 2];
     let mut of_objects = [[0.0; 2]; 2];
-    let mut next = |error: &mut [f32; 2]| {
-        error.iter_mut().for_each(|error| *error = kept * *error + new_error());
+    let mut next = |error: &mut [f32; 2], deviation_m: f32| {
+        error.iter_mut().for_each(|error| *error = kept * *error + new_error(deviation_m));
         *error
     };
-    for frame in &mut bench.frames {
+    let mut frames = bench.frames.clone();
+    for frame in &mut frames {
         for (hand, error) in frame.hands.iter_mut().zip(&mut of_hands) {
-            let shift = next(error);
+            let shift = next(error, deviations_m[0]);
             let points = hand.tips.iter_mut().chain([&mut hand.wrist, &mut hand.middle_knuckle]);
             points.for_each(|point| (0..2).for_each(|axis| point[axis] += shift[axis]));
         }
         for (object, error) in frame.objects.iter_mut().zip(&mut of_objects) {
-            let shift = next(error);
+            let shift = next(error, deviations_m[1]);
             (0..2).for_each(|axis| object.position[axis] += shift[axis]);
         }
     }
-    encode(&bench.ids(), &bench.frames)
+    frames
 }
 
 #[test]
@@ -176,4 +185,47 @@ fn the_place_of_what_is_seen_inexactly_is_measured_from_several_frames_and_its_s
             assert!((0.065..0.095).contains(&length_m), "{length_m} in {half_stroke} frames, seed {seed}");
         }
     }
+}
+
+/// The reversals of the IUs of the right hand.
+fn reversals(couples: &[Couples]) -> Vec<u32> {
+    let mut segmenter = Segmenter::new(Side::Right, &Method::default()).unwrap();
+    let mut found = Vec::new();
+    for couples in couples {
+        segmenter.step(&couples.hands[0], &mut |event| {
+            if let Event::IuEnded { iu, .. } = event {
+                found.push(iu.measures.reversals);
+            }
+        });
+    }
+    found
+}
+
+/// The standard deviation of landmarks along an axis, in metres.
+const LANDMARKS_M: f32 = 0.005;
+
+#[test]
+fn a_hand_that_rests_at_what_it_has_put_down_makes_no_strokes_by_the_errors_of_its_landmarks() {
+    for seed in 0..50 {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+        bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
+        bench.go([0.3, 0.1], 30).rest(200).let_go(Side::Right).go([0.0, -0.3], 20).rest(30);
+        let frames = with_errors(&bench, [LANDMARKS_M, 0.1 * DEVIATION_M], KEPT, seed);
+        let reversals: Vec<u32> = reversals(&encode(&bench.ids(), &frames));
+        assert!(reversals == [0] || reversals == [1], "{reversals:?}, seed {seed}");
+    }
+}
+
+#[test]
+fn a_part_that_is_held_still_at_another_makes_no_strokes_by_errors_that_last() {
+    let makes_strokes = |seed: u32| {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.1])]);
+        bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
+        bench.go([0.3, 0.08], 30).rest(150).go([0.0, 0.0], 30).rest(15).let_go(Side::Right);
+        bench.go([0.0, -0.3], 20).rest(30);
+        let frames = with_errors(&bench, [0.001, 1.2 * DEVIATION_M], KEPT, seed);
+        reversals(&encode(&bench.ids(), &frames)).iter().any(|count| *count > 1)
+    };
+    let some = (0..50).filter(|seed| makes_strokes(*seed)).count();
+    assert!(some <= 3, "{some} of 50");
 }

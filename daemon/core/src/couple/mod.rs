@@ -25,11 +25,6 @@ use crate::set::ActivitySet;
 pub struct Motion(pub [i8; 7]);
 
 impl Motion {
-    /// Whether the hand is at rest on the bench, and `o_j` is, where there is an `o_l`.
-    pub fn is_at_rest(&self) -> bool {
-        self.0[1..3] == [0, 0] && self.is_pair_at_rest()
-    }
-
     /// Whether `o_j` is at rest on the bench, where there is an `o_l`.
     pub fn is_pair_at_rest(&self) -> bool {
         self.0[4..6] == [0, 0]
@@ -116,6 +111,8 @@ pub struct Couple {
     /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
     /// hand carries, or the hand does not act.
     pub tips: Option<Point>,
+    /// How far apart two such positions may be by errors alone, in metres, where these last; 0 where that is not known.
+    pub wanders_m: f32,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
     /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
@@ -149,6 +146,7 @@ impl Couple {
             context: Context::IDLE,
             position: None,
             tips: None,
+            wanders_m: 0.0,
             distances: [f32::INFINITY; 2],
             sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
             waiting: Waiting::No,

@@ -111,6 +111,8 @@ pub(super) struct HandPose {
     pub(super) middle_knuckle: Point,
     wrist: Point,
     pub(super) tips: [Point; 3],
+    /// Where what it holds shows the centre of the finger tips to be, while it rests.
+    pub(super) held_at: Option<Point>,
 }
 
 impl HandPose {
@@ -120,6 +122,7 @@ impl HandPose {
         middle_knuckle: [0.0; 3],
         wrist: [0.0; 3],
         tips: [[0.0; 3]; 3],
+        held_at: None,
     };
 
     /// The pose of a hand that is seen; `None` if a number is not finite or too large.
@@ -130,7 +133,7 @@ impl HandPose {
             return None;
         }
         let [wrist, middle_knuckle, tips @ ..] = points;
-        Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, wrist, tips })
+        Some(Self { source: Source::Seen, unseen: 0, middle_knuckle, wrist, tips, held_at: None })
     }
 
     /// Direction from the wrist to the middle knuckle about z, in radians.
@@ -143,7 +146,7 @@ impl HandPose {
     pub(super) fn held(self) -> Self {
         match self.source {
             Source::Never => self,
-            _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), ..self },
+            _ => Self { source: Source::Held, unseen: self.unseen.saturating_add(1), held_at: None, ..self },
         }
     }
 
@@ -177,6 +180,11 @@ impl HandPose {
         let forearm = add(self.wrist, subtract(self.wrist, self.middle_knuckle));
         let hides = |part: Point| norm(subtract(part, point)) < COVERED_M;
         self.source == Source::Seen && (self.is_over(point, 0.0) || hides(self.wrist) || hides(forearm))
+    }
+
+    /// Where it acts: the centre of the finger tips, as exactly as that is known.
+    pub(super) fn acts_at(&self) -> Point {
+        self.held_at.unwrap_or(self.grip())
     }
 
     /// The centre of the finger tips, where an object is held.

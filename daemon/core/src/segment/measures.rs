@@ -17,11 +17,11 @@ const SINGLE_FRAME: f32 = 0.2;
 /// bench ([`Couple::position`](crate::couple::Couple::position)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// How often the motion reversed, that is came back by more than 15 mm. A stroke lies between two reversals.
+    /// How often the motion reversed, that is came back by more than 15 mm, or more than errors that last. A stroke lies between two reversals.
     pub reversals: u32,
     /// Mean length of a stroke in metres; `None` before the first whole one.
     pub stroke_m: Option<f32>,
-    /// Length of the path in metres, in steps of 15 mm.
+    /// Length of the path in metres, in steps of as much.
     pub path_m: f32,
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
@@ -79,11 +79,14 @@ pub(super) struct Meter {
     reversals: u32,
     /// The sum of the lengths of whole strokes.
     strokes_m: f32,
+    /// A shorter movement is none.
+    moved_m: f32,
 }
 
 impl Meter {
-    /// Takes the next frame, with the position if it is known.
-    pub(super) fn push(&mut self, position: Option<Point>) {
+    /// Takes the next frame, with the position if it is known. What is shorter than `wanders_m` may be errors.
+    pub(super) fn push(&mut self, position: Option<Point>, wanders_m: f32) {
+        self.moved_m = MOVED_M.max(wanders_m);
         self.frames = self.frames.saturating_add(1);
         let Some(position) = position else {
             self.unknown = self.unknown.saturating_add(1);
@@ -116,7 +119,7 @@ impl Meter {
     /// Steps of at least [`MOVED_M`], so that neither noise nor the frame rate lengthens the path.
     fn walk(&mut self, from: Point, to: Point) {
         let step_m = distance(from, to);
-        if step_m < MOVED_M {
+        if step_m < self.moved_m {
             return;
         }
         self.step = Some(to);
@@ -135,7 +138,7 @@ impl Meter {
             // To and fro.
             self.cut_reversals = self.cut_reversals.saturating_add(2 * u32::from(self.may_have_reversed()));
             self.farthest = position;
-        } else if length_m > MOVED_M && distance(self.farthest, position) > MOVED_M {
+        } else if length_m > self.moved_m && distance(self.farthest, position) > self.moved_m {
             // What comes before the first reversal is the way to the first stroke.
             self.strokes_m += if self.reversals > 0 { length_m } else { 0.0 };
             self.reversals = self.reversals.saturating_add(1);
@@ -149,7 +152,7 @@ impl Meter {
 
     /// Whether the motion may have come back too little to count only because the frame in which it was farthest is missing.
     fn may_have_reversed(&self) -> bool {
-        self.has_gap && self.returned_m > MOVED_M / 2.0
+        self.has_gap && self.returned_m > self.moved_m / 2.0
     }
 
     /// The measures so far, with those of the way of which the IU is the newest part.
@@ -187,7 +190,7 @@ mod tests {
 
     fn measure(positions: impl IntoIterator<Item = Option<Point>>) -> Measures {
         let mut meter = Meter::default();
-        positions.into_iter().for_each(|position| meter.push(position));
+        positions.into_iter().for_each(|position| meter.push(position, 0.0));
         meter.measures(&Way::after(0))
     }
 

@@ -1,6 +1,7 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
 mod glimpse;
+mod hold;
 mod in_hand;
 mod leap;
 mod meeting;
@@ -21,6 +22,7 @@ use crate::object::{ObjectShape, StartPlace};
 use core::ops::RangeInclusive;
 use glimpse::Glimpses;
 use heapless::Vec;
+use hold::Hold;
 use in_hand::{InHand, Meets};
 use leap::Leap;
 use meeting::Shape;
@@ -117,6 +119,7 @@ pub(super) struct Scene {
     /// Whether the two touch, rather than pass each other.
     meets: [[Meets; OBJECTS]; OBJECTS],
     interactions: [Interaction; HANDS],
+    holds: [Option<Hold>; HANDS],
     /// For how many frames each has been what it is.
     lasted: [u32; HANDS],
     /// Whether each began when it was not seen how the one before ended, or it is not known whether its two objects touch.
@@ -158,6 +161,7 @@ impl Scene {
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
             meets: [[Meets::No; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
+            holds: [None; HANDS],
             lasted: [u32::MAX; HANDS],
             began_unseen: [false; HANDS],
             is_new: [false; HANDS],
@@ -191,6 +195,7 @@ impl Scene {
         self.move_holding_hands();
         self.push_edges();
         self.update_grips();
+        self.place_hands();
         self.push_moved_unseen();
         self.push_carried_unseen();
         self.push_bench_hidden();
@@ -292,15 +297,12 @@ impl Scene {
     /// lie where it was last seen. What a hand merely passes over it does not carry.
     fn update_grips(&mut self) {
         let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
-        let moved_m = self.moved_m();
-        for (index, node) in self.objects.iter_mut().enumerate() {
+        for index in 0..self.objects.len() {
+            let has_moved = self.has_moved(index);
+            let node = &mut self.objects[index];
             let pose = node.poses.ago(0);
             let is_seen = pose.source == Source::Seen;
             let is_free = node.grips.iter().all(Option::is_none);
-            let earlier = node.poses.ago(self.method.persist_frames.into());
-            let has_moved = is_seen
-                && earlier.source == Source::Seen
-                && squared_distance(pose.position, earlier.position) > moved_m * moved_m;
             for ((grip, hand), held) in node.grips.iter_mut().zip(&self.hands).zip(held) {
                 let hand = hand.ago(0);
                 let before = grip.filter(|_| hand.unseen <= self.blind_frames);
@@ -314,6 +316,14 @@ impl Scene {
                 };
             }
         }
+    }
+
+    /// Whether an object is seen to have moved in the time in which a change is believed.
+    fn has_moved(&self, object: usize) -> bool {
+        let now = self.seen_object(object, 0);
+        let earlier = self.seen_object(object, self.method.persist_frames.into());
+        let moved_m = self.moved_m();
+        now.zip(earlier).is_some_and(|(now, earlier)| squared_distance(now, earlier) > moved_m * moved_m)
     }
 
     /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:
@@ -440,6 +450,8 @@ impl Scene {
             },
             position: from_hand.and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
             tips,
+            wanders_m: from_hand
+                .map_or(0.0, |j| libm::hypotf(l.map_or(0.0, |l| self.wanders_m(l)), self.wanders_m(j))),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
@@ -464,21 +476,30 @@ impl Scene {
 
     /// Whether the hand of this couple waits for that of the other one.
     fn waiting(&self, couple: &Couple, of_other: &Couple, age: usize) -> Waiting {
-        let may_rest = couple.context.is_touch() && couple.motion.is_none_or(|motion| motion.is_at_rest());
-        if !may_rest {
+        let [moves, other_moves] = [couple, of_other].map(|couple| self.moves(couple.side.index(), age));
+        let is_pair_at_rest = couple.motion.is_none_or(|motion| motion.is_pair_at_rest());
+        if !couple.context.is_touch() || moves == Some(true) || !is_pair_at_rest {
             return Waiting::No;
         }
-        let other = of_other.side.index();
-        let is_seen = self.hands[other].ago(age).source == Source::Seen;
-        let moves = self.hand_kinematics(other, age).map(|motion| !self.quantiser.is_at_rest(&motion));
+        let is_seen = self.hands[of_other.side.index()].ago(age).source == Source::Seen;
         // Who holds something at another part works there, though it may not move, as who pours.
         let holds = couple.context.0[3] == 0 && of_other.context.is_touch() && of_other.context.0[3] != 0;
-        match moves.map(|moves| moves || holds) {
+        match other_moves.map(|moves| moves || holds) {
             Some(true) if couple.motion.is_some() => Waiting::Yes,
             Some(false) if is_seen => Waiting::No,
             // What the other one held may lie there, and the hand be gone.
             _ => Waiting::Unknown,
         }
+    }
+
+    /// Whether a hand moves, as what it holds shows where it holds something that has moved with it.
+    fn moves(&self, hand: usize, age: usize) -> Option<bool> {
+        let held = self.interactions[hand].held().filter(|_| self.hands[hand].ago(age).held_at.is_some());
+        let motion = match held {
+            Some(object) => self.object_kinematics(object, age),
+            None => self.hand_kinematics(hand, age),
+        };
+        Some(!self.quantiser.is_at_rest(&motion?))
     }
 
     /// Where `o_j` is in the frame of reference of `o_l`.
@@ -493,7 +514,7 @@ impl Scene {
     fn tips(&self, hand: usize, age: usize) -> Option<Point> {
         self.steady(age, |age| {
             let hand = self.hands[hand].ago(age);
-            hand.source.is_known().then(|| hand.grip())
+            hand.source.is_known().then(|| hand.acts_at())
         })
     }
 

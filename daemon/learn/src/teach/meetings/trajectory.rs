@@ -334,8 +334,8 @@ mod tests {
 
     #[test]
     fn a_part_is_brought_to_what_lies_nearer_and_not_to_what_is_held_beside_it() {
-        let mut run = side_by_side([0.0, 0.12], &[0.0, 0.2, 0.12]);
-        let dwell = vec![(9, Point3::new(0.2, 0.0, 0.0))];
+        let mut run = side_by_side([0.0, 0.12], &[0.0, 0.25, 0.12]);
+        let dwell = vec![(9, Point3::new(0.25, 0.0, 0.0))];
         let is_to_another = |run: &Trajectories| run.is_brought_to_another([0, 1], &dwell);
         assert!(!is_to_another(&run), "the other hand holds that");
         run.carried[2].clear();

@@ -1,0 +1,77 @@
+//! Where a hand is that rests at what it has moved, as that shows it. Markers are seen more exactly than the landmarks of a hand, which would
+//! seem to make strokes.
+
+use super::super::geometry::{add, rotated, subtract};
+use super::super::poses::{HandPose, ObjectPose, Source};
+use super::{Scene, squared_distance};
+use crate::capacity::HANDS;
+use crate::input::Point;
+
+/// The place is the mean of as many frames.
+const MEAN_FRAMES: u16 = 30;
+
+/// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of reference of the object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hold {
+    object: usize,
+    at: Point,
+    frames: u16,
+}
+
+impl Hold {
+    /// One that has just begun.
+    fn new(object: usize, at: Point) -> Self {
+        Self { object, at, frames: 1 }
+    }
+
+    /// The mean with one frame more.
+    fn with(self, at: Point) -> Self {
+        let frames = (self.frames + 1).min(MEAN_FRAMES);
+        let change = subtract(at, self.at).map(|change| change / f32::from(frames));
+        Self { at: add(self.at, change), frames, ..self }
+    }
+
+    /// Where the hand acts on the bench; `None` if it is seen farther away than `max_m` from where it would hold the object.
+    fn acts_at(&self, hand: &HandPose, object: &ObjectPose, max_m: f32) -> Option<Point> {
+        let at = add(object.position, rotated(self.at, object.orientation));
+        (squared_distance(at, hand.grip()) < max_m * max_m).then_some(at)
+    }
+}
+
+impl Scene {
+    /// Places the hands that rest at what they have moved. How a hand that moves is seen to move counts.
+    pub(super) fn place_hands(&mut self) {
+        for hand in 0..HANDS {
+            self.holds[hand] = self.hold(hand);
+            let resting = self.holds[hand].filter(|hold| !self.has_moved(hold.object));
+            if let Some(hold) = resting
+                && let Some((pose, object)) = self.both_seen(hand, hold.object)
+            {
+                let held_at = hold.acts_at(&pose, &object, self.method.hand_contact.on_m);
+                self.hands[hand].revise(1, |pose| pose.held_at = held_at);
+            }
+        }
+    }
+
+    /// Where the hand holds what it acts on, if that has moved with it.
+    fn hold(&self, hand: usize) -> Option<Hold> {
+        let object = self.interactions[hand].held()?;
+        let before = self.holds[hand].filter(|hold| hold.object == object);
+        let is_held = self.gripped(hand) == Some(object);
+        match self.both_seen(hand, object).filter(|_| is_held) {
+            Some((pose, seen)) => {
+                let at = seen.own(pose.grip());
+                before
+                    .map(|hold| hold.with(at))
+                    .or_else(|| self.has_moved(object).then(|| Hold::new(object, at)))
+            }
+            None => before,
+        }
+    }
+
+    /// The newest poses of a hand and an object, if both were seen.
+    fn both_seen(&self, hand: usize, object: usize) -> Option<(HandPose, ObjectPose)> {
+        let (hand, object) = (*self.hands[hand].ago(0), *self.objects[object].poses.ago(0));
+        (hand.source == Source::Seen && object.source == Source::Seen).then_some((hand, object))
+    }
+}
