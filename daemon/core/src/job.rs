@@ -112,9 +112,11 @@ pub struct NominalIu<'a> {
 const QUICKEST: f32 = 0.6;
 
 impl NominalIu<'_> {
-    /// In how few frames it may have been done where nobody saw it; 0 for what comes about without a hand.
+    /// In how few frames it may have been done where nobody saw it; 0 for what comes about without a hand. Who waited in it worked for less time
+    /// than the reference lasts.
     pub(crate) fn quickest(&self) -> u32 {
-        let least = (QUICKEST * self.reference.len() as f32) as u32;
+        let shown = self.measures.shown.map_or(u32::MAX, |shown| shown.frames.min);
+        let least = (QUICKEST * shown.min(self.reference.len() as u32) as f32) as u32;
         if self.context.is_touch() { self.frames.min.max(least) } else { 0 }
     }
 }

@@ -484,7 +484,13 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
             segment::Event::ActivityEnded { side, .. } => {
                 hands[side.index()].end_activity(progress, emit_verdict)
             }
-            segment::Event::JobEnded { .. } => progress.conclude(true, emit_verdict),
+            segment::Event::JobEnded { .. } => {
+                // Whoever moved things unseen before a pause may go on unseen after it.
+                if couples.is_some_and(|couples| couples.hands.iter().all(|couple| !couple.is_hand_seen())) {
+                    progress.assume_end();
+                }
+                progress.conclude(true, emit_verdict);
+            }
         }
     }
 }

@@ -95,7 +95,7 @@ pub(super) struct Progress<'a> {
     first_unjudged: Option<(Cause, Option<u16>)>,
     /// The couples have broken off.
     pub(super) is_broken_off: bool,
-    /// The job ended only because a touch may have begun the next one: that is assumed, not seen.
+    /// The job ended only because a touch may have begun the next one, or in a pause: that is assumed, not seen.
     is_end_assumed: bool,
     /// The first note.
     note: Option<Note>,
@@ -352,6 +352,11 @@ impl<'a> Progress<'a> {
         let is_certain = begins && !may_go_on && !opening.intersects(self.unjudged);
         self.is_end_assumed = (begins || may_begin) && !is_certain;
         begins || may_begin
+    }
+
+    /// The job ends with a pause.
+    pub(super) fn assume_end(&mut self) {
+        self.is_end_assumed = true;
     }
 
     /// Whether the job has ended only because a touch may have begun the next one.
