@@ -7,8 +7,8 @@ use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::input::Point;
 
-/// The place is the mean of as many frames.
-const MEAN_FRAMES: u16 = 30;
+/// The place is the mean of as many frames, the last ones in which they moved together.
+const MEAN_FRAMES: u16 = 10;
 
 /// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of reference of the object.
 #[derive(Clone, Copy, Debug)]
@@ -16,19 +16,27 @@ pub(super) struct Hold {
     object: usize,
     at: Point,
     frames: u16,
+    /// The object does not move now, as far as that is known.
+    rests: bool,
 }
 
 impl Hold {
     /// One that has just begun.
     fn new(object: usize, at: Point) -> Self {
-        Self { object, at, frames: 1 }
+        Self { object, at, frames: 1, rests: false }
     }
 
-    /// The mean with one frame more.
-    fn with(self, at: Point) -> Self {
-        let frames = (self.frames + 1).min(MEAN_FRAMES);
-        let change = subtract(at, self.at).map(|change| change / f32::from(frames));
-        Self { at: add(self.at, change), frames, ..self }
+    /// One frame later. While the object rests, it is held where it was; where it is not known whether it moves, nothing changes.
+    fn next(self, at: Point, has_moved: Option<bool>) -> Self {
+        match has_moved {
+            Some(true) => {
+                let frames = (self.frames + 1).min(MEAN_FRAMES);
+                let change = subtract(at, self.at).map(|change| change / f32::from(frames));
+                Self { at: add(self.at, change), frames, rests: false, ..self }
+            }
+            Some(false) => Self { rests: true, ..self },
+            None => self,
+        }
     }
 
     /// Where the hand acts on the bench; `None` if it is seen farther away than `max_m` from where it would hold the object.
@@ -43,8 +51,7 @@ impl Scene {
     pub(super) fn place_hands(&mut self) {
         for hand in 0..HANDS {
             self.holds[hand] = self.hold(hand);
-            let resting = self.holds[hand].filter(|hold| !self.has_moved(hold.object));
-            if let Some(hold) = resting
+            if let Some(hold) = self.holds[hand].filter(|hold| hold.rests)
                 && let Some((pose, object)) = self.both_seen(hand, hold.object)
             {
                 let held_at = hold.acts_at(&pose, &object, self.method.hand_contact.on_m);
@@ -58,15 +65,10 @@ impl Scene {
         let object = self.interactions[hand].held()?;
         let before = self.holds[hand].filter(|hold| hold.object == object);
         let is_held = self.gripped(hand) == Some(object);
-        match self.both_seen(hand, object).filter(|_| is_held) {
-            Some((pose, seen)) => {
-                let at = seen.own(pose.grip());
-                before
-                    .map(|hold| hold.with(at))
-                    .or_else(|| self.has_moved(object).then(|| Hold::new(object, at)))
-            }
-            None => before,
-        }
+        let Some((pose, seen)) = self.both_seen(hand, object).filter(|_| is_held) else { return before };
+        let (at, has_moved) = (seen.own(pose.grip()), self.has_moved(object));
+        let begins = has_moved == Some(true);
+        before.map(|hold| hold.next(at, has_moved)).or_else(|| begins.then(|| Hold::new(object, at)))
     }
 
     /// The newest poses of a hand and an object, if both were seen.

@@ -42,6 +42,8 @@ struct Node {
     is_displaced: [bool; HANDS],
     leap: Leap,
     wandering: Wandering,
+    /// The same in frames in which no hand is hidden that might move it.
+    watched_wandering: Wandering,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
@@ -67,6 +69,7 @@ impl Node {
             is_displaced: [false; HANDS],
             leap: Leap::default(),
             wandering: Wandering::default(),
+            watched_wandering: Wandering::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],
@@ -298,7 +301,7 @@ impl Scene {
     fn update_grips(&mut self) {
         let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
         for index in 0..self.objects.len() {
-            let has_moved = self.has_moved(index);
+            let has_moved = self.has_moved(index) == Some(true);
             let node = &mut self.objects[index];
             let pose = node.poses.ago(0);
             let is_seen = pose.source == Source::Seen;
@@ -318,12 +321,14 @@ impl Scene {
         }
     }
 
-    /// Whether an object is seen to have moved in the time in which a change is believed.
-    fn has_moved(&self, object: usize) -> bool {
-        let now = self.seen_object(object, 0);
-        let earlier = self.seen_object(object, self.method.persist_frames.into());
-        let moved_m = self.moved_m();
-        now.zip(earlier).is_some_and(|(now, earlier)| squared_distance(now, earlier) > moved_m * moved_m)
+    /// Whether an object has moved in the time in which a change is believed, and not only by errors; `None` where it is not seen.
+    fn has_moved(&self, object: usize) -> Option<bool> {
+        let now = self.seen_object(object, 0)?;
+        let earlier = self.seen_object(object, self.method.persist_frames.into())?;
+        let exceeds = |metres: f32| squared_distance(now, earlier) > metres * metres;
+        let by_chance_m = || self.apart_by_chance_m(0, |age| self.seen_object(object, age));
+        // The errors come last, because they take longest.
+        Some(exceeds(self.moved_m()) && exceeds(self.wanders_m(object)) && exceeds(by_chance_m()))
     }
 
     /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:
@@ -395,12 +400,26 @@ impl Scene {
         if self.idle_frames <= persist.into() {
             return;
         }
+        let sources = self.hands.each_ref().map(|hand| hand.ago(age).source);
+        let is_watched = sources.contains(&Source::Seen)
+            && sources.iter().all(|source| matches!(source, Source::Seen | Source::Never));
         for object in 0..self.objects.len() {
             let before = self.seen_object(object, age + usize::from(persist));
             if let Some((now, before)) = self.seen_object(object, age).zip(before) {
-                self.objects[object].wandering.push(squared_distance(now, before));
+                let node = &mut self.objects[object];
+                node.wandering.push(squared_distance(now, before));
+                if is_watched {
+                    node.watched_wandering.push(squared_distance(now, before));
+                }
             }
         }
+    }
+
+    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by errors that last, in metres.
+    fn pair_wanders_m(&self, j: usize, l: Option<usize>) -> f32 {
+        let wanders_m =
+            |object: usize| self.objects[object].watched_wandering.apart_by_chance_m().unwrap_or_default();
+        libm::hypotf(wanders_m(j), l.map_or(0.0, wanders_m))
     }
 
     /// The edges from a hand to the objects that are in it: the one that it acts on, and others at which it rests. A hand that lets go of
@@ -450,8 +469,7 @@ impl Scene {
             },
             position: from_hand.and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
             tips,
-            wanders_m: from_hand
-                .map_or(0.0, |j| libm::hypotf(l.map_or(0.0, |l| self.wanders_m(l)), self.wanders_m(j))),
+            wanders_m: from_hand.map_or(0.0, |j| self.pair_wanders_m(j, l)),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
