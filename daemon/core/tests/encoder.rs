@@ -354,14 +354,16 @@ fn a_hand_waits_that_rests_at_a_part_while_the_other_one_moves() {
 }
 
 #[test]
-fn a_hand_waits_for_the_other_one_while_that_holds_a_part_still_at_another() {
-    let waiting = |part: [f32; 2]| {
-        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [-0.4, 0.0]), (STORAGE, part)]);
-        bench.hand(Side::Right, [0.0, 0.0]).hand(Side::Left, [-0.4, 0.0]).rest(60);
-        encode(&bench.ids(), &bench.frames)[40].hands.map(|couple| couple.waiting)
+fn a_hand_waits_for_the_other_one_while_that_holds_what_it_has_brought_still_at_another_part() {
+    let waiting = |brought: bool| {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [-0.4, 0.0]), (STORAGE, [-0.4, 0.3])]);
+        bench.hand(Side::Right, [0.0, 0.0]).hand(Side::Left, [-0.4, 0.0]).rest(20).hold(Side::Left, BOX);
+        let to = if brought { [-0.4, 0.28] } else { [-0.4, 0.0] };
+        bench.carry([Some([0.0, 0.0]), Some(to)], 30).rest(60);
+        encode(&bench.ids(), &bench.frames)[90].hands.map(|couple| couple.waiting)
     };
-    assert_eq!(waiting([-0.4, 0.02]), [Waiting::Yes, Waiting::No]);
-    assert_eq!(waiting([-0.4, 0.4]), [Waiting::No; 2], "each holds a part");
+    assert_eq!(waiting(true), [Waiting::Yes, Waiting::No]);
+    assert_eq!(waiting(false), [Waiting::No; 2], "each holds a part");
 }
 
 #[test]

@@ -111,7 +111,8 @@ pub struct Couple {
     /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
     /// hand carries, or the hand does not act.
     pub tips: Option<Point>,
-    /// How far apart two such positions may be by errors alone, in metres, where these last; 0 where that is not known.
+    /// How far apart two positions of `o_j`, in the frame of reference of `o_l` if there is one, may be by errors that last, in metres; 0 where that
+    /// is not known.
     pub wanders_m: f32,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],

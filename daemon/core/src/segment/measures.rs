@@ -21,7 +21,7 @@ pub struct Measures {
     pub reversals: u32,
     /// Mean length of a stroke in metres; `None` before the first whole one.
     pub stroke_m: Option<f32>,
-    /// Length of the path in metres, in steps of as much.
+    /// Length of the path in metres, in steps of 15 mm, or more where errors last.
     pub path_m: f32,
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
@@ -79,7 +79,7 @@ pub(super) struct Meter {
     reversals: u32,
     /// The sum of the lengths of whole strokes.
     strokes_m: f32,
-    /// A shorter movement is none.
+    /// A movement of less is none, in metres.
     moved_m: f32,
 }
 
@@ -116,7 +116,7 @@ impl Meter {
         self.hidden += if unknown > 1 { unknown as f32 } else { SINGLE_FRAME * unknown as f32 };
     }
 
-    /// Steps of at least [`MOVED_M`], so that neither noise nor the frame rate lengthens the path.
+    /// Steps of at least `moved_m`, so that neither noise nor the frame rate lengthens the path.
     fn walk(&mut self, from: Point, to: Point) {
         let step_m = distance(from, to);
         if step_m < self.moved_m {

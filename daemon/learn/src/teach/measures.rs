@@ -187,8 +187,11 @@ impl Rates {
         let logs: Vec<f64> = likely.iter().map(|count| f64::from(count + 1).ln()).collect();
         let (centre, apart) = self.interval(&logs, PRIOR_NUMBER, self.stroke / 2.0);
         let [min, max] = [centre - apart, centre + apart].map(|log| log.exp() - 1.0);
+        // Half of the strokes are too few, whatever people make by feel.
+        let numbers: Vec<f64> = likely.iter().copied().map(f64::from).collect();
+        let half = (median(&numbers) / 2.0) as u32 + 1;
         let shown = counts(likely.iter().copied());
-        Bounds { min: shown.min.min(min.ceil() as u32), max: shown.max.max(max as u32) }
+        Bounds { min: shown.min.min(half.max(min.ceil() as u32)), max: shown.max.max(max as u32) }
     }
 
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
@@ -209,7 +212,8 @@ impl Rates {
             .filter_map(|measures| measures.stroke_m)
             .map(|length| f64::from(length).ln())
             .collect();
-        let (centre, apart) = self.interval(&lengths, PRIOR_STROKE, self.stroke);
+        let rate = if is_by_feel(shown) { self.stroke / 2.0 } else { self.stroke };
+        let (centre, apart) = self.interval(&lengths, PRIOR_STROKE, rate);
         Range { min: (centre - apart).exp() as f32, max: (centre + apart).exp() as f32 }
     }
 

@@ -354,12 +354,12 @@ impl<'a> Progress<'a> {
         begins || may_begin
     }
 
-    /// The job ends with a pause.
+    /// The job ends with a pause, so that its end is only assumed.
     pub(super) fn assume_end(&mut self) {
         self.is_end_assumed = true;
     }
 
-    /// Whether the job has ended only because a touch may have begun the next one.
+    /// Whether the end of the job is only assumed.
     pub(super) fn is_end_assumed(&self) -> bool {
         self.is_end_assumed
     }

@@ -3,11 +3,11 @@
 
 use super::super::geometry::{add, rotated, subtract};
 use super::super::poses::{HandPose, ObjectPose, Source};
-use super::{Scene, squared_distance};
+use super::{Interaction, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::input::Point;
 
-/// The place is the mean of as many frames, the last ones in which they moved together.
+/// The place is a running mean of about as many frames, in which they moved together.
 const MEAN_FRAMES: u16 = 10;
 
 /// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of reference of the object.
@@ -47,7 +47,7 @@ impl Hold {
 }
 
 impl Scene {
-    /// Places the hands that rest at what they have moved. How a hand that moves is seen to move counts.
+    /// Places the hands at what they have moved and what rests now. While it moves, how the hand is seen to move counts.
     pub(super) fn place_hands(&mut self) {
         for hand in 0..HANDS {
             self.holds[hand] = self.hold(hand);
@@ -62,7 +62,7 @@ impl Scene {
 
     /// Where the hand holds what it acts on, if that has moved with it.
     fn hold(&self, hand: usize) -> Option<Hold> {
-        let object = self.interactions[hand].held()?;
+        let Interaction::Acts { j: object, .. } = self.interactions[hand] else { return None };
         let before = self.holds[hand].filter(|hold| hold.object == object);
         let is_held = self.gripped(hand) == Some(object);
         let Some((pose, seen)) = self.both_seen(hand, object).filter(|_| is_held) else { return before };

@@ -42,7 +42,7 @@ struct Node {
     is_displaced: [bool; HANDS],
     leap: Leap,
     wandering: Wandering,
-    /// The same in frames in which no hand is hidden that might move it.
+    /// How it wanders in frames in which a hand is seen and none is hidden that might move it.
     watched_wandering: Wandering,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
@@ -415,7 +415,8 @@ impl Scene {
         }
     }
 
-    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by errors that last, in metres.
+    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by errors that last, in metres. Finger tips
+    /// err at least as much.
     fn pair_wanders_m(&self, j: usize, l: Option<usize>) -> f32 {
         let wanders_m =
             |object: usize| self.objects[object].watched_wandering.apart_by_chance_m().unwrap_or_default();
@@ -492,17 +493,18 @@ impl Scene {
         couple
     }
 
-    /// Whether the hand of this couple waits for that of the other one.
+    /// Whether the hand of this couple waits for the other hand.
     fn waiting(&self, couple: &Couple, of_other: &Couple, age: usize) -> Waiting {
-        let [moves, other_moves] = [couple, of_other].map(|couple| self.moves(couple.side.index(), age));
+        let [hand, other] = [couple, of_other].map(|couple| couple.side.index());
         let is_pair_at_rest = couple.motion.is_none_or(|motion| motion.is_pair_at_rest());
-        if !couple.context.is_touch() || moves == Some(true) || !is_pair_at_rest {
+        if !couple.context.is_touch() || !is_pair_at_rest || self.moves(hand, age) == Some(true) {
             return Waiting::No;
         }
-        let is_seen = self.hands[of_other.side.index()].ago(age).source == Source::Seen;
-        // Who holds something at another part works there, though it may not move, as who pours.
-        let holds = couple.context.0[3] == 0 && of_other.context.is_touch() && of_other.context.0[3] != 0;
-        match other_moves.map(|moves| moves || holds) {
+        let is_seen = self.hands[other].ago(age).source == Source::Seen;
+        // Who holds something at another part to which it was brought works there, though it may not move, as who pours.
+        let is_joining = of_other.context.is_touch() && of_other.context.0[3] != 0;
+        let works = couple.context.0[3] == 0 && is_joining && self.holds[other].is_some();
+        match self.moves(other, age).map(|moves| moves || works) {
             Some(true) if couple.motion.is_some() => Waiting::Yes,
             Some(false) if is_seen => Waiting::No,
             // What the other one held may lie there, and the hand be gone.

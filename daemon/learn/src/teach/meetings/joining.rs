@@ -20,7 +20,7 @@ const FAR_M: f32 = 0.25;
 const SAME_M: f32 = 0.02;
 
 /// What is put back lies where it lay before, in metres.
-const BACK_M: f32 = 0.1;
+const BACK_M: f32 = 0.05;
 
 /// In fewer runs than this, two parts come to the same place beside each other by chance.
 const SAME_RUNS: usize = 3;

@@ -115,7 +115,7 @@ impl Measure {
         let logs: Vec<f64> = others.iter().copied().map(log).collect();
         let centre = median(&logs);
         let spread = match self {
-            // Those who make another number of strokes than most show how people differ who make them by feel.
+            // Where most do not make the same number of strokes, how they differ shows how people do who make them by feel.
             Self::Reversals if !is_counted => deviation(&logs, 1).hypot(PRIOR_NUMBER),
             _ => {
                 let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
