@@ -211,7 +211,7 @@ fn a_hand_that_rests_at_what_it_has_put_down_makes_no_strokes_by_the_errors_of_i
         bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
         bench.go([0.3, 0.1], 30).rest(200).let_go(Side::Right).go([0.0, -0.3], 20).rest(30);
         let frames = with_errors(&bench, [LANDMARKS_M, 0.1 * DEVIATION_M], KEPT, seed);
-        let reversals: Vec<u32> = reversals(&encode(&bench.ids(), &frames));
+        let reversals = reversals(&encode(&bench.ids(), &frames));
         assert!(reversals == [0] || reversals == [1], "{reversals:?}, seed {seed}");
     }
 }

@@ -85,12 +85,12 @@ pub enum Sight {
 /// Whether a hand waits for the other one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Waiting {
-    /// It moves, or neither does.
+    /// It works, or neither does.
     #[default]
     No,
-    /// It may rest at what it acts on while the other one moves: either was not measured.
+    /// It may rest at what it acts on while the other one works: either was not measured.
     Unknown,
-    /// It rests at what it acts on, and the other one moves.
+    /// It rests at what it acts on, and the other one works: it moves, or holds what it has brought to another object.
     Yes,
 }
 

@@ -48,9 +48,9 @@ impl Hold {
 
 impl Scene {
     /// Places the hands at what they have moved and what rests now. While it moves, how the hand is seen to move counts.
-    pub(super) fn place_hands(&mut self) {
-        for hand in 0..HANDS {
-            self.holds[hand] = self.hold(hand);
+    pub(super) fn place_hands(&mut self, gripped: [Option<usize>; HANDS]) {
+        for (hand, gripped) in gripped.into_iter().enumerate() {
+            self.holds[hand] = self.hold(hand, gripped);
             if let Some(hold) = self.holds[hand].filter(|hold| hold.rests)
                 && let Some((pose, object)) = self.both_seen(hand, hold.object)
             {
@@ -61,11 +61,12 @@ impl Scene {
     }
 
     /// Where the hand holds what it acts on, if that has moved with it.
-    fn hold(&self, hand: usize) -> Option<Hold> {
+    fn hold(&self, hand: usize, gripped: Option<usize>) -> Option<Hold> {
         let Interaction::Acts { j: object, .. } = self.interactions[hand] else { return None };
         let before = self.holds[hand].filter(|hold| hold.object == object);
-        let is_held = self.gripped(hand) == Some(object);
-        let Some((pose, seen)) = self.both_seen(hand, object).filter(|_| is_held) else { return before };
+        let Some((pose, seen)) = self.both_seen(hand, object).filter(|_| gripped == Some(object)) else {
+            return before;
+        };
         let (at, has_moved) = (seen.own(pose.grip()), self.has_moved(object));
         let begins = has_moved == Some(true);
         before.map(|hold| hold.next(at, has_moved)).or_else(|| begins.then(|| Hold::new(object, at)))

@@ -1,12 +1,15 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
 mod glimpse;
+mod grip;
 mod hold;
 mod in_hand;
 mod leap;
 mod meeting;
 mod sight;
 mod start;
+mod waiting;
+mod wander;
 
 use super::contact::Edge;
 use super::geometry::{dot, subtract};
@@ -197,8 +200,9 @@ impl Scene {
         self.push_objects(frame);
         self.move_holding_hands();
         self.push_edges();
-        self.update_grips();
-        self.place_hands();
+        let gripped = core::array::from_fn(|hand| self.gripped(hand));
+        self.update_grips(gripped);
+        self.place_hands(gripped);
         self.push_moved_unseen();
         self.push_carried_unseen();
         self.push_bench_hidden();
@@ -268,79 +272,6 @@ impl Scene {
         }
     }
 
-    /// A hand that is hidden while it carries an object that is seen moves with that, until it has not been seen for `blind_ms`. Where the other
-    /// hand is at the object, that may move it alone.
-    fn move_holding_hands(&mut self) {
-        for index in 0..HANDS {
-            let [hand, before] = [0, 1].map(|age| self.hands[index].ago(age));
-            let has_vanished = hand.source == Source::Held && before.source.is_known();
-            if has_vanished
-                && hand.unseen <= self.blind_frames
-                && let Some([from, to]) = self.followed(index)
-            {
-                self.hands[index].revise(1, |pose| *pose = pose.holding(&from, &to));
-            }
-        }
-    }
-
-    /// The newest two poses of the object that moves with this hand alone, if both were seen.
-    fn followed(&self, hand: usize) -> Option<[ObjectPose; 2]> {
-        let is_at = |other: usize, object: usize| other != hand && self.touches[other][object].is_near();
-        let mut objects = self.objects.iter().enumerate();
-        let (_, node) = objects.find(|(object, node)| {
-            node.grips[hand].is_some_and(|grip| grip.has_followed)
-                && !(0..HANDS).any(|other| is_at(other, *object))
-        })?;
-        let poses = [1, 0].map(|age| *node.poses.ago(age));
-        poses.iter().all(|pose| pose.source == Source::Seen).then_some(poses)
-    }
-
-    /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand has not been seen for `blind_ms`. A
-    /// hand that goes out of sight before the object still holds it as it did. An object that was hidden before it was grasped is taken to
-    /// lie where it was last seen. What a hand merely passes over it does not carry.
-    fn update_grips(&mut self) {
-        let held: [_; HANDS] = core::array::from_fn(|hand| self.gripped(hand));
-        for index in 0..self.objects.len() {
-            let has_moved = self.has_moved(index) == Some(true);
-            let node = &mut self.objects[index];
-            let pose = node.poses.ago(0);
-            let is_seen = pose.source == Source::Seen;
-            let is_free = node.grips.iter().all(Option::is_none);
-            for ((grip, hand), held) in node.grips.iter_mut().zip(&self.hands).zip(held) {
-                let hand = hand.ago(0);
-                let before = grip.filter(|_| hand.unseen <= self.blind_frames);
-                *grip = match before {
-                    Some(_) if !is_seen => before,
-                    _ if held == Some(index) && (is_seen || is_free) => {
-                        let has_followed = before.is_some_and(|grip| grip.has_followed);
-                        Some(Grip::new(hand, pose, has_followed || has_moved))
-                    }
-                    _ => before.filter(|_| hand.source != Source::Seen),
-                };
-            }
-        }
-    }
-
-    /// Whether an object has moved in the time in which a change is believed, and not only by errors; `None` where it is not seen.
-    fn has_moved(&self, object: usize) -> Option<bool> {
-        let now = self.seen_object(object, 0)?;
-        let earlier = self.seen_object(object, self.method.persist_frames.into())?;
-        let exceeds = |metres: f32| squared_distance(now, earlier) > metres * metres;
-        let by_chance_m = || self.apart_by_chance_m(0, |age| self.seen_object(object, age));
-        // The errors come last, because they take longest.
-        Some(exceeds(self.moved_m()) && exceeds(self.wanders_m(object)) && exceeds(by_chance_m()))
-    }
-
-    /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:
-    /// it takes longer to believe that the hand has let go.
-    fn gripped(&self, hand: usize) -> Option<usize> {
-        let Interaction::Acts { j, .. } = self.interactions[hand] else { return None };
-        let holds = self.hands[hand].ago(0).source == Source::Seen
-            && self.touches[hand][j].is_near()
-            && self.moves_away(hand, j, self.method.persist_frames.into()).is_none();
-        holds.then_some(j)
-    }
-
     /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
     pub(super) fn couples(&mut self, age: usize, known_ns: u64) -> Couples {
         let persist = self.method.persist_frames;
@@ -390,37 +321,6 @@ impl Scene {
             out_of_sight_object: self.out_of_sight_object(age),
             hands,
         }
-    }
-
-    /// While no hand acts on anything, nothing moves.
-    fn push_wandering(&mut self, age: usize) {
-        let is_idle = self.interactions.iter().all(|what| !matches!(what, Interaction::Acts { .. }));
-        self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
-        let persist = self.method.persist_frames;
-        if self.idle_frames <= persist.into() {
-            return;
-        }
-        let sources = self.hands.each_ref().map(|hand| hand.ago(age).source);
-        let is_watched = sources.contains(&Source::Seen)
-            && sources.iter().all(|source| matches!(source, Source::Seen | Source::Never));
-        for object in 0..self.objects.len() {
-            let before = self.seen_object(object, age + usize::from(persist));
-            if let Some((now, before)) = self.seen_object(object, age).zip(before) {
-                let node = &mut self.objects[object];
-                node.wandering.push(squared_distance(now, before));
-                if is_watched {
-                    node.watched_wandering.push(squared_distance(now, before));
-                }
-            }
-        }
-    }
-
-    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by errors that last, in metres. Finger tips
-    /// err at least as much.
-    fn pair_wanders_m(&self, j: usize, l: Option<usize>) -> f32 {
-        let wanders_m =
-            |object: usize| self.objects[object].watched_wandering.apart_by_chance_m().unwrap_or_default();
-        libm::hypotf(wanders_m(j), l.map_or(0.0, wanders_m))
     }
 
     /// The edges from a hand to the objects that are in it: the one that it acts on, and others at which it rests. A hand that lets go of
@@ -491,35 +391,6 @@ impl Scene {
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
-    }
-
-    /// Whether the hand of this couple waits for the other hand.
-    fn waiting(&self, couple: &Couple, of_other: &Couple, age: usize) -> Waiting {
-        let [hand, other] = [couple, of_other].map(|couple| couple.side.index());
-        let is_pair_at_rest = couple.motion.is_none_or(|motion| motion.is_pair_at_rest());
-        if !couple.context.is_touch() || !is_pair_at_rest || self.moves(hand, age) == Some(true) {
-            return Waiting::No;
-        }
-        let is_seen = self.hands[other].ago(age).source == Source::Seen;
-        // Who holds something at another part to which it was brought works there, though it may not move, as who pours.
-        let is_joining = of_other.context.is_touch() && of_other.context.0[3] != 0;
-        let works = couple.context.0[3] == 0 && is_joining && self.holds[other].is_some();
-        match self.moves(other, age).map(|moves| moves || works) {
-            Some(true) if couple.motion.is_some() => Waiting::Yes,
-            Some(false) if is_seen => Waiting::No,
-            // What the other one held may lie there, and the hand be gone.
-            _ => Waiting::Unknown,
-        }
-    }
-
-    /// Whether a hand moves, as what it holds shows where it holds something that has moved with it.
-    fn moves(&self, hand: usize, age: usize) -> Option<bool> {
-        let held = self.interactions[hand].held().filter(|_| self.hands[hand].ago(age).held_at.is_some());
-        let motion = match held {
-            Some(object) => self.object_kinematics(object, age),
-            None => self.hand_kinematics(hand, age),
-        };
-        Some(!self.quantiser.is_at_rest(&motion?))
     }
 
     /// Where `o_j` is in the frame of reference of `o_l`.
@@ -605,11 +476,6 @@ impl Scene {
             apart_by_chance_m((0..REMEMBERED).map(known)),
             apart_by_chance_m(self.around(age).map(known)),
         )
-    }
-
-    /// How far an object that lies still seems to move at most while a change is believed, in metres; 0 where that is not known.
-    fn wanders_m(&self, object: usize) -> f32 {
-        self.objects[object].wandering.apart_by_chance_m().unwrap_or_default()
     }
 
     /// The ages of a frame and of the `persist_frames` before and after it.

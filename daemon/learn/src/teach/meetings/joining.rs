@@ -187,8 +187,7 @@ mod tests {
     #[test]
     fn what_is_put_back_does_not_touch_what_lies_beside_it() {
         let of = |is_back: bool| -> Vec<Place> {
-            let places = [places(&[0.16; 4], false), places(&[0.24; 4], false)];
-            let [over, mut home] = places;
+            let [over, mut home] = [0.16, 0.24].map(|apart_m| places(&[apart_m; 4], false));
             home.iter_mut().for_each(|place| place.is_back = is_back);
             touching(&[over, home].concat(), 4).0
         };

@@ -104,9 +104,8 @@ impl Measure {
         median(others).clamp(seen.max(0.0) * value, (1.0 + waited) * value)
     }
 
-    /// How far the value of an IU is away from the others, as a share of what is allowed. `is_counted`: most demonstrations make
-    /// as many strokes.
-    fn exceeds(self, iu: &Iu, value: f64, others: &[f64], is_counted: bool) -> f64 {
+    /// How far the value of an IU is away from the others, as a share of what is allowed.
+    fn exceeds(self, iu: &Iu, value: f64, others: &[f64]) -> f64 {
         let value = self.nearest(value, iu, others);
         if self.is_noise(iu.context, value, median(others)) {
             return 0.0;
@@ -116,7 +115,7 @@ impl Measure {
         let centre = median(&logs);
         let spread = match self {
             // Where most do not make the same number of strokes, how they differ shows how people do who make them by feel.
-            Self::Reversals if !is_counted => deviation(&logs, 1).hypot(PRIOR_NUMBER),
+            Self::Reversals if !do_most_agree(value, others) => deviation(&logs, 1).hypot(PRIOR_NUMBER),
             _ => {
                 let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
                 (DEVIATIONS_PER_MEDIAN * median(&deviations)).hypot(self.min_spread())
@@ -139,6 +138,12 @@ impl Measure {
             Self::Path => false,
         }
     }
+}
+
+/// Whether most of the demonstrations make as many strokes.
+fn do_most_agree(count: f64, others: &[f64]) -> bool {
+    let counts: Vec<u32> = others.iter().chain([&count]).map(|count| *count as u32).collect();
+    do_agree(&counts, MOST)
 }
 
 /// A demonstration of one IU that stands out.
@@ -201,11 +206,9 @@ fn of_iu(
     let distances = warp.matrix(&motions)?;
     for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
         let values = values(measure, options.method.rate_hz, &shown);
-        let counts: Vec<u32> = values.iter().map(|value| *value as u32).collect();
-        let is_counted = do_agree(&counts, MOST);
         for (at, &(run, iu)) in shown.iter().enumerate() {
             let (value, others) = left_out(measure, &values, &distances, at);
-            let share = measure.exceeds(iu, value, &others, is_counted);
+            let share = measure.exceeds(iu, value, &others);
             if share > 1.0 {
                 let min = others.iter().copied().fold(f64::INFINITY, f64::min);
                 let max = others.iter().copied().fold(0.0, f64::max);
@@ -279,7 +282,7 @@ mod tests {
     fn what_was_hidden_or_waited_of_an_iu_does_not_make_it_longer_or_shorter_than_others() {
         let iu = |hidden| iu(POLISHING, hidden);
         let others = [0.04, 0.05, 0.06];
-        let exceeds = |hidden| Measure::Path.exceeds(&iu(hidden), 0.3, &others, true);
+        let exceeds = |hidden| Measure::Path.exceeds(&iu(hidden), 0.3, &others);
         assert!(exceeds(0.0) > 1.0 && exceeds(0.4) < 0.5);
         let waits = Iu { frames: 150, waited: 120, ..iu(0.0) };
         let nearest = |others: [f64; 3]| Measure::Duration.nearest(1.0, &waits, &others);
@@ -291,8 +294,7 @@ mod tests {
     #[test]
     fn who_makes_strokes_by_feel_is_no_exception_and_who_leaves_half_of_them_out_is() {
         let exceeds = |value: f64, others: [f64; 4]| {
-            let all: Vec<u32> = others.iter().chain([&value]).map(|count| *count as u32).collect();
-            Measure::Reversals.exceeds(&iu(POLISHING, 0.0), value, &others, do_agree(&all, MOST)) > 1.0
+            Measure::Reversals.exceeds(&iu(POLISHING, 0.0), value, &others) > 1.0
         };
         assert!(exceeds(7.0, [13.0; 4]) && exceeds(7.0, [13.0, 12.0, 15.0, 13.0]));
         assert!(!exceeds(11.0, [7.0, 7.0, 11.0, 7.0]) && !exceeds(7.0, [9.0, 11.0, 11.0, 11.0]));
@@ -300,7 +302,7 @@ mod tests {
 
     #[test]
     fn who_is_quick_stands_out_only_where_the_time_shows_what_was_done() {
-        let exceeds = |context| Measure::Duration.exceeds(&iu(context, 0.0), 0.3, &[2.0; 4], true) > 1.0;
+        let exceeds = |context| Measure::Duration.exceeds(&iu(context, 0.0), 0.3, &[2.0; 4]) > 1.0;
         assert!(exceeds(POLISHING) && !exceeds([1, 5, 0, 0]));
     }
 }

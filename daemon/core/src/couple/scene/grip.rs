@@ -1,0 +1,80 @@
+//! What each hand holds, and so carries while that is hidden, or moves with while the hand is.
+
+use super::super::interaction::Interaction;
+use super::super::poses::{Grip, ObjectPose, Source};
+use super::{Scene, squared_distance};
+use crate::capacity::HANDS;
+
+impl Scene {
+    /// A hand that is hidden while it carries an object that is seen moves with that, until it has not been seen for `blind_ms`. Where the other
+    /// hand is at the object, that may move it alone.
+    pub(super) fn move_holding_hands(&mut self) {
+        for index in 0..HANDS {
+            let [hand, before] = [0, 1].map(|age| self.hands[index].ago(age));
+            let has_vanished = hand.source == Source::Held && before.source.is_known();
+            if has_vanished
+                && hand.unseen <= self.blind_frames
+                && let Some([from, to]) = self.followed(index)
+            {
+                self.hands[index].revise(1, |pose| *pose = pose.holding(&from, &to));
+            }
+        }
+    }
+
+    /// The newest two poses of the object that moves with this hand alone, if both were seen.
+    fn followed(&self, hand: usize) -> Option<[ObjectPose; 2]> {
+        let is_at = |other: usize, object: usize| other != hand && self.touches[other][object].is_near();
+        let mut objects = self.objects.iter().enumerate();
+        let (_, node) = objects.find(|(object, node)| {
+            node.grips[hand].is_some_and(|grip| grip.has_followed)
+                && !(0..HANDS).any(|other| is_at(other, *object))
+        })?;
+        let poses = [1, 0].map(|age| *node.poses.ago(age));
+        poses.iter().all(|pose| pose.source == Source::Seen).then_some(poses)
+    }
+
+    /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand has not been seen for `blind_ms`. A
+    /// hand that goes out of sight before the object still holds it as it did. An object that was hidden before it was grasped is taken to
+    /// lie where it was last seen. What a hand merely passes over it does not carry. `gripped` are what each hand would carry.
+    pub(super) fn update_grips(&mut self, gripped: [Option<usize>; HANDS]) {
+        for index in 0..self.objects.len() {
+            let has_moved = gripped.contains(&Some(index)) && self.has_moved(index) == Some(true);
+            let node = &mut self.objects[index];
+            let pose = node.poses.ago(0);
+            let is_seen = pose.source == Source::Seen;
+            let is_free = node.grips.iter().all(Option::is_none);
+            for ((grip, hand), gripped) in node.grips.iter_mut().zip(&self.hands).zip(gripped) {
+                let hand = hand.ago(0);
+                let before = grip.filter(|_| hand.unseen <= self.blind_frames);
+                *grip = match before {
+                    Some(_) if !is_seen => before,
+                    _ if gripped == Some(index) && (is_seen || is_free) => {
+                        let has_followed = before.is_some_and(|grip| grip.has_followed);
+                        Some(Grip::new(hand, pose, has_followed || has_moved))
+                    }
+                    _ => before.filter(|_| hand.source != Source::Seen),
+                };
+            }
+        }
+    }
+
+    /// Whether an object has moved in the time in which a change is believed, and not only by errors; `None` where it is not seen.
+    pub(super) fn has_moved(&self, object: usize) -> Option<bool> {
+        let now = self.seen_object(object, 0)?;
+        let earlier = self.seen_object(object, self.method.persist_frames.into())?;
+        let exceeds = |metres: f32| squared_distance(now, earlier) > metres * metres;
+        let by_chance_m = || self.apart_by_chance_m(0, |age| self.seen_object(object, age));
+        // The errors come last, because they take longest.
+        Some(exceeds(self.moved_m()) && exceeds(self.wanders_m(object)) && exceeds(by_chance_m()))
+    }
+
+    /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:
+    /// it takes longer to believe that the hand has let go.
+    pub(super) fn gripped(&self, hand: usize) -> Option<usize> {
+        let Interaction::Acts { j, .. } = self.interactions[hand] else { return None };
+        let holds = self.hands[hand].ago(0).source == Source::Seen
+            && self.touches[hand][j].is_near()
+            && self.moves_away(hand, j, self.method.persist_frames.into()).is_none();
+        holds.then_some(j)
+    }
+}

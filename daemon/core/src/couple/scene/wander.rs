@@ -1,0 +1,43 @@
+//! How far objects that lie still seem to move, by errors that last.
+
+use super::super::interaction::Interaction;
+use super::super::poses::Source;
+use super::{Scene, squared_distance};
+
+impl Scene {
+    /// While no hand acts on anything, nothing moves.
+    pub(super) fn push_wandering(&mut self, age: usize) {
+        let is_idle = self.interactions.iter().all(|what| !matches!(what, Interaction::Acts { .. }));
+        self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
+        let persist = self.method.persist_frames;
+        if self.idle_frames <= persist.into() {
+            return;
+        }
+        let sources = self.hands.each_ref().map(|hand| hand.ago(age).source);
+        let is_watched = sources.contains(&Source::Seen)
+            && sources.iter().all(|source| matches!(source, Source::Seen | Source::Never));
+        for object in 0..self.objects.len() {
+            let before = self.seen_object(object, age + usize::from(persist));
+            if let Some((now, before)) = self.seen_object(object, age).zip(before) {
+                let (node, square) = (&mut self.objects[object], squared_distance(now, before));
+                node.wandering.push(square);
+                if is_watched {
+                    node.watched_wandering.push(square);
+                }
+            }
+        }
+    }
+
+    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by errors that last, in metres. Finger tips
+    /// err at least as much.
+    pub(super) fn pair_wanders_m(&self, j: usize, l: Option<usize>) -> f32 {
+        let wanders_m =
+            |object: usize| self.objects[object].watched_wandering.apart_by_chance_m().unwrap_or_default();
+        libm::hypotf(wanders_m(j), l.map_or(0.0, wanders_m))
+    }
+
+    /// How far an object that lies still seems to move at most while a change is believed, in metres; 0 where that is not known.
+    pub(super) fn wanders_m(&self, object: usize) -> f32 {
+        self.objects[object].wandering.apart_by_chance_m().unwrap_or_default()
+    }
+}
