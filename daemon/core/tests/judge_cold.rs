@@ -87,6 +87,17 @@ fn a_bench_that_is_set_as_it_was_at_first_is_that_of_the_next_piece() {
 }
 
 #[test]
+fn a_part_that_has_not_been_seen_to_leave_its_place_was_not_brought_back_there() {
+    let (first, job) = (polish(6), polish_and_measure());
+    let frames: usize = first.iter().map(|part| part.frames).sum();
+    // It is hidden when the hand takes it, and assumed where it lay until the next step has begun.
+    let verdicts = judged_cold(&job, &[first, measure()].concat(), |frame| {
+        if frame < frames + 5 { ActivitySet::first(2) } else { ActivitySet::EMPTY }
+    });
+    assert_eq!(verdicts.last().unwrap(), "JobOk", "{verdicts:?}");
+}
+
+#[test]
 fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
     let brick = [part([1, 6, 0, 0], 30, Toward(5)), idle(20)];
     let job = teach(&[&polish(6), &brick]);

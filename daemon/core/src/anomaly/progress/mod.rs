@@ -188,11 +188,12 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began,
-    /// with all that lay there then.
+    /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began again,
+    /// after it had been away, with all that lay there then.
     pub(super) fn is_set_anew(&self) -> bool {
+        let is_back = self.seen_undone.without(self.undone);
         self.is_open
-            && self.seen_undone.intersects(self.done | self.wrong)
+            && is_back.intersects(self.done | self.wrong)
             && self.undone_first.without(self.seen_undone).is_empty()
     }
 
