@@ -1,6 +1,6 @@
 //! How exactly positions are seen, from the positions themselves: what moves about by less than their errors does not move.
 
-use super::geometry::dot;
+use super::geometry::{dot, norm, subtract};
 use crate::capacity::PERSIST_FRAMES;
 use crate::input::Point;
 use heapless::Vec;
@@ -75,34 +75,61 @@ pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 
 /// Most trackers filter, so that their errors last, and third differences show little of them. What lies still shows all of them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wandering {
-    mean_square: f32,
+    known: MeanSquare,
+    /// What was known when the hands came to rest, and where it lay then.
+    before: MeanSquare,
+    lay: Option<Point>,
+}
+
+/// The mean of squared distances, and of how many.
+#[derive(Clone, Copy, Debug, Default)]
+struct MeanSquare {
+    mean: f32,
     count: u16,
 }
 
 impl Wandering {
-    /// Takes the square of how far it seems to have moved from some frame to the one in which a change is believed.
-    pub(super) fn push(&mut self, square: f32) {
-        // What is exactly where it was is the same measurement once more.
-        if square > 0.0 {
-            let is_known = self.count >= MIN_WANDERING;
-            let square = if is_known { square.min(MAX_OF_MEAN * self.mean_square) } else { square };
-            self.count = (self.count + 1).min(MAX_WANDERING);
-            self.mean_square += (square - self.mean_square) / f32::from(self.count);
+    /// The hands have come to rest: from now on it lies still.
+    pub(super) fn begin(&mut self) {
+        (self.before, self.lay) = (self.known, None);
+    }
+
+    /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change.
+    pub(super) fn push(&mut self, now: Point, before: Point) {
+        let lay = *self.lay.get_or_insert(before);
+        if norm(subtract(now, lay)) > MAX_WANDER_M {
+            // A hand moves it that is not seen, and did so perhaps from the beginning.
+            (self.known, self.lay) = (self.before, None);
+        } else {
+            self.known.push(norm(subtract(now, before)));
         }
     }
 
     /// As [`apart_by_chance_m`]; `None` where it has not been seen to lie still for long enough.
     pub(super) fn apart_by_chance_m(&self) -> Option<f32> {
-        let count = f32::from(self.count);
+        let MeanSquare { mean, count } = self.known;
         // Two positions have their errors.
-        let variance = self.mean_square / 2.0 * (1.0 + FEW_WANDERING / count);
-        let is_known = self.count >= MIN_WANDERING;
+        let variance = mean / 2.0 * (1.0 + FEW_WANDERING / f32::from(count));
+        let is_known = count >= MIN_WANDERING;
         is_known.then(|| (APART_BY_CHANCE * libm::sqrtf(variance)).min(MAX_WANDER_M))
     }
 
     /// The same where nobody may be wronged: the maximum where it is not known.
     pub(super) fn apart_at_most_m(&self) -> f32 {
         self.apart_by_chance_m().unwrap_or(MAX_WANDER_M)
+    }
+}
+
+impl MeanSquare {
+    fn push(&mut self, distance_m: f32) {
+        // What is exactly where it was is the same measurement once more.
+        if distance_m > 0.0 {
+            let is_known = self.count >= MIN_WANDERING;
+            let square = distance_m * distance_m;
+            let square = if is_known { square.min(MAX_OF_MEAN * self.mean) } else { square };
+            self.count = (self.count + 1).min(MAX_WANDERING);
+            self.mean += (square - self.mean) / f32::from(self.count);
+        }
     }
 }
 
@@ -132,21 +159,32 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_still_shows_how_far_it_wanders_and_little_of_being_moved_once() {
+    fn what_lies_still_shows_how_far_it_wanders_and_nothing_of_being_moved_unseen() {
         let mut wandering = Wandering::default();
-        let mut push = |moved_m: f32, frames: usize| {
-            (0..frames).for_each(|_| wandering.push(moved_m * moved_m));
-            wandering.apart_by_chance_m()
-        };
-        assert_eq!(push(0.002, 9), None, "too little to tell");
         let wanders_m = APART_BY_CHANCE * 0.002 / libm::sqrtf(2.0);
-        let is_about = |apart_m: Option<f32>, share: f32| {
+        let is_about = |wandering: &Wandering, share: f32| {
+            let apart_m = wandering.apart_by_chance_m();
             apart_m.is_some_and(|apart_m| (wanders_m..share * wanders_m).contains(&apart_m))
         };
-        assert!(is_about(push(0.002, 291), 1.1));
-        assert!(is_about(push(0.3, 10), 1.5));
-        assert!(is_about(push(0.002, 300), 1.2));
-        assert_eq!(push(0.3, 300), Some(MAX_WANDER_M));
+        let lie = |wandering: &mut Wandering, frames: usize| {
+            (0..frames).for_each(|frame| {
+                let [now, before] = [frame, frame + 1].map(|frame| [(frame % 2) as f32 * 0.002, 0.0, 0.0]);
+                wandering.push(now, before);
+            });
+        };
+        // Strokes of 7 cm, and then it is put down.
+        for frame in 0..100 {
+            let at = |frame: u8| [0.3 + 0.035 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
+            wandering.push(at(frame + 5), at(frame));
+        }
+        lie(&mut wandering, 9);
+        assert_eq!(wandering.apart_by_chance_m(), None, "too little to tell");
+        lie(&mut wandering, 291);
+        assert!(is_about(&wandering, 1.1), "{wandering:?}");
+        wandering.begin();
+        wandering.push([0.3, 0.0, 0.0], [0.0; 3]);
+        lie(&mut wandering, 10);
+        assert!(is_about(&wandering, 1.1), "{wandering:?}");
     }
 
     #[test]

@@ -45,8 +45,6 @@ struct Node {
     is_displaced: [bool; HANDS],
     leap: Leap,
     wandering: Wandering,
-    /// How it wanders in frames in which a hand is seen and none is hidden that might move it.
-    watched_wandering: Wandering,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
@@ -72,7 +70,6 @@ impl Node {
             is_displaced: [false; HANDS],
             leap: Leap::default(),
             wandering: Wandering::default(),
-            watched_wandering: Wandering::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],

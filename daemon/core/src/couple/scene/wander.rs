@@ -1,8 +1,7 @@
 //! How far objects that lie still seem to move, by errors that last.
 
 use super::super::interaction::Interaction;
-use super::super::poses::Source;
-use super::{Scene, squared_distance};
+use super::Scene;
 
 impl Scene {
     /// While no hand acts on anything, nothing moves.
@@ -11,19 +10,13 @@ impl Scene {
         self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
         let persist = self.method.persist_frames;
         if self.idle_frames <= persist.into() {
+            self.objects.iter_mut().for_each(|node| node.wandering.begin());
             return;
         }
-        let sources = self.hands.each_ref().map(|hand| hand.ago(age).source);
-        let is_watched = sources.contains(&Source::Seen)
-            && sources.iter().all(|source| matches!(source, Source::Seen | Source::Never));
         for object in 0..self.objects.len() {
             let before = self.seen_object(object, age + usize::from(persist));
             if let Some((now, before)) = self.seen_object(object, age).zip(before) {
-                let (node, square) = (&mut self.objects[object], squared_distance(now, before));
-                node.wandering.push(square);
-                if is_watched {
-                    node.watched_wandering.push(square);
-                }
+                self.objects[object].wandering.push(now, before);
             }
         }
     }
@@ -31,9 +24,7 @@ impl Scene {
     /// How far apart two positions of an object, or of one in the frame of reference of another, may be by errors that last, in metres. Finger tips
     /// err at least as much.
     pub(super) fn pair_wanders_m(&self, j: usize, l: Option<usize>) -> f32 {
-        let wanders_m =
-            |object: usize| self.objects[object].watched_wandering.apart_by_chance_m().unwrap_or_default();
-        libm::hypotf(wanders_m(j), l.map_or(0.0, wanders_m))
+        libm::hypotf(self.wanders_m(j), l.map_or(0.0, |l| self.wanders_m(l)))
     }
 
     /// How far an object that lies still seems to move at most while a change is believed, in metres; 0 where that is not known.
