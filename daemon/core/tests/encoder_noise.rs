@@ -217,6 +217,23 @@ fn a_hand_that_rests_at_what_it_has_put_down_makes_no_strokes_by_the_errors_of_i
 }
 
 #[test]
+fn a_hand_that_has_carried_something_with_the_other_one_does_not_leap_where_they_put_it_down() {
+    for seed in 0..50 {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+        bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
+        bench.go([0.0, 0.25], 30).rest(30).let_go(Side::Right).go([0.0, -0.3], 20).rest(30);
+        // The other hand is ahead, and this one comes up with it while they put it down.
+        for frame in 95..135 {
+            let ahead_m = 0.035 * ((frame - 95) as f32 / 40.0 * std::f32::consts::PI).sin();
+            bench.frames[frame].objects[0].position[1] += ahead_m;
+        }
+        let frames = with_errors(&bench, [0.001, 0.0007], 0.0, seed);
+        let reversals = reversals(&encode(&bench.ids(), &frames));
+        assert!(reversals == [0] || reversals == [1], "{reversals:?}, seed {seed}");
+    }
+}
+
+#[test]
 fn a_part_that_is_held_still_at_another_makes_no_strokes_by_errors_that_last() {
     let makes_strokes = |seed: u32| {
         let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.1])]);

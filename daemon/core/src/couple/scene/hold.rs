@@ -7,7 +7,7 @@ use super::{Interaction, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::input::Point;
 
-/// The place is a running mean of about as many frames, in which they moved together.
+/// The place is the mean of as many frames, the first ones in which the object rests.
 const MEAN_FRAMES: u16 = 10;
 
 /// Where a hand holds an object that has moved with it: the centre of the finger tips in the frame of reference of the object.
@@ -15,31 +15,25 @@ const MEAN_FRAMES: u16 = 10;
 pub(super) struct Hold {
     object: usize,
     at: Point,
+    /// How many frames it is the mean of.
     frames: u16,
-    /// The object does not move now, as far as that is known.
-    rests: bool,
+    moves: bool,
 }
 
 impl Hold {
-    /// One that has just begun.
-    fn new(object: usize, at: Point) -> Self {
-        Self { object, at, frames: 1, rests: false }
-    }
-
-    /// One frame later. While the object rests, it is held where it was; where it is not known whether it moves, nothing changes.
-    fn next(self, at: Point, has_moved: Option<bool>) -> Self {
-        match has_moved {
-            Some(true) => {
-                let frames = (self.frames + 1).min(MEAN_FRAMES);
-                let change = subtract(at, self.at).map(|change| change / f32::from(frames));
-                Self { at: add(self.at, change), frames, rests: false, ..self }
-            }
-            Some(false) => Self { rests: true, ..self },
-            None => self,
+    /// One frame later, in which the object rests and is held here. Where it has moved in the hand by `moved_m` before that, as one that two
+    /// hands carry does, the place begins anew where the hand is seen, so that the hand does not seem to leap.
+    fn rest(self, at: Point, moved_m: f32) -> Self {
+        let has_slipped = self.moves && squared_distance(at, self.at) >= moved_m * moved_m;
+        let known = if has_slipped { 0 } else { self.frames };
+        if known == MEAN_FRAMES {
+            return Self { moves: false, ..self };
         }
+        let change = subtract(at, self.at).map(|change| change / f32::from(known + 1));
+        Self { at: add(self.at, change), frames: known + 1, moves: false, ..self }
     }
 
-    /// Where the hand acts on the bench; `None` if it is seen farther away than `max_m` from where it would hold the object.
+    /// Where the hand acts on the bench while the object rests; `None` if it is seen farther away than `max_m` from where it would hold it.
     fn acts_at(&self, hand: &HandPose, object: &ObjectPose, max_m: f32) -> Option<Point> {
         let at = add(object.position, rotated(self.at, object.orientation));
         (squared_distance(at, hand.grip()) < max_m * max_m).then_some(at)
@@ -47,29 +41,37 @@ impl Hold {
 }
 
 impl Scene {
-    /// Places the hands at what they have moved and what rests now. While it moves, how the hand is seen to move counts.
+    /// Places the hands at what they have moved and what rests now. While it moves, how the hand is seen to move counts, and so it does once the
+    /// hand has moved away.
     pub(super) fn place_hands(&mut self, gripped: [Option<usize>; HANDS]) {
         for (hand, gripped) in gripped.into_iter().enumerate() {
             self.holds[hand] = self.hold(hand, gripped);
-            if let Some(hold) = self.holds[hand].filter(|hold| hold.rests)
+            if let Some(hold) = self.holds[hand].filter(|hold| !hold.moves)
                 && let Some((pose, object)) = self.both_seen(hand, hold.object)
             {
                 let held_at = hold.acts_at(&pose, &object, self.method.hand_contact.on_m);
+                self.holds[hand] = held_at.map(|_| hold);
                 self.hands[hand].revise(1, |pose| pose.held_at = held_at);
             }
         }
     }
 
-    /// Where the hand holds what it acts on, if that has moved with it.
+    /// Where the hand holds what it acts on, if that has moved with it. Where it is not known whether it moves, nothing changes.
     fn hold(&self, hand: usize, gripped: Option<usize>) -> Option<Hold> {
         let Interaction::Acts { j: object, .. } = self.interactions[hand] else { return None };
         let before = self.holds[hand].filter(|hold| hold.object == object);
         let Some((pose, seen)) = self.both_seen(hand, object).filter(|_| gripped == Some(object)) else {
             return before;
         };
-        let (at, has_moved) = (seen.own(pose.grip()), self.has_moved(object));
-        let begins = has_moved == Some(true);
-        before.map(|hold| hold.next(at, has_moved)).or_else(|| begins.then(|| Hold::new(object, at)))
+        let at = seen.own(pose.grip());
+        match self.has_moved(object) {
+            Some(true) => {
+                let new = Hold { object, at, frames: 0, moves: true };
+                Some(before.map_or(new, |hold| Hold { moves: true, ..hold }))
+            }
+            Some(false) => before.map(|hold| hold.rest(at, self.moved_m())),
+            None => before,
+        }
     }
 
     /// The newest poses of a hand and an object, if both were seen.
