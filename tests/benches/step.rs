@@ -54,6 +54,7 @@ fn measure(name: &str, alike: bool) -> serde_json::Value {
         rests: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
+        has_free_ends: true,
         min_captured: 0.0,
     };
     let shapes: Vec<ObjectShape> = (1..=OBJECTS as u16).map(shape).collect();

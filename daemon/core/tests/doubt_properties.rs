@@ -72,6 +72,7 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
         rests: &[],
         cost,
         max_slowdown: 2.0,
+        has_free_ends: false,
         min_captured: 0.0,
     }
 });

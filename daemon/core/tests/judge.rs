@@ -11,7 +11,9 @@ use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
-use common::work::{IN_ORDER, POLISH_OK, expect, forgiving, judged, measure, polish, polish_and_measure};
+use common::work::{
+    IN_ORDER, POLISH_OK, expect, forgiving, judged, measure, polish, polish_and_measure, with_free_ends,
+};
 
 #[test]
 fn a_job_done_as_taught_is_right_as_soon_as_it_is_complete() {
@@ -197,6 +199,26 @@ fn an_iu_longer_than_its_reference_may_be_farther_from_it() {
     assert_eq!(outcome(&job, 45), (Outcome::Ok, Some(4.5)));
     let as_in_the_paper = Job { max_slowdown: 1.0, ..job };
     assert_eq!(outcome(&as_in_the_paper, 45), (Outcome::Anomaly, Some(3.0)));
+}
+
+#[test]
+fn how_long_a_hand_rests_at_either_end_of_an_iu_is_not_its_motion() {
+    let carried = |before: usize, after: usize| {
+        let [rest_before, rest_after] = [before, after].map(|frames| part([1, 5, 0, 0], frames, Still));
+        [rest_before, part([1, 5, 0, 0], 30, Toward(3)), rest_after, idle(20)]
+    };
+    let job = teach(&[&carried(12, 12)]);
+    let outcome = |job: &Job<'_>, parts: &[Part]| judged(job, &stream(parts, &[]))[0].outcome;
+    assert_eq!(outcome(&job, &carried(0, 0)), Outcome::Anomaly);
+    assert_eq!(outcome(&job, &carried(24, 0)), Outcome::Anomaly);
+    let job = with_free_ends(job);
+    for (before, after) in [(0, 0), (24, 0), (0, 24)] {
+        assert_eq!(outcome(&job, &carried(before, after)), Outcome::Ok, "{before} and {after} frames");
+    }
+    // A rest between two motions is one.
+    let [rest, there, ..] = carried(12, 12);
+    let halved = Part { frames: 15, ..there };
+    assert_eq!(outcome(&job, &[halved, rest, halved, idle(20)]), Outcome::Anomaly);
 }
 
 #[test]

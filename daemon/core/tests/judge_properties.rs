@@ -10,6 +10,7 @@ use andon_core::input::Side;
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Note, Outcome, Reason, Verdict};
 use common::script::{Motions, Part, Still, Strokes, Toward, idle, ius, part, stream, teach};
+use common::work::with_free_ends;
 use proptest::prelude::*;
 
 /// Three activities; two of them begin alike.
@@ -38,6 +39,16 @@ fn job() -> Job<'static> {
         })
         .collect();
     Job { activities: activities.leak(), laws: &[Law { is_once: true, ..Law::FREE }; 3], ..taught }
+}
+
+fn job_with(has_free_ends: bool) -> Job<'static> {
+    if has_free_ends { with_free_ends(job()) } else { job() }
+}
+
+/// The motions of an IU as they are compared.
+fn compared(motions: Vec<Motion>, context: Context, job: &Job<'_>) -> Vec<Motion> {
+    let rest = [Motion::at_rest(context)];
+    if job.has_free_ends { [&rest, motions.as_slice(), &rest].concat() } else { motions }
 }
 
 /// What can go wrong in an activity. Indices are taken modulo the number of parts.
@@ -138,13 +149,14 @@ mod oracle {
     /// The compared properties of an IU that has ended.
     pub(super) struct Seen {
         pub(super) context: Context,
+        /// As it is compared.
         pub(super) motions: Vec<Motion>,
+        pub(super) frames: u32,
         pub(super) reversals: u32,
     }
 
     pub(super) fn is_similar(seen: &Seen, nominal: &NominalIu<'_>) -> bool {
-        let frames = seen.motions.len() as u32;
-        let within = (nominal.frames.min..=nominal.frames.max).contains(&frames)
+        let within = (nominal.frames.min..=nominal.frames.max).contains(&seen.frames)
             && (nominal.reversals.min..=nominal.reversals.max).contains(&seen.reversals);
         let motion = || within && dtw(&seen.motions, nominal.reference) <= f64::from(nominal.threshold);
         // A release state has no motion of a hand.
@@ -189,8 +201,8 @@ proptest! {
 
     /// The judge decides as early as it can; Algorithm 1, which knows the whole IUs, decides the same.
     #[test]
-    fn no_early_verdict_is_contradicted_by_algorithm_1_on_whole_ius(work in work()) {
-        let job = job();
+    fn no_early_verdict_is_contradicted_by_algorithm_1_on_whole_ius(work in work(), has_free_ends: bool) {
+        let job = job_with(has_free_ends);
         let verdicts = judged(&job, &stream(&work, &[]));
         let mut seen = ius(Side::Right, &work).into_iter().peekable();
         let mut done = Vec::new();
@@ -203,7 +215,8 @@ proptest! {
             for verdict in &ius {
                 let (iu, motions) = seen.next().unwrap();
                 prop_assert_eq!((verdict.began_ns, verdict.context), (iu.began_ns, iu.context));
-                whole.push(oracle::Seen { context: iu.context, motions, reversals: iu.measures.reversals });
+                let (context, reversals, frames) = (iu.context, iu.measures.reversals, motions.len() as u32);
+                whole.push(oracle::Seen { context, motions: compared(motions, context, &job), frames, reversals });
             }
             if activity.note == Some(Note::Step) {
                 let opening = |ius: &[NominalIu<'_>]| [ius[0].context.0[0], ius[0].context.0[1]];
@@ -224,17 +237,18 @@ proptest! {
     }
 
     #[test]
-    fn the_distance_of_a_verdict_is_that_to_the_nearest_nominal_iu(work in work()) {
-        let job = job();
+    fn the_distance_of_a_verdict_is_that_to_the_nearest_nominal_iu(work in work(), has_free_ends: bool) {
+        let job = job_with(has_free_ends);
         let whole = ius(Side::Right, &work);
         for verdict in judged(&job, &stream(&work, &[])) {
             let (Some(distance), Outcome::Ok) = (verdict.distance, verdict.outcome) else { continue };
-            let (_, motions) = whole.iter().find(|(iu, _)| iu.began_ns == verdict.began_ns).unwrap();
+            let (iu, motions) = whole.iter().find(|(iu, _)| iu.began_ns == verdict.began_ns).unwrap();
+            let motions = compared(motions.clone(), iu.context, &job);
             let of_nearest = job.activities.iter().filter(|nominal| Some(nominal.activity) == verdict.nearest);
             let distances: Vec<f64> = of_nearest
                 .flat_map(|nominal| nominal.ius)
                 .filter(|iu| iu.context == verdict.context)
-                .map(|iu| oracle::dtw(motions, iu.reference))
+                .map(|iu| oracle::dtw(&motions, iu.reference))
                 .collect();
             let near = |exact: &f64| (f64::from(distance) - exact).abs() <= 1e-5 * exact + 1e-6;
             prop_assert!(distances.iter().any(near), "{} {:?}", distance, distances);

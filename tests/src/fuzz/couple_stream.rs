@@ -45,7 +45,9 @@ pub fn couple_stream(bytes: &[u8]) {
     let laws: Vec<Law> = (0..input.below(4)).map(|_| law(&mut input)).collect();
     let max_slowdown = 1.0 + input.below(3) as f32;
     let min_captured = input.below(3) as f32 / 2.0;
-    let job = Job { activities: &activities, laws: &laws, rests: &[6], cost, max_slowdown, min_captured };
+    let has_free_ends = input.below(2) == 0;
+    let (activities, laws) = (&activities, &laws);
+    let job = Job { activities, laws, rests: &[6], cost, max_slowdown, has_free_ends, min_captured };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {

@@ -227,7 +227,7 @@ fn without_points_the_ladder_of_rules_begins_with_meetings_from_the_runs() {
     let rules = Variation::ladder_with_meetings(method.bins);
     let outcomes = experiment_2(&all, &method, &rules, &[Split::Random], 1, &mut |_| {}).unwrap();
     let untaught: Vec<u32> = outcomes.iter().map(|outcome| outcome.untaught).collect();
-    assert_eq!(untaught, [[10; 2].as_slice(), &[0; 9]].concat());
+    assert_eq!(untaught, [[10; 2].as_slice(), &[0; 10]].concat());
     let default = outcomes.last().unwrap();
     assert!(default.correct_jobs_ok >= 27, "{} of 30", default.correct_jobs_ok);
     assert_eq!(default.flawed_jobs_found, 180);

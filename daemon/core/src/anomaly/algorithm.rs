@@ -339,7 +339,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             let activity = self.activity.as_ref();
             let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
-            if self.may_pass(extent) && next.is_some_and(|next| !goes_on(next)) {
+            let may_pass = self.may_pass(extent) && next.is_some_and(|next| !goes_on(next));
+            if self.comparisons.end().is_err() {
+                self.conclude_unjudged(Reason::Overload.into(), progress, emit);
+            } else if may_pass {
                 self.conclude_passing(progress, emit);
             } else {
                 self.decide_by_motion(extent, progress, emit);

@@ -74,8 +74,16 @@ pub(super) struct Comparisons<'a, M> {
     comparisons: Vec<Comparison<'a>, ACTIVITIES>,
     /// One for each comparison in the same order, then unused ones. They are made once, because their rows are long.
     distances: M,
+    rules: Rules,
+}
+
+/// What all comparisons of a job share.
+#[derive(Clone, Copy, Debug)]
+struct Rules {
     /// [`Job::max_slowdown`].
     max_slowdown: f32,
+    /// [`Job::has_free_ends`].
+    has_free_ends: bool,
     /// The frame rate of the grid.
     rate_hz: f32,
 }
@@ -87,7 +95,8 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         let touch = job.activities.iter().flat_map(|nominal| nominal.ius).find(|iu| iu.context.is_touch());
         let spare = touch.and_then(|iu| OnlineDtw::new(&costs, iu.reference).ok());
         let distances = spare.iter().cycle().take(needed(job)).cloned().collect();
-        Self { comparisons: Vec::new(), distances, max_slowdown: job.max_slowdown, rate_hz }
+        let rules = Rules { max_slowdown: job.max_slowdown, has_free_ends: job.has_free_ends, rate_hz };
+        Self { comparisons: Vec::new(), distances, rules }
     }
 
     pub(super) fn clear(&mut self) {
@@ -100,7 +109,11 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
 
     /// Whether the two parts of the open IU were shown to be at rest beside each other.
     pub(super) fn were_shown_at_rest(&self) -> bool {
-        let rests = |comparison: &Comparison<'_>| comparison.iu.reference.iter().any(Motion::is_pair_at_rest);
+        let rests = |comparison: &Comparison<'_>| {
+            let (reference, ends) = (comparison.iu.reference, usize::from(self.rules.has_free_ends));
+            let shown = reference.get(ends..reference.len().saturating_sub(ends));
+            shown.is_some_and(|shown| shown.iter().any(Motion::is_pair_at_rest))
+        };
         !self.comparisons.is_empty() && self.comparisons.iter().all(rests)
     }
 
@@ -112,6 +125,10 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         if let Some(distance) = self.distances.as_mut().get_mut(self.comparisons.len()) {
             // The lengths were checked when the judge was made, so this does not fail.
             if distance.begin(iu.reference).is_ok() {
+                // There is room for a first frame.
+                if self.rules.has_free_ends {
+                    let _ = distance.append(&Motion::at_rest(iu.context));
+                }
                 let _ = self.comparisons.push(Comparison { nominal, iu, is_unique, is_lost: false });
             }
         }
@@ -130,6 +147,16 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         open.map(|(_, distance)| distance).try_for_each(|distance| distance.append(motion))
     }
 
+    /// The IU has ended.
+    ///
+    /// # Errors
+    /// As [`append`](Self::append).
+    pub(super) fn end(&mut self) -> Result<(), Refused> {
+        let context = self.comparisons.first().map(|comparison| comparison.iu.context);
+        let rest = context.map(Motion::at_rest).filter(|_| self.rules.has_free_ends);
+        rest.map_or(Ok(()), |rest| self.append(&rest))
+    }
+
     /// Takes any number of frames of which nothing is known.
     pub(super) fn append_unknown(&mut self) {
         let open = self.comparisons.iter().zip(self.distances.as_mut());
@@ -139,20 +166,18 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
 
     /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
     pub(super) fn all_lost(&mut self, extent: Extent) -> bool {
-        let scale = (self.max_slowdown, self.rate_hz);
         for (comparison, distance) in self.comparisons.iter_mut().zip(self.distances.as_ref()) {
-            comparison.is_lost |= result(comparison, distance, extent, scale).reason != Reason::None;
+            comparison.is_lost |= result(comparison, distance, extent, self.rules).reason != Reason::None;
         }
         self.comparisons.iter().all(|comparison| comparison.is_lost)
     }
 
     /// The results of all comparisons.
     pub(super) fn results(&self, extent: Extent) -> impl Iterator<Item = ComparisonResult> {
-        let scale = (self.max_slowdown, self.rate_hz);
         self.comparisons
             .iter()
             .zip(self.distances.as_ref())
-            .map(move |(comparison, distance)| result(comparison, distance, extent, scale))
+            .map(move |(comparison, distance)| result(comparison, distance, extent, self.rules))
     }
 
     /// The nearest result of those that are right, or of all if none is.
@@ -169,14 +194,15 @@ fn result(
     comparison: &Comparison<'_>,
     dtw: &OnlineDtw<'_>,
     extent: Extent,
-    (max_slowdown, rate_hz): (f32, f32),
+    rules: Rules,
 ) -> ComparisonResult {
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
     let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
     // An open IU may still become as slow as the bounds allow.
     let length = if extent.ended { extent.worked_frames() } else { frames.max };
-    let threshold = threshold * slowdown_factor(length, reference.len(), max_slowdown);
+    let length = length.saturating_add(2 * u32::from(rules.has_free_ends));
+    let threshold = threshold * slowdown_factor(length, reference.len(), rules.max_slowdown);
     let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {
         Some((reason, _)) => reason,
         None if distance > f64::from(threshold) => Reason::Motion,
@@ -192,6 +218,6 @@ fn result(
         if is_certain { (possible, max) } else { (extent.broken(comparison.iu, false), threshold) };
     let reason = reason_of(broken, max);
     let is_doubtful = !is_certain && reason != Reason::None || extent.explains(reason, comparison.is_unique);
-    let measured = broken.and_then(|broken| extent.measured(comparison.iu, broken, rate_hz));
+    let measured = broken.and_then(|broken| extent.measured(comparison.iu, broken, rules.rate_hz));
     ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, measured, is_doubtful }
 }

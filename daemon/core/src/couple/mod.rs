@@ -25,6 +25,11 @@ use crate::set::ActivitySet;
 pub struct Motion(pub [i8; 7]);
 
 impl Motion {
+    /// That of a hand that rests in this context, in which everything rests with it.
+    pub fn at_rest(context: Context) -> Self {
+        Self([0, 0, 0, 1, 0, 0, context.is_pair().into()])
+    }
+
     /// Whether `o_j` is at rest on the bench, where there is an `o_l`.
     pub fn is_pair_at_rest(&self) -> bool {
         self.0[4..6] == [0, 0]

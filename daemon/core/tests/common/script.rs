@@ -172,6 +172,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
         rests: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
+        has_free_ends: false,
         min_captured: 0.0,
     }
 }

@@ -4,7 +4,7 @@ use super::bench::PERIOD_NS;
 use super::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
 use andon_core::anomaly::{Event, Judge};
 use andon_core::config::Method;
-use andon_core::couple::Couples;
+use andon_core::couple::{Couples, Motion};
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Verdict};
@@ -45,6 +45,20 @@ pub(crate) fn forgiving(job: Job<'static>) -> Job<'static> {
     let activities: Vec<_> =
         job.activities.iter().map(|nominal| NominalActivity { ius: ius(nominal), ..*nominal }).collect();
     Job { activities: activities.leak(), ..job }
+}
+
+/// The same job, in which it does not matter how long a hand rests at either end of an IU.
+pub(crate) fn with_free_ends(job: Job<'static>) -> Job<'static> {
+    let iu = |iu: &NominalIu<'static>| {
+        let rest = [Motion::at_rest(iu.context)];
+        NominalIu { reference: [&rest, iu.reference, &rest].concat().leak(), ..*iu }
+    };
+    let activity = |nominal: &NominalActivity<'static>| NominalActivity {
+        ius: nominal.ius.iter().map(iu).collect::<Vec<_>>().leak(),
+        ..*nominal
+    };
+    let activities: Vec<_> = job.activities.iter().map(activity).collect();
+    Job { activities: activities.leak(), has_free_ends: true, ..job }
 }
 
 pub(crate) fn judged(job: &Job<'_>, couples: &[Couples]) -> Vec<Verdict> {

@@ -98,6 +98,7 @@ fn nominal(
     }
     let options = TeachOptions {
         cost,
+        has_free_ends: false,
         measure_rate: false,
         examine_runs: false,
         find_meetings: false,

@@ -74,8 +74,8 @@ impl Training {
 
     /// The job that these rules teach, where hands and objects meet as the runs are encoded.
     fn teach(&mut self, rules: &Variation) -> Result<JobFile, TeachError> {
-        let Variation { cost, max_slowdown, rule, bounds, .. } = *rules;
-        let options = TeachOptions { cost, max_slowdown, rule, bounds, ..self.options() };
+        let Variation { cost, max_slowdown, has_free_ends, rule, bounds, .. } = *rules;
+        let options = TeachOptions { cost, max_slowdown, has_free_ends, rule, bounds, ..self.options() };
         teach_again(&self.runs, &options, &mut self.memory)
     }
 

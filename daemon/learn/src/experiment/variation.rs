@@ -18,6 +18,8 @@ pub struct Variation {
     pub(super) cost: LocalCost,
     /// The job's [`max_slowdown`](andon_core::job::Job::max_slowdown).
     pub(super) max_slowdown: f32,
+    /// The job's [`has_free_ends`](andon_core::job::Job::has_free_ends).
+    pub(super) has_free_ends: bool,
     /// How thresholds are chosen.
     pub(super) rule: ThresholdRule,
     /// How bounds are chosen.
@@ -34,6 +36,7 @@ impl Variation {
             finds_meetings: false,
             cost: LocalCost::Normalised { bins },
             max_slowdown: 1.0,
+            has_free_ends: false,
             rule: ThresholdRule::PAPER,
             bounds: BoundsRule::NONE,
         }
@@ -59,10 +62,11 @@ impl Variation {
             ..circular.clone()
         };
         let borders = Self { name: "+ slack at borders", rule: ThresholdRule::default(), ..wider.clone() };
+        let ends = Self { name: "+ any rest at the ends", has_free_ends: true, ..borders.clone() };
         let measures = Self {
             name: "+ bounds of measures",
             bounds: BoundsRule { false_alarms: bounds.false_alarms, ..BoundsRule::NONE },
-            ..borders.clone()
+            ..ends.clone()
         };
         let duration = Self { name: "+ bounds of duration", bounds, ..measures.clone() };
         let default = Self {
@@ -70,7 +74,9 @@ impl Variation {
             max_slowdown: TeachOptions::DEFAULT_MAX_SLOWDOWN,
             ..duration.clone()
         };
-        vec![unfiltered, paper, ordinal, left_out, circular, wider, borders, measures, duration, default]
+        vec![
+            unfiltered, paper, ordinal, left_out, circular, wider, borders, ends, measures, duration, default,
+        ]
     }
 
     /// The same [`ladder`](Self::ladder) with one more step behind the paper's rules: hands and objects meet where the runs show it.

@@ -157,6 +157,8 @@ pub struct JobFile {
     pub cost: LocalCost,
     /// The job's [`max_slowdown`](Job::max_slowdown), 1 or more.
     pub max_slowdown: f32,
+    /// The job's [`has_free_ends`](Job::has_free_ends).
+    pub has_free_ends: bool,
     /// How many frames per second must be processed for the job to be judged; 0 where that was not measured.
     pub min_rate_hz: f32,
     /// The constants that the job was taught with and must be judged with.
@@ -187,7 +189,7 @@ impl JobFile {
             .map(|(taught, ius)| NominalActivity { activity: taught.activity, ius })
             .collect();
         let laws: Vec<Law> = self.steps.iter().map(TaughtStep::law).collect();
-        let Self { cost, max_slowdown, .. } = *self;
+        let Self { cost, max_slowdown, has_free_ends, .. } = *self;
         let min_captured = self.min_rate_hz / self.method.rate_hz;
         judge(&Job {
             activities: &activities,
@@ -195,6 +197,7 @@ impl JobFile {
             rests: &self.rests,
             cost,
             max_slowdown,
+            has_free_ends,
             min_captured,
         })
     }

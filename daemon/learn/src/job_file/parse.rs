@@ -118,6 +118,9 @@ struct MethodText {
     /// A file without this key was taught without it.
     #[serde(default = "no_slowdown")]
     max_slowdown: f32,
+    /// A file without this key was taught without it.
+    #[serde(default)]
+    free_ends: bool,
     rate_hz: f32,
     bins: u8,
     hand_contact: ContactText,
@@ -299,6 +302,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         steps: text.step.into_iter().map(step_of).collect(),
         cost,
         max_slowdown: text.method.max_slowdown,
+        has_free_ends: text.method.free_ends,
         min_rate_hz: text.min_rate_hz,
         objects: objects.collect::<Result<_, _>>()?,
         activities: activities.collect::<Result<_, _>>()?,

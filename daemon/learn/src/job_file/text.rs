@@ -119,6 +119,10 @@ impl JobFile {
             "# A threshold grows with the duration of the IU, up to this many times the duration of the reference."
         );
         line!(text, "max_slowdown = {:?}", self.max_slowdown);
+        if self.has_free_ends {
+            line!(text, "# A rest is put before and after each motion, as it is in the references.");
+            line!(text, "free_ends = true");
+        }
         line!(text, "rate_hz = {:?}\nbins = {}", method.rate_hz, method.bins);
         for (name, contact) in [("hand", method.hand_contact), ("object", method.object_contact)] {
             line!(text, "{name}_contact = {{ on_m = {:?}, off_m = {:?} }}", contact.on_m, contact.off_m);

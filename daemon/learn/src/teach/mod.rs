@@ -54,7 +54,7 @@ use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use std::borrow::Cow;
 pub(crate) use threshold::Memory;
-use threshold::learn;
+use threshold::{compared, learn};
 use trust::{doubts_of, too_few_frames, without_copies};
 
 /// Teaches a job from correct runs of it.
@@ -144,7 +144,7 @@ fn teach_different(
     }
     check_capacities(&agreement)?;
     let people = People::of(runs, &agreement, options.method.rate_hz);
-    memory.prepare(options.cost);
+    memory.prepare(options.cost, options.has_free_ends);
     let mut teacher = Teacher {
         runs,
         options,
@@ -249,6 +249,7 @@ fn job_file(
         steps: relation::steps(runs, agreement, options),
         cost: options.cost,
         max_slowdown: options.max_slowdown,
+        has_free_ends: options.has_free_ends,
         min_rate_hz: 0.0,
         method: options.method,
         objects: start::found(runs, agreement, options.method.space),
@@ -306,7 +307,8 @@ impl Teacher<'_> {
         }
         self.check_lengths(sequence, index, &shown)?;
         let shown: Vec<&Iu> = shown.into_iter().map(|(_, iu)| iu).collect();
-        let motions: Vec<&[Motion]> = shown.iter().map(|iu| iu.motion.as_slice()).collect();
+        let motions: Vec<Cow<'_, [Motion]>> = shown.iter().map(|iu| compared(iu, self.options)).collect();
+        let motions: Vec<&[Motion]> = motions.iter().map(|motion| &**motion).collect();
         let TeachOptions { rule, max_slowdown, method, .. } = self.options;
         let leave_out = !matches!(rule, ThresholdRule::Paper { .. });
         let learned = self

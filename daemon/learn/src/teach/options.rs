@@ -26,6 +26,8 @@ pub struct TeachOptions {
     pub cost: LocalCost,
     /// The job's [`max_slowdown`](andon_core::job::Job::max_slowdown), 1 or more.
     pub max_slowdown: f32,
+    /// The job's [`has_free_ends`](andon_core::job::Job::has_free_ends).
+    pub has_free_ends: bool,
     /// How thresholds are chosen.
     pub rule: ThresholdRule,
     /// How bounds are chosen.
@@ -60,6 +62,7 @@ impl TeachOptions {
             cost: LocalCost::Circular { bins: method.bins },
             method,
             max_slowdown: Self::DEFAULT_MAX_SLOWDOWN,
+            has_free_ends: true,
             rule: ThresholdRule::default(),
             bounds: BoundsRule::default(),
             strictness: Strictness::default(),
@@ -79,6 +82,7 @@ impl TeachOptions {
             id: job.id,
             cost: job.cost,
             max_slowdown: job.max_slowdown,
+            has_free_ends: job.has_free_ends,
             rule: from.rule,
             bounds: from.bounds,
             strictness: from.strictness.unwrap_or_default(),

@@ -1,13 +1,16 @@
 //! From the demonstrations of an IU to its barycentre and threshold.
 
+use super::options::TeachOptions;
 use super::people::People;
 use crate::barycentre::Barycentres;
 use crate::rule::ThresholdRule;
+use crate::run::Iu;
 use crate::statistics::{deviation, mean, variance_of_one_more};
 use crate::warp::Warp;
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
 use andon_core::job::{LocalCost, slowdown_factor};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
@@ -67,18 +70,30 @@ pub(super) fn learn(
     Ok(Learned { reference, frames, own, left_out })
 }
 
+/// The motion of an IU as it is compared: with free ends, at rest before and after what the hand does. Release states have none.
+pub(super) fn compared<'a>(iu: &'a Iu, options: &TeachOptions) -> Cow<'a, [Motion]> {
+    if options.has_free_ends && iu.context.is_touch() {
+        let rest = [Motion::at_rest(iu.context)];
+        Cow::Owned([&rest, iu.motion.as_slice(), &rest].concat())
+    } else {
+        Cow::Borrowed(&iu.motion)
+    }
+}
+
 /// What was learned from the same runs under the same local cost, to teach them with other rules.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Memory {
-    cost: Option<LocalCost>,
+    /// The local cost, and whether motions have free ends.
+    rules: Option<(LocalCost, bool)>,
     /// By the number of the nominal sequence and that of the IU in it.
     learned: BTreeMap<(usize, usize), Learned>,
 }
 
 impl Memory {
-    /// Forgets what was learned under another local cost.
-    pub(super) fn prepare(&mut self, cost: LocalCost) {
-        if self.cost.replace(cost) != Some(cost) {
+    /// Forgets what was learned under another local cost, or with other ends of motions.
+    pub(super) fn prepare(&mut self, cost: LocalCost, has_free_ends: bool) {
+        let rules = Some((cost, has_free_ends));
+        if std::mem::replace(&mut self.rules, rules) != rules {
             self.learned.clear();
         }
     }
