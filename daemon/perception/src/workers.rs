@@ -11,8 +11,7 @@ impl Workers {
     /// # Errors
     /// [`PerceptionError::Threads`] when the system refuses the threads; [`PerceptionError::OpenCv`].
     pub(crate) fn new(config: &ThreadsConfig) -> Result<Self, PerceptionError> {
-        // OpenCV would divide each step among threads of its own, which wait for the next one by asking for it again and again.
-        opencv::core::set_num_threads(1).map_err(while_doing("setting the number of its threads"))?;
+        keep_opencv_to_one_thread()?;
         Ok(Self(if config.count > 1 { Some(pool("look", config.count - 1)?) } else { None }))
     }
 
@@ -32,6 +31,15 @@ impl Workers {
         // The scope has waited for it, and would have passed its panic on.
         (first, done.expect("the second part has ended with its scope"))
     }
+}
+
+/// Keeps OpenCV from dividing each step among threads of its own, which wait for the next one by asking for it again and again, and once in many
+/// thousand times for ever.
+///
+/// # Errors
+/// [`PerceptionError::OpenCv`].
+pub(crate) fn keep_opencv_to_one_thread() -> Result<(), PerceptionError> {
+    opencv::core::set_num_threads(1).map_err(while_doing("setting the number of its threads"))
 }
 
 /// A thread for what may take longer than a frame. It has the priority of the others: no role of a station may change its own.

@@ -19,6 +19,9 @@ use shm_schemas::RoleId;
 
 fn main() -> ExitCode {
     exit::exit_on_panic();
+    if let Err(error) = opencv::core::set_num_threads(1) {
+        eprintln!("OpenCV keeps threads of its own, which wait busily: {error}");
+    }
     match Cli::try_parse() {
         Ok(Cli { command: Command::Run(run), .. }) => return run_capture(&run),
         Ok(Cli { command: Command::Check(check), .. }) => return check_source(&check),

@@ -239,6 +239,7 @@ impl Grid {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::workers::keep_opencv_to_one_thread;
 
     const WIDTH: usize = 640;
     const HEIGHT: usize = 480;
@@ -248,6 +249,7 @@ mod tests {
     }
 
     fn cropped(image: &ImageView<'_>, region: Region, size: usize, border: Border) -> Vec<f32> {
+        keep_opencv_to_one_thread().unwrap();
         let mut tensor = vec![f32::NAN; size * size * 3];
         Cropper::default().crop(image, region, size, border, &mut tensor).unwrap();
         tensor

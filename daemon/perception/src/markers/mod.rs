@@ -12,6 +12,7 @@ use crate::error::{PerceptionError, while_doing};
 use crate::image::ImageView;
 use crate::pixel_format::PixelFormat;
 use crate::points::PixelPoint;
+use crate::workers::keep_opencv_to_one_thread;
 use aruco::Reading;
 use detector::Detector;
 use foreign::Foreign;
@@ -61,6 +62,7 @@ impl Markers {
     }
 
     fn with(config: &MarkersConfig, reading: Reading) -> Result<Self, PerceptionError> {
+        keep_opencv_to_one_thread()?;
         Ok(Self {
             detector: Detector::new(config, reading)
                 .map_err(while_doing("setting up the marker detector"))?,
