@@ -233,7 +233,7 @@ fn fewer_than_half_of_the_runs_in_agreement_are_not_trusted() {
 
 #[test]
 fn where_a_run_differs_from_the_others_the_difference_is_named() {
-    let report = taught(&[run(1, Flaw::J2), run(2, Flaw::StepLeftOut)]);
+    let report = taught(&[run(1, Flaw::J2), run(2, Flaw::ActivityLeftOut)]);
     refused(&report);
     assert!(report.to_string().contains("left out was p1: in step"), "{report}");
 }

@@ -217,13 +217,15 @@ impl Run {
         apart.fold(0.0, f32::max)
     }
 
-    /// How far an activity moves the object that it begins with, in metres: no farther than that is seen away from where it is seen first,
-    /// nor than the hand is, in the middle half of the time. A hand that rests at an object which the other one moves does not move it.
+    /// How far an activity moves the object that it begins with, in metres: no farther than that is seen away from where it is at first, nor than
+    /// the hand is, in the middle half of the time. A hand that rests at an object which the other one moves does not move it.
     pub(crate) fn moved_m(&self, activity: &Activity) -> f32 {
         let (Some(first), Some(last)) = (activity.ius.first(), activity.ius.last()) else { return 0.0 };
         let quarter_ns = (last.ended_ns - first.began_ns) / 4;
         let middle = first.began_ns + quarter_ns..=last.ended_ns - quarter_ns;
-        let frames = || self.frames.iter().filter(|frame| middle.contains(&frame.captured_ns));
+        let at_first = self.frames.iter().filter(|frame| frame.captured_ns >= first.began_ns).take(1);
+        let in_the_middle = self.frames.iter().filter(|frame| middle.contains(&frame.captured_ns));
+        let frames = || at_first.clone().chain(in_the_middle.clone());
         let objects = frames().flat_map(|frame| &frame.objects);
         let hands = frames().flat_map(|frame| &frame.hands).filter(|hand| hand.side == activity.side);
         let of_object =
@@ -339,6 +341,50 @@ impl Collector {
             | Event::IuUnmeasured { .. }
             | Event::Eru { .. }
             | Event::JobEnded { .. } => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use std::fmt::Write as _;
+
+    /// A hand takes a part, carries it by 20 cm in half a second, holds it there, and brings it back.
+    fn carried_and_held_s(held_s: f64) -> Run {
+        let mut text = String::from(
+            r#"{"format":"andon.tracks","version":1,"rate_hz":30,"space":"plane","hands":["right","left"],"landmarks":5,"objects":[{"id":7,"name":"cup","interaction_points":[[0,0,0]]}]}"#,
+        );
+        let there_s = 2.0 + held_s;
+        let ends_s = there_s + 2.0;
+        for frame in 0..(30.0 * ends_s) as u32 {
+            let t = f64::from(frame) / 30.0;
+            // The hand comes, takes it after 1 s, and leaves it half a second after it is back.
+            let carried = (2.0 * (t - 1.5)).clamp(0.0, 1.0) - (2.0 * (t - there_s)).clamp(0.0, 1.0);
+            let away = (1.0 - 2.0 * t).max(0.0) + (2.0 * (t - there_s - 1.0)).clamp(0.0, 1.0);
+            let (x, y) = (0.2 * carried, -0.3 * away);
+            let tip = format!("[{x:.4},{y:.4},0]");
+            let (wrist, knuckle) =
+                (format!("[{x:.4},{:.4},0]", y - 0.1), format!("[{x:.4},{:.4},0]", y - 0.05));
+            write!(
+                text,
+                "\n{{\"t\":{t:.5},\"hands\":[{{\"id\":\"right\",\"landmarks\":[{wrist},{tip},{knuckle},{tip},{tip}]}}],\
+                 \"objects\":[{{\"id\":7,\"p\":[{x:.4},0,0],\"q\":[1,0,0,0]}}]}}"
+            )
+            .unwrap();
+        }
+        let recording = crate::recording::read("cup", text.as_bytes()).unwrap();
+        Run::new("cup", "", &recording, &Method::default()).unwrap()
+    }
+
+    #[test]
+    fn what_is_held_elsewhere_for_most_of_the_time_was_moved() {
+        for held_s in [0.2, 1.0, 6.0] {
+            let run = carried_and_held_s(held_s);
+            let [activity] = run.activities.as_slice() else { panic!("{:?}", run.activities) };
+            let moved_m = run.moved_m(activity);
+            assert!((0.15..0.21).contains(&moved_m), "{moved_m} held for {held_s} s");
         }
     }
 }
