@@ -35,6 +35,9 @@ const FEW_WANDERING: f32 = 30.0;
 /// What moves by more than this while a change is believed does not wander, in metres: who sees no better than that sees no touch.
 const MAX_WANDER_M: f32 = 0.03;
 
+/// A second: what an unseen hand moves has come to rest so many frames after it was last seen to move by more than that, or goes on to move.
+const SETTLING: u16 = 30;
+
 /// Who moves a part unseen moves it farther than it wanders: a square counts up to this multiple of their mean.
 const MAX_OF_MEAN: f32 = 9.0;
 
@@ -79,6 +82,8 @@ pub(super) struct Wandering {
     /// What was known when the hands came to rest, and where it lay then.
     before: MeanSquare,
     lay: Option<Point>,
+    /// It has been moved: in as many frames it may still come to rest.
+    settling: u16,
 }
 
 /// The mean of squared distances, and of how many.
@@ -91,7 +96,7 @@ struct MeanSquare {
 impl Wandering {
     /// The hands have come to rest: from now on it lies still.
     pub(super) fn begin(&mut self) {
-        (self.before, self.lay) = (self.known, None);
+        (self.before, self.lay, self.settling) = (self.known, None, 0);
     }
 
     /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change.
@@ -99,7 +104,9 @@ impl Wandering {
         let lay = *self.lay.get_or_insert(before);
         if norm(subtract(now, lay)) > MAX_WANDER_M {
             // A hand moves it that is not seen, and did so perhaps from the beginning.
-            (self.known, self.lay) = (self.before, None);
+            (self.known, self.lay, self.settling) = (self.before, None, SETTLING);
+        } else if self.settling > 0 {
+            self.settling -= 1;
         } else {
             self.known.push(norm(subtract(now, before)));
         }
@@ -172,12 +179,12 @@ mod tests {
                 wandering.push(now, before);
             });
         };
-        // Strokes of 7 cm, and then it is put down.
+        // Strokes of 7 cm, and then it is put down. What goes on with them is not known while it settles.
         for frame in 0..100 {
             let at = |frame: u8| [0.3 + 0.035 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
             wandering.push(at(frame + 5), at(frame));
         }
-        lie(&mut wandering, 9);
+        lie(&mut wandering, usize::from(SETTLING) + 9);
         assert_eq!(wandering.apart_by_chance_m(), None, "too little to tell");
         lie(&mut wandering, 291);
         assert!(is_about(&wandering, 1.1), "{wandering:?}");
