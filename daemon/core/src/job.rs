@@ -189,8 +189,9 @@ pub struct Job<'a> {
     /// acceleration and more rest, so that each of its frames is farther from the reference too. 1 leaves the thresholds as they
     /// are, as in the paper.
     pub max_slowdown: f32,
-    /// Whether each reference begins and ends with a frame [`at_rest`](Motion::at_rest), which is put before and after each motion as well: then it
-    /// does not matter how long the hand rests at either end of an IU. In the paper it does.
+    /// Whether a frame [`at_rest`](Motion::at_rest) was put before and after each motion of a touch from which the references were learnt, and is
+    /// put before and after each that is judged: then a rest at either end of an IU costs nothing. It still counts as time. In the paper it costs
+    /// as much as any other motion.
     pub has_free_ends: bool,
     /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1: with fewer, the motion that
     /// was shown would not be recognised. 0 asks for nothing.

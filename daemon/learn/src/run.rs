@@ -217,20 +217,28 @@ impl Run {
         apart.fold(0.0, f32::max)
     }
 
-    /// How far an activity moves the object that it begins with, in metres: no farther than that is seen away from where it is at first, nor than
-    /// the hand is, in the middle half of the time. A hand that rests at an object which the other one moves does not move it.
+    /// How far an activity moves the object that it begins with, in metres: the lesser of how far the object and the hand get, in the middle half of
+    /// the time, from where each was at first. A hand that rests at an object which the other one moves does not move it.
     pub(crate) fn moved_m(&self, activity: &Activity) -> f32 {
         let (Some(first), Some(last)) = (activity.ius.first(), activity.ius.last()) else { return 0.0 };
         let quarter_ns = (last.ended_ns - first.began_ns) / 4;
         let middle = first.began_ns + quarter_ns..=last.ended_ns - quarter_ns;
-        let at_first = self.frames.iter().filter(|frame| frame.captured_ns >= first.began_ns).take(1);
-        let in_the_middle = self.frames.iter().filter(|frame| middle.contains(&frame.captured_ns));
-        let frames = || at_first.clone().chain(in_the_middle.clone());
-        let objects = frames().flat_map(|frame| &frame.objects);
-        let hands = frames().flat_map(|frame| &frame.hands).filter(|hand| hand.side == activity.side);
-        let of_object =
-            objects.filter(|object| object.id == first.context.0[1]).map(|object| object.position);
-        extent_m(of_object).min(extent_m(hands.map(|hand| hand.middle_knuckle)))
+        let frames = || self.frames.iter().filter(|frame| frame.captured_ns >= first.began_ns);
+        let extent_m = |place: &dyn Fn(&Frame) -> Option<Point>| {
+            let mut seen = frames().filter_map(|frame| Some((frame.captured_ns, place(frame)?)));
+            let at_first = seen.next();
+            let later = seen.filter(|(captured_ns, _)| middle.contains(captured_ns));
+            extent_m(at_first.into_iter().chain(later).map(|(_, place)| place))
+        };
+        let of_object = |frame: &Frame| {
+            let object = frame.objects.iter().find(|object| object.id == first.context.0[1]);
+            object.map(|object| object.position)
+        };
+        let of_hand = |frame: &Frame| {
+            let hand = frame.hands.iter().find(|hand| hand.side == activity.side);
+            hand.map(|hand| hand.middle_knuckle)
+        };
+        extent_m(&of_object).min(extent_m(&of_hand))
     }
 
     /// What the judge of a job works on: the couples of this run, encoded with the constants and objects of the job.

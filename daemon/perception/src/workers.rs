@@ -33,8 +33,8 @@ impl Workers {
     }
 }
 
-/// Keeps OpenCV from dividing each step among threads of its own, which wait for the next one by asking for it again and again, and once in many
-/// thousand times for ever.
+/// Keeps OpenCV from dividing each step among threads of its own, which wait for the next one by asking for it again and again and, once
+/// in many thousands of times, for ever.
 ///
 /// # Errors
 /// [`PerceptionError::OpenCv`].

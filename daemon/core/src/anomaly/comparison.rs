@@ -152,9 +152,10 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// # Errors
     /// As [`append`](Self::append).
     pub(super) fn end(&mut self) -> Result<(), Refused> {
-        let context = self.comparisons.first().map(|comparison| comparison.iu.context);
-        let rest = context.map(Motion::at_rest).filter(|_| self.rules.has_free_ends);
-        rest.map_or(Ok(()), |rest| self.append(&rest))
+        match self.comparisons.first() {
+            Some(one) if self.rules.has_free_ends => self.append(&Motion::at_rest(one.iu.context)),
+            _ => Ok(()),
+        }
     }
 
     /// Takes any number of frames of which nothing is known.

@@ -32,10 +32,12 @@ const MAX_WANDERING: u16 = 300;
 /// as large.
 const FEW_WANDERING: f32 = 30.0;
 
-/// What moves by more than this while a change is believed does not wander, in metres: who sees no better than that sees no touch.
+/// What moves by more than this does not wander, in metres, neither while a change is believed nor while the hands rest: who sees no better than
+/// that sees no touch.
 const MAX_WANDER_M: f32 = 0.03;
 
-/// A second: what an unseen hand moves has come to rest so many frames after it was last seen to move by more than that, or goes on to move.
+/// What an unseen hand has moved counts as lying still again so many frames after it was last seen that far away: a second of the default frame
+/// rate.
 const SETTLING: u16 = 30;
 
 /// Who moves a part unseen moves it farther than it wanders: a square counts up to this multiple of their mean.
@@ -79,7 +81,7 @@ pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Wandering {
     known: MeanSquare,
-    /// What was known when the hands came to rest, and where it lay then.
+    /// What was known when the hands came to rest, and where it lay first since then.
     before: MeanSquare,
     lay: Option<Point>,
     /// It has been moved: in as many frames it may still come to rest.
@@ -94,7 +96,7 @@ struct MeanSquare {
 }
 
 impl Wandering {
-    /// The hands have come to rest: from now on it lies still.
+    /// The hands act, or have only just come to rest: what is known so far counts.
     pub(super) fn begin(&mut self) {
         (self.before, self.lay, self.settling) = (self.known, None, 0);
     }
@@ -102,7 +104,9 @@ impl Wandering {
     /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change.
     pub(super) fn push(&mut self, now: Point, before: Point) {
         let lay = *self.lay.get_or_insert(before);
-        if norm(subtract(now, lay)) > MAX_WANDER_M {
+        let is_away = |at: Point| norm(subtract(at, lay)) > self.known.max_apart_m();
+        // One position that is misread says nothing.
+        if is_away(now) && is_away(before) {
             // A hand moves it that is not seen, and did so perhaps from the beginning.
             (self.known, self.lay, self.settling) = (self.before, None, SETTLING);
         } else if self.settling > 0 {
@@ -114,11 +118,7 @@ impl Wandering {
 
     /// As [`apart_by_chance_m`]; `None` where it has not been seen to lie still for long enough.
     pub(super) fn apart_by_chance_m(&self) -> Option<f32> {
-        let MeanSquare { mean, count } = self.known;
-        // Two positions have their errors.
-        let variance = mean / 2.0 * (1.0 + FEW_WANDERING / f32::from(count));
-        let is_known = count >= MIN_WANDERING;
-        is_known.then(|| (APART_BY_CHANCE * libm::sqrtf(variance)).min(MAX_WANDER_M))
+        self.known.apart_by_chance_m()
     }
 
     /// The same where nobody may be wronged: the maximum where it is not known.
@@ -128,6 +128,18 @@ impl Wandering {
 }
 
 impl MeanSquare {
+    fn apart_by_chance_m(self) -> Option<f32> {
+        // Two positions have their errors.
+        let variance = self.mean / 2.0 * (1.0 + FEW_WANDERING / f32::from(self.count));
+        let is_known = self.count >= MIN_WANDERING;
+        is_known.then(|| (APART_BY_CHANCE * libm::sqrtf(variance)).min(MAX_WANDER_M))
+    }
+
+    /// How far apart two positions are at most at any times: errors that last are nearly the same while a change is believed.
+    fn max_apart_m(self) -> f32 {
+        self.apart_by_chance_m().map_or(MAX_WANDER_M, |apart_m| (2.0 * apart_m).clamp(MOVED_M, MAX_WANDER_M))
+    }
+
     fn push(&mut self, distance_m: f32) {
         // What is exactly where it was is the same measurement once more.
         if distance_m > 0.0 {

@@ -391,10 +391,10 @@ impl Teacher<'_> {
         shown: &[(usize, &Iu)],
     ) -> Result<(), TeachError> {
         for &(run, iu) in shown {
-            let motion = iu.motion.as_slice();
+            let motion = compared(iu, self.options);
             let activity = sequence.shown.iter().find(|(other, _)| *other == run).map_or(0, |found| found.1);
             self.warp
-                .distance(motion, &motion[..1.min(motion.len())])
+                .distance(&motion, &motion[..1.min(motion.len())])
                 .map_err(|refused| iu_error(&self.runs[run].name, activity, index, refused))?;
         }
         Ok(())

@@ -68,6 +68,8 @@ pub(super) struct Progress<'a> {
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     undone: ActivitySet,
+    /// The activities whose part has been away from where the job begins in some frame of this job.
+    left: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
     never_seen: Option<ActivitySet>,
     /// The activities that use an object which is out of sight in the newest couples.
@@ -130,6 +132,7 @@ impl<'a> Progress<'a> {
             seen_undone: ActivitySet::EMPTY,
             undone_first: ActivitySet::EMPTY,
             undone: ActivitySet::EMPTY,
+            left: ActivitySet::EMPTY,
             never_seen: None,
             out_of_sight: ActivitySet::EMPTY,
             never_seen_object: 0,
@@ -167,6 +170,7 @@ impl<'a> Progress<'a> {
             seen_undone: undone,
             undone_first,
             undone,
+            left: self.all.without(undone | self.out_of_sight),
             never_seen: self.never_seen,
             out_of_sight: self.out_of_sight,
             never_seen_object: self.never_seen_object,
@@ -180,6 +184,7 @@ impl<'a> Progress<'a> {
 
     /// The bench shows that these activities have not been done. What has been away from there meanwhile may have been brought back.
     pub(super) fn set_undone(&mut self, undone: ActivitySet) {
+        self.left |= self.seen_undone.without(undone);
         self.seen_undone = undone;
         self.undone = self.undone & undone;
         self.overlooked = self.overlooked.without(undone);
@@ -191,7 +196,7 @@ impl<'a> Progress<'a> {
     /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began again,
     /// after it had been away, with all that lay there then.
     pub(super) fn is_set_anew(&self) -> bool {
-        let is_back = self.seen_undone.without(self.undone);
+        let is_back = self.seen_undone & self.left;
         self.is_open
             && is_back.intersects(self.done | self.wrong)
             && self.undone_first.without(self.seen_undone).is_empty()

@@ -18,6 +18,8 @@ pub(super) struct Hold {
     /// How many frames it is the mean of.
     frames: u16,
     moves: bool,
+    /// For how many frames in a row the hand has been seen too far away to hold it there.
+    away: u8,
 }
 
 impl Hold {
@@ -41,8 +43,8 @@ impl Hold {
 }
 
 impl Scene {
-    /// Places the hands at what they have moved and what rests now. While it moves, how the hand is seen to move counts, and so it does once the
-    /// hand has moved away.
+    /// Places the hands at what they have moved and what rests now. While it moves, how the hand is seen to move counts, and so it does once it is
+    /// believed that the hand has moved away.
     pub(super) fn place_hands(&mut self, gripped: [Option<usize>; HANDS]) {
         for (hand, gripped) in gripped.into_iter().enumerate() {
             self.holds[hand] = self.hold(hand, gripped);
@@ -50,7 +52,8 @@ impl Scene {
                 && let Some((pose, object)) = self.both_seen(hand, hold.object)
             {
                 let held_at = hold.acts_at(&pose, &object, self.method.hand_contact.on_m);
-                self.holds[hand] = held_at.map(|_| hold);
+                let away = held_at.map_or(hold.away + 1, |_| 0);
+                self.holds[hand] = (away < self.method.persist_frames).then_some(Hold { away, ..hold });
                 self.hands[hand].revise(1, |pose| pose.held_at = held_at);
             }
         }
@@ -66,7 +69,7 @@ impl Scene {
         let at = seen.own(pose.grip());
         match self.has_moved(object) {
             Some(true) => {
-                let new = Hold { object, at, frames: 0, moves: true };
+                let new = Hold { object, at, frames: 0, moves: true, away: 0 };
                 Some(before.map_or(new, |hold| Hold { moves: true, ..hold }))
             }
             Some(false) => before.map(|hold| hold.rest(at, self.moved_m())),
