@@ -297,11 +297,6 @@ impl OpenActivity {
         self.is_place_certain() && !self.may_be_rest
     }
 
-    /// Nobody saw it begin, and the hand has let go of what still touches another object: whether that was shown after it is left to chance.
-    pub(super) fn is_let_go_of_unseen(&self) -> bool {
-        self.may_be_rest && self.newest.0.is_release()
-    }
-
     /// Something did not fit, and was not judged because something else may have happened unseen.
     pub(super) fn is_astray(&self) -> bool {
         matches!(self.against, Against::Following(_)) && !self.is_concluded

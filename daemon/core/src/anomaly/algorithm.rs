@@ -539,7 +539,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let may_go_on = progress.is_end_assumed()
             || self.watch.may_hold_another()
             || activity.may_be_complete(progress.job)
-            || activity.is_let_go_of_unseen()
             || activity.is_astray() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
         match activity.matched(self.side, progress) {
