@@ -12,8 +12,8 @@ pub const INTERACTION_POINTS: usize = 8;
 /// Others that meet one object: the hand, and the parts that are joined to it or worked with it.
 pub const MEETINGS: usize = 8;
 
-/// Length of the longest IU that is compared, in frames, with the rests at its ends: 68 s at 30 Hz. A longer one is not judged: only a hand that waits for the other one
-/// is right for so long.
+/// Length of the longest IU that is compared, in frames, with the rests at its ends: 68 s at 30 Hz. A longer one is not judged: only a hand that
+/// waits for the other one is right for so long.
 pub const IU_FRAMES: usize = 2048;
 
 /// IUs of one activity: the longest in the paper has 4, one with tool changes a dozen.

@@ -201,26 +201,36 @@ fn reversals(couples: &[Couples]) -> Vec<u32> {
     found
 }
 
+/// There is one IU of the right hand, in which it comes back once at most.
+fn expect_no_strokes(couples: &[Couples], seed: u32) {
+    let reversals = reversals(couples);
+    assert!(reversals == [0] || reversals == [1], "{reversals:?}, seed {seed}");
+}
+
+/// A bench with the tool and these others, of which the right hand has taken the tool in frame 95.
+fn with_tool_in_hand(others: &[(u16, [f32; 2])]) -> Bench {
+    let mut bench = Bench::new(&[&[(TOOL, [0.0, 0.0])], others].concat());
+    bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
+    bench
+}
+
 /// The standard deviation of landmarks along an axis, in metres.
 const LANDMARKS_M: f32 = 0.005;
 
 #[test]
 fn a_hand_that_rests_at_what_it_has_put_down_makes_no_strokes_by_the_errors_of_its_landmarks() {
     for seed in 0..50 {
-        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
-        bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
+        let mut bench = with_tool_in_hand(&[]);
         bench.go([0.3, 0.1], 30).rest(200).let_go(Side::Right).go([0.0, -0.3], 20).rest(30);
         let frames = with_errors(&bench, [LANDMARKS_M, 0.1 * DEVIATION_M], KEPT, seed);
-        let reversals = reversals(&encode(&bench.ids(), &frames));
-        assert!(reversals == [0] || reversals == [1], "{reversals:?}, seed {seed}");
+        expect_no_strokes(&encode(&bench.ids(), &frames), seed);
     }
 }
 
 #[test]
 fn a_hand_that_has_carried_something_with_the_other_one_does_not_leap_where_they_put_it_down() {
     for seed in 0..50 {
-        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
-        bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
+        let mut bench = with_tool_in_hand(&[]);
         bench.go([0.0, 0.25], 30).rest(30).let_go(Side::Right).go([0.0, -0.3], 20).rest(30);
         // The other hand is ahead, and this one comes up with it while they put it down.
         for frame in 95..135 {
@@ -228,16 +238,14 @@ fn a_hand_that_has_carried_something_with_the_other_one_does_not_leap_where_they
             bench.frames[frame].objects[0].position[1] += ahead_m;
         }
         let frames = with_errors(&bench, [0.001, 0.0007], 0.0, seed);
-        let reversals = reversals(&encode(&bench.ids(), &frames));
-        assert!(reversals == [0] || reversals == [1], "{reversals:?}, seed {seed}");
+        expect_no_strokes(&encode(&bench.ids(), &frames), seed);
     }
 }
 
 #[test]
 fn a_part_that_is_held_still_at_another_makes_no_strokes_by_errors_that_last() {
     let makes_strokes = |seed: u32| {
-        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.3, 0.1])]);
-        bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(15).hold(Side::Right, TOOL);
+        let mut bench = with_tool_in_hand(&[(BOX, [0.3, 0.1])]);
         bench.go([0.3, 0.08], 30).rest(150).go([0.0, 0.0], 30).rest(15).let_go(Side::Right);
         bench.go([0.0, -0.3], 20).rest(30);
         let frames = with_errors(&bench, [0.001, 1.2 * DEVIATION_M], KEPT, seed);

@@ -10,7 +10,7 @@ use andon_core::input::Side;
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Note, Outcome, Reason, Verdict};
 use common::script::{Motions, Part, Still, Strokes, Toward, idle, ius, part, stream, teach};
-use common::work::with_free_ends;
+use common::work::{between_rests, with_free_ends};
 use proptest::prelude::*;
 
 /// Three activities; two of them begin alike.
@@ -47,8 +47,7 @@ fn job_with(has_free_ends: bool) -> Job<'static> {
 
 /// The motions of an IU as they are compared.
 fn compared(motions: Vec<Motion>, context: Context, job: &Job<'_>) -> Vec<Motion> {
-    let rest = [Motion::at_rest(context)];
-    if job.has_free_ends { [&rest, motions.as_slice(), &rest].concat() } else { motions }
+    if job.has_free_ends { between_rests(&motions, context) } else { motions }
 }
 
 /// What can go wrong in an activity. Indices are taken modulo the number of parts.

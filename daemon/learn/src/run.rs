@@ -223,12 +223,12 @@ impl Run {
         let (Some(first), Some(last)) = (activity.ius.first(), activity.ius.last()) else { return 0.0 };
         let quarter_ns = (last.ended_ns - first.began_ns) / 4;
         let middle = first.began_ns + quarter_ns..=last.ended_ns - quarter_ns;
-        let frames = || self.frames.iter().filter(|frame| frame.captured_ns >= first.began_ns);
-        let extent_m = |place: &dyn Fn(&Frame) -> Option<Point>| {
-            let mut seen = frames().filter_map(|frame| Some((frame.captured_ns, place(frame)?)));
-            let at_first = seen.next();
+        let reach_m = |place: &dyn Fn(&Frame) -> Option<Point>| {
+            let frames = self.frames.iter().filter(|frame| frame.captured_ns >= first.began_ns);
+            let mut seen = frames.filter_map(|frame| Some((frame.captured_ns, place(frame)?)));
+            let Some((_, [x, y, z])) = seen.next() else { return 0.0 };
             let later = seen.filter(|(captured_ns, _)| middle.contains(captured_ns));
-            extent_m(at_first.into_iter().chain(later).map(|(_, place)| place))
+            later.map(|(_, at)| (at[0] - x).hypot(at[1] - y).hypot(at[2] - z)).fold(0.0, f32::max)
         };
         let of_object = |frame: &Frame| {
             let object = frame.objects.iter().find(|object| object.id == first.context.0[1]);
@@ -238,7 +238,7 @@ impl Run {
             let hand = frame.hands.iter().find(|hand| hand.side == activity.side);
             hand.map(|hand| hand.middle_knuckle)
         };
-        extent_m(&of_object).min(extent_m(&of_hand))
+        reach_m(&of_object).min(reach_m(&of_hand))
     }
 
     /// What the judge of a job works on: the couples of this run, encoded with the constants and objects of the job.
@@ -283,12 +283,6 @@ impl Run {
         };
         (0..phases).filter_map(at_phase).collect()
     }
-}
-
-/// How far these positions are away from the first one, at most, in metres.
-fn extent_m(mut positions: impl Iterator<Item = Point>) -> f32 {
-    let Some([x, y, z]) = positions.next() else { return 0.0 };
-    positions.map(|at| (at[0] - x).hypot(at[1] - y).hypot(at[2] - z)).fold(0.0, f32::max)
 }
 
 /// The verdicts of a judge that knows that these couples begin with a job.
@@ -357,32 +351,41 @@ impl Collector {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use std::fmt::Write as _;
+    use crate::recording::{Header, Landmarks};
+    use andon_core::input::{Hand, Object, Space};
 
     /// A hand takes a part, carries it by 20 cm in half a second, holds it there, and brings it back.
-    fn carried_and_held_s(held_s: f64) -> Run {
-        let mut text = String::from(
-            r#"{"format":"andon.tracks","version":1,"rate_hz":30,"space":"plane","hands":["right","left"],"landmarks":5,"objects":[{"id":7,"name":"cup","interaction_points":[[0,0,0]]}]}"#,
-        );
-        let there_s = 2.0 + held_s;
-        let ends_s = there_s + 2.0;
-        for frame in 0..(30.0 * ends_s) as u32 {
-            let t = f64::from(frame) / 30.0;
-            // The hand comes, takes it after 1 s, and leaves it half a second after it is back.
-            let carried = (2.0 * (t - 1.5)).clamp(0.0, 1.0) - (2.0 * (t - there_s)).clamp(0.0, 1.0);
-            let away = (1.0 - 2.0 * t).max(0.0) + (2.0 * (t - there_s - 1.0)).clamp(0.0, 1.0);
-            let (x, y) = (0.2 * carried, -0.3 * away);
-            let tip = format!("[{x:.4},{y:.4},0]");
-            let (wrist, knuckle) =
-                (format!("[{x:.4},{:.4},0]", y - 0.1), format!("[{x:.4},{:.4},0]", y - 0.05));
-            write!(
-                text,
-                "\n{{\"t\":{t:.5},\"hands\":[{{\"id\":\"right\",\"landmarks\":[{wrist},{tip},{knuckle},{tip},{tip}]}}],\
-                 \"objects\":[{{\"id\":7,\"p\":[{x:.4},0,0],\"q\":[1,0,0,0]}}]}}"
-            )
-            .unwrap();
-        }
-        let recording = crate::recording::read("cup", text.as_bytes()).unwrap();
+    fn carried_and_held_s(held_s: f32) -> Run {
+        let back_s = 2.0 + held_s;
+        let frame = |index: u16| {
+            let t = f32::from(index) / 30.0;
+            // The hand comes, takes it after 1.5 s, and leaves half a second after it is back.
+            let x = 0.2 * ((2.0 * (t - 1.5)).clamp(0.0, 1.0) - (2.0 * (t - back_s)).clamp(0.0, 1.0));
+            let away = (1.0 - 2.0 * t).max(0.0) + (2.0 * (t - back_s - 1.0)).clamp(0.0, 1.0);
+            let at = |behind_m: f32| [x, -0.3 * away - behind_m, 0.0];
+            let (side, wrist, middle_knuckle) = (Side::Right, at(0.1), at(0.05));
+            let hand = Hand { side, score: 1.0, wrist, middle_knuckle, tips: [at(0.0); 3] };
+            let part = Object { id: 7, position: [x, 0.0, 0.0], orientation: [1.0, 0.0, 0.0, 0.0] };
+            Frame {
+                captured_ns: u64::from(index) * 33_333_333,
+                hands: [hand].into_iter().collect(),
+                objects: [part].into_iter().collect(),
+            }
+        };
+        let shape = ObjectShape {
+            id: 7,
+            interaction_points: [[0.0; 3]].into_iter().collect(),
+            ..ObjectShape::default()
+        };
+        let header = Header {
+            rate_hz: 30.0,
+            space: Space::Plane,
+            hands: vec![Side::Right],
+            landmarks: Landmarks::Five,
+            objects: vec![NamedObject { name: "cup".to_owned(), shape }],
+        };
+        let frames = (0..(30.0 * (back_s + 2.0)) as u16).map(frame).collect();
+        let recording = Recording { header, frames, truncation: None };
         Run::new("cup", "", &recording, &Method::default()).unwrap()
     }
 

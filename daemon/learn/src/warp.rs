@@ -61,12 +61,12 @@ impl Warp {
     ///
     /// # Errors
     /// If a sequence is empty or longer than an IU may be.
-    pub fn matrix(&mut self, sequences: &[&[Motion]]) -> Result<DistanceMatrix, Refused> {
+    pub fn matrix(&mut self, sequences: &[impl AsRef<[Motion]>]) -> Result<DistanceMatrix, Refused> {
         let side = sequences.len();
         let mut values = vec![0.0; side * side];
         for i in 0..side {
             for j in 0..i {
-                let distance = self.distance(sequences[i], sequences[j])?;
+                let distance = self.distance(sequences[i].as_ref(), sequences[j].as_ref())?;
                 values[i * side + j] = distance;
                 values[j * side + i] = distance;
             }

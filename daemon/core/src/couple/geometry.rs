@@ -22,6 +22,12 @@ pub(crate) fn norm(a: Point) -> f32 {
     libm::sqrtf(dot(a, a))
 }
 
+/// The squared distance of two points.
+pub(crate) fn squared_distance(one: Point, other: Point) -> f32 {
+    let apart = subtract(one, other);
+    dot(apart, apart)
+}
+
 pub(super) fn is_finite(a: &[f32]) -> bool {
     a.iter().all(|value| value.is_finite())
 }

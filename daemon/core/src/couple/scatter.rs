@@ -1,6 +1,6 @@
 //! How exactly positions are seen, from the positions themselves: what moves about by less than their errors does not move.
 
-use super::geometry::{dot, norm, subtract};
+use super::geometry::{dot, squared_distance};
 use crate::capacity::PERSIST_FRAMES;
 use crate::input::Point;
 use heapless::Vec;
@@ -96,7 +96,7 @@ struct MeanSquare {
 }
 
 impl Wandering {
-    /// The hands act, or have only just come to rest: what is known so far counts.
+    /// The hands have come to rest: what is known so far counts.
     pub(super) fn begin(&mut self) {
         (self.before, self.lay, self.settling) = (self.known, None, 0);
     }
@@ -104,7 +104,8 @@ impl Wandering {
     /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change.
     pub(super) fn push(&mut self, now: Point, before: Point) {
         let lay = *self.lay.get_or_insert(before);
-        let is_away = |at: Point| norm(subtract(at, lay)) > self.known.max_apart_m();
+        let max_apart_m = self.known.max_apart_m();
+        let is_away = |at: Point| squared_distance(at, lay) > max_apart_m * max_apart_m;
         // One position that is misread says nothing.
         if is_away(now) && is_away(before) {
             // A hand moves it that is not seen, and did so perhaps from the beginning.
@@ -112,7 +113,7 @@ impl Wandering {
         } else if self.settling > 0 {
             self.settling -= 1;
         } else {
-            self.known.push(norm(subtract(now, before)));
+            self.known.push(squared_distance(now, before));
         }
     }
 
@@ -140,11 +141,10 @@ impl MeanSquare {
         self.apart_by_chance_m().map_or(MAX_WANDER_M, |apart_m| (2.0 * apart_m).clamp(MOVED_M, MAX_WANDER_M))
     }
 
-    fn push(&mut self, distance_m: f32) {
+    fn push(&mut self, square: f32) {
         // What is exactly where it was is the same measurement once more.
-        if distance_m > 0.0 {
+        if square > 0.0 {
             let is_known = self.count >= MIN_WANDERING;
-            let square = distance_m * distance_m;
             let square = if is_known { square.min(MAX_OF_MEAN * self.mean) } else { square };
             self.count = (self.count + 1).min(MAX_WANDERING);
             self.mean += (square - self.mean) / f32::from(self.count);

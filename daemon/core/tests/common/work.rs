@@ -4,7 +4,7 @@ use super::bench::PERIOD_NS;
 use super::script::{Part, Still, Strokes, Toward, idle, part, short, stream, teach};
 use andon_core::anomaly::{Event, Judge};
 use andon_core::config::Method;
-use andon_core::couple::{Couples, Motion};
+use andon_core::couple::{Context, Couples, Motion};
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Verdict};
@@ -47,11 +47,17 @@ pub(crate) fn forgiving(job: Job<'static>) -> Job<'static> {
     Job { activities: activities.leak(), ..job }
 }
 
+/// Motions in a context as they are compared where it does not matter how long a hand rests at either end.
+pub(crate) fn between_rests(motions: &[Motion], context: Context) -> Vec<Motion> {
+    let rest = [Motion::at_rest(context)];
+    [&rest, motions, &rest].concat()
+}
+
 /// The same job, in which it does not matter how long a hand rests at either end of an IU.
 pub(crate) fn with_free_ends(job: Job<'static>) -> Job<'static> {
-    let iu = |iu: &NominalIu<'static>| {
-        let rest = [Motion::at_rest(iu.context)];
-        NominalIu { reference: [&rest, iu.reference, &rest].concat().leak(), ..*iu }
+    let iu = |iu: &NominalIu<'static>| NominalIu {
+        reference: between_rests(iu.reference, iu.context).leak(),
+        ..*iu
     };
     let activity = |nominal: &NominalActivity<'static>| NominalActivity {
         ius: nominal.ius.iter().map(iu).collect::<Vec<_>>().leak(),

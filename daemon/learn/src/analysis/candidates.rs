@@ -98,6 +98,7 @@ fn nominal(
     }
     let options = TeachOptions {
         cost,
+        // The figure shows the selection as the paper has it.
         has_free_ends: false,
         measure_rate: false,
         examine_runs: false,

@@ -307,13 +307,15 @@ impl Teacher<'_> {
         }
         self.check_lengths(sequence, index, &shown)?;
         let shown: Vec<&Iu> = shown.into_iter().map(|(_, iu)| iu).collect();
-        let motions: Vec<Cow<'_, [Motion]>> = shown.iter().map(|iu| compared(iu, self.options)).collect();
-        let motions: Vec<&[Motion]> = motions.iter().map(|motion| &**motion).collect();
         let TeachOptions { rule, max_slowdown, method, .. } = self.options;
         let leave_out = !matches!(rule, ThresholdRule::Paper { .. });
         let learned = self
             .memory
-            .recall((number, index), || learn(&mut self.warp, &self.tables, &motions))
+            .recall((number, index), || {
+                let motions: Vec<_> = shown.iter().map(|iu| compared(iu, self.options)).collect();
+                let motions: Vec<&[Motion]> = motions.iter().map(AsRef::as_ref).collect();
+                learn(&mut self.warp, &self.tables, &motions)
+            })
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?
             .slowed(*max_slowdown, leave_out);
         let context = sequence.contexts[index];

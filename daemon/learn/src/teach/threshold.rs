@@ -92,8 +92,8 @@ pub(crate) struct Memory {
 impl Memory {
     /// Forgets what was learned under another local cost, or with other ends of motions.
     pub(super) fn prepare(&mut self, cost: LocalCost, has_free_ends: bool) {
-        let rules = Some((cost, has_free_ends));
-        if std::mem::replace(&mut self.rules, rules) != rules {
+        let rules = (cost, has_free_ends);
+        if self.rules.replace(rules) != Some(rules) {
             self.learned.clear();
         }
     }

@@ -70,7 +70,7 @@ impl Scene {
         match self.has_moved(object) {
             Some(true) => {
                 let new = Hold { object, at, frames: 0, moves: true, away: 0 };
-                Some(before.map_or(new, |hold| Hold { moves: true, ..hold }))
+                Some(Hold { moves: true, ..before.unwrap_or(new) })
             }
             Some(false) => before.map(|hold| hold.rest(at, self.moved_m())),
             None => before,

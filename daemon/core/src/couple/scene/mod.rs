@@ -12,7 +12,7 @@ mod waiting;
 mod wander;
 
 use super::contact::Edge;
-use super::geometry::{dot, subtract};
+use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
@@ -492,9 +492,4 @@ impl Scene {
         };
         kinematics(self.around(age).filter_map(sample), &self.precision)
     }
-}
-
-fn squared_distance(one: Point, other: Point) -> f32 {
-    let apart = subtract(one, other);
-    dot(apart, apart)
 }

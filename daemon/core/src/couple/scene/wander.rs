@@ -9,8 +9,10 @@ impl Scene {
         let is_idle = self.interactions.iter().all(|what| !matches!(what, Interaction::Acts { .. }));
         self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
         let persist = self.method.persist_frames;
-        if self.idle_frames <= persist.into() {
+        if self.idle_frames == persist.into() {
             self.objects.iter_mut().for_each(|node| node.wandering.begin());
+        }
+        if self.idle_frames <= persist.into() {
             return;
         }
         for object in 0..self.objects.len() {

@@ -12,11 +12,10 @@ use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
 use crate::teach::threshold::compared;
 use crate::warp::{DistanceMatrix, Warp};
-use andon_core::couple::{Context, Motion};
+use andon_core::couple::Context;
 use andon_core::dtw::Refused;
 use andon_core::job::LocalCost;
 use andon_core::segment::Measures;
-use std::borrow::Cow;
 
 /// From a median absolute deviation to the standard deviation of a normal distribution.
 const DEVIATIONS_PER_MEDIAN: f64 = 1.4826;
@@ -204,8 +203,7 @@ fn of_iu(
     found: &mut Vec<(usize, f64, Outlier)>,
 ) -> Result<(), Refused> {
     let shown: Vec<(usize, &Iu)> = sequence.well_shown(runs, index).collect();
-    let motions: Vec<Cow<'_, [Motion]>> = shown.iter().map(|(_, iu)| compared(iu, options)).collect();
-    let motions: Vec<&[Motion]> = motions.iter().map(|motion| &**motion).collect();
+    let motions: Vec<_> = shown.iter().map(|(_, iu)| compared(iu, options)).collect();
     let distances = warp.matrix(&motions)?;
     for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
         let values = values(measure, options.method.rate_hz, &shown);
