@@ -265,7 +265,9 @@ fn a_hand_that_was_last_seen_to_move_away_may_have_let_go_before() {
     // In frame 43 the hand is 2 cm away.
     hide_all(&mut bench.frames[44..60]);
     let couples = couples_of(&bench, Side::Right);
-    assert!(couples[41].context.is_touch() && couples[41].is_doubtful && !couples[30].is_doubtful);
+    // One frame that is hidden is enough.
+    assert!(couples[40..42].iter().all(|couple| couple.context.is_touch() && couple.is_doubtful));
+    assert!(couples[3..38].iter().all(|couple| !couple.is_doubtful));
 }
 
 #[test]
@@ -278,7 +280,8 @@ fn a_hand_that_was_last_seen_to_move_along_a_part_may_have_let_go_of_it() {
     shapes[0].interaction_points.push([0.02, 0.0, 0.0]).unwrap();
     let couples = encode_shapes(&shapes, &bench.frames);
     let is_doubtful = |frame: usize| couples[frame].hands[0].is_doubtful;
-    assert!(couples[41].hands[0].context.is_touch() && is_doubtful(41) && !is_doubtful(30));
+    assert!(couples[41].hands[0].context.is_touch() && is_doubtful(40) && is_doubtful(41));
+    assert!(!is_doubtful(30));
 }
 
 #[test]

@@ -268,16 +268,16 @@ impl Scene {
         interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
     }
 
-    /// Whether the hand moves away from `o_j`, and at least two of the frames that would show whether it has left it were not clear; or along it,
-    /// and it is not seen what comes after that.
+    /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left it were clear; or along it, and it is not
+    /// seen what comes after that.
     pub(super) fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
         let ahead = contact::ahead(age, self.method.persist_frames);
         let Interaction::Acts { j, .. } = interaction else { return false };
         let hidden = ahead & !self.clear[hand];
-        let are_newest_hidden = (hidden >> ahead.trailing_zeros()).trailing_ones() > 1;
-        hidden.count_ones() > 1
+        let is_newest_hidden = hidden >> ahead.trailing_zeros() & 1 == 1;
+        hidden != 0
             && (self.moves_away(hand, j, age).is_some()
-                || are_newest_hidden && self.slips_until(hand, j, age).is_some())
+                || is_newest_hidden && self.slips_until(hand, j, age).is_some())
     }
 
     /// Whether fewer than half of the frames in which a change would be believed were clear.
