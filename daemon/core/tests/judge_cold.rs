@@ -226,3 +226,37 @@ fn a_part_that_a_hand_has_let_go_of_unjudged_excuses_nothing_in_the_next_job() {
     let verdicts = judged_cold_by(&job, stream(&right, &left));
     assert!(verdicts.contains(&"JobAnomaly WrongOrder".to_owned()), "{verdicts:?}");
 }
+
+#[test]
+fn what_comes_while_a_hand_goes_on_with_an_earlier_step_comes_behind_it() {
+    let hold = [part([2, 6, 0, 0], 60, Still), part([2, 6, 6, 5], 96, Still), part([2, 6, 0, 0], 90, Still)];
+    let free = Law { runs: 6, ..Law::FREE };
+    let later = Law { after_begin: ActivitySet::of(0), ..free };
+    let job = Job { laws: &[free, later, free], ..teach(&[&hold, &polish(6), &measure()]) };
+    let right = [&polish(6)[..], &measure()].concat();
+    // Only that the hand had begun before shows that what it does is not the rest of another piece.
+    let said = |hand_begins: usize, others_begin: usize| {
+        let left = [&[idle(hand_begins)][..], &hold, &[idle(20)]].concat();
+        let couples = stream(&[&[idle(others_begin)][..], &right].concat(), &left);
+        judged_cold_by(&job, couples).last().unwrap().clone()
+    };
+    assert_eq!(said(40, 60), "JobOk");
+    assert!(said(80, 40).contains("NotJudged"));
+}
+
+#[test]
+fn a_hand_that_was_not_seen_to_come_may_steady_the_other_part() {
+    let steadies = [part([2, 5, 5, 6], 60, Still), idle(20)];
+    let optional = Law { is_required: false, runs: 6, ..Law::FREE };
+    let required = Law { runs: 6, ..Law::FREE };
+    let rests = |rests: &'static [u16], before: &[Part]| {
+        let job =
+            Job { rests, laws: &[required, optional], ..teach(&[&polish(6), &[steadies[0], idle(20)]]) };
+        let left = [before, &[steadies[0], part([0, 0, 5, 6], 40, Still), idle(20)]].concat();
+        let couples = stream(&[&[idle(40)][..], &polish(6)].concat(), &left);
+        judged_cold_by(&job, couples).iter().any(|verdict| verdict.contains("Anomaly"))
+    };
+    assert!(!rests(&[6], &[]));
+    assert!(rests(&[6], &[idle(30)]), "it was seen to come");
+    assert!(rests(&[], &[]), "no hand steadies that");
+}

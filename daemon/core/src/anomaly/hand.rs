@@ -201,7 +201,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (is_order_certain, number) = (activity.is_order_certain(), activity.number);
         let (outcome, cause, early) = match unjudged {
             Some(cause) => (Outcome::NotJudged, cause, early),
-            None if broken.is_none() && progress.may_be_of_another_job(nominal) => {
+            None if broken.is_none() && progress.may_be_of_another_job(self.side, nominal) => {
                 (Outcome::NotJudged, unseen, early)
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None.into(), early),

@@ -57,6 +57,8 @@ pub(super) struct Progress<'a> {
     underway: [ActivitySet; HANDS],
     /// For each hand, when its newest activity began.
     newest_ns: [u64; HANDS],
+    /// For each hand, the activities that had begun before that.
+    begun_before: [ActivitySet; HANDS],
     /// For each hand, whether what it does now is not seen.
     is_hidden: [bool; HANDS],
     /// Nothing of the job can have happened before what was seen of it, or its first activity was one with which a job begins.
@@ -126,6 +128,7 @@ impl<'a> Progress<'a> {
             waiting: [ActivitySet::EMPTY; HANDS],
             underway: [ActivitySet::EMPTY; HANDS],
             newest_ns: [0; HANDS],
+            begun_before: [ActivitySet::EMPTY; HANDS],
             is_hidden: [false; HANDS],
             is_start_seen: false,
             may_precede: ActivitySet::EMPTY,
@@ -283,10 +286,14 @@ impl<'a> Progress<'a> {
         }
     }
 
-    /// Whether the runs touch the part of this context in other ways as well, and require no activity of those that begin so.
-    pub(super) fn may_differ(&self, context: Context) -> bool {
+    /// Whether the runs touch the part of this context in other ways as well, and require no activity of those that begin so. A hand that was
+    /// not seen to come may touch the other part of the context instead.
+    pub(super) fn may_differ(&self, context: Context, has_been_seen_to_come: bool) -> bool {
         let opening = self.opening(context);
-        self.job.rests.contains(&context.0[1]) && !opening.is_empty() && !opening.intersects(self.required)
+        let parts = if has_been_seen_to_come { &context.0[1..2] } else { &context.0[1..] };
+        parts.iter().any(|part| self.job.rests.contains(part))
+            && !opening.is_empty()
+            && !opening.intersects(self.required)
     }
 
     /// Whether all objects of this context belong to the job.
@@ -411,6 +418,7 @@ impl<'a> Progress<'a> {
     /// The number in this job of an activity that this hand begins; whether it is a step of the job.
     pub(super) fn next_activity(&mut self, side: Side, began_ns: u64, is_step: bool) -> u16 {
         self.newest_ns[side.index()] = began_ns;
+        self.begun_before[side.index()] = self.tried() | self.underway[side.other().index()];
         let number = self.activities;
         self.activities = number.saturating_add(1);
         self.first_step = self.first_step.or(is_step.then_some(number));

@@ -44,16 +44,20 @@ impl Progress<'_> {
         broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())
     }
 
-    /// Whether a nominal activity that is in order may belong to another job than the open one: it must not come again and comes again, or
-    /// one was right that must come behind it, because it may have come unseen. If it was not the other job's, the order was wrong.
-    pub(in crate::anomaly) fn may_be_of_another_job(&self, nominal: usize) -> bool {
+    /// Whether a nominal activity of this hand that is in order may belong to another job than the open one: it must not come again and comes
+    /// again, or one was right that must come behind it, because it may have come unseen. If it was not the other job's, the order was wrong.
+    pub(in crate::anomaly) fn may_be_of_another_job(&self, side: Side, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
             let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
             let mut right = self.done.without(self.wrong).iter();
             let may_precede = self.may_precede.contains(activity);
-            comes_again
-                || self.excused.contains(activity)
-                || may_precede && right.any(|other| self.job.law(other).after().contains(activity))
+            // Behind its beginning came only what began after that.
+            let came_too_early = |other: usize| {
+                let law = self.job.law(other);
+                law.after_end.contains(activity)
+                    || law.after().contains(activity) && self.begun_before[side.index()].contains(other)
+            };
+            comes_again || self.excused.contains(activity) || may_precede && right.any(came_too_early)
         })
     }
 
