@@ -17,7 +17,7 @@ pub(super) const TOUCH_M: f32 = 0.15;
 const FAR_M: f32 = 0.25;
 
 /// What is put down beside a part is not at the same place in all runs, in metres.
-const SAME_M: f32 = 0.02;
+const SAME_M: f32 = 0.01;
 
 /// What is put back lies where it lay before, in metres.
 const BACK_M: f32 = 0.05;
@@ -73,6 +73,8 @@ struct Place {
     is_at_another: bool,
     /// It was put back to where it lay in the beginning.
     is_back: bool,
+    /// It was put back, and is let go of there beside a part that is carried in this run as well.
+    is_beside: bool,
 }
 
 impl Place {
@@ -81,7 +83,11 @@ impl Place {
         let at = place_of(dwell);
         let first = shown.first_place(objects[0], objects[1]);
         let is_back = first.is_some_and(|first| nalgebra::distance(&at, &first) < BACK_M);
-        Self { run, at, is_at_another, is_back }
+        let is_held = |frame: usize| objects.iter().any(|object| shown.is_held(*object, frame));
+        let is_put_down = dwell.iter().any(|(frame, _)| !is_held(*frame));
+        let is_beside =
+            is_back && is_put_down && objects.iter().all(|object| shown.carried_frames(*object) > 0);
+        Self { run, at, is_at_another, is_back, is_beside }
     }
 }
 
@@ -89,22 +95,28 @@ fn runs_of(places: &[Place]) -> usize {
     places.iter().map(|place| place.run).collect::<BTreeSet<usize>>().len()
 }
 
-/// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. Where fewer than
-/// half of the runs have such a place, those farther away count where they are the same in all runs that have one, and no third object is nearer.
+/// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. What is put back beside a
+/// part that it does not touch, and that is put back as well, lies elsewhere beside it in each run. Where fewer than half of the runs have such a place, those farther away count
+/// where they are the same in all runs that have one, and no third object is nearer.
 fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
-    let is_near = |place: &Point3<f32>| place.coords.norm() < TOUCH_M;
-    let near: Vec<Point3<f32>> = places.iter().map(|place| place.at).filter(|place| is_near(place)).collect();
+    let (back, brought): (Vec<Place>, Vec<Place>) = places.iter().partition(|place| place.is_beside);
+    let met = if are_same(&back) { places } else { &brought };
+    let near: Vec<Point3<f32>> =
+        met.iter().map(|place| place.at).filter(|place| place.coords.norm() < TOUCH_M).collect();
     let split: (Vec<Place>, Vec<Place>) =
-        places.iter().partition(|place| is_near(&place.at) || apart_m(&[place.at], &near) < SAME_M);
+        places.iter().partition(|place| apart_m(&[place.at], &near) < SAME_M);
     if 2 * runs_of(&split.0) >= runs {
         return split;
     }
     let is_far = |place: &&Place| place.at.coords.norm() < FAR_M && !place.is_at_another && !place.is_back;
     let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(is_far);
-    let usual = median(far.iter().map(|place| place.at));
-    let is_same = far.iter().all(|place| (place.at - usual).norm() < SAME_M);
     let is_shown = runs_of(&far) >= SAME_RUNS && 2 * runs_of(&far) >= runs;
-    if is_same && is_shown { (far, others) } else { split }
+    if are_same(&far) && is_shown { (far, others) } else { split }
+}
+
+fn are_same(places: &[Place]) -> bool {
+    let usual = median(places.iter().map(|place| place.at));
+    places.iter().all(|place| nalgebra::distance(&place.at, &usual) < SAME_M)
 }
 
 /// Where a run shows the first of the two to dwell beside the other, farther away than two that come near each other so may touch.
@@ -194,6 +206,18 @@ mod tests {
         assert_eq!([true, false].map(|is_back| of(is_back).len()), [4, 0]);
     }
 
+    #[test]
+    fn what_is_put_back_near_a_part_touches_it_where_it_lies_at_the_same_place_in_all_runs() {
+        let of = |distances_m: &[f32], is_beside: bool| {
+            let mut places = places(distances_m, false);
+            places.iter_mut().for_each(|place| (place.is_back, place.is_beside) = (true, is_beside));
+            touching(&places, 4).0.len()
+        };
+        assert_eq!(of(&[0.12, 0.125, 0.118, 0.12], true), 4, "a lid");
+        assert_eq!(of(&[0.12, 0.145, 0.1, 0.13], true), 0, "it lies beside the other");
+        assert_eq!(of(&[0.12, 0.145, 0.1, 0.13], false), 4, "it lies on a table");
+    }
+
     /// Places at these distances in metres, in one run each.
     fn places(distances_m: &[f32], is_at_another: bool) -> Vec<Place> {
         let place = |(run, x): (usize, &f32)| Place {
@@ -201,6 +225,7 @@ mod tests {
             at: Point3::new(*x, 0.0, 0.0),
             is_at_another,
             is_back: false,
+            is_beside: false,
         };
         distances_m.iter().enumerate().map(place).collect()
     }
