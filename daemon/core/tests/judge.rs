@@ -222,6 +222,18 @@ fn how_long_a_hand_rests_at_either_end_of_an_iu_is_not_its_motion() {
 }
 
 #[test]
+fn a_hand_may_go_on_just_before_the_other_one_ends_what_their_parts_do() {
+    let hold = |rest: usize, frames: usize| {
+        [part([2, 5, 5, 7], rest, Still), part([2, 5, 5, 7], frames, Toward(3)), idle(20)]
+    };
+    let job = teach(&[&hold(60, 0)]);
+    let outcome = |job: &Job<'_>, frames: usize| judged(job, &stream(&[], &hold(40, frames)))[0].outcome;
+    assert_eq!(outcome(&job, 5), Outcome::Anomaly);
+    let job = with_free_ends(job);
+    assert_eq!([5, 12].map(|frames| outcome(&job, frames)), [Outcome::Ok, Outcome::Anomaly]);
+}
+
+#[test]
 fn an_iu_that_lasts_too_long_is_an_anomaly_in_its_first_frame_too_many() {
     let mut right = [polish(6), measure()].concat();
     right[5].frames = 200;

@@ -8,6 +8,11 @@ use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
+/// With free ends, an IU may have ended in any of as many frames before the last one: the other hand may be the one that ends a contact of two
+/// parts, and until that is farther away than the contact is wide, this hand may go on with what comes next. As many as a change takes to be
+/// believed by default.
+const BORDER_FRAMES: usize = 5;
+
 /// The comparison of the open IU with one nominal IU.
 #[derive(Clone, Copy, Debug)]
 struct Comparison<'a> {
@@ -18,6 +23,8 @@ struct Comparison<'a> {
     is_unique: bool,
     /// The IU cannot be this one any more, so its distance is not computed further.
     is_lost: bool,
+    /// The distances if the IU has ended in one of the frames before the newest.
+    ended: [f64; BORDER_FRAMES],
 }
 
 /// The result of a comparison, so far or at the end of the IU.
@@ -129,7 +136,8 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
                 if self.rules.has_free_ends {
                     let _ = distance.append(&Motion::at_rest(iu.context));
                 }
-                let _ = self.comparisons.push(Comparison { nominal, iu, is_unique, is_lost: false });
+                let ended = [f64::INFINITY; BORDER_FRAMES];
+                let _ = self.comparisons.push(Comparison { nominal, iu, is_unique, is_lost: false, ended });
             }
         }
     }
@@ -139,12 +147,15 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// # Errors
     /// If the IU is too long to be compared.
     pub(super) fn append(&mut self, motion: &Motion) -> Result<(), Refused> {
-        let open = self
-            .comparisons
-            .iter()
-            .zip(self.distances.as_mut())
-            .filter(|(comparison, _)| !comparison.is_lost);
-        open.map(|(_, distance)| distance).try_for_each(|distance| distance.append(motion))
+        let has_free_ends = self.rules.has_free_ends;
+        for (comparison, distance) in self.open() {
+            if has_free_ends {
+                comparison.ended.rotate_right(1);
+                comparison.ended[0] = distance.distance().unwrap_or(f64::INFINITY);
+            }
+            distance.append(motion)?;
+        }
+        Ok(())
     }
 
     /// The IU has ended.
@@ -152,17 +163,20 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// # Errors
     /// As [`append`](Self::append).
     pub(super) fn end(&mut self) -> Result<(), Refused> {
-        match self.comparisons.first() {
-            Some(one) if self.rules.has_free_ends => self.append(&Motion::at_rest(one.iu.context)),
-            _ => Ok(()),
-        }
+        let rest = self.comparisons.first().filter(|_| self.rules.has_free_ends);
+        let rest = rest.map(|one| Motion::at_rest(one.iu.context));
+        rest.map_or(Ok(()), |rest| self.open().try_for_each(|(_, distance)| distance.append(&rest)))
     }
 
     /// Takes any number of frames of which nothing is known.
     pub(super) fn append_unknown(&mut self) {
-        let open = self.comparisons.iter().zip(self.distances.as_mut());
-        open.filter(|(comparison, _)| !comparison.is_lost)
-            .for_each(|(_, distance)| distance.append_unknown());
+        self.open().for_each(|(_, distance)| distance.append_unknown());
+    }
+
+    /// Those that are not lost.
+    fn open(&mut self) -> impl Iterator<Item = (&mut Comparison<'a>, &mut OnlineDtw<'a>)> {
+        let all = self.comparisons.iter_mut().zip(self.distances.as_mut());
+        all.filter(|(comparison, _)| !comparison.is_lost)
     }
 
     /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
@@ -200,6 +214,7 @@ fn result(
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
     let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
+    let distance = comparison.ended.into_iter().fold(distance, f64::min);
     // An open IU may still become as slow as the bounds allow.
     let length = if extent.ended { extent.worked_frames() } else { frames.max };
     let length = length.saturating_add(2 * u32::from(rules.has_free_ends));
