@@ -33,11 +33,14 @@ pub enum TwoHanded {
     /// The left hand moves the corner and goes away at once, or rests there until the right one has moved the drill and the polisher. Fault: the
     /// drill is left out.
     WaitingHand,
+    /// The left hand brings the brick to the middle and holds it there while the right one polishes it and drills, and puts both tools back side by
+    /// side; it may begin to bring the brick back as soon as the drill is lifted. Fault: the drill is left out.
+    Workshop,
 }
 
 impl TwoHanded {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::HoldWhileWorking,
         Self::HandOver,
         Self::LateHand,
@@ -45,6 +48,7 @@ impl TwoHanded {
         Self::SymmetricalLift,
         Self::CrossingHands,
         Self::WaitingHand,
+        Self::Workshop,
     ];
 
     /// The parts on the bench, and where they lie.
@@ -58,6 +62,9 @@ impl TwoHanded {
             Self::RestingHand => &[(CORNER_ID, [0.1, 0.05]), (DRILL_ID, [0.3, 0.0]), (METER_ID, [-0.3, 0.1])],
             Self::SymmetricalLift => &[(PROFILE_ID, [0.0, 0.05])],
             Self::CrossingHands => &[(CORNER_ID, [-0.2, 0.1]), (DRILL_ID, [0.2, 0.1])],
+            Self::Workshop => {
+                &[(BRICK_ID, [-0.3, 0.1]), (POLISHER_ID, [0.15, -0.05]), (DRILL_ID, [0.22, 0.05])]
+            }
         }
     }
 }
@@ -102,6 +109,7 @@ impl Stage<'_> {
             TwoHanded::RestingHand => self.resting_hand(right, left),
             TwoHanded::SymmetricalLift => self.lift(right, left),
             TwoHanded::WaitingHand => self.waiting_hand(right, left),
+            TwoHanded::Workshop => self.workshop(right, left),
             TwoHanded::CrossingHands => {
                 right.wait(self.random.between(0.0, 0.6));
                 self.move_part(right, CORNER_ID, [0.1, 0.3]);
@@ -132,16 +140,11 @@ impl Stage<'_> {
         let brick = self.at(BRICK_ID);
         left.wait(self.random.between(0.0, 1.5));
         left.go(add(brick, [-0.06, 0.0]));
-        right.take(POLISHER_ID, self.grasp(POLISHER_ID));
-        let tip = scale(super::Part::of(POLISHER_ID).tip, -1.0);
-        let before = right.at();
-        right.go(add(add(brick, tip), [0.03, 0.0]));
-        right.dwell();
-        right.stroke(if self.is_faulty { 3 } else { 6 });
-        left.wait_until(right.now_s() - 0.2);
+        let strokes = if self.is_faulty { 3 } else { 6 };
+        let worked_s =
+            self.work_at(right, POLISHER_ID, add(brick, [0.03, 0.0]), |right| right.stroke(strokes));
+        left.wait_until(worked_s - 0.2);
         left.go_home();
-        let back = subtract(before, right.at());
-        right.bring(back);
     }
 
     fn hand_over(&mut self, right: &mut Arm<'_>, left: &mut Arm<'_>) {
@@ -184,6 +187,34 @@ impl Stage<'_> {
             left.wait_until(right.now_s());
         }
         left.release();
+    }
+
+    fn workshop(&mut self, right: &mut Arm<'_>, left: &mut Arm<'_>) {
+        let lies = self.grasp(BRICK_ID);
+        left.take(BRICK_ID, lies);
+        let way = subtract([self.random.between(-0.01, 0.01), 0.15], self.at(BRICK_ID));
+        left.go(add(left.at(), way));
+        let brick = add(self.at(BRICK_ID), way);
+        right.wait_until(left.now_s() - self.random.between(0.0, 0.6));
+        let mut worked_s = self.work_at(right, POLISHER_ID, add(brick, [0.03, 0.0]), |right| right.stroke(6));
+        if !self.is_faulty {
+            worked_s = self.work_at(right, DRILL_ID, brick, |right| right.wait(1.0));
+        }
+        left.wait_until(worked_s + self.random.between(0.1, 1.0));
+        left.go(lies);
+        left.release();
+    }
+
+    /// The hand takes a tool, brings its tip to this point, works with it until the time that is returned, and puts it back.
+    fn work_at<'a>(&self, arm: &mut Arm<'a>, id: u16, point: Vector, work: impl FnOnce(&mut Arm<'a>)) -> f64 {
+        arm.take(id, self.grasp(id));
+        let before = arm.at();
+        arm.go(add(point, scale(super::Part::of(id).tip, -1.0)));
+        arm.dwell();
+        work(arm);
+        let worked_s = arm.now_s();
+        arm.bring(subtract(before, arm.at()));
+        worked_s
     }
 
     fn resting_hand(&mut self, right: &mut Arm<'_>, left: &mut Arm<'_>) {

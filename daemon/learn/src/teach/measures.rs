@@ -117,7 +117,7 @@ impl Rates {
         }
         let bounds = MeasureBounds {
             stroke_m: if is_repeated(shown) { self.stroke_m(shown) } else { any.stroke_m },
-            path_m: self.path_m(shown),
+            path_m: self.path_m(shown, met_within_m),
             max_detour_m: self.max_detour_m(shown),
             max_bow_m: way.map_or(any.max_bow_m, |way| self.max_bow_m(way)),
             axis: if is_directed(context, shown) { self.axis(shown) } else { any.axis },
@@ -217,12 +217,16 @@ impl Rates {
         Range { min: (centre - apart).exp() as f32, max: (centre + apart).exp() as f32 }
     }
 
-    fn path_m(&self, shown: &[Measures]) -> Range {
+    /// Two parts that come near each other quickly touch later than two that do so slowly. So it does not matter how much of the way in and out
+    /// lies within the contact, unless strokes are made there.
+    fn path_m(&self, shown: &[Measures], met_within_m: f32) -> Range {
         let lengths: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.path_m) + STRAY_PATH_M).ln()).collect();
         let (centre, apart) = self.interval(&lengths, PRIOR_PATH, self.path);
-        let length = |logarithm: f64| (logarithm.exp() - STRAY_PATH_M).max(0.0) as f32;
-        Range { min: length(centre - apart), max: length(centre + apart) }
+        let length = |logarithm: f64| (logarithm.exp() - STRAY_PATH_M) as f32;
+        let in_and_out_m = if is_repeated(shown) { 0.0 } else { 2.0 * met_within_m };
+        let [min, max] = [centre - apart, centre + apart].map(length);
+        Range { min: (min - in_and_out_m).max(0.0), max: max.max(in_and_out_m) }
     }
 
     /// People differ in where a part lies and in how straight they go, and a way can only become longer.
@@ -384,6 +388,26 @@ mod tests {
         assert_eq!(bounds(&[13, 15, 13, 12, 13, 13, 13]), (11, 15));
         // Two runs may show the border, too.
         assert_eq!(bounds(&[12, 13]), (12, 13));
+    }
+
+    #[test]
+    fn how_much_of_the_way_in_and_out_lies_within_a_contact_does_not_matter_unless_strokes_are_made_there() {
+        let range = |reversals, met_within_m| {
+            let shown = [0.2, 0.22, 0.21, 0.19, 0.2].map(|path_m| Measures {
+                path_m,
+                reversals,
+                ..Measures::default()
+            });
+            let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
+            let Range { min, max } =
+                Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).path_m(&shown, met_within_m);
+            [min, max].map(|path_m| (100.0 * path_m).round() as i32)
+        };
+        let [min, max] = range(0, 0.0);
+        assert!((8..16).contains(&min) && (26..40).contains(&max), "{min} {max}");
+        assert_eq!(range(0, 0.02), [min - 4, max]);
+        assert_eq!(range(0, 0.3), [0, 60]);
+        assert_eq!(range(6, 0.3), range(6, 0.0));
     }
 
     #[test]

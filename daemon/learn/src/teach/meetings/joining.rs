@@ -80,7 +80,7 @@ struct Place {
 impl Place {
     fn new(run: usize, dwell: &Dwell, objects: [usize; 2], shown: &Trajectories) -> Self {
         let is_at_another = shown.is_brought_to_another(objects, dwell);
-        let at = place_of(dwell);
+        let at = shown.place(objects[0], objects[1], dwell);
         let first = shown.first_place(objects[0], objects[1]);
         let is_back = first.is_some_and(|first| nalgebra::distance(&at, &first) < BACK_M);
         let is_held = |frame: usize| objects.iter().any(|object| shown.is_held(*object, frame));
@@ -122,17 +122,13 @@ fn are_same(places: &[Place]) -> bool {
 /// Where a run shows the first of the two to dwell beside the other, farther away than two that come near each other so may touch.
 pub(super) fn beside([one, other]: [usize; 2], shown: &Trajectories) -> Option<Point3<f32>> {
     let is_beside = |place: &Point3<f32>| (TOUCH_M..FAR_M).contains(&place.coords.norm());
-    shown.dwells(one, other).iter().map(place_of).find(is_beside)
+    shown.dwells(one, other).iter().map(|dwell| shown.place(one, other, dwell)).find(is_beside)
 }
 
 /// Whether places in several runs are one.
 pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
     let middle = median(places.iter().copied());
     places.iter().all(|place| nalgebra::distance(place, &middle) < PLACES_M)
-}
-
-fn place_of(dwell: &Dwell) -> Point3<f32> {
-    median(dwell.iter().map(|(_, place)| *place))
 }
 
 /// How near the two come to each other where their points are given.

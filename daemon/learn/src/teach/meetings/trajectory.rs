@@ -1,5 +1,6 @@
 //! What a run shows of the ways of hands and objects.
 
+use super::median;
 use crate::statistics;
 use andon_core::capacity::HANDS;
 use andon_core::couple;
@@ -20,6 +21,11 @@ const REACH_M: f32 = 0.3;
 /// An object dwells where it goes no farther than this in this time, in metres and seconds.
 const DWELL_M: f32 = 0.05;
 const DWELL_S: f64 = 0.5;
+
+/// What comes back to where it dwells as often as this, before it is farther away than this in metres, makes strokes there. One time is that it
+/// comes.
+const BACK: usize = 3;
+const STROKE_M: f32 = 0.15;
 
 /// A hand that holds an object stays where it is at it, in metres.
 const HELD_M: f32 = 0.03;
@@ -187,13 +193,18 @@ impl Trajectories {
         Some(Point3::from(pose.translation.vector))
     }
 
-    /// Where the first object dwells at the second after one of them was carried there, each time.
-    pub(super) fn dwells(&self, with: usize, at: usize) -> Vec<Dwell> {
+    /// Where the first object is at the second in each frame that shows both.
+    fn places(&self, with: usize, at: usize) -> Dwell {
         let place = |frame: usize| {
             let pose = self.relative_pose(with, at, frame)?;
             Some((frame, Point3::from(pose.translation.vector)))
         };
-        let places: Dwell = (0..self.times_s.len()).filter_map(place).collect();
+        (0..self.times_s.len()).filter_map(place).collect()
+    }
+
+    /// Where the first object dwells at the second after one of them was carried there, each time.
+    pub(super) fn dwells(&self, with: usize, at: usize) -> Vec<Dwell> {
+        let places = self.places(with, at);
         let mut dwells: Vec<Dwell> = Vec::new();
         let mut end = 0;
         for (index, (frame, place)) in places.iter().enumerate() {
@@ -211,6 +222,25 @@ impl Trajectories {
         }
         dwells.retain(|dwell| [with, at].iter().any(|object| self.was_carried(*object, dwell[0].0)));
         dwells
+    }
+
+    /// Where the first object dwells at the second, or the middle of the strokes that it makes around there.
+    pub(super) fn place(&self, with: usize, at: usize, dwell: &Dwell) -> Point3<f32> {
+        let middle = median(dwell.iter().map(|(_, place)| *place));
+        let apart = |place: &Point3<f32>| nalgebra::distance(place, &middle);
+        let places = self.places(with, at);
+        let is_away = |(_, place): &(usize, Point3<f32>)| apart(place) > STROKE_M;
+        let [first, last] = [dwell.first(), dwell.last()]
+            .map(|end| places.partition_point(|place| end.is_some_and(|end| place.0 < end.0)));
+        let begin = places[..first].iter().rposition(is_away).map_or(0, |away| away + 1);
+        let end = places[last..].iter().position(is_away).map_or(places.len(), |away| last + away);
+        let around = places[begin..end].iter().map(|(_, place)| *place);
+        let comes_back = |is_out: &mut bool, place: Point3<f32>| {
+            let was_out = core::mem::replace(is_out, apart(&place) > DWELL_M);
+            Some(was_out && !*is_out)
+        };
+        let back = around.clone().scan(false, comes_back).filter(|comes_back| *comes_back).count();
+        if back >= BACK { median(around) } else { middle }
     }
 
     /// Whether a hand holds the object: one has carried it, and is still where it did so.
@@ -349,6 +379,24 @@ mod tests {
     /// Where an object is held, to the right of its middle, in centimetres.
     fn held_cm(run: &Trajectories, object: usize) -> Vec<i32> {
         run.holds(object).iter().map(|tips| (100.0 * tips[0][0].x).round() as i32).collect()
+    }
+
+    #[test]
+    fn a_tool_that_makes_strokes_works_in_their_middle_wherever_it_came_to_rest_first() {
+        let place_of = |strokes: i32| {
+            let mut run = side_by_side([0.0, 5.0], &[0.0, 0.0]);
+            // It rests at one end of its strokes of 12 cm, one each half second.
+            let stroke = |frame: i32| 0.06 * (f64::from(frame) * std::f64::consts::TAU / 15.0).cos() as f32;
+            let moves = (0..15 * strokes).map(stroke);
+            let ways = [0.6; 3].into_iter().chain([0.06; 15]).chain(moves).chain([0.6; 3]);
+            let pose = |x: f32| Some(Isometry3::translation(x, 0.0, 0.0));
+            run.objects = vec![ways.clone().map(pose).collect(), ways.clone().map(|_| pose(0.0)).collect()];
+            run.times_s = (0..ways.count()).map(|frame| frame as f64 / 30.0).collect();
+            let dwell: Dwell = (3..18).map(|frame| (frame, Point3::new(0.06, 0.0, 0.0))).collect();
+            (100.0 * run.place(0, 1, &dwell).x).round() as i32
+        };
+        assert_eq!(place_of(0), 6);
+        assert!((0..=2).contains(&place_of(6)), "{}", place_of(6));
     }
 
     #[test]

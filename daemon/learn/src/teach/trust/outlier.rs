@@ -6,7 +6,7 @@
 use super::MIN_RUNS;
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
-use crate::teach::kind::is_at_another;
+use crate::teach::kind::{is_at_another, is_repeated};
 use crate::teach::measures::{PRIOR_NUMBER, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
@@ -108,7 +108,7 @@ impl Measure {
     /// How far the value of an IU is away from the others, as a share of what is allowed.
     fn exceeds(self, iu: &Iu, value: f64, others: &[f64]) -> f64 {
         let value = self.nearest(value, iu, others);
-        if self.is_noise(iu.context, value, median(others)) {
+        if self.is_noise(iu, value, median(others)) {
             return 0.0;
         }
         let log = |value: f64| (value + self.noise()).ln();
@@ -126,7 +126,7 @@ impl Measure {
     }
 
     /// Whether it says nothing that the value differs from this centre of the others.
-    fn is_noise(self, context: Context, value: f64, centre: f64) -> bool {
+    fn is_noise(self, iu: &Iu, value: f64, centre: f64) -> bool {
         match self {
             Self::Reversals => {
                 let [few, many] = [value.min(centre), value.max(centre)];
@@ -135,8 +135,9 @@ impl Measure {
             // Nobody is too much like the others.
             Self::Distance => value < centre,
             // Somebody may be quick on the way.
-            Self::Duration => value < centre && !is_at_another(context),
-            Self::Path => false,
+            Self::Duration => value < centre && !is_at_another(iu.context),
+            // What comes quickly to another part touches it later.
+            Self::Path => value < centre && is_at_another(iu.context) && !is_repeated(&[iu.measures]),
         }
     }
 }
@@ -290,6 +291,16 @@ mod tests {
         assert_eq!([nearest([0.5; 3]), nearest([3.0; 3]), nearest([9.0; 3])], [1.0, 3.0, 5.0]);
         // A way that is too short was not made so by what was hidden of it.
         assert_eq!(Measure::Path.nearest(0.01, &iu(0.4), &others), 0.01);
+    }
+
+    #[test]
+    fn a_short_way_within_a_contact_says_nothing_unless_strokes_are_made_there() {
+        let exceeds = |context: [u16; 4], reversals: u32| {
+            let mut iu = iu(context, 0.0);
+            iu.measures.reversals = reversals;
+            Measure::Path.exceeds(&iu, 0.02, &[0.6, 0.65, 0.7]) > 1.0
+        };
+        assert!(exceeds([1, 5, 0, 0], 0) && exceeds(POLISHING, 6) && !exceeds(POLISHING, 0));
     }
 
     #[test]
