@@ -29,6 +29,9 @@ const PRIOR_PLACE_M: f64 = 0.008;
 /// seen to go back before the contact ends, or only after that.
 const BORDER_REVERSALS: u32 = 1;
 
+/// The length of the axis of strokes below which they are circles: it is 0 for a circle and 1 for a straight line.
+const MAX_ALONG: f64 = 0.5;
+
 /// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance as often as
 /// who counts them makes a mistake.
 const COUNTED: (usize, usize) = (5, 6);
@@ -173,8 +176,8 @@ impl Rates {
         let most = counts(likely.iter().copied()).max;
         let max = most.max(usual.max + more);
         if is_repeated(shown) {
-            // Where the runs show no reversal more or less at the border, others may.
-            let border = if usual.min == usual.max { BORDER_REVERSALS } else { 0 };
+            // Where the runs show no reversal more or less at the border, others may; and a circle has no ends, so that it may have one at each border.
+            let border = if usual.min == usual.max || is_round(shown) { BORDER_REVERSALS } else { 0 };
             let less = less.max(border) + self.uncounted(shown);
             Bounds { min: usual.min - less.min(usual.min), max: max.max(usual.max + border) }
         } else {
@@ -313,6 +316,12 @@ pub(super) fn is_by_feel(shown: &[Measures]) -> bool {
     is_repeated(shown) && !do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED)
 }
 
+/// Whether the strokes are circles.
+fn is_round(shown: &[Measures]) -> bool {
+    let along = |measures: &Measures| f64::from(measures.axis[0].hypot(measures.axis[1]));
+    mean(&shown.iter().map(along).collect::<Vec<_>>()) < MAX_ALONG
+}
+
 /// By how many reversals a count is above these bounds, negative if it is below.
 fn beyond(usual: Bounds, count: u32) -> f64 {
     f64::from(count.saturating_sub(usual.max)) - f64::from(usual.min.saturating_sub(count))
@@ -373,17 +382,21 @@ mod tests {
 
     #[test]
     fn a_reversal_more_at_the_border_is_as_many_strokes_and_a_stroke_less_is_not() {
-        let bounds = |reversals: &[u32]| {
-            let shown: Vec<Measures> =
-                reversals.iter().map(|count| Measures { reversals: *count, ..Measures::default() }).collect();
+        let bounds_along = |axis: [f32; 2], reversals: &[u32]| {
+            let shown: Vec<Measures> = reversals
+                .iter()
+                .map(|count| Measures { reversals: *count, axis, ..Measures::default() })
+                .collect();
             let polishing = Context([1, 5, 5, 6]);
             let ius = [(polishing, shown.as_slice())];
             let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown);
             (min, max)
         };
+        let bounds = |reversals: &[u32]| bounds_along([-0.9, 0.1], reversals);
         // Six strokes; five have 10 or 11 reversals, seven 14 or 15.
         assert_eq!(bounds(&[13, 13, 13, 13, 13]), (12, 14));
         assert_eq!(bounds(&[13, 12, 13, 12, 13, 13, 13]), (12, 13));
+        assert_eq!(bounds_along([0.1, -0.2], &[13, 12, 13, 12, 13, 13, 13]), (11, 14), "circles");
         // Somebody made one stroke more, or half a stroke less.
         assert_eq!(bounds(&[13, 15, 13, 12, 13, 13, 13]), (11, 15));
         // Two runs may show the border, too.
@@ -465,6 +478,7 @@ mod tests {
             let shown = [12, 13, 13, 12, 13].map(|reversals| Measures {
                 reversals,
                 stroke_m: Some(stroke_m),
+                axis: [1.0, 0.0],
                 ..Measures::default()
             });
             let people = People { variety, ..People::IN_GENERAL };
