@@ -246,3 +246,20 @@ fn an_order_that_may_have_been_kept_unseen_accuses_nobody() {
     let verdicts = judged(&job, &couples);
     assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:#?}");
 }
+
+#[test]
+fn what_a_hand_is_in_the_middle_of_has_begun_although_a_part_of_it_was_not_judged() {
+    let hold = [part([2, 6, 0, 0], 60, Still), part([2, 6, 6, 5], 96, Still), part([2, 6, 0, 0], 90, Still)];
+    let laws = [FREE, AFTER_POLISHING];
+    let job = Job { laws: &laws, ..teach(&[&hold, &polish(6)]) };
+    let [carry, work, back] = hold;
+    let [seen, hidden, again] = [(40, true), (8, false), (30, true)].map(|(frames, sighted)| Part {
+        frames,
+        sighted,
+        ..if sighted { work } else { carry }
+    });
+    let couples = stream(&after(180, &polish(6)), &after(40, &[carry, seen, hidden, again, back, idle(20)]));
+    let verdicts = judged(&job, &couples);
+    assert_eq!(activity(&verdicts, 0).outcome, Outcome::NotJudged);
+    assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
+}

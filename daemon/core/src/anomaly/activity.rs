@@ -302,6 +302,12 @@ impl OpenActivity {
         matches!(self.against, Against::Following(_)) && !self.is_concluded
     }
 
+    /// The nominal activities that it may be where something did not fit and was not judged; empty otherwise.
+    pub(super) fn may_be(&self) -> ActivitySet {
+        let all = self.places.iter().enumerate().filter(|(_, places)| self.is_astray() && !places.is_empty());
+        all.map(|(nominal, _)| nominal).collect()
+    }
+
     /// The newest IU agrees with these candidates.
     pub(super) fn agree(&mut self, candidates: ActivitySet) {
         if let Against::Candidates(before) = self.against {

@@ -125,8 +125,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Against::Candidates(_) => self.begin_with_candidates(couple, progress, emit),
             Against::Following(nominal) => self.begin_following(nominal, couple, progress, emit),
         }
-        let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
-        progress.set_underway(self.side, candidates);
+        if let Some(activity) = &self.activity {
+            progress.set_underway(self.side, activity.candidates(), activity.may_be());
+        }
     }
 
     fn conclude_not_shown(
@@ -558,6 +559,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.activity = None;
         self.is_broken_off = false;
         progress.set_waiting(self.side, None);
-        progress.set_underway(self.side, ActivitySet::EMPTY);
+        progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
     }
 }

@@ -55,6 +55,8 @@ pub(super) struct Progress<'a> {
     waiting: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
     underway: [ActivitySet; HANDS],
+    /// For each hand, what its open activity may be of which something was not judged.
+    may_be_underway: [ActivitySet; HANDS],
     /// For each hand, when its newest activity began.
     newest_ns: [u64; HANDS],
     /// For each hand, the activities that had begun before that.
@@ -127,6 +129,7 @@ impl<'a> Progress<'a> {
             wrong: ActivitySet::EMPTY,
             waiting: [ActivitySet::EMPTY; HANDS],
             underway: [ActivitySet::EMPTY; HANDS],
+            may_be_underway: [ActivitySet::EMPTY; HANDS],
             newest_ns: [0; HANDS],
             begun_before: [ActivitySet::EMPTY; HANDS],
             is_hidden: [false; HANDS],
@@ -279,7 +282,7 @@ impl<'a> Progress<'a> {
         let of_other = self.opening(context.by_hand(other));
         if !self.opening(context).is_empty() {
             Some(side)
-        } else if !of_other.without(self.tried() | self.underway[other.index()]).is_empty() {
+        } else if !of_other.without(self.begun(other)).is_empty() {
             Some(other)
         } else {
             None
@@ -418,7 +421,7 @@ impl<'a> Progress<'a> {
     /// The number in this job of an activity that this hand begins; whether it is a step of the job.
     pub(super) fn next_activity(&mut self, side: Side, began_ns: u64, is_step: bool) -> u16 {
         self.newest_ns[side.index()] = began_ns;
-        self.begun_before[side.index()] = self.tried() | self.underway[side.other().index()];
+        self.begun_before[side.index()] = self.begun(side.other());
         let number = self.activities;
         self.activities = number.saturating_add(1);
         self.first_step = self.first_step.or(is_step.then_some(number));
@@ -455,15 +458,21 @@ impl<'a> Progress<'a> {
         self.waiting[side.index()] = self.activities_of(nominal);
     }
 
-    /// Sets the candidates of the open activity of a hand.
-    pub(super) fn set_underway(&mut self, side: Side, candidates: ActivitySet) {
+    /// What was tried, and what this hand has begun or may have begun.
+    fn begun(&self, side: Side) -> ActivitySet {
+        self.tried() | self.underway[side.index()] | self.may_be_underway[side.index()]
+    }
+
+    /// Sets the candidates of the open activity of a hand, and what it may be otherwise.
+    pub(super) fn set_underway(&mut self, side: Side, candidates: ActivitySet, may_be: ActivitySet) {
         self.underway[side.index()] = self.activities_of(candidates.iter());
+        self.may_be_underway[side.index()] = self.activities_of(may_be.iter());
     }
 
     /// A hand has done a nominal activity; what must come before it and has not come is excused.
     pub(super) fn set_done(&mut self, side: Side, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
-        let came = self.tried() | self.underway[side.other().index()];
+        let came = self.begun(side.other());
         let before = activity.iter().fold(ActivitySet::EMPTY, |all, one| all | self.job.law(one).after());
         if !activity.intersects(self.wrong) {
             self.excused |= (before & self.required).without(came);

@@ -8,8 +8,8 @@ use crate::verdict::{BrokenOrder, Note, OrderFault};
 impl Progress<'_> {
     /// The activity that must come next, if that is only one.
     pub(super) fn next_in_order(&self) -> Option<usize> {
-        let underway = self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
-        let left = self.required.without(self.tried() | underway);
+        let begun = Side::ALL.iter().fold(ActivitySet::EMPTY, |set, side| set | self.begun(*side));
+        let left = self.required.without(begun);
         let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
         let mut next = left.iter().filter(is_next);
         next.next().filter(|_| self.has_order() && next.next().is_none())
@@ -24,7 +24,7 @@ impl Progress<'_> {
         if law.is_once && self.is_repeated(activity) {
             return Some(broken(OrderFault::Again, activity));
         }
-        let came = self.tried() | self.underway[side.other().index()];
+        let came = self.begun(side.other());
         let is_certain = |other: &usize| !self.may_precede.contains(*other) && !self.may_be_unseen(*other);
         let not_begun = (law.after() & self.required).without(came).iter().find(is_certain);
         let underway = self.underway_before(side);
@@ -88,7 +88,7 @@ impl Progress<'_> {
     /// What was not shown before in that a nominal activity comes now.
     pub(in crate::anomaly) fn order_note(&self, side: Side, nominal: usize) -> Option<Note> {
         let activity = usize::from(self.number(nominal)?);
-        let came = self.tried() | self.underway[side.other().index()];
+        let came = self.begun(side.other());
         let usual = self.job.law(activity).usually_after & self.required;
         let is_early = usual.without(came | self.may_precede).iter().any(|other| !self.may_be_unseen(other));
         if self.is_repeated(activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
