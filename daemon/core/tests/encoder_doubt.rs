@@ -50,6 +50,26 @@ fn two_that_are_seen_as_they_pass_each_other_may_touch_if_they_came_together_uns
 }
 
 #[test]
+fn a_part_that_slows_down_behind_another_one_has_passed_it_whatever_frames_are_missing() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.2, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.28, 0.0], 24).rest(20);
+    let at_box = |frames: &[Frame]| {
+        let hands = encode(&bench.ids(), frames).into_iter().map(|couples| couples.hands[0]);
+        hands.filter(|couple| couple.context.0[3] == BOX && !couple.is_doubtful).count()
+    };
+    assert_eq!(at_box(&bench.frames), 0);
+    for missing in 0..1024u32 {
+        let mut frames = bench.frames.clone();
+        let mut index = 0;
+        frames.retain(|_| {
+            index += 1;
+            !(35..45).contains(&index) || missing >> (index - 35) & 1 == 0
+        });
+        assert_eq!(at_box(&frames), 0, "without {missing:010b}");
+    }
+}
+
+#[test]
 fn a_part_that_is_let_go_where_the_other_one_was_hidden_may_not_touch_it_any_more() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.0, 0.02])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).rest(20);

@@ -121,12 +121,16 @@ impl Scene {
 
     fn next_meets(&self, [i, j]: [usize; 2], is_held: bool, age: usize) -> Meets {
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
+        let off_m = self.object_contact(i, j).off_m;
+        let is_near =
+            |age: usize| self.are_in_reach(i, j, age) && self.distance_of_objects(i, j, age) <= off_m;
         if edge.is_believed() {
             if matches!(before, Meets::Rests | Meets::Yes) {
                 return Meets::Yes;
             }
             return match self.passes(i, j, age) {
-                Some(false) => Meets::Yes,
+                // Where frames are missing, it takes longer to believe that they have parted.
+                Some(false) if is_near(age) => Meets::Yes,
                 // Two that came together unseen may touch already.
                 Some(true) if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,
                 _ => before,
@@ -135,9 +139,6 @@ impl Scene {
         if !is_held && before != Meets::Rests {
             return Meets::No;
         }
-        let off_m = self.object_contact(i, j).off_m;
-        let is_near =
-            |age: usize| self.are_in_reach(i, j, age) && self.distance_of_objects(i, j, age) <= off_m;
         // Most pairs of which one is carried stay far apart.
         if before == Meets::Brought && !is_near(age) {
             return before;
