@@ -190,8 +190,9 @@ pub struct Job<'a> {
     /// are, as in the paper.
     pub max_slowdown: f32,
     /// Whether a frame [`at_rest`](Motion::at_rest) was put before and after each motion of a touch from which the references were learnt, and is
-    /// put before and after each that is judged: then a rest at either end of an IU costs nothing. It still counts as time. An IU may also have ended
-    /// in one of the five frames before its last one. In the paper a rest costs as much as any other motion, and so does each frame.
+    /// put before and after each that is judged: then a rest at either end of an IU costs nothing. It still counts as time. An IU of two
+    /// parts may also have ended in one of the five frames before its last one. In the paper a rest costs as much as any other motion, and every
+    /// frame belongs to the motion.
     pub has_free_ends: bool,
     /// The share of the frames of the grid that must have been captured during an IU for it to be judged, 0 to 1: with fewer, the motion that
     /// was shown would not be recognised. 0 asks for nothing.

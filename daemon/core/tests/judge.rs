@@ -227,10 +227,11 @@ fn a_hand_may_go_on_just_before_the_other_one_ends_what_their_parts_do() {
         [part([2, 5, 5, 7], rest, Still), part([2, 5, 5, 7], frames, Toward(3)), idle(20)]
     };
     let job = teach(&[&hold(60, 0)]);
-    let outcome = |job: &Job<'_>, frames: usize| judged(job, &stream(&[], &hold(40, frames)))[0].outcome;
-    assert_eq!(outcome(&job, 5), Outcome::Anomaly);
-    let job = with_free_ends(job);
-    assert_eq!([5, 12].map(|frames| outcome(&job, frames)), [Outcome::Ok, Outcome::Anomaly]);
+    let least_wrong = |job: &Job<'_>| {
+        let outcome = |frames: usize| judged(job, &stream(&[], &hold(40, frames)))[0].outcome;
+        (0..30).find(|frames| outcome(*frames) == Outcome::Anomaly).unwrap()
+    };
+    assert_eq!(least_wrong(&with_free_ends(job)), least_wrong(&job) + 5);
 }
 
 #[test]

@@ -45,14 +45,16 @@ fn job_with(has_free_ends: bool) -> Job<'static> {
     if has_free_ends { with_free_ends(job()) } else { job() }
 }
 
-/// The motions of an IU as they are compared: with free ends, it may have ended in one of the five frames before the last one.
+/// The motions of an IU as they are compared: with free ends, that of two parts may have ended in one of the five frames before the
+/// last one.
 fn compared(motions: Vec<Motion>, context: Context, job: &Job<'_>) -> Vec<Vec<Motion>> {
     if !job.has_free_ends {
         return vec![motions];
     }
     let whole = between_rests(&motions, context);
-    let ended = |frames: usize| whole[..=motions.len().saturating_sub(frames)].to_vec();
-    (1..=5).map(ended).chain([whole.clone()]).collect()
+    let border = if context.is_pair() { 5.min(motions.len() - 1) } else { 0 };
+    let ended = |frames: usize| whole[..=motions.len() - frames].to_vec();
+    (1..=border).map(ended).chain([whole.clone()]).collect()
 }
 
 /// What can go wrong in an activity. Indices are taken modulo the number of parts.

@@ -94,7 +94,7 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
             met.into_iter().flatten().map(|met| met.with).collect::<Vec<u16>>()
         };
         assert_eq!([with(BOX), with(TABLE), with(SHELF)], [[Meeting::HAND], [BOX], [BOX]]);
-        // Nor is it known that the recording begins with the job.
+        // The missing half is found as well where nobody says that the recording begins with the job.
         let half = without_points(Capture::read(number).without_second_half().recording());
         assert_eq!(jobs(&judged(&job, &half)), [Outcome::Anomaly], "run {number}");
         let judged = |capture: Capture| {

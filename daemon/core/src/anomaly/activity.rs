@@ -43,7 +43,8 @@ pub(super) struct OpenActivity {
     /// Its number in the job, from 0.
     pub(super) number: u16,
     pub(super) step: Step,
-    /// The runs touch its part in other ways as well, and require no step that begins so: what is not like such a step is none.
+    /// The runs touch its part in other ways as well, or where the hand was not seen to come the other part, and require no step that begins so:
+    /// what is not like such a step is none.
     pub(super) may_differ: bool,
     /// What was not shown before in that it comes now.
     pub(super) order_note: Option<Note>,
@@ -302,9 +303,12 @@ impl OpenActivity {
         matches!(self.against, Against::Following(_)) && !self.is_concluded
     }
 
-    /// The nominal activities that it may be where something did not fit and was not judged; empty otherwise.
+    /// The nominal activities that it may be, until it has its verdict, although not all of it fitted what was seen.
     pub(super) fn may_be(&self) -> ActivitySet {
-        let all = self.places.iter().enumerate().filter(|(_, places)| self.is_astray() && !places.is_empty());
+        if self.is_concluded {
+            return ActivitySet::EMPTY;
+        }
+        let all = self.places.iter().enumerate().filter(|(_, places)| !places.is_empty());
         all.map(|(nominal, _)| nominal).collect()
     }
 

@@ -26,13 +26,19 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
         let min_idle_frames = self.watch.min_idle_frames();
-        let before = (hidden, was_idle);
-        let mut activity =
-            OpenActivity::new(number, step, context, began_ns, before, min_idle_frames, progress.job);
+        let mut activity = OpenActivity::new(
+            number,
+            step,
+            context,
+            began_ns,
+            (hidden, was_idle),
+            min_idle_frames,
+            progress.job,
+        );
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }
-        activity.may_differ = progress.may_differ(activity.as_shown(context), hidden < u32::MAX || was_idle);
+        activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
         activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
         self.activity = Some(activity);
         self.note_never_seen(progress);

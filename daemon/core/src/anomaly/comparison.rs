@@ -8,9 +8,8 @@ use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
-/// With free ends, an IU may have ended in any of as many frames before the last one: the other hand may be the one that ends a contact of two
-/// parts, and until that is farther away than the contact is wide, this hand may go on with what comes next. As many as a change takes to be
-/// believed by default.
+/// With free ends, an IU of two parts may have ended in any of as many frames before its last one: where the other hand ends their contact, this
+/// hand may go on before they are farther apart than the contact is wide. As many as a change takes to be believed by default.
 const BORDER_FRAMES: usize = 5;
 
 /// The comparison of the open IU with one nominal IU.
@@ -23,8 +22,8 @@ struct Comparison<'a> {
     is_unique: bool,
     /// The IU cannot be this one any more, so its distance is not computed further.
     is_lost: bool,
-    /// The distances if the IU has ended in one of the frames before the newest.
-    ended: [f64; BORDER_FRAMES],
+    /// The distances in the newest frame and in those before it, newest first; infinite where there was none.
+    newest: [f64; 1 + BORDER_FRAMES],
 }
 
 /// The result of a comparison, so far or at the end of the IU.
@@ -136,8 +135,8 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
                 if self.rules.has_free_ends {
                     let _ = distance.append(&Motion::at_rest(iu.context));
                 }
-                let ended = [f64::INFINITY; BORDER_FRAMES];
-                let _ = self.comparisons.push(Comparison { nominal, iu, is_unique, is_lost: false, ended });
+                let newest = [f64::INFINITY; 1 + BORDER_FRAMES];
+                let _ = self.comparisons.push(Comparison { nominal, iu, is_unique, is_lost: false, newest });
             }
         }
     }
@@ -149,11 +148,11 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     pub(super) fn append(&mut self, motion: &Motion) -> Result<(), Refused> {
         let has_free_ends = self.rules.has_free_ends;
         for (comparison, distance) in self.open() {
-            if has_free_ends {
-                comparison.ended.rotate_right(1);
-                comparison.ended[0] = distance.distance().unwrap_or(f64::INFINITY);
-            }
             distance.append(motion)?;
+            if has_free_ends && comparison.iu.context.is_pair() {
+                comparison.newest.rotate_right(1);
+                comparison.newest[0] = distance.distance().unwrap_or(f64::INFINITY);
+            }
         }
         Ok(())
     }
@@ -163,14 +162,17 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     /// # Errors
     /// As [`append`](Self::append).
     pub(super) fn end(&mut self) -> Result<(), Refused> {
-        let rest = self.comparisons.first().filter(|_| self.rules.has_free_ends);
-        let rest = rest.map(|one| Motion::at_rest(one.iu.context));
-        rest.map_or(Ok(()), |rest| self.open().try_for_each(|(_, distance)| distance.append(&rest)))
+        let Some(one) = self.comparisons.first().filter(|_| self.rules.has_free_ends) else { return Ok(()) };
+        let rest = Motion::at_rest(one.iu.context);
+        self.open().try_for_each(|(_, distance)| distance.append(&rest))
     }
 
     /// Takes any number of frames of which nothing is known.
     pub(super) fn append_unknown(&mut self) {
-        self.open().for_each(|(_, distance)| distance.append_unknown());
+        for (comparison, distance) in self.open() {
+            comparison.newest = [f64::INFINITY; 1 + BORDER_FRAMES];
+            distance.append_unknown();
+        }
     }
 
     /// Those that are not lost.
@@ -214,7 +216,7 @@ fn result(
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
     let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
-    let distance = comparison.ended.into_iter().fold(distance, f64::min);
+    let distance = comparison.newest.into_iter().skip(1).fold(distance, f64::min);
     // An open IU may still become as slow as the bounds allow.
     let length = if extent.ended { extent.worked_frames() } else { frames.max };
     let length = length.saturating_add(2 * u32::from(rules.has_free_ends));

@@ -55,7 +55,7 @@ pub(super) struct Progress<'a> {
     waiting: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
     underway: [ActivitySet; HANDS],
-    /// For each hand, what its open activity may be of which something was not judged.
+    /// For each hand, what its open activity may be, as far as it was seen.
     may_be_underway: [ActivitySet; HANDS],
     /// For each hand, when its newest activity began.
     newest_ns: [u64; HANDS],
@@ -282,7 +282,7 @@ impl<'a> Progress<'a> {
         let of_other = self.opening(context.by_hand(other));
         if !self.opening(context).is_empty() {
             Some(side)
-        } else if !of_other.without(self.begun(other)).is_empty() {
+        } else if !of_other.without(self.tried() | self.underway[other.index()]).is_empty() {
             Some(other)
         } else {
             None
@@ -472,7 +472,7 @@ impl<'a> Progress<'a> {
     /// A hand has done a nominal activity; what must come before it and has not come is excused.
     pub(super) fn set_done(&mut self, side: Side, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
-        let came = self.begun(side.other());
+        let came = self.tried() | self.underway[side.other().index()];
         let before = activity.iter().fold(ActivitySet::EMPTY, |all, one| all | self.job.law(one).after());
         if !activity.intersects(self.wrong) {
             self.excused |= (before & self.required).without(came);

@@ -8,8 +8,8 @@ use crate::verdict::{BrokenOrder, Note, OrderFault};
 impl Progress<'_> {
     /// The activity that must come next, if that is only one.
     pub(super) fn next_in_order(&self) -> Option<usize> {
-        let begun = Side::ALL.iter().fold(ActivitySet::EMPTY, |set, side| set | self.begun(*side));
-        let left = self.required.without(begun);
+        let underway = self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        let left = self.required.without(self.tried() | underway);
         let is_next = |activity: &usize| !self.job.law(*activity).after().intersects(left);
         let mut next = left.iter().filter(is_next);
         next.next().filter(|_| self.has_order() && next.next().is_none())
@@ -45,17 +45,18 @@ impl Progress<'_> {
     }
 
     /// Whether a nominal activity of this hand that is in order may belong to another job than the open one: it must not come again and comes
-    /// again, or one was right that must come behind it, because it may have come unseen. If it was not the other job's, the order was wrong.
+    /// again, or one that must come behind it was right although this one had not begun, or not ended, in time, because it may have come unseen. If
+    /// it was not the other job's, the order was wrong.
     pub(in crate::anomaly) fn may_be_of_another_job(&self, side: Side, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
             let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
             let mut right = self.done.without(self.wrong).iter();
             let may_precede = self.may_precede.contains(activity);
-            // Behind its beginning came only what began after that.
+            // A law that asks only for the beginning is kept by what began after it.
             let came_too_early = |other: usize| {
                 let law = self.job.law(other);
                 law.after_end.contains(activity)
-                    || law.after().contains(activity) && self.begun_before[side.index()].contains(other)
+                    || law.after_begin.contains(activity) && self.begun_before[side.index()].contains(other)
             };
             comes_again || self.excused.contains(activity) || may_precede && right.any(came_too_early)
         })

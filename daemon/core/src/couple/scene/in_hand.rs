@@ -129,7 +129,7 @@ impl Scene {
                 return Meets::Yes;
             }
             return match self.passes(i, j, age) {
-                // Where frames are missing, it takes longer to believe that they have parted.
+                // Where frames are missing, a contact is still believed after the two have parted.
                 Some(false) if is_near(age) => Meets::Yes,
                 // Two that came together unseen may touch already.
                 Some(true) if !edge.was_known(age, self.method.persist_frames) => Meets::Unknown,

@@ -83,8 +83,8 @@ impl Place {
         let at = shown.place(objects[0], objects[1], dwell);
         let first = shown.first_place(objects[0], objects[1]);
         let is_back = first.is_some_and(|first| nalgebra::distance(&at, &first) < BACK_M);
-        let is_held = |frame: usize| objects.iter().any(|object| shown.is_held(*object, frame));
-        let is_put_down = dwell.iter().any(|(frame, _)| !is_held(*frame));
+        let is_put_down =
+            dwell.iter().any(|(frame, _)| objects.iter().all(|object| shown.is_let_go(*object, *frame)));
         let is_beside =
             is_back && is_put_down && objects.iter().all(|object| shown.carried_frames(*object) > 0);
         Self { run, at, is_at_another, is_back, is_beside }
@@ -95,12 +95,12 @@ fn runs_of(places: &[Place]) -> usize {
     places.iter().map(|place| place.run).collect::<BTreeSet<usize>>().len()
 }
 
-/// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. What is put back beside a
-/// part that it does not touch, and that is put back as well, lies elsewhere beside it in each run. Where fewer than half of the runs have such a place, those farther away count
-/// where they are the same in all runs that have one, and no third object is nearer.
+/// The places at which the two may touch, and the others. They are near, or as far as those that are near in another run. Where fewer than half
+/// of the runs have such a place, those farther away count where they are the same in all runs that have one, and no third object is nearer. What
+/// is put back beside a part that is put back as well only touches it if it is at the same place in all runs that have one.
 fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let (back, brought): (Vec<Place>, Vec<Place>) = places.iter().partition(|place| place.is_beside);
-    let met = if are_same(&back) { places } else { &brought };
+    let met = if are_same(&back) && runs_of(&back) >= SAME_RUNS { places } else { &brought };
     let near: Vec<Point3<f32>> =
         met.iter().map(|place| place.at).filter(|place| place.coords.norm() < TOUCH_M).collect();
     let split: (Vec<Place>, Vec<Place>) =
@@ -115,8 +115,13 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
 }
 
 fn are_same(places: &[Place]) -> bool {
-    let usual = median(places.iter().map(|place| place.at));
-    places.iter().all(|place| nalgebra::distance(&place.at, &usual) < SAME_M)
+    are_within(SAME_M, &places.iter().map(|place| place.at).collect::<Vec<_>>())
+}
+
+/// Whether places are as near to their middle as this, in metres.
+fn are_within(max_m: f32, places: &[Point3<f32>]) -> bool {
+    let middle = median(places.iter().copied());
+    places.iter().all(|place| nalgebra::distance(place, &middle) < max_m)
 }
 
 /// Where a run shows the first of the two to dwell beside the other, farther away than two that come near each other so may touch.
@@ -127,8 +132,7 @@ pub(super) fn beside([one, other]: [usize; 2], shown: &Trajectories) -> Option<P
 
 /// Whether places in several runs are one.
 pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
-    let middle = median(places.iter().copied());
-    places.iter().all(|place| nalgebra::distance(place, &middle) < PLACES_M)
+    are_within(PLACES_M, places)
 }
 
 /// How near the two come to each other where their points are given.

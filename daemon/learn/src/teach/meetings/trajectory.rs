@@ -22,9 +22,10 @@ const REACH_M: f32 = 0.3;
 const DWELL_M: f32 = 0.05;
 const DWELL_S: f64 = 0.5;
 
-/// What comes back to where it dwells as often as this, before it is farther away than this in metres, makes strokes there. One time is that it
-/// comes.
+/// What leaves the place where it dwells and comes back this often makes strokes there. One time is that it comes.
 const BACK: usize = 3;
+
+/// Farther away than this it has left, in metres.
 const STROKE_M: f32 = 0.15;
 
 /// A hand that holds an object stays where it is at it, in metres.
@@ -194,7 +195,7 @@ impl Trajectories {
     }
 
     /// Where the first object is at the second in each frame that shows both.
-    fn places(&self, with: usize, at: usize) -> Dwell {
+    fn places(&self, with: usize, at: usize) -> Vec<(usize, Point3<f32>)> {
         let place = |frame: usize| {
             let pose = self.relative_pose(with, at, frame)?;
             Some((frame, Point3::from(pose.translation.vector)))
@@ -234,28 +235,43 @@ impl Trajectories {
             .map(|end| places.partition_point(|place| end.is_some_and(|end| place.0 < end.0)));
         let begin = places[..first].iter().rposition(is_away).map_or(0, |away| away + 1);
         let end = places[last..].iter().position(is_away).map_or(places.len(), |away| last + away);
-        let around = places[begin..end].iter().map(|(_, place)| *place);
-        let comes_back = |is_out: &mut bool, place: Point3<f32>| {
-            let was_out = core::mem::replace(is_out, apart(&place) > DWELL_M);
-            Some(was_out && !*is_out)
-        };
-        let back = around.clone().scan(false, comes_back).filter(|comes_back| *comes_back).count();
-        if back >= BACK { median(around) } else { middle }
+        let around = &places[begin..end];
+        let (mut is_out, mut back) = (false, Vec::new());
+        for (index, (_, place)) in around.iter().enumerate() {
+            // Errors neither leave nor come back.
+            let was_out = is_out;
+            is_out = apart(place) > if was_out { DWELL_M / 2.0 } else { DWELL_M };
+            back.extend((was_out && !is_out).then_some(index));
+        }
+        match back[..] {
+            [first, .., last] if back.len() >= BACK => {
+                median(around[first..=last].iter().map(|(_, place)| *place))
+            }
+            _ => middle,
+        }
     }
 
     /// Whether a hand holds the object: one has carried it, and is still where it did so.
     pub(super) fn is_held(&self, object: usize, frame: usize) -> bool {
+        self.are_at(object, frame).contains(&Some(true))
+    }
+
+    /// Whether no hand holds the object, and each that carried it last is seen elsewhere.
+    pub(super) fn is_let_go(&self, object: usize, frame: usize) -> bool {
+        !self.are_at(object, frame).iter().any(|is_at| is_at.is_none_or(|is_at| is_at))
+    }
+
+    /// For each hand, whether it is where it carried the object last; not if it did not carry it, and `None` where that is not seen.
+    fn are_at(&self, object: usize, frame: usize) -> [Option<bool>; HANDS] {
         let carried = &self.carried[object];
-        let Some(last) = carried.partition_point(|(carried, _)| *carried <= frame).checked_sub(1) else {
-            return false;
-        };
-        let Some(pose) = self.objects[object][frame] else { return false };
-        let is_there = |(hand, carrier): (&Vec<Option<Tips>>, &Option<Tips>)| {
-            let Some((tips, carrier)) = hand[frame].zip(*carrier) else { return false };
+        let last = carried.partition_point(|(carried, _)| *carried <= frame).checked_sub(1);
+        let carriers = last.map_or([None; HANDS], |last| carried[last].1);
+        core::array::from_fn(|hand| {
+            let Some(carrier) = carriers[hand] else { return Some(false) };
+            let (pose, tips) = self.objects[object][frame].zip(self.hands[hand][frame])?;
             let own = tips.map(|tip| pose.inverse_transform_point(&tip));
-            nalgebra::distance(&centre(&own), &centre(&carrier)) < HELD_M
-        };
-        self.hands.iter().zip(&carried[last].1).any(is_there)
+            Some(nalgebra::distance(&centre(&own), &centre(&carrier)) < HELD_M)
+        })
     }
 
     /// Whether one of two objects was carried to where they dwell, and is nearer there to a third one that lies.
@@ -360,6 +376,9 @@ mod tests {
         let mut left = side_by_side([0.0, 5.0], &[0.0, 2.0]);
         left.hands[0][9] = left.hands[0][9].map(|tips| tips.map(|tip| tip + Vector3::x() * 0.1));
         assert!(!left.is_held(0, 9) && left.is_held(0, 8));
+        assert_eq!([8, 9].map(|frame| left.is_let_go(0, frame)), [false, true]);
+        left.hands[0][9] = None;
+        assert!(!left.is_held(0, 9) && !left.is_let_go(0, 9), "it is not seen");
     }
 
     #[test]
@@ -396,7 +415,7 @@ mod tests {
             (100.0 * run.place(0, 1, &dwell).x).round() as i32
         };
         assert_eq!(place_of(0), 6);
-        assert!((0..=2).contains(&place_of(6)), "{}", place_of(6));
+        assert!((-2..=2).contains(&place_of(6)), "{}", place_of(6));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use super::MIN_RUNS;
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
-use crate::teach::kind::{is_at_another, is_repeated};
+use crate::teach::kind::{is_at_another, is_timed};
 use crate::teach::measures::{PRIOR_NUMBER, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
@@ -26,6 +26,9 @@ const MIN_REVERSALS: f64 = 4.0;
 /// As many reversals as a share of those of the others, or as few, may come from a tracker that loses a part for a moment, beside those that it is
 /// known to have hidden. Half of the strokes are 7 of 12; one of 600 correct sets is doubted with this share, and with two thirds.
 const SEEN_REVERSALS: f64 = 0.8;
+
+/// The way in and out of the widest contact that is learnt, in metres.
+const IN_AND_OUT_M: f64 = 0.3;
 
 /// Where this share of the demonstrations make as many strokes, the others are exceptions, though they be two.
 const MOST: (usize, usize) = (2, 3);
@@ -94,21 +97,22 @@ impl Measure {
         }
     }
 
-    /// What was hidden may be of the IU before or behind, and a hand that waits may be about to work: as much less, or as much more, as brings the
-    /// value nearest to the others.
-    fn nearest(self, value: f64, iu: &Iu, others: &[f64]) -> f64 {
+    /// What was hidden may be of the IU before or behind, a hand that waits may be about to work, and what comes quickly to another part touches it
+    /// later: as much less, or as much more, as brings the value nearest to the others.
+    fn nearest(self, value: f64, iu: &Iu, others: &[f64], in_and_out_m: f64) -> f64 {
         let seen = 1.0 - self.per_hidden() * f64::from(iu.measures.hidden);
         let waited = match self {
             Self::Duration => f64::from(iu.waited) / f64::from(iu.worked_frames()),
             _ => 0.0,
         };
-        median(others).clamp(seen.max(0.0) * value, (1.0 + waited) * value)
+        let uncounted = if self == Self::Path { in_and_out_m } else { 0.0 };
+        median(others).clamp(seen.max(0.0) * value, (1.0 + waited) * value + uncounted)
     }
 
     /// How far the value of an IU is away from the others, as a share of what is allowed.
-    fn exceeds(self, iu: &Iu, value: f64, others: &[f64]) -> f64 {
-        let value = self.nearest(value, iu, others);
-        if self.is_noise(iu, value, median(others)) {
+    fn exceeds(self, iu: &Iu, value: f64, others: &[f64], in_and_out_m: f64) -> f64 {
+        let value = self.nearest(value, iu, others, in_and_out_m);
+        if self.is_noise(iu.context, value, median(others)) {
             return 0.0;
         }
         let log = |value: f64| (value + self.noise()).ln();
@@ -126,7 +130,7 @@ impl Measure {
     }
 
     /// Whether it says nothing that the value differs from this centre of the others.
-    fn is_noise(self, iu: &Iu, value: f64, centre: f64) -> bool {
+    fn is_noise(self, context: Context, value: f64, centre: f64) -> bool {
         match self {
             Self::Reversals => {
                 let [few, many] = [value.min(centre), value.max(centre)];
@@ -135,9 +139,8 @@ impl Measure {
             // Nobody is too much like the others.
             Self::Distance => value < centre,
             // Somebody may be quick on the way.
-            Self::Duration => value < centre && !is_at_another(iu.context),
-            // What comes quickly to another part touches it later.
-            Self::Path => value < centre && is_at_another(iu.context) && !is_repeated(&[iu.measures]),
+            Self::Duration => value < centre && !is_at_another(context),
+            Self::Path => false,
         }
     }
 }
@@ -206,11 +209,13 @@ fn of_iu(
     let shown: Vec<(usize, &Iu)> = sequence.well_shown(runs, index).collect();
     let motions: Vec<_> = shown.iter().map(|(_, iu)| compared(iu, options)).collect();
     let distances = warp.matrix(&motions)?;
+    let measures: Vec<Measures> = shown.iter().map(|(_, iu)| iu.measures).collect();
+    let in_and_out_m = in_and_out_m(sequence.contexts[index], &measures);
     for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
         let values = values(measure, options.method.rate_hz, &shown);
         for (at, &(run, iu)) in shown.iter().enumerate() {
             let (value, others) = left_out(measure, &values, &distances, at);
-            let share = measure.exceeds(iu, value, &others);
+            let share = measure.exceeds(iu, value, &others, in_and_out_m);
             if share > 1.0 {
                 let min = others.iter().copied().fold(f64::INFINITY, f64::min);
                 let max = others.iter().copied().fold(0.0, f64::max);
@@ -230,6 +235,13 @@ fn of_iu(
         }
     }
     Ok(())
+}
+
+/// How much of the way in and out may not lie within the contact of an IU with these demonstrations, in metres: none where most make strokes.
+fn in_and_out_m(context: Context, shown: &[Measures]) -> f64 {
+    let reversals: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
+    let usual = Measures { reversals: median(&reversals) as u32, ..Measures::default() };
+    if is_timed(context, &[usual]) { IN_AND_OUT_M } else { 0.0 }
 }
 
 /// The value of each demonstration; those of the distance depend on which one is left out.
@@ -284,29 +296,34 @@ mod tests {
     fn what_was_hidden_or_waited_of_an_iu_does_not_make_it_longer_or_shorter_than_others() {
         let iu = |hidden| iu(POLISHING, hidden);
         let others = [0.04, 0.05, 0.06];
-        let exceeds = |hidden| Measure::Path.exceeds(&iu(hidden), 0.3, &others);
+        let exceeds = |hidden| Measure::Path.exceeds(&iu(hidden), 0.3, &others, 0.0);
         assert!(exceeds(0.0) > 1.0 && exceeds(0.4) < 0.5);
         let waits = Iu { frames: 150, waited: 120, ..iu(0.0) };
-        let nearest = |others: [f64; 3]| Measure::Duration.nearest(1.0, &waits, &others);
+        let nearest = |others: [f64; 3]| Measure::Duration.nearest(1.0, &waits, &others, 0.0);
         assert_eq!([nearest([0.5; 3]), nearest([3.0; 3]), nearest([9.0; 3])], [1.0, 3.0, 5.0]);
         // A way that is too short was not made so by what was hidden of it.
-        assert_eq!(Measure::Path.nearest(0.01, &iu(0.4), &others), 0.01);
+        assert_eq!(Measure::Path.nearest(0.01, &iu(0.4), &others, 0.0), 0.01);
     }
 
     #[test]
-    fn a_short_way_within_a_contact_says_nothing_unless_strokes_are_made_there() {
-        let exceeds = |context: [u16; 4], reversals: u32| {
-            let mut iu = iu(context, 0.0);
-            iu.measures.reversals = reversals;
-            Measure::Path.exceeds(&iu, 0.02, &[0.6, 0.65, 0.7]) > 1.0
+    fn a_short_way_within_a_contact_says_nothing_unless_most_make_strokes_there() {
+        let in_and_out_m = |context: [u16; 4], reversals: [u32; 3]| {
+            let shown = reversals.map(|reversals| Measures { reversals, ..Measures::default() });
+            in_and_out_m(Context(context), &shown)
         };
-        assert!(exceeds([1, 5, 0, 0], 0) && exceeds(POLISHING, 6) && !exceeds(POLISHING, 0));
+        assert_eq!(in_and_out_m([1, 5, 0, 0], [0; 3]), 0.0);
+        assert_eq!(in_and_out_m(POLISHING, [0, 6, 7]), 0.0, "one has left them out");
+        let within_m = in_and_out_m(POLISHING, [0, 4, 1]);
+        let exceeds = |way_m: f64| {
+            Measure::Path.exceeds(&iu(POLISHING, 0.0), 0.02, &[way_m, way_m + 0.01, way_m + 0.02], within_m)
+        };
+        assert!(exceeds(0.3) < 0.5 && exceeds(1.2) > 1.0);
     }
 
     #[test]
     fn who_makes_strokes_by_feel_is_no_exception_and_who_leaves_half_of_them_out_is() {
         let exceeds = |value: f64, others: [f64; 4]| {
-            Measure::Reversals.exceeds(&iu(POLISHING, 0.0), value, &others) > 1.0
+            Measure::Reversals.exceeds(&iu(POLISHING, 0.0), value, &others, 0.0) > 1.0
         };
         assert!(exceeds(7.0, [13.0; 4]) && exceeds(7.0, [13.0, 12.0, 15.0, 13.0]));
         assert!(!exceeds(11.0, [7.0, 7.0, 11.0, 7.0]) && !exceeds(7.0, [9.0, 11.0, 11.0, 11.0]));
@@ -314,7 +331,7 @@ mod tests {
 
     #[test]
     fn who_is_quick_stands_out_only_where_the_time_shows_what_was_done() {
-        let exceeds = |context| Measure::Duration.exceeds(&iu(context, 0.0), 0.3, &[2.0; 4]) > 1.0;
+        let exceeds = |context| Measure::Duration.exceeds(&iu(context, 0.0), 0.3, &[2.0; 4], 0.0) > 1.0;
         assert!(exceeds(POLISHING) && !exceeds([1, 5, 0, 0]));
     }
 }
