@@ -1,12 +1,16 @@
 //! How far objects that lie still seem to move, by errors that last.
 
 use super::super::interaction::Interaction;
+use super::super::poses::{HandPose, Recent, Source};
 use super::Scene;
 
 impl Scene {
-    /// While no hand acts on anything, nothing moves.
+    /// While all hands are seen and none acts on anything, nothing moves.
     pub(super) fn push_wandering(&mut self, age: usize) {
-        let is_idle = self.interactions.iter().all(|what| !matches!(what, Interaction::Acts { .. }));
+        let acts = self.interactions.iter().any(|what| matches!(what, Interaction::Acts { .. }));
+        let is_hidden =
+            |hand: &Recent<HandPose>| !matches!(hand.ago(age).source, Source::Seen | Source::Never);
+        let is_idle = !acts && !self.hands.iter().any(is_hidden);
         self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
         let persist = self.method.persist_frames;
         if self.idle_frames == persist.into() {
