@@ -1,6 +1,8 @@
 //! The job level: which activities have come, which are missing, and in which order they came.
 
+mod next_job;
 mod order;
+mod outcome;
 mod unseen;
 
 use super::missed::{Cause, Missed};
@@ -9,7 +11,7 @@ use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
-use crate::verdict::{BrokenOrder, Level, Measured, Missing, Note, Outcome, Reason, Verdict};
+use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
 
 /// The first fault of a job.
 #[derive(Clone, Copy, Debug)]
@@ -329,82 +331,6 @@ impl<'a> Progress<'a> {
         self.first() != self.all
     }
 
-    /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
-    /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
-    /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose
-    /// start was not seen ends wherever a first activity begins that may have come before. A job with a fault also ends where the bench is
-    /// rearranged: there is no other sign of its end if something was done instead of an activity. Takes note of an end that is only assumed,
-    /// as where the hand may only go on with what it did before a doubt.
-    pub(super) fn begins_next_job(
-        &mut self,
-        side: Side,
-        context: Context,
-        is_disturbed: bool,
-        may_go_on: bool,
-    ) -> bool {
-        if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
-            return false;
-        }
-        if is_disturbed && self.fault.is_some() {
-            return true;
-        }
-        if self.is_set_anew() {
-            self.is_end_assumed = may_go_on;
-            return true;
-        }
-        let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
-        let is_left = !opening.without(self.tried()).is_empty();
-        let (begins, may_begin) = if self.has_order() {
-            let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
-            let first = opening & first;
-            let first_came = first.intersects(came) && (others_came || is_disturbed)
-                || first.intersects(self.wrong) && others_came;
-            let may_have_come = !self.is_start_seen && !first.intersects(self.undone);
-            (first_came && !is_left, !first.is_empty() && may_have_come)
-        } else {
-            (opening.intersects(came) && !is_left, false)
-        };
-        // What was not judged may only go on now.
-        let is_certain = begins && !may_go_on && !opening.intersects(self.unjudged);
-        self.is_end_assumed = (begins || may_begin) && !is_certain;
-        begins || may_begin
-    }
-
-    /// The job ends with a pause, so that its end is only assumed.
-    pub(super) fn assume_end(&mut self) {
-        self.is_end_assumed = true;
-    }
-
-    /// Whether the end of the job is only assumed.
-    pub(super) fn is_end_assumed(&self) -> bool {
-        self.is_end_assumed
-    }
-
-    /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
-    /// come, or a step that is none of the job's.
-    pub(super) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
-        let opening =
-            Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
-        let is_none = opening.is_empty() && self.has_parts_of(context);
-        !is_disturbed && (is_none || self.opening(context).intersects(self.may_follow()))
-    }
-
-    /// The optional activities that may still come.
-    fn may_follow(&self) -> ActivitySet {
-        let came = self
-            .tried()
-            .iter()
-            .fold(ActivitySet::EMPTY, |all, activity| all | self.job.law(activity).after());
-        self.all.without(self.required | self.tried() | came)
-    }
-
-    /// Whether the other hand is in the middle of an activity that may still come out right.
-    fn is_unfinished_by_others(&self, side: Side) -> bool {
-        let hand = side.other().index();
-        let underway = self.underway[hand];
-        !underway.is_empty() && self.waiting[hand].is_empty() && !underway.intersects(self.tried())
-    }
-
     /// Whether this activity may have happened without being seen.
     fn may_be_unseen(&self, activity: usize) -> bool {
         let frames = |ius: &[NominalIu<'_>]| ius.iter().map(NominalIu::quickest).fold(0, u32::saturating_add);
@@ -528,86 +454,5 @@ impl<'a> Progress<'a> {
     /// Whether the job has its verdict.
     pub(super) fn is_concluded(&self) -> bool {
         !self.is_open
-    }
-
-    /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`.
-    pub(super) fn conclude(&mut self, ended: bool, emit: &mut impl FnMut(Verdict)) {
-        let is_complete = (self.required | self.may_follow()).without(self.tried()).is_empty();
-        if !self.is_open || !is_complete && !ended {
-            return;
-        }
-        self.is_open = false;
-        let (outcome, fault) = self.outcome();
-        self.undone_first = ActivitySet::EMPTY;
-        self.is_start_expected = outcome == Outcome::Ok;
-        self.forget_hidden();
-        self.never_seen = Some(self.out_of_sight);
-        let verdict = Verdict {
-            level: Level::Job,
-            outcome,
-            reason: fault.reason,
-            side: None,
-            nearest: fault.nearest,
-            activity: self.activities,
-            iu: None,
-            context: Context::IDLE,
-            distance: None,
-            threshold: None,
-            captured_percent: None,
-            seen_percent: None,
-            missing: fault.missing,
-            measured: fault.measured,
-            broken: fault.broken,
-            note: self.note,
-            early: false,
-            began_ns: self.began_ns,
-            // A job that began on command may end before the frame that it was to begin with.
-            ended_ns: self.now_ns.max(self.began_ns),
-            decided_ns: self.known_ns,
-        };
-        if let Some(began_ns) = self.unseen_since_ns.take_if(|_| outcome == Outcome::Ok) {
-            let (outcome, reason) = (Outcome::NotJudged, Reason::HandNotSeen);
-            let ended_ns = self.began_ns;
-            emit(Verdict { outcome, reason, activity: 0, note: None, began_ns, ended_ns, ..verdict });
-        }
-        emit(verdict);
-    }
-
-    /// How the job came out, and why.
-    fn outcome(&self) -> (Outcome, Fault) {
-        let because = |cause: Cause, nearest| {
-            let Cause { reason, missing } = cause;
-            Fault { reason, missing, nearest, measured: None, broken: None }
-        };
-        let not_completed = |lowest: usize| because(Reason::NotCompleted.into(), Some(lowest as u16));
-        let missing = self.required.without(self.done | self.unjudged);
-        let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
-        let is_end_certain = !self.is_end_assumed;
-        let certainly_missing =
-            missing.lowest().filter(|_| is_end_certain && !missing.iter().any(may_be_unseen));
-        let undone = (missing & self.undone).lowest().filter(|_| is_end_certain);
-        match (self.fault.or(undone.map(not_completed)), self.first_unjudged) {
-            (Some(fault), _) => (Outcome::Anomaly, fault),
-            // The missing activity may have been done while it could not be judged.
-            (None, Some((cause, nearest))) => (Outcome::NotJudged, because(cause, nearest)),
-            (None, None) if self.first_step.is_none() && self.activities > 0 => {
-                (Outcome::NotJudged, because(Reason::Unknown.into(), None))
-            }
-            (None, None) => match certainly_missing {
-                Some(lowest) => (Outcome::Anomaly, not_completed(lowest)),
-                None if missing.is_empty() && self.is_start_seen => match self.mixed_cause() {
-                    Some(cause) => (Outcome::NotJudged, because(cause, None)),
-                    None => (Outcome::Ok, because(Reason::None.into(), None)),
-                },
-                None => {
-                    let unseen =
-                        missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());
-                    let cause = self.unseen_activity_cause(unseen);
-                    let is_of_job = matches!(cause.reason, Reason::BeginningNotSeen | Reason::BrokenOff);
-                    let nearest = unseen.filter(|_| !is_of_job).map(|activity| activity as u16);
-                    (Outcome::NotJudged, because(cause, nearest))
-                }
-            },
-        }
     }
 }

@@ -228,27 +228,14 @@ impl Trajectories {
     /// Where the first object dwells at the second, or the middle of the strokes that it makes around there.
     pub(super) fn place(&self, with: usize, at: usize, dwell: &Dwell) -> Point3<f32> {
         let middle = median(dwell.iter().map(|(_, place)| *place));
-        let apart = |place: &Point3<f32>| nalgebra::distance(place, &middle);
         let places = self.places(with, at);
-        let is_away = |(_, place): &(usize, Point3<f32>)| apart(place) > STROKE_M;
+        let is_away = |(_, place): &(usize, Point3<f32>)| nalgebra::distance(place, &middle) > STROKE_M;
         let [first, last] = [dwell.first(), dwell.last()]
             .map(|end| places.partition_point(|place| end.is_some_and(|end| place.0 < end.0)));
         let begin = places[..first].iter().rposition(is_away).map_or(0, |away| away + 1);
         let end = places[last..].iter().position(is_away).map_or(places.len(), |away| last + away);
-        let around = &places[begin..end];
-        let (mut is_out, mut back) = (false, Vec::new());
-        for (index, (_, place)) in around.iter().enumerate() {
-            // Errors neither leave nor come back.
-            let was_out = is_out;
-            is_out = apart(place) > if was_out { DWELL_M / 2.0 } else { DWELL_M };
-            back.extend((was_out && !is_out).then_some(index));
-        }
-        match back[..] {
-            [first, .., last] if back.len() >= BACK => {
-                median(around[first..=last].iter().map(|(_, place)| *place))
-            }
-            _ => middle,
-        }
+        strokes(&places[begin..end], &middle)
+            .map_or(middle, |strokes| median(strokes.iter().map(|(_, place)| *place)))
     }
 
     /// Whether a hand holds the object: one has carried it, and is still where it did so.
@@ -258,7 +245,7 @@ impl Trajectories {
 
     /// Whether no hand holds the object, and each that carried it last is seen elsewhere.
     pub(super) fn is_let_go(&self, object: usize, frame: usize) -> bool {
-        !self.are_at(object, frame).iter().any(|is_at| is_at.is_none_or(|is_at| is_at))
+        self.are_at(object, frame) == [Some(false); HANDS]
     }
 
     /// For each hand, whether it is where it carried the object last; not if it did not carry it, and `None` where that is not seen.
@@ -318,6 +305,22 @@ impl Trajectories {
         let index = self.times_s.partition_point(|time| *time < at);
         (index < self.times_s.len()).then_some(index)
     }
+}
+
+/// Those of these places that lie between the first and the last return to the middle, if there are enough of them for strokes.
+fn strokes<'a>(
+    places: &'a [(usize, Point3<f32>)],
+    middle: &Point3<f32>,
+) -> Option<&'a [(usize, Point3<f32>)]> {
+    let (mut is_out, mut back) = (false, Vec::new());
+    for (index, (_, place)) in places.iter().enumerate() {
+        // Errors neither leave nor come back.
+        let was_out = is_out;
+        is_out = nalgebra::distance(place, middle) > if was_out { DWELL_M / 2.0 } else { DWELL_M };
+        back.extend((was_out && !is_out).then_some(index));
+    }
+    let (first, last) = back.first().zip(back.last())?;
+    (back.len() >= BACK).then(|| &places[*first..=*last])
 }
 
 /// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.

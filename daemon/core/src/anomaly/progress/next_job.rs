@@ -1,0 +1,84 @@
+//! Where one job ends and the next one begins.
+
+use super::Progress;
+use crate::couple::Context;
+use crate::input::Side;
+use crate::set::ActivitySet;
+
+impl Progress<'_> {
+    /// Whether an activity that begins with this context belongs to the next job: one that has been done comes again, and none that is
+    /// left begins like it. Where the job has an order, only one of its first activities begins a job, and only if others came after them
+    /// or if the bench was rearranged; else it is done twice. A bench that is set as it was at first is that of the next piece. A job whose
+    /// start was not seen ends wherever a first activity begins that may have come before. A job with a fault also ends where the bench is
+    /// rearranged: there is no other sign of its end if something was done instead of an activity. Takes note of an end that is only assumed,
+    /// as where the hand may only go on with what it did before a doubt.
+    pub(in crate::anomaly) fn begins_next_job(
+        &mut self,
+        side: Side,
+        context: Context,
+        is_disturbed: bool,
+        may_go_on: bool,
+    ) -> bool {
+        if !self.is_open || self.activities == 0 || self.is_unfinished_by_others(side) {
+            return false;
+        }
+        if is_disturbed && self.fault.is_some() {
+            return true;
+        }
+        if self.is_set_anew() {
+            self.is_end_assumed = may_go_on;
+            return true;
+        }
+        let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
+        let is_left = !opening.without(self.tried()).is_empty();
+        let (begins, may_begin) = if self.has_order() {
+            let others_came = !(self.tried() | self.underway[side.index()]).without(first).is_empty();
+            let first = opening & first;
+            let first_came = first.intersects(came) && (others_came || is_disturbed)
+                || first.intersects(self.wrong) && others_came;
+            let may_have_come = !self.is_start_seen && !first.intersects(self.undone);
+            (first_came && !is_left, !first.is_empty() && may_have_come)
+        } else {
+            (opening.intersects(came) && !is_left, false)
+        };
+        // What was not judged may only go on now.
+        let is_certain = begins && !may_go_on && !opening.intersects(self.unjudged);
+        self.is_end_assumed = (begins || may_begin) && !is_certain;
+        begins || may_begin
+    }
+
+    /// The job ends with a pause, so that its end is only assumed.
+    pub(in crate::anomaly) fn assume_end(&mut self) {
+        self.is_end_assumed = true;
+    }
+
+    /// Whether the end of the job is only assumed.
+    pub(in crate::anomaly) fn is_end_assumed(&self) -> bool {
+        self.is_end_assumed
+    }
+
+    /// Whether a touch with this context belongs to the job although all that it requires has come: an optional activity that may still
+    /// come, or a step that is none of the job's.
+    pub(in crate::anomaly) fn goes_on_with(&self, context: Context, is_disturbed: bool) -> bool {
+        let opening =
+            Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
+        let is_none = opening.is_empty() && self.has_parts_of(context);
+        !is_disturbed && (is_none || self.opening(context).intersects(self.may_follow()))
+    }
+
+    /// The optional activities that may still come.
+    pub(super) fn may_follow(&self) -> ActivitySet {
+        let came = self
+            .tried()
+            .iter()
+            .fold(ActivitySet::EMPTY, |all, activity| all | self.job.law(activity).after());
+        self.all.without(self.required | self.tried() | came)
+    }
+
+    /// Whether the other hand is in the middle of an activity that may still come out right.
+    fn is_unfinished_by_others(&self, side: Side) -> bool {
+        let hand = side.other().index();
+        let underway = self.underway[hand];
+        !underway.is_empty() && self.waiting[hand].is_empty() && !underway.intersects(self.tried())
+    }
+}

@@ -1,0 +1,90 @@
+//! The verdict on the job, and why.
+
+use super::super::missed::Cause;
+use super::{Fault, Progress};
+use crate::couple::Context;
+use crate::set::ActivitySet;
+use crate::verdict::{Level, Outcome, Reason, Verdict};
+
+impl Progress<'_> {
+    /// Gives the verdict on the job once all activities have come that may come, or when it has `ended`.
+    pub(in crate::anomaly) fn conclude(&mut self, ended: bool, emit: &mut impl FnMut(Verdict)) {
+        let is_complete = (self.required | self.may_follow()).without(self.tried()).is_empty();
+        if !self.is_open || !is_complete && !ended {
+            return;
+        }
+        self.is_open = false;
+        let (outcome, fault) = self.outcome();
+        self.undone_first = ActivitySet::EMPTY;
+        self.is_start_expected = outcome == Outcome::Ok;
+        self.forget_hidden();
+        self.never_seen = Some(self.out_of_sight);
+        let verdict = Verdict {
+            level: Level::Job,
+            outcome,
+            reason: fault.reason,
+            side: None,
+            nearest: fault.nearest,
+            activity: self.activities,
+            iu: None,
+            context: Context::IDLE,
+            distance: None,
+            threshold: None,
+            captured_percent: None,
+            seen_percent: None,
+            missing: fault.missing,
+            measured: fault.measured,
+            broken: fault.broken,
+            note: self.note,
+            early: false,
+            began_ns: self.began_ns,
+            // A job that began on command may end before the frame that it was to begin with.
+            ended_ns: self.now_ns.max(self.began_ns),
+            decided_ns: self.known_ns,
+        };
+        if let Some(began_ns) = self.unseen_since_ns.take_if(|_| outcome == Outcome::Ok) {
+            let (outcome, reason) = (Outcome::NotJudged, Reason::HandNotSeen);
+            let ended_ns = self.began_ns;
+            emit(Verdict { outcome, reason, activity: 0, note: None, began_ns, ended_ns, ..verdict });
+        }
+        emit(verdict);
+    }
+
+    /// How the job came out, and why.
+    fn outcome(&self) -> (Outcome, Fault) {
+        let because = |cause: Cause, nearest| {
+            let Cause { reason, missing } = cause;
+            Fault { reason, missing, nearest, measured: None, broken: None }
+        };
+        let not_completed = |lowest: usize| because(Reason::NotCompleted.into(), Some(lowest as u16));
+        let missing = self.required.without(self.done | self.unjudged);
+        let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
+        let is_end_certain = !self.is_end_assumed;
+        let certainly_missing =
+            missing.lowest().filter(|_| is_end_certain && !missing.iter().any(may_be_unseen));
+        let undone = (missing & self.undone).lowest().filter(|_| is_end_certain);
+        match (self.fault.or(undone.map(not_completed)), self.first_unjudged) {
+            (Some(fault), _) => (Outcome::Anomaly, fault),
+            // The missing activity may have been done while it could not be judged.
+            (None, Some((cause, nearest))) => (Outcome::NotJudged, because(cause, nearest)),
+            (None, None) if self.first_step.is_none() && self.activities > 0 => {
+                (Outcome::NotJudged, because(Reason::Unknown.into(), None))
+            }
+            (None, None) => match certainly_missing {
+                Some(lowest) => (Outcome::Anomaly, not_completed(lowest)),
+                None if missing.is_empty() && self.is_start_seen => match self.mixed_cause() {
+                    Some(cause) => (Outcome::NotJudged, because(cause, None)),
+                    None => (Outcome::Ok, because(Reason::None.into(), None)),
+                },
+                None => {
+                    let unseen =
+                        missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());
+                    let cause = self.unseen_activity_cause(unseen);
+                    let is_of_job = matches!(cause.reason, Reason::BeginningNotSeen | Reason::BrokenOff);
+                    let nearest = unseen.filter(|_| !is_of_job).map(|activity| activity as u16);
+                    (Outcome::NotJudged, because(cause, nearest))
+                }
+            },
+        }
+    }
+}
