@@ -100,6 +100,16 @@ impl Edge {
         self.near & frames == 0 && (self.known & frames).count_ones() >= MIN_KNOWN.min(frames.count_ones())
     }
 
+    /// Whether it seems to have changed by the frame of this age, and all frames of the window [`ahead`] of it that are known show that too,
+    /// but not all of them are known, so that the change is not believed yet.
+    pub(super) fn may_have_changed(&self, age: usize, persist: u8) -> bool {
+        let frames = ahead(age, persist);
+        let changed = if self.believed { !self.near } else { self.near };
+        changed & self.known & frames == self.known & frames
+            && self.known >> age & 1 == 1
+            && self.known & frames != frames
+    }
+
     /// Whether there is a contact in the frame that [`believe`](Self::believe) last asked for.
     pub(super) fn is_believed(self) -> bool {
         self.believed

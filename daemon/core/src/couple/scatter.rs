@@ -36,10 +36,6 @@ const FEW_WANDERING: f32 = 30.0;
 /// that sees no touch.
 const MAX_WANDER_M: f32 = 0.03;
 
-/// What an unseen hand has moved counts as lying still again so many frames after it was last seen that far away: a second of the default frame
-/// rate.
-const SETTLING: u16 = 30;
-
 /// Who moves a part unseen moves it farther than it wanders: a square counts up to this multiple of their mean.
 const MAX_OF_MEAN: f32 = 9.0;
 
@@ -84,8 +80,8 @@ pub(super) struct Wandering {
     /// What was known when the hands came to rest, and where it lay first since then.
     before: MeanSquare,
     lay: Option<Point>,
-    /// It has been moved: in as many frames it may still come to rest.
-    settling: u16,
+    /// An unseen hand has moved it since then, and may work with it ever after.
+    is_moved: bool,
 }
 
 /// The mean of squared distances, and of how many.
@@ -98,7 +94,7 @@ struct MeanSquare {
 impl Wandering {
     /// The hands have come to rest: what is known so far counts.
     pub(super) fn begin(&mut self) {
-        (self.before, self.lay, self.settling) = (self.known, None, 0);
+        (self.before, self.lay, self.is_moved) = (self.known, None, false);
     }
 
     /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change.
@@ -106,14 +102,13 @@ impl Wandering {
         let lay = *self.lay.get_or_insert(before);
         let max_apart_m = self.known.max_apart_m();
         let is_away = |at: Point| squared_distance(at, lay) > max_apart_m * max_apart_m;
-        // One position that is misread says nothing.
-        if is_away(now) && is_away(before) {
-            // A hand moves it that is not seen, and did so perhaps from the beginning.
-            (self.known, self.lay, self.settling) = (self.before, None, SETTLING);
-        } else if self.settling > 0 {
-            self.settling -= 1;
-        } else {
+        if !self.is_moved {
             self.known.push(squared_distance(now, before));
+        }
+        // One position that is misread says nothing. Strokes may go to and fro about where it lay.
+        if is_away(now) && is_away(before) || self.known.is_motion() {
+            // A hand moves it that is not seen, and did so perhaps from the beginning.
+            (self.known, self.is_moved) = (self.before, true);
         }
     }
 
@@ -134,6 +129,11 @@ impl MeanSquare {
         let variance = self.mean / 2.0 * (1.0 + FEW_WANDERING / f32::from(self.count));
         let is_known = self.count >= MIN_WANDERING;
         is_known.then(|| (APART_BY_CHANCE * libm::sqrtf(variance)).min(MAX_WANDER_M))
+    }
+
+    /// Whether it is more than anything wanders.
+    fn is_motion(self) -> bool {
+        self.count >= MIN_WANDERING && APART_BY_CHANCE * libm::sqrtf(self.mean / 2.0) > MAX_WANDER_M
     }
 
     /// How far apart two positions are at most at any times: errors that last are nearly the same while a change is believed.
@@ -191,12 +191,19 @@ mod tests {
                 wandering.push(now, before);
             });
         };
-        // Strokes of 7 cm, and then it is put down. What goes on with them is not known while it settles.
-        for frame in 0..100 {
-            let at = |frame: u8| [0.3 + 0.035 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
-            wandering.push(at(frame + 5), at(frame));
-        }
-        lie(&mut wandering, usize::from(SETTLING) + 9);
+        // Strokes of 4.5 cm about where it was first seen, and at 10 cm from there: nothing in them lies still.
+        let stroke = |brought_m: f32, frames: u16, wandering: &mut Wandering| {
+            for frame in 0..frames {
+                let way_m = (f32::from(frame) / 100.0).min(brought_m);
+                let at = |frame: u16| [way_m + 0.0225 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
+                wandering.push(at(frame + 5), at(frame));
+            }
+            assert_eq!(wandering.apart_by_chance_m(), None);
+            wandering.begin();
+        };
+        stroke(0.0, 100, &mut wandering);
+        stroke(0.1, 300, &mut wandering);
+        lie(&mut wandering, 9);
         assert_eq!(wandering.apart_by_chance_m(), None, "too little to tell");
         lie(&mut wandering, 291);
         assert!(is_about(&wandering, 1.1), "{wandering:?}");

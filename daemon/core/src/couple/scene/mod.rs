@@ -355,17 +355,21 @@ impl Scene {
             l.map(|l| node(l).shape.id),
         ];
         let tips = from_hand.and_then(|_| self.tips(hand, age));
+        // What the two do before it is known that they touch may be the way to where they do.
+        let is_known = !self.may_not_touch(interaction);
         let mut couple = Couple {
             side: Side::ALL[hand],
             captured_ns: *self.times_ns.ago(age),
-            motion: self.motion(hand, from_hand, interaction.pair(), age),
+            motion: self.motion(hand, from_hand, interaction.pair(), age).filter(|_| is_known),
             context: match (o_j, o_l) {
                 (Some(j), Some(l)) if acts => Context([h.unwrap_or(0), j, j, l]),
                 (Some(j), Some(l)) => Context([0, 0, j, l]),
                 (Some(j), None) => Context([h.unwrap_or(0), j, 0, 0]),
                 _ => Context::IDLE,
             },
-            position: from_hand.and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
+            position: from_hand
+                .filter(|_| is_known)
+                .and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
             tips,
             wanders_m: from_hand.map_or(0.0, |j| self.pair_wanders_m(j, l)),
             distances: [
@@ -377,8 +381,9 @@ impl Scene {
             is_clear: self.clear[hand] >> age & 1 == 1,
             is_doubtful: self.is_doubtful(hand, age)
                 || self.in_hand[hand].contains(&InHand::Unknown)
-                || self.may_not_touch(interaction)
-                || self.may_have_left(hand, interaction, age),
+                || !is_known
+                || self.may_have_left(hand, interaction, age)
+                || self.may_have_met_or_parted(interaction, age),
             is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
             is_object_new: self.is_new[hand],
             is_object_displaced: self.is_displaced[hand],

@@ -268,6 +268,15 @@ impl Scene {
         interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
     }
 
+    /// Whether `o_j` seems to have left or to have met `o_l`, or another object where it has none, and it is not seen whether that lasts.
+    pub(super) fn may_have_met_or_parted(&self, interaction: Interaction, age: usize) -> bool {
+        let Some(j) = interaction.held() else { return false };
+        let others = (0..self.objects.len()).filter(|l| *l != j);
+        others
+            .filter(|l| interaction.pair().is_none_or(|(_, with)| with == *l))
+            .any(|l| self.adjacent[j.min(l)][j.max(l)].may_have_changed(age, self.method.persist_frames))
+    }
+
     /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left it were clear; or along it, and it is not
     /// seen what comes after that.
     pub(super) fn may_have_left(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
