@@ -287,6 +287,20 @@ fn what_is_done_with_an_object_that_may_be_another_one_accuses_nobody() {
 }
 
 #[test]
+fn what_is_done_with_an_object_beside_which_another_one_was_first_seen_accuses_nobody() {
+    let verdicts = |is_rivalled: bool| -> Vec<String> {
+        let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
+        let mut couples = stream(&right, &[]);
+        couples[20..30].iter_mut().for_each(|couples| couples.hands[0].is_object_new = true);
+        couples[20..128].iter_mut().for_each(|couples| couples.hands[0].is_rivalled = is_rivalled);
+        judged(&polish_and_measure(), &couples).iter().map(short).collect()
+    };
+    assert_eq!(verdicts(false).last().unwrap(), "JobAnomaly TooShort");
+    let in_doubt = verdicts(true);
+    assert!(in_doubt.iter().all(|verdict| !verdict.contains("Anomaly")), "{in_doubt:?}");
+}
+
+#[test]
 fn the_piece_after_one_whose_end_was_hidden_is_right() {
     let job = teach(&[&polish(6)]);
     let [grasp, stroke, ..] = polish(6);

@@ -163,6 +163,8 @@ impl Watch {
         if held != before && held != 0 {
             self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
         }
+        // Another one was first seen beside the hand: it may have held that.
+        self.is_held_doubtful |= held != 0 && couple.is_object_new;
         self.is_held_doubtful &= couple.is_rivalled;
     }
 

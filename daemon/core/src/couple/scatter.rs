@@ -28,8 +28,8 @@ const MAX_COUNT: usize = 2 * PERSIST_FRAMES;
 const MIN_WANDERING: u16 = 10;
 const MAX_WANDERING: u16 = 300;
 
-/// A few frames hold few different errors if these last, so that they seem less than they are: in so many frames their variance is taken for twice
-/// as large.
+/// A few frames hold few different errors if these last, so that they seem less than they are, or more: in so many frames their variance is taken
+/// for twice as large, or half as large where that would wrong somebody.
 const FEW_WANDERING: f32 = 30.0;
 
 /// What moves by more than this does not wander, in metres, neither while a change is believed nor while the hands rest: who sees no better than
@@ -125,15 +125,24 @@ impl Wandering {
 
 impl MeanSquare {
     fn apart_by_chance_m(self) -> Option<f32> {
-        // Two positions have their errors.
-        let variance = self.mean / 2.0 * (1.0 + FEW_WANDERING / f32::from(self.count));
         let is_known = self.count >= MIN_WANDERING;
-        is_known.then(|| (APART_BY_CHANCE * libm::sqrtf(variance)).min(MAX_WANDER_M))
+        is_known.then(|| self.apart_m(self.few()).min(MAX_WANDER_M))
     }
 
     /// Whether it is more than anything wanders.
     fn is_motion(self) -> bool {
-        self.count >= MIN_WANDERING && APART_BY_CHANCE * libm::sqrtf(self.mean / 2.0) > MAX_WANDER_M
+        self.count >= MIN_WANDERING && self.apart_m(1.0 / self.few()) > MAX_WANDER_M
+    }
+
+    /// How far apart two positions are if the variance is such a multiple of what it seems.
+    fn apart_m(self, multiple: f32) -> f32 {
+        // Two positions have their errors.
+        APART_BY_CHANCE * libm::sqrtf(self.mean / 2.0 * multiple)
+    }
+
+    /// How much larger the variance may be than it seems.
+    fn few(self) -> f32 {
+        1.0 + FEW_WANDERING / f32::from(self.count)
     }
 
     /// How far apart two positions are at most at any times: errors that last are nearly the same while a change is believed.
