@@ -46,14 +46,14 @@ fn two_that_are_seen_as_they_pass_each_other_may_touch_if_they_came_together_uns
     let mut frames = bench.frames.clone();
     hide_all(&mut frames[20..97]);
     let passing = at_box(&frames);
-    // What they do until then may be the way to each other, and is measured of nothing.
+    // What they do until then may be the way to each other, so neither position nor motion is measured.
     let is_in_doubt =
         |couple: &Couple| couple.is_doubtful && couple.position.is_none() && couple.motion.is_none();
     assert!(!passing.is_empty() && passing.iter().all(is_in_doubt), "{passing:?}");
 }
 
 #[test]
-fn what_was_last_seen_to_leave_another_part_may_have_left_it() {
+fn a_part_that_was_last_seen_to_leave_or_to_meet_another_one_may_have_done_so() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.2, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.2, 0.0], 30).rest(20);
     let resting = bench.frames.len();
@@ -62,11 +62,16 @@ fn what_was_last_seen_to_leave_another_part_may_have_left_it() {
     let couples = couples_of(&bench, Side::Right);
     let left = couples.iter().rposition(is_at_box).unwrap() + 1;
     assert!((resting..resting + 20).contains(&left) && !couples[left].is_doubtful, "{left}");
-    // Nothing is seen from the second frame in which they are apart on.
-    hide_all(&mut bench.frames[left + 2..]);
-    let couples = couples_of(&bench, Side::Right);
-    assert!(!couples[left - 1].is_doubtful);
-    assert!(couples[left..left + 2].iter().all(|couple| is_at_box(couple) && couple.is_doubtful));
+    // Nothing is seen from the second frame in which they are apart on, or are beside each other.
+    let met = couples.iter().position(is_at_box).unwrap();
+    for (changed, was_at_box) in [(left, true), (met, false)] {
+        let mut frames = bench.frames.clone();
+        hide_all(&mut frames[changed + 2..]);
+        let couples: Vec<Couple> =
+            encode(&bench.ids(), &frames).iter().map(|couples| couples.hands[0]).collect();
+        assert!(couples[changed - 1..=changed].iter().all(|couple| is_at_box(couple) == was_at_box));
+        assert_eq!([changed - 1, changed].map(|frame| couples[frame].is_doubtful), [false, true]);
+    }
 }
 
 #[test]

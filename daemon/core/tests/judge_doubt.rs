@@ -288,16 +288,19 @@ fn what_is_done_with_an_object_that_may_be_another_one_accuses_nobody() {
 
 #[test]
 fn what_is_done_with_an_object_beside_which_another_one_was_first_seen_accuses_nobody() {
-    let verdicts = |is_rivalled: bool| -> Vec<String> {
+    let verdicts = |is_rivalled: bool, is_new: bool| -> Vec<String> {
         let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
         let mut couples = stream(&right, &[]);
-        couples[20..30].iter_mut().for_each(|couples| couples.hands[0].is_object_new = true);
+        couples[22..30].iter_mut().for_each(|couples| couples.hands[0].is_object_new = is_new);
         couples[20..128].iter_mut().for_each(|couples| couples.hands[0].is_rivalled = is_rivalled);
         judged(&polish_and_measure(), &couples).iter().map(short).collect()
     };
-    assert_eq!(verdicts(false).last().unwrap(), "JobAnomaly TooShort");
-    let in_doubt = verdicts(true);
+    for (is_rivalled, is_new) in [(true, false), (false, true)] {
+        assert_eq!(verdicts(is_rivalled, is_new).last().unwrap(), "JobAnomaly TooShort");
+    }
+    let in_doubt = verdicts(true, true);
     assert!(in_doubt.iter().all(|verdict| !verdict.contains("Anomaly")), "{in_doubt:?}");
+    assert!(in_doubt.last().unwrap().starts_with("NotJudged"), "{in_doubt:?}");
 }
 
 #[test]

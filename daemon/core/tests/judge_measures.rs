@@ -4,12 +4,16 @@
 mod common;
 
 use andon_core::bounds::{Bounds, Range};
+use andon_core::config::Method;
 use andon_core::couple::Waiting;
+use andon_core::input::Side;
 use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
+use andon_core::segment::Segmenter;
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
 use common::work::{forgiving, judged, measure, polish, polish_and_measure};
+use std::f32::consts::PI;
 
 /// The job with other bounds for the strokes of the polisher and the brick at the meter.
 fn bounded(change: impl Fn(&mut NominalIu<'static>)) -> Job<'static> {
@@ -161,4 +165,26 @@ fn what_is_right_and_what_is_wrong_for_another_reason_names_no_measure() {
 fn a_job_that_does_not_know_what_was_shown_names_no_measure() {
     let job = bounded(|iu| iu.measures.shown = None);
     assert_eq!(measured(&job, &[polish(3), measure()].concat()), []);
+}
+
+/// The bow of the way of the right hand with the brick away from the meter. It is at it for 20 frames, in the first 10 of which it goes round in
+/// half a circle of 10 cm, and then rests.
+fn bow_away_m(is_known_to_touch: bool) -> f32 {
+    let parts =
+        [part([1, 6, 0, 0], 30, Toward(5)), part([1, 6, 6, 3], 20, Still), part([1, 6, 0, 0], 10, Still)];
+    let mut segmenter = Segmenter::new(Side::Right, &Method::default()).unwrap();
+    for (frame, couples) in stream(&parts, &[]).iter().enumerate() {
+        let mut couple = couples.hands[0];
+        let angle = PI * (frame as f32 - 30.0).clamp(0.0, 10.0) / 10.0;
+        couple.tips = Some([0.05 * angle.cos(), 0.05 * angle.sin(), 0.0]);
+        couple.position = couple.position.filter(|_| is_known_to_touch || frame >= 40);
+        segmenter.step(&couple, &mut |_| {});
+    }
+    segmenter.measures().bow_m
+}
+
+#[test]
+fn the_way_away_begins_where_the_two_are_known_to_be_together() {
+    assert!(bow_away_m(true) > 0.045);
+    assert!(bow_away_m(false) < 0.005);
 }

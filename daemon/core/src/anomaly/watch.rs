@@ -35,7 +35,8 @@ pub(super) struct Watch {
     /// `o_j`, or 0, and whether the hand touches it.
     held: u16,
     is_touch: bool,
-    /// Which of several objects the hand acts on was decided when too little was seen. It keeps to that one until it lets go.
+    /// Which of several objects the hand acts on was decided when too little was seen, or before one of them was first seen. It keeps to that one
+    /// until it lets go.
     is_held_doubtful: bool,
     /// [`hidden_before`](Self::hidden_before) at the newest doubtful couple.
     lately_hidden: u32,
@@ -143,7 +144,9 @@ impl Watch {
         self.was_object_new = couple.is_object_new;
         self.observe_held(couple);
         let matters = self.may_be_new || appears || self.is_object_new;
-        self.is_object_new = couple.is_object_new && matters || couple.is_object_displaced;
+        let is_first_seen = couple.is_object_new && matters;
+        self.is_object_new = is_first_seen || couple.is_object_displaced;
+        self.is_held_doubtful |= is_first_seen && couple.is_rivalled;
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
@@ -163,8 +166,6 @@ impl Watch {
         if held != before && held != 0 {
             self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
         }
-        // Another one was first seen beside the hand: it may have held that.
-        self.is_held_doubtful |= held != 0 && couple.is_object_new;
         self.is_held_doubtful &= couple.is_rivalled;
     }
 

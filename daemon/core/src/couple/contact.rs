@@ -100,14 +100,16 @@ impl Edge {
         self.near & frames == 0 && (self.known & frames).count_ones() >= MIN_KNOWN.min(frames.count_ones())
     }
 
-    /// Whether it seems to have changed by the frame of this age, and all frames of the window [`ahead`] of it that are known show that too,
-    /// but not all of them are known, so that the change is not believed yet.
-    pub(super) fn may_have_changed(&self, age: usize, persist: u8) -> bool {
+    /// Whether the frame of this age and all that are known of the window [`ahead`] of it show a change that was not believed, and is not in the
+    /// next frame either, because nobody saw what came after it. Call it after [`believe`](Self::believe).
+    pub(super) fn may_have_changed(self, age: usize, persist: u8) -> bool {
         let frames = ahead(age, persist);
         let changed = if self.believed { !self.near } else { self.near };
-        changed & self.known & frames == self.known & frames
-            && self.known >> age & 1 == 1
+        let mut next = self;
+        let is_seen = changed & self.known & frames == self.known & frames && self.known >> age & 1 == 1;
+        is_seen
             && self.known & frames != frames
+            && age.checked_sub(1).is_none_or(|age| next.believe(age, persist) == self.believed)
     }
 
     /// Whether there is a contact in the frame that [`believe`](Self::believe) last asked for.
@@ -137,8 +139,21 @@ mod tests {
 
     /// For each frame, whether a contact is believed in it, where couples are made `persist` frames late.
     fn believed(distances: &[f32], persist: u8) -> Vec<bool> {
+        asked(distances, persist, Edge::believe)
+    }
+
+    /// The same of whether a change may have come that is not believed.
+    fn may_have_changed(distances: &[f32], persist: u8) -> Vec<bool> {
+        asked(distances, persist, |edge, age, persist| {
+            edge.believe(age, persist);
+            edge.may_have_changed(age, persist)
+        })
+    }
+
+    /// The answers of the edge for each frame.
+    fn asked(distances: &[f32], persist: u8, ask: impl Fn(&mut Edge, usize, u8) -> bool) -> Vec<bool> {
         let mut edge = Edge::default();
-        let mut believed = Vec::new();
+        let mut answers = Vec::new();
         for (newest, distance) in distances.iter().enumerate() {
             if distance.is_nan() {
                 edge.push_unknown();
@@ -146,13 +161,13 @@ mod tests {
                 edge.push(*distance, &CONTACT, persist);
             }
             if newest >= usize::from(persist) {
-                believed.push(edge.believe(usize::from(persist), persist));
+                answers.push(ask(&mut edge, persist.into(), persist));
             }
         }
         for age in (0..usize::from(persist)).rev() {
-            believed.push(edge.believe(age, persist));
+            answers.push(ask(&mut edge, age, persist));
         }
-        believed
+        answers
     }
 
     fn distances(text: &str) -> Vec<f32> {
@@ -203,6 +218,17 @@ mod tests {
         assert_eq!(text(&believed(&distances("---x????????----"), 5)), "----------------");
         // Behind the gap the contact may have begun or not, until the distance tells.
         assert_eq!(text(&believed(&distances("-----??????====xxxxx"), 5)), "---------------xxxxx");
+    }
+
+    #[test]
+    fn a_change_is_in_doubt_where_nobody_saw_what_came_after_it() {
+        let in_doubt = |of: &str| text(&may_have_changed(&distances(of), 5));
+        assert_eq!(in_doubt("-----xx?????????-----"), "-----xx--------------");
+        assert_eq!(in_doubt("-----xxxx????????xxxx"), "-----xxxx------------");
+        assert_eq!(in_doubt("xxxxx---?????????xxxx"), "-----xxx-------------");
+        // It is believed from the next frame on, or has not lasted.
+        assert_eq!(in_doubt("-----xxxx?xxxx-------"), "-".repeat(21));
+        assert_eq!(in_doubt("-----xx?-------------"), "-".repeat(21));
     }
 
     #[test]

@@ -106,12 +106,13 @@ pub struct Couple {
     pub side: Side,
     /// The time that the couple describes, in nanoseconds: that of its frame, not that at which it became known.
     pub captured_ns: u64,
-    /// Motion features; `None` where a position that they rest on was seen too seldom to measure its motion.
+    /// Motion features; `None` where a position that they rest on was seen too seldom to measure its motion, or it is not known whether `o_j` and
+    /// `o_l` touch.
     pub motion: Option<Motion>,
     /// Context features.
     pub context: Context,
     /// Where the hand acts, in metres: `o_j` in the frame of reference of `o_l`, or without `o_l` the finger tips in the bench frame.
-    /// `None` where it was not seen, or the hand does not act. Where one frame is too inexact to measure strokes, the frames around it say it.
+    /// `None` where it was not seen, the hand does not act, or it is not known whether the two touch. Where one frame is too inexact to measure strokes, the frames around it say it.
     pub position: Option<Point>,
     /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
     /// hand carries, or the hand does not act.
@@ -128,7 +129,7 @@ pub struct Couple {
     /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at, may have taken or may
     /// touch with what it is at.
     pub is_clear: bool,
-    /// So few frames here were clear that a context may have come and gone unseen, or may be another one.
+    /// Too little was seen here: a context may have come, gone or changed unseen, or may be another one.
     pub is_doubtful: bool,
     /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
     pub is_rivalled: bool,

@@ -29,7 +29,7 @@ const MIN_WANDERING: u16 = 10;
 const MAX_WANDERING: u16 = 300;
 
 /// A few frames hold few different errors if these last, so that they seem less than they are, or more: in so many frames their variance is taken
-/// for twice as large, or half as large where that would wrong somebody.
+/// for twice as large, or for half as large where it is asked whether something moves.
 const FEW_WANDERING: f32 = 30.0;
 
 /// What moves by more than this does not wander, in metres, neither while a change is believed nor while the hands rest: who sees no better than
@@ -80,7 +80,7 @@ pub(super) struct Wandering {
     /// What was known when the hands came to rest, and where it lay first since then.
     before: MeanSquare,
     lay: Option<Point>,
-    /// An unseen hand has moved it since then, and may work with it ever after.
+    /// An unseen hand has moved it since then, and may work with it until the hands come to rest again.
     is_moved: bool,
 }
 
@@ -97,16 +97,17 @@ impl Wandering {
         (self.before, self.lay, self.is_moved) = (self.known, None, false);
     }
 
-    /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change.
-    pub(super) fn push(&mut self, now: Point, before: Point) {
+    /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change; and whether a hand
+    /// has been seen by then, so that it rests.
+    pub(super) fn push(&mut self, now: Point, before: Point, has_seen_hand: bool) {
         let lay = *self.lay.get_or_insert(before);
         let max_apart_m = self.known.max_apart_m();
         let is_away = |at: Point| squared_distance(at, lay) > max_apart_m * max_apart_m;
         if !self.is_moved {
             self.known.push(squared_distance(now, before));
         }
-        // One position that is misread says nothing. Strokes may go to and fro about where it lay.
-        if is_away(now) && is_away(before) || self.known.is_motion() {
+        // One position that is misread says nothing. Hands that nobody has seen may make strokes about where it lay.
+        if is_away(now) && is_away(before) || !has_seen_hand && self.known.is_motion() {
             // A hand moves it that is not seen, and did so perhaps from the beginning.
             (self.known, self.is_moved) = (self.before, true);
         }
@@ -126,12 +127,12 @@ impl Wandering {
 impl MeanSquare {
     fn apart_by_chance_m(self) -> Option<f32> {
         let is_known = self.count >= MIN_WANDERING;
-        is_known.then(|| self.apart_m(self.few()).min(MAX_WANDER_M))
+        is_known.then(|| self.apart_m(self.uncertainty()).min(MAX_WANDER_M))
     }
 
     /// Whether it is more than anything wanders.
     fn is_motion(self) -> bool {
-        self.count >= MIN_WANDERING && self.apart_m(1.0 / self.few()) > MAX_WANDER_M
+        self.count >= MIN_WANDERING && self.apart_m(1.0 / self.uncertainty()) > MAX_WANDER_M
     }
 
     /// How far apart two positions are if the variance is such a multiple of what it seems.
@@ -141,7 +142,7 @@ impl MeanSquare {
     }
 
     /// How much larger the variance may be than it seems.
-    fn few(self) -> f32 {
+    fn uncertainty(self) -> f32 {
         1.0 + FEW_WANDERING / f32::from(self.count)
     }
 
@@ -197,7 +198,7 @@ mod tests {
         let lie = |wandering: &mut Wandering, frames: usize| {
             (0..frames).for_each(|frame| {
                 let [now, before] = [frame, frame + 1].map(|frame| [(frame % 2) as f32 * 0.002, 0.0, 0.0]);
-                wandering.push(now, before);
+                wandering.push(now, before, true);
             });
         };
         // Strokes of 4.5 cm about where it was first seen, and at 10 cm from there: nothing in them lies still.
@@ -205,8 +206,9 @@ mod tests {
             for frame in 0..frames {
                 let way_m = (f32::from(frame) / 100.0).min(brought_m);
                 let at = |frame: u16| [way_m + 0.0225 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
-                wandering.push(at(frame + 5), at(frame));
+                wandering.push(at(frame + 5), at(frame), false);
             }
+            lie(wandering, 20);
             assert_eq!(wandering.apart_by_chance_m(), None);
             wandering.begin();
         };
@@ -217,7 +219,7 @@ mod tests {
         lie(&mut wandering, 291);
         assert!(is_about(&wandering, 1.1), "{wandering:?}");
         wandering.begin();
-        wandering.push([0.3, 0.0, 0.0], [0.0; 3]);
+        wandering.push([0.3, 0.0, 0.0], [0.0; 3], true);
         lie(&mut wandering, 10);
         assert!(is_about(&wandering, 1.1), "{wandering:?}");
     }

@@ -96,6 +96,9 @@ impl Segmenter {
         if couple.context != self.context {
             self.end_iu(now_ns, emit);
             self.change_ways(couple.context);
+        } else if couple.context.is_pair() && self.iu.as_ref().is_some_and(|iu| iu.meter.is_empty()) {
+            // It is not known yet that the two are together: the hand may still be on its way.
+            self.ways[1] = Way::after(self.unclear);
         }
         self.unclear = if couple.is_clear { 0 } else { self.unclear.saturating_add(1) };
         self.ways.iter_mut().for_each(|way| way.push(couple.tips));

@@ -110,6 +110,11 @@ impl Meter {
         self.turn(position, is_behind_gap);
     }
 
+    /// Whether no position has been known so far.
+    pub(super) fn is_empty(&self) -> bool {
+        self.known == 0
+    }
+
     fn end_gap(&mut self) {
         let unknown = core::mem::take(&mut self.unknown);
         self.hidden_reversals = self.hidden_reversals.saturating_add(unknown / FRAMES_PER_REVERSAL);

@@ -268,13 +268,15 @@ impl Scene {
         interaction.pair().is_some_and(|(j, l)| self.meets[j.min(l)][j.max(l)] == Meets::Unknown)
     }
 
-    /// Whether `o_j` seems to have left or to have met `o_l`, or another object where it has none, and it is not seen whether that lasts.
+    /// Whether `o_j` seems to have left `o_l`, or without one to have met another object, and it is not seen whether that lasts.
     pub(super) fn may_have_met_or_parted(&self, interaction: Interaction, age: usize) -> bool {
         let Some(j) = interaction.held() else { return false };
-        let others = (0..self.objects.len()).filter(|l| *l != j);
-        others
-            .filter(|l| interaction.pair().is_none_or(|(_, with)| with == *l))
-            .any(|l| self.adjacent[j.min(l)][j.max(l)].may_have_changed(age, self.method.persist_frames))
+        let with = interaction.pair().map(|(_, l)| l);
+        let is_of_interest = |l: &usize| *l != j && with.is_none_or(|with| with == *l);
+        (0..self.objects.len()).filter(is_of_interest).any(|l| {
+            let edge = self.adjacent[j.min(l)][j.max(l)];
+            edge.is_believed() == with.is_some() && edge.may_have_changed(age, self.method.persist_frames)
+        })
     }
 
     /// Whether the hand moves away from `o_j`, and not all frames that would show whether it has left it were clear; or along it, and it is not

@@ -5,7 +5,7 @@ use super::super::poses::{HandPose, Recent, Source};
 use super::Scene;
 
 impl Scene {
-    /// While all hands are seen and none acts on anything, nothing moves.
+    /// While all hands are seen and none acts on anything, nothing moves. A hand that has never been seen may not be there.
     pub(super) fn push_wandering(&mut self, age: usize) {
         let acts = self.interactions.iter().any(|what| matches!(what, Interaction::Acts { .. }));
         let is_hidden =
@@ -19,10 +19,11 @@ impl Scene {
         if self.idle_frames <= persist.into() {
             return;
         }
+        let has_seen_hand = self.hands.iter().any(|hand| hand.ago(age).source != Source::Never);
         for object in 0..self.objects.len() {
             let before = self.seen_object(object, age + usize::from(persist));
             if let Some((now, before)) = self.seen_object(object, age).zip(before) {
-                self.objects[object].wandering.push(now, before);
+                self.objects[object].wandering.push(now, before, has_seen_hand);
             }
         }
     }
