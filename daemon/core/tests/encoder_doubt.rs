@@ -127,6 +127,17 @@ fn a_hand_keeps_a_hidden_part_that_the_other_one_carries_with_it_and_then_unseen
 }
 
 #[test]
+fn a_part_that_was_seen_in_the_hand_is_held_as_it_was_then() {
+    let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+    bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).go([0.4, 0.0], 20);
+    // It goes out of sight before it is known that the hand holds it.
+    bench.frames[5..].iter_mut().for_each(|frame| frame.objects.clear());
+    let couples = couples_of(&bench, Side::Right);
+    assert!(couples.iter().all(|couple| couple.context.0[..2] == [1, TOOL]), "{couples:?}");
+    assert!(couples[7..].iter().all(|couple| couple.distances[0] < 0.01), "{couples:?}");
+}
+
+#[test]
 fn a_hand_keeps_a_part_that_moved_on_while_it_was_not_seen() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 30).rest(20);

@@ -74,7 +74,10 @@ impl Edge {
     /// Moves on to the frame `age` frames before the newest and returns whether there is a contact in it. With fewer than
     /// `persist` frames from there to the newest (at the end of a recording) nothing new is believed.
     pub(super) fn believe(&mut self, age: usize, persist: u8) -> bool {
-        if let Some(rest) = (age + 1).checked_sub(usize::from(persist)) {
+        if let Some(end) = (age + 1).checked_sub(usize::from(persist)) {
+            // Where the last frame of the window is missing, the one after it shows as much.
+            let is_end_missing = end > 0 && self.known >> end & 1 == 0;
+            let rest = end - usize::from(is_end_missing);
             let [near, known] = [self.near >> rest, self.known >> rest];
             let is_near = near & 1 == 1;
             // What was last seen before the end of the window may have been over before it.
@@ -83,7 +86,7 @@ impl Edge {
                 let lasted = if is_near { near.trailing_ones() } else { near.trailing_zeros() };
                 let seen = (known & window(lasted as u8, 0)).count_ones();
                 let is_seen = seen >= MIN_KNOWN.min(persist.into());
-                self.believed ^= lasted >= persist.into() && is_seen;
+                self.believed ^= lasted as usize > age - rest && is_seen;
             }
         }
         self.believed
@@ -100,16 +103,14 @@ impl Edge {
         self.near & frames == 0 && (self.known & frames).count_ones() >= MIN_KNOWN.min(frames.count_ones())
     }
 
-    /// Whether the frame of this age and all that are known of the window [`ahead`] of it show a change that was not believed, and is not in the
-    /// next frame either, because nobody saw what came after it. Call it after [`believe`](Self::believe).
+    /// Whether the frame of this age and all that are known of the window [`ahead`] of it show a change that was not believed, because others are not
+    /// known. Call it after [`believe`](Self::believe).
     pub(super) fn may_have_changed(self, age: usize, persist: u8) -> bool {
         let frames = ahead(age, persist);
         let changed = if self.believed { !self.near } else { self.near };
-        let mut next = self;
-        let is_seen = changed & self.known & frames == self.known & frames && self.known >> age & 1 == 1;
-        is_seen
+        self.known >> age & 1 == 1
             && self.known & frames != frames
-            && age.checked_sub(1).is_none_or(|age| next.believe(age, persist) == self.believed)
+            && changed & self.known & frames == self.known & frames
     }
 
     /// Whether there is a contact in the frame that [`believe`](Self::believe) last asked for.
@@ -226,16 +227,23 @@ mod tests {
         assert_eq!(in_doubt("-----xx?????????-----"), "-----xx--------------");
         assert_eq!(in_doubt("-----xxxx????????xxxx"), "-----xxxx------------");
         assert_eq!(in_doubt("xxxxx---?????????xxxx"), "-----xxx-------------");
-        // It is believed from the next frame on, or has not lasted.
+        // It is believed, or has not lasted.
         assert_eq!(in_doubt("-----xxxx?xxxx-------"), "-".repeat(21));
         assert_eq!(in_doubt("-----xx?-------------"), "-".repeat(21));
+    }
+
+    #[test]
+    fn a_change_is_believed_from_its_first_frame_on_where_the_last_frame_of_its_window_is_missing() {
+        assert_eq!(text(&believed(&distances("-----xxxx?xxx----?----"), 5)), "-----xxxxxxxx---------");
+        // The frame after that tells otherwise.
+        assert_eq!(text(&believed(&distances("-----xxxx?------------"), 5)), "-".repeat(22));
     }
 
     #[test]
     fn a_contact_that_is_seldom_seen_is_believed_later() {
         assert_eq!(
             text(&believed(&distances("-??-??x??x??x??x??-??-??-??-"), 5)),
-            "--------xxxxxxxxxxxx--------"
+            "-------xxxxxxxxxxxx---------"
         );
     }
 

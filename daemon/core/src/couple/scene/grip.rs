@@ -1,7 +1,7 @@
 //! What each hand holds, and so carries while that is hidden, or moves with while the hand is.
 
 use super::super::interaction::Interaction;
-use super::super::poses::{Grip, ObjectPose, Source};
+use super::super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
 use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
 
@@ -35,8 +35,11 @@ impl Scene {
 
     /// A hand carries the object that it acts on while that is hidden, until it is seen again or the hand has not been seen for `blind_ms`. A
     /// hand that goes out of sight before the object still holds it as it did. An object that was hidden before it was grasped is taken to
-    /// lie where it was last seen. What a hand merely passes over it does not carry. `gripped` are what each hand would carry.
+    /// lie where it was last seen; one that was seen since the frame of which that is known is held as it was then. What a hand merely passes
+    /// over it does not carry. `gripped` are what each hand would carry.
     pub(super) fn update_grips(&mut self, gripped: [Option<usize>; HANDS]) {
+        let newest_couple = u32::from(self.method.persist_frames) + 1;
+        let is_seen_at = |hand: &Recent<HandPose>, age: usize| hand.ago(age).source == Source::Seen;
         for index in 0..self.objects.len() {
             let has_moved = gripped.contains(&Some(index)) && self.has_moved(index) == Some(true);
             let node = &mut self.objects[index];
@@ -44,13 +47,16 @@ impl Scene {
             let is_seen = pose.source == Source::Seen;
             let is_free = node.grips.iter().all(Option::is_none);
             for ((grip, hand), gripped) in node.grips.iter_mut().zip(&self.hands).zip(gripped) {
+                let unseen = pose.unseen as usize;
+                let was_shown = pose.unseen <= newest_couple && is_seen_at(hand, unseen);
+                let holding = hand.ago(if was_shown { unseen } else { 0 });
                 let hand = hand.ago(0);
                 let before = grip.filter(|_| hand.unseen <= self.blind_frames);
                 *grip = match before {
                     Some(_) if !is_seen => before,
                     _ if gripped == Some(index) && (is_seen || is_free) => {
                         let has_followed = before.is_some_and(|grip| grip.has_followed);
-                        Some(Grip::new(hand, pose, has_followed || has_moved))
+                        Some(Grip::new(holding, pose, has_followed || has_moved))
                     }
                     _ => before.filter(|_| hand.source != Source::Seen),
                 };
