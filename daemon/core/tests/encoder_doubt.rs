@@ -246,6 +246,17 @@ fn an_object_that_is_first_seen_in_the_hand_may_have_been_there_before() {
 }
 
 #[test]
+fn an_object_that_is_first_seen_at_a_hand_that_holds_another_one_may_be_what_it_holds() {
+    let is_rivalled = |cup: [f32; 2]| {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (CUP, cup)]);
+        bench.hide(CUP).hand(Side::Right, [0.0, 0.0]).rest(30).hold(Side::Right, TOOL).rest(20);
+        bench.show(CUP).rest(20);
+        couples_of(&bench, Side::Right).last().unwrap().is_rivalled
+    };
+    assert_eq!([[0.0, 0.02], [0.0, 0.3]].map(is_rivalled), [true, false]);
+}
+
+#[test]
 fn an_object_that_is_first_seen_at_what_the_hand_holds_may_have_been_touched_before() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.01, 0.0])]);
     bench.hide(BOX).hand(Side::Right, [0.3, 0.0]).rest(20).go([0.0, 0.0], 20).rest(20).show(BOX).rest(20);

@@ -230,7 +230,11 @@ impl Scene {
                 Source::Seen => !touch.is_apart(age, persist),
                 _ => held == Some(object) || node.may_be_taken[hand],
             };
-            let is_new = is_taken && is_in_doubt;
+            // Where one is first seen at a hand that holds another, the hand may have held that all along.
+            let appears = node.poses.ago(age).source == Source::Never
+                && node.poses.ago(0).source == Source::Seen
+                && held.is_some_and(|held| held != object && touch.is_near());
+            let is_new = is_taken && is_in_doubt || appears;
             node.is_rival[hand] = held.is_some() && (node.is_rival[hand] || is_new);
             node.may_be_touched[hand] |= is_new && node.poses.ago(0).source == Source::Seen;
         }
