@@ -92,8 +92,11 @@ struct MeanSquare {
 }
 
 impl Wandering {
-    /// The hands have come to rest: what is known so far counts.
+    /// The hands have come to rest: what is known so far counts, unless too little was seen to tell whether it is motion.
     pub(super) fn begin(&mut self) {
+        if self.known.count < MIN_WANDERING {
+            self.known = MeanSquare::default();
+        }
         (self.before, self.lay, self.is_moved) = (self.known, None, false);
     }
 
@@ -208,12 +211,15 @@ mod tests {
                 let at = |frame: u16| [way_m + 0.0225 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
                 wandering.push(at(frame + 5), at(frame), false);
             }
-            lie(wandering, 20);
-            assert_eq!(wandering.apart_by_chance_m(), None);
-            wandering.begin();
         };
-        stroke(0.0, 100, &mut wandering);
-        stroke(0.1, 300, &mut wandering);
+        stroke(0.0, 9, &mut wandering);
+        for brought_m in [0.0, 0.1] {
+            wandering.begin();
+            stroke(brought_m, 300, &mut wandering);
+            lie(&mut wandering, 20);
+            assert_eq!(wandering.apart_by_chance_m(), None);
+        }
+        wandering.begin();
         lie(&mut wandering, 9);
         assert_eq!(wandering.apart_by_chance_m(), None, "too little to tell");
         lie(&mut wandering, 291);

@@ -10,7 +10,11 @@ impl Scene {
         let acts = self.interactions.iter().any(|what| matches!(what, Interaction::Acts { .. }));
         let is_hidden =
             |hand: &Recent<HandPose>| !matches!(hand.ago(age).source, Source::Seen | Source::Never);
-        let is_idle = !acts && !self.hands.iter().any(is_hidden);
+        // What was seen before may be the work of a hand that is seen only now.
+        let appears = |hand: &Recent<HandPose>| {
+            [age, age + 1].map(|age| hand.ago(age).source == Source::Never) == [false, true]
+        };
+        let is_idle = !acts && !self.hands.iter().any(|hand| is_hidden(hand) || appears(hand));
         self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
         let persist = self.method.persist_frames;
         if self.idle_frames == persist.into() {
