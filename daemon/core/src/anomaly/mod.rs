@@ -25,8 +25,8 @@
 //!   by something unseen is not judged.
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
 //!   context has been shown without doubt; what was hidden before lies before it.
-//! - *Rival*: another object that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j` ([`Couple::is_rivalled`]). It is
-//!   none any more when it is seen where it lay and the hand was not near it meanwhile.
+//! - *Rival*: another object that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
+//!   ([`Couple::is_rivalled`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
 //! - *Places*: the numbers of IUs of a nominal activity that may have come, with what may have happened unseen. An activity is *astray*
 //!   when it fits no candidate as it was seen, but may fit one with what was not.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
