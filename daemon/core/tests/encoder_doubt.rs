@@ -127,6 +127,23 @@ fn a_hand_keeps_a_hidden_part_that_the_other_one_carries_with_it_and_then_unseen
 }
 
 #[test]
+fn a_hand_that_comes_to_what_the_other_one_holds_may_not_have_taken_it_if_that_is_hidden() {
+    let couples_with = |holds: bool, hidden_from: usize| {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+        bench.hand(Side::Right, [0.0, if holds { 0.0 } else { -0.3 }]).hand(Side::Left, [0.0, 0.3]).rest(30);
+        bench.carry([None, Some([0.0, 0.02])], 15).rest(30);
+        bench.frames.iter_mut().skip(hidden_from).for_each(|frame| frame.objects.clear());
+        couples_of(&bench, Side::Left)
+    };
+    let is_at_tool = |couple: &Couple| couple.context.0[1] == TOOL;
+    for holds in [true, false] {
+        let begun = couples_with(holds, usize::MAX).iter().position(is_at_tool).unwrap();
+        let couple = couples_with(holds, begun + 3)[begun];
+        assert!(is_at_tool(&couple) && couple.is_doubtful == holds, "{couple:?}");
+    }
+}
+
+#[test]
 fn a_part_that_was_seen_in_the_hand_is_held_as_it_was_then() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).go([0.4, 0.0], 20);

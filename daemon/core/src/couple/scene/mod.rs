@@ -383,7 +383,8 @@ impl Scene {
                 || self.in_hand[hand].contains(&InHand::Unknown)
                 || !is_known
                 || self.may_have_left(hand, interaction, age)
-                || self.may_have_met_or_parted(interaction, age),
+                || self.may_have_met_or_parted(interaction, age)
+                || self.may_be_in_other_hand(hand, interaction, age),
             is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
             is_object_new: self.is_new[hand],
             is_object_displaced: self.is_displaced[hand],

@@ -289,10 +289,22 @@ impl Scene {
         let ahead = contact::ahead(age, self.method.persist_frames);
         let Interaction::Acts { j, .. } = interaction else { return false };
         let hidden = ahead & !self.clear[hand];
-        let is_newest_hidden = hidden >> ahead.trailing_zeros() & 1 == 1;
         hidden != 0
             && (self.moves_away(hand, j, age).is_some()
-                || is_newest_hidden && self.slips_until(hand, j, age).is_some())
+                || self.is_end_hidden(hand, age) && self.slips_until(hand, j, age).is_some())
+    }
+
+    /// Whether the newest of the frames in which a change would be believed was not clear.
+    fn is_end_hidden(&self, hand: usize, age: usize) -> bool {
+        let ahead = contact::ahead(age, self.method.persist_frames);
+        !self.clear[hand] >> ahead.trailing_zeros() & 1 == 1
+    }
+
+    /// Whether the hand has just begun with what the other one acts on as well, and it is not seen how that goes on.
+    pub(super) fn may_be_in_other_hand(&self, hand: usize, interaction: Interaction, age: usize) -> bool {
+        self.is_end_hidden(hand, age)
+            && self.lasted[hand] <= self.method.persist_frames.into()
+            && interaction.held().is_some_and(|j| self.interactions[1 - hand].acts_on(j))
     }
 
     /// Whether fewer than half of the frames in which a change would be believed were clear.
