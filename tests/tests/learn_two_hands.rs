@@ -225,6 +225,7 @@ fn nothing_is_accused_for_what_was_not_seen_where_parts_have_their_places() {
         let all: Vec<Recording> = (6..14).map(|person| recording(work, person, false)).collect();
         let right: Vec<&Recording> =
             all.iter().filter(|whole| is_right(&deletion::judged(&job, whole))).collect();
+        assert!(!right.is_empty(), "{work:?}: no correct job is right as a whole");
         let tried = try_deletions(&job, &right, seed, cases);
         assert!(tried.accused.is_empty(), "{work:?}: {:?}", tried.accused);
         let tried = try_two_pieces(&job, &right, seed, cases);
