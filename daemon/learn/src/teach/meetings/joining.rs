@@ -44,12 +44,15 @@ pub(super) fn of(
         .flat_map(|(run, shown)| shown.dwells(with, at).into_iter().map(move |dwell| (run, dwell)))
         .collect();
     let id = shapes[with].id;
-    if is_given(&shapes[with]) || is_given(&shapes[at]) {
-        let contact = at_given_points([with, at], shapes, shown, &dwells, default);
-        return meeting(id, &[], contact, default);
-    }
     let places: Vec<Place> =
         dwells.iter().map(|(run, dwell)| Place::new(*run, dwell, [with, at], &shown[*run])).collect();
+    if is_given(&shapes[with]) || is_given(&shapes[at]) {
+        let (beside, met): (Vec<_>, Vec<_>) =
+            dwells.iter().zip(&places).partition(|(_, place)| place.is_beside && !is_put_together(&places));
+        let [beside, met] = [beside, met].map(|dwells| dwells.into_iter().map(|(dwell, _)| dwell).collect());
+        let contact = at_given_points([with, at], shapes, shown, [met, beside], default);
+        return meeting(id, &[], contact, default);
+    }
     let first: Vec<Point3<f32>> = shown.iter().filter_map(|run| run.first_place(with, at)).collect();
     at_learnt_places(id, &places, &first, shown.len(), default)
 }
@@ -99,10 +102,10 @@ fn runs_of(places: &[Place]) -> usize {
 /// of the runs have such a place, those farther away count where they are the same in all runs that have one, and no third object is nearer. What
 /// is put back beside a part that is put back as well only touches it if it is at the same place in all runs that have one.
 fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
-    let (back, brought): (Vec<Place>, Vec<Place>) = places.iter().partition(|place| place.is_beside);
-    let met = if are_same(&back) && runs_of(&back) >= SAME_RUNS { places } else { &brought };
+    let is_put_together = is_put_together(places);
+    let met = places.iter().filter(|place| is_put_together || !place.is_beside);
     let near: Vec<Point3<f32>> =
-        met.iter().map(|place| place.at).filter(|place| place.coords.norm() < TOUCH_M).collect();
+        met.map(|place| place.at).filter(|place| place.coords.norm() < TOUCH_M).collect();
     let split: (Vec<Place>, Vec<Place>) =
         places.iter().partition(|place| apart_m(&[place.at], &near) < SAME_M);
     if 2 * runs_of(&split.0) >= runs {
@@ -112,6 +115,12 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(is_far);
     let is_shown = runs_of(&far) >= SAME_RUNS && 2 * runs_of(&far) >= runs;
     if are_same(&far) && is_shown { (far, others) } else { split }
+}
+
+/// Whether what is put back beside a part that is put back as well is at the same place in all runs that have one.
+fn is_put_together(places: &[Place]) -> bool {
+    let back: Vec<Place> = places.iter().filter(|place| place.is_beside).copied().collect();
+    are_same(&back) && runs_of(&back) >= SAME_RUNS
 }
 
 fn are_same(places: &[Place]) -> bool {
@@ -135,16 +144,17 @@ pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
     are_within(PLACES_M, places)
 }
 
-/// How near the two come to each other where their points are given.
+/// How near the two come to each other where their points are given, in the dwells in which they may meet and those in which one is only put back
+/// beside the other.
 fn at_given_points(
     [with, at]: [usize; 2],
     shapes: &[ObjectShape],
     shown: &[Trajectories],
-    dwells: &[(usize, Dwell)],
+    [met, beside]: [Vec<&(usize, Dwell)>; 2],
     default: Contact,
 ) -> Contact {
     let [points, places] = [with, at].map(|object| points_of(&shapes[object]));
-    let nearest = |(run, dwell): &(usize, Dwell)| {
+    let nearest = |(run, dwell): &&(usize, Dwell)| {
         let apart = |(frame, _): &(usize, Point3<f32>)| {
             let pose = shown[*run].relative_pose(with, at, *frame)?;
             let points: Vec<Point3<f32>> = points.iter().map(|point| pose * point).collect();
@@ -152,7 +162,8 @@ fn at_given_points(
         };
         dwell.iter().filter_map(apart).fold(f32::INFINITY, f32::min)
     };
-    let mut distances: Vec<f32> = dwells.iter().map(nearest).collect();
+    let beside_m = beside.iter().map(nearest).fold(f32::INFINITY, f32::min);
+    let mut distances: Vec<f32> = met.iter().map(nearest).collect();
     distances.sort_by(f32::total_cmp);
     // From those that touch by the given distance on, up to the first gap.
     let mut reached = distances.partition_point(|distance| *distance <= default.on_m);
@@ -164,7 +175,7 @@ fn at_given_points(
         reached += 1;
     }
     let near: Vec<f64> = distances[..reached].iter().map(|distance| f64::from(*distance)).collect();
-    let next_m = distances.get(reached).copied().unwrap_or(f32::INFINITY);
+    let next_m = distances.get(reached).copied().unwrap_or(f32::INFINITY).min(beside_m / 2.0);
     let contact = contact_of(&near, default);
     if contact.on_m > next_m { widened(default, next_m) } else { contact }
 }
