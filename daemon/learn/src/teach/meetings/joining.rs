@@ -22,6 +22,9 @@ const SAME_M: f32 = 0.01;
 /// What is put back lies where it lay before, in metres.
 const BACK_M: f32 = 0.05;
 
+/// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres.
+const BESIDE_M: f32 = 0.005;
+
 /// In fewer runs than this, two parts come to the same place beside each other by chance.
 const SAME_RUNS: usize = 3;
 
@@ -162,7 +165,6 @@ fn at_given_points(
         };
         dwell.iter().filter_map(apart).fold(f32::INFINITY, f32::min)
     };
-    let beside_m = beside.iter().map(nearest).fold(f32::INFINITY, f32::min);
     let mut distances: Vec<f32> = met.iter().map(nearest).collect();
     distances.sort_by(f32::total_cmp);
     // From those that touch by the given distance on, up to the first gap.
@@ -174,8 +176,11 @@ fn at_given_points(
     {
         reached += 1;
     }
+    if reached == 0 && !beside.is_empty() {
+        return Contact { on_m: BESIDE_M, off_m: BESIDE_M * default.off_m / default.on_m };
+    }
     let near: Vec<f64> = distances[..reached].iter().map(|distance| f64::from(*distance)).collect();
-    let next_m = distances.get(reached).copied().unwrap_or(f32::INFINITY).min(beside_m / 2.0);
+    let next_m = distances.get(reached).copied().unwrap_or(f32::INFINITY);
     let contact = contact_of(&near, default);
     if contact.on_m > next_m { widened(default, next_m) } else { contact }
 }
