@@ -15,7 +15,12 @@ const CUP: u16 = 9;
 
 /// The couples of one hand.
 fn couples_of(bench: &Bench, side: Side) -> Vec<Couple> {
-    encode(&bench.ids(), &bench.frames).iter().map(|couples| couples.hands[side.index()]).collect()
+    couples_in(bench, &bench.frames, side)
+}
+
+/// The couples of one hand in other frames of this bench.
+fn couples_in(bench: &Bench, frames: &[Frame], side: Side) -> Vec<Couple> {
+    encode(&bench.ids(), frames).iter().map(|couples| couples.hands[side.index()]).collect()
 }
 
 /// Nothing is seen in these frames.
@@ -32,8 +37,8 @@ fn two_that_are_seen_as_they_pass_each_other_may_touch_if_they_came_together_uns
     bench.hand(Side::Right, [-0.3, -0.3]).rest(20).go([0.0, 0.0], 20);
     bench.hold(Side::Right, TOOL).go([0.6, 0.0], 120).rest(20);
     let at_box = |frames: &[Frame]| -> Vec<Couple> {
-        let hands = encode(&bench.ids(), frames).into_iter().map(|couples| couples.hands[0]);
-        hands.filter(|couple| couple.context.0[3] == BOX).collect()
+        let couples = couples_in(&bench, frames, Side::Right).into_iter();
+        couples.filter(|couple| couple.context.0[3] == BOX).collect()
     };
     assert_eq!(at_box(&bench.frames), []);
     // They are beside each other in frames 98 to 104.
@@ -67,8 +72,7 @@ fn a_part_that_was_last_seen_to_leave_or_to_meet_another_one_may_have_done_so() 
     for (changed, was_at_box) in [(left, true), (met, false)] {
         let mut frames = bench.frames.clone();
         hide_all(&mut frames[changed + 2..]);
-        let couples: Vec<Couple> =
-            encode(&bench.ids(), &frames).iter().map(|couples| couples.hands[0]).collect();
+        let couples = couples_in(&bench, &frames, Side::Right);
         assert!(couples[changed - 1..=changed].iter().all(|couple| is_at_box(couple) == was_at_box));
         assert_eq!([changed - 1, changed].map(|frame| couples[frame].is_doubtful), [false, true]);
     }
@@ -79,8 +83,8 @@ fn a_part_that_slows_down_behind_another_one_has_passed_it_whatever_frames_are_m
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.2, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.28, 0.0], 24).rest(20);
     let at_box = |frames: &[Frame]| {
-        let hands = encode(&bench.ids(), frames).into_iter().map(|couples| couples.hands[0]);
-        hands.filter(|couple| couple.context.0[3] == BOX && !couple.is_doubtful).count()
+        let couples = couples_in(&bench, frames, Side::Right).into_iter();
+        couples.filter(|couple| couple.context.0[3] == BOX && !couple.is_doubtful).count()
     };
     assert_eq!(at_box(&bench.frames), 0);
     for missing in 0..1024u32 {

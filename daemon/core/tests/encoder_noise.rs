@@ -85,6 +85,22 @@ fn a_hand_that_rests_at_a_part_that_wanders_by_errors_that_last_does_not_let_go(
 }
 
 #[test]
+fn what_a_hand_does_for_a_moment_before_it_is_first_seen_says_nothing_of_errors() {
+    for unseen in 8..15 {
+        let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
+        bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL);
+        (0..unseen).for_each(|frame| {
+            bench.go([[0.02, 0.0], [0.0, 0.0]][frame / 3 % 2], 1);
+        });
+        bench.frames.iter_mut().for_each(|frame| frame.hands.clear());
+        bench.let_go(Side::Right).hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(20);
+        let couples = seen_inexactly(bench, 0.1 * DEVIATION_M, unseen as u32);
+        let wanders_m = couples.last().unwrap().hands[0].wanders_m;
+        assert!((0.0001..0.005).contains(&wanders_m), "{wanders_m} after {unseen} frames");
+    }
+}
+
+#[test]
 fn what_moves_and_is_seen_inexactly_is_carried_by_a_hand_that_is_not_seen() {
     for seed in 0..50 {
         let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);

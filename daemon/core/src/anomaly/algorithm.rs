@@ -26,15 +26,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
         let min_idle_frames = self.watch.min_idle_frames();
-        let mut activity = OpenActivity::new(
-            number,
-            step,
-            context,
-            began_ns,
-            (hidden, was_idle),
-            min_idle_frames,
-            progress.job,
-        );
+        let before = (hidden, was_idle);
+        let mut activity =
+            OpenActivity::new(number, step, context, began_ns, before, min_idle_frames, progress.job);
         if activity.is_beginning_seen(progress.job) {
             progress.set_start_seen(number, activity.as_shown(context));
         }

@@ -36,7 +36,8 @@
 //! What the paper leaves open: `C`, `L` and `i` start again with every activity; an IU is wrong as soon as the minimum of the newest
 //! DTW row, and with free ends the distances in its last five frames, are above the thresholds of all comparisons, because that minimum never
 //! falls; lengths and reversals have taught bounds, because DTW forgives a repeated motion that is cut short; and how long the hand rests at
-//! either end of an IU is not compared as motion ([`Job::has_free_ends`]), because DTW, which pairs ends with ends, would pair such a rest with motion in a run that has none.
+//! either end of an IU is not compared as motion ([`Job::has_free_ends`]), because DTW, which pairs ends with ends, would pair such a rest
+//! with motion in a run that has none.
 //!
 //! # Doubt
 //!

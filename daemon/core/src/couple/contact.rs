@@ -107,10 +107,8 @@ impl Edge {
     /// known. Call it after [`believe`](Self::believe).
     pub(super) fn may_have_changed(self, age: usize, persist: u8) -> bool {
         let frames = ahead(age, persist);
-        let changed = if self.believed { !self.near } else { self.near };
-        self.known >> age & 1 == 1
-            && self.known & frames != frames
-            && changed & self.known & frames == self.known & frames
+        let (seen, unchanged) = (self.known & frames, if self.believed { self.near } else { !self.near });
+        self.known >> age & 1 == 1 && seen != frames && seen & unchanged == 0
     }
 
     /// Whether there is a contact in the frame that [`believe`](Self::believe) last asked for.

@@ -1,7 +1,7 @@
 //! What each hand holds, and so carries while that is hidden, or moves with while the hand is.
 
 use super::super::interaction::Interaction;
-use super::super::poses::{Grip, HandPose, ObjectPose, Recent, Source};
+use super::super::poses::{Grip, ObjectPose, Source};
 use super::{Scene, squared_distance};
 use crate::capacity::HANDS;
 
@@ -39,18 +39,16 @@ impl Scene {
     /// over it does not carry. `gripped` are what each hand would carry.
     pub(super) fn update_grips(&mut self, gripped: [Option<usize>; HANDS]) {
         let newest_couple = u32::from(self.method.persist_frames) + 1;
-        let is_seen_at = |hand: &Recent<HandPose>, age: usize| hand.ago(age).source == Source::Seen;
         for index in 0..self.objects.len() {
             let has_moved = gripped.contains(&Some(index)) && self.has_moved(index) == Some(true);
             let node = &mut self.objects[index];
             let pose = node.poses.ago(0);
             let is_seen = pose.source == Source::Seen;
             let is_free = node.grips.iter().all(Option::is_none);
+            let shown = if pose.unseen <= newest_couple { pose.unseen as usize } else { 0 };
             for ((grip, hand), gripped) in node.grips.iter_mut().zip(&self.hands).zip(gripped) {
-                let unseen = pose.unseen as usize;
-                let was_shown = pose.unseen <= newest_couple && is_seen_at(hand, unseen);
-                let holding = hand.ago(if was_shown { unseen } else { 0 });
-                let hand = hand.ago(0);
+                let [then, hand] = [shown, 0].map(|age| hand.ago(age));
+                let holding = if then.source == Source::Seen { then } else { hand };
                 let before = grip.filter(|_| hand.unseen <= self.blind_frames);
                 *grip = match before {
                     Some(_) if !is_seen => before,

@@ -121,9 +121,10 @@ impl Scene {
 
     fn next_meets(&self, [i, j]: [usize; 2], is_held: bool, age: usize) -> Meets {
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
-        let off_m = self.object_contact(i, j).off_m;
-        let is_near =
-            |age: usize| self.are_in_reach(i, j, age) && self.distance_of_objects(i, j, age) <= off_m;
+        let is_near = |age: usize| {
+            self.are_in_reach(i, j, age)
+                && self.distance_of_objects(i, j, age) <= self.object_contact(i, j).off_m
+        };
         if edge.is_believed() {
             if matches!(before, Meets::Rests | Meets::Yes) {
                 return Meets::Yes;

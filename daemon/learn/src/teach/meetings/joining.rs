@@ -1,7 +1,7 @@
 //! Where and how near one object comes to another.
 
 use super::trajectory::{Dwell, Trajectories};
-use super::{apart_m, centres, contact_of, is_given, median, meeting, points_of, widened};
+use super::{apart_m, centres, contact_of, in_proportion, is_given, median, meeting, points_of, widened};
 use andon_core::config::Contact;
 use andon_core::object::{Meeting, ObjectShape};
 use nalgebra::Point3;
@@ -41,20 +41,15 @@ pub(super) fn of(
     shown: &[Trajectories],
     default: Contact,
 ) -> Option<Meeting> {
-    let dwells: Vec<(usize, Dwell)> = shown
-        .iter()
-        .enumerate()
-        .flat_map(|(run, shown)| shown.dwells(with, at).into_iter().map(move |dwell| (run, dwell)))
-        .collect();
+    let dwells = dwells([with, at], shown);
+    let places: Vec<Place> = dwells.iter().map(|(_, place)| *place).collect();
     let id = shapes[with].id;
-    let places: Vec<Place> =
-        dwells.iter().map(|(run, dwell)| Place::new(*run, dwell, [with, at], &shown[*run])).collect();
     if is_given(&shapes[with]) || is_given(&shapes[at]) {
-        let (beside, met): (Vec<_>, Vec<_>) =
-            dwells.iter().zip(&places).partition(|(_, place)| place.is_beside && !is_put_together(&places));
-        let [beside, met] = [beside, met].map(|dwells| dwells.into_iter().map(|(dwell, _)| dwell).collect());
-        let contact = at_given_points([with, at], shapes, shown, [met, beside], default);
-        return meeting(id, &[], contact, default);
+        let may_meet = may_meet(&places);
+        let met: Vec<&(Dwell, Place)> = dwells.iter().filter(|(_, place)| may_meet(place)).collect();
+        let elsewhere = || if met.len() < dwells.len() { in_proportion(default, BESIDE_M) } else { default };
+        let contact = at_given_points([with, at], shapes, shown, &met, default);
+        return meeting(id, &[], contact.unwrap_or_else(elsewhere), default);
     }
     let first: Vec<Point3<f32>> = shown.iter().filter_map(|run| run.first_place(with, at)).collect();
     at_learnt_places(id, &places, &first, shown.len(), default)
@@ -62,11 +57,20 @@ pub(super) fn of(
 
 /// How many runs show the first one to dwell at the second so that they may touch.
 pub(super) fn shown_by([with, at]: [usize; 2], shown: &[Trajectories]) -> usize {
-    let dwells = |(run, shown): (usize, &Trajectories)| -> Vec<Place> {
-        shown.dwells(with, at).iter().map(|dwell| Place::new(run, dwell, [with, at], shown)).collect()
-    };
-    let places: Vec<Place> = shown.iter().enumerate().flat_map(dwells).collect();
+    let places: Vec<Place> = dwells([with, at], shown).into_iter().map(|(_, place)| place).collect();
     runs_of(&touching(&places, shown.len()).0)
+}
+
+/// Where the first one dwells at the second, in all runs.
+fn dwells([with, at]: [usize; 2], shown: &[Trajectories]) -> Vec<(Dwell, Place)> {
+    let of_run = |(run, shown): (usize, &Trajectories)| -> Vec<(Dwell, Place)> {
+        let placed = |dwell: Dwell| {
+            let place = Place::new(run, &dwell, [with, at], shown);
+            (dwell, place)
+        };
+        shown.dwells(with, at).into_iter().map(placed).collect()
+    };
+    shown.iter().enumerate().flat_map(of_run).collect()
 }
 
 /// Where one object dwells at another.
@@ -105,10 +109,9 @@ fn runs_of(places: &[Place]) -> usize {
 /// of the runs have such a place, those farther away count where they are the same in all runs that have one, and no third object is nearer. What
 /// is put back beside a part that is put back as well only touches it if it is at the same place in all runs that have one.
 fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
-    let is_put_together = is_put_together(places);
-    let met = places.iter().filter(|place| is_put_together || !place.is_beside);
-    let near: Vec<Point3<f32>> =
-        met.map(|place| place.at).filter(|place| place.coords.norm() < TOUCH_M).collect();
+    let may_meet = may_meet(places);
+    let met = places.iter().filter(|place| may_meet(place)).map(|place| place.at);
+    let near: Vec<Point3<f32>> = met.filter(|place| place.coords.norm() < TOUCH_M).collect();
     let split: (Vec<Place>, Vec<Place>) =
         places.iter().partition(|place| apart_m(&[place.at], &near) < SAME_M);
     if 2 * runs_of(&split.0) >= runs {
@@ -120,10 +123,12 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     if are_same(&far) && is_shown { (far, others) } else { split }
 }
 
-/// Whether what is put back beside a part that is put back as well is at the same place in all runs that have one.
-fn is_put_together(places: &[Place]) -> bool {
+/// Whether the two may meet at one of these places: what is put back beside a part that is put back as well does not, unless it is at the same place
+/// in all runs that have one.
+fn may_meet(places: &[Place]) -> impl Fn(&Place) -> bool {
     let back: Vec<Place> = places.iter().filter(|place| place.is_beside).copied().collect();
-    are_same(&back) && runs_of(&back) >= SAME_RUNS
+    let is_put_together = are_same(&back) && runs_of(&back) >= SAME_RUNS;
+    move |place| is_put_together || !place.is_beside
 }
 
 fn are_same(places: &[Place]) -> bool {
@@ -147,19 +152,18 @@ pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
     are_within(PLACES_M, places)
 }
 
-/// How near the two come to each other where their points are given, in the dwells in which they may meet and those in which one is only put back
-/// beside the other.
+/// How near the two come to each other where their points are given, in the dwells in which they may meet; `None` if not as near as by default.
 fn at_given_points(
     [with, at]: [usize; 2],
     shapes: &[ObjectShape],
     shown: &[Trajectories],
-    [met, beside]: [Vec<&(usize, Dwell)>; 2],
+    met: &[&(Dwell, Place)],
     default: Contact,
-) -> Contact {
+) -> Option<Contact> {
     let [points, places] = [with, at].map(|object| points_of(&shapes[object]));
-    let nearest = |(run, dwell): &&(usize, Dwell)| {
+    let nearest = |(dwell, place): &&(Dwell, Place)| {
         let apart = |(frame, _): &(usize, Point3<f32>)| {
-            let pose = shown[*run].relative_pose(with, at, *frame)?;
+            let pose = shown[place.run].relative_pose(with, at, *frame)?;
             let points: Vec<Point3<f32>> = points.iter().map(|point| pose * point).collect();
             Some(apart_m(&points, &places))
         };
@@ -176,13 +180,13 @@ fn at_given_points(
     {
         reached += 1;
     }
-    if reached == 0 && !beside.is_empty() {
-        return Contact { on_m: BESIDE_M, off_m: BESIDE_M * default.off_m / default.on_m };
+    if reached == 0 {
+        return None;
     }
     let near: Vec<f64> = distances[..reached].iter().map(|distance| f64::from(*distance)).collect();
     let next_m = distances.get(reached).copied().unwrap_or(f32::INFINITY);
     let contact = contact_of(&near, default);
-    if contact.on_m > next_m { widened(default, next_m) } else { contact }
+    Some(if contact.on_m > next_m { widened(default, next_m) } else { contact })
 }
 
 /// Where and how near an object comes if nobody says where the two are touched. A place shown by fewer than half of the runs does not count.

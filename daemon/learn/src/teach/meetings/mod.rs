@@ -95,10 +95,13 @@ fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
     widened(default, (centre + apart) as f32)
 }
 
-/// The contact that begins within `on_m`, rounded up to whole millimetres and no less than the default; it ends in proportion, to the nearest
-/// tenth of a millimetre.
+/// The contact that begins within `on_m`, rounded up to whole millimetres and no less than the default.
 fn widened(default: Contact, on_m: f32) -> Contact {
-    let on_m = f32::max(default.on_m, (1000.0 * on_m).ceil() / 1000.0);
+    in_proportion(default, f32::max(default.on_m, (1000.0 * on_m).ceil() / 1000.0))
+}
+
+/// The contact that begins within exactly `on_m`; it ends in proportion to the default, to the nearest tenth of a millimetre.
+fn in_proportion(default: Contact, on_m: f32) -> Contact {
     Contact { on_m, off_m: (10_000.0 * on_m * default.off_m / default.on_m).round() / 10_000.0 }
 }
 
