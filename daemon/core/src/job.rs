@@ -152,6 +152,9 @@ pub struct Law {
     pub completes: ActivitySet,
     /// Whether it must not come a second time; otherwise that is a note.
     pub is_once: bool,
+    /// Whether IUs in any other context of the job's objects may come before, between and after those of its nominal activities, because the runs
+    /// have only these in common. The hand may let go of the first object and take it again.
+    pub allows_insertions: bool,
     /// How many of the runs that were shown have it.
     pub runs: u16,
 }
@@ -165,6 +168,7 @@ impl Law {
         is_required: true,
         completes: ActivitySet::EMPTY,
         is_once: false,
+        allows_insertions: false,
         runs: 0,
     };
 
@@ -203,6 +207,12 @@ impl Job<'_> {
     /// The law of the activity with this number.
     pub fn law(&self, activity: usize) -> Law {
         self.laws.get(activity).copied().unwrap_or(Law::FREE)
+    }
+
+    /// Whether other IUs may come between those of this nominal activity.
+    pub(crate) fn allows_insertions(&self, nominal: usize) -> bool {
+        let activity = self.activities.get(nominal);
+        activity.is_some_and(|nominal| self.law(nominal.activity.into()).allows_insertions)
     }
 
     /// The numbers of its activities.

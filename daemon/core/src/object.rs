@@ -1,7 +1,7 @@
 //! What is known of an object before it is seen: its interaction points, and what the runs of a job have shown of it.
 
 use crate::bounds::Around;
-use crate::capacity::{INTERACTION_POINTS, MEETINGS};
+use crate::capacity::{INTERACTION_POINTS, MEETINGS, OBJECTS};
 use crate::config::Contact;
 use crate::input::Point;
 use crate::set::ActivitySet;
@@ -17,6 +17,9 @@ pub struct ObjectShape {
     /// Where and how near the runs of a job have shown it to be met. What is not here is met at its interaction points, as near as
     /// [`Method`](crate::config::Method) says.
     pub meetings: Vec<Meeting, MEETINGS>,
+    /// The ids of the objects with which it has no contact, however near they come: the runs of the job agree only without it, as where both
+    /// are at a third object. It is enough if one of the two names the other.
+    pub incidental: Vec<u16, OBJECTS>,
     /// Its orientation means nothing, as that of a round part, and counts as that of the bench.
     pub is_position_only: bool,
     /// Where it lies at the beginning of a job, if the runs of the job have shown it to lie there and nowhere near it afterwards.

@@ -117,7 +117,7 @@ pub enum Note {
 }
 
 /// What of an IU is out of its bounds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Measure {
     /// How long it lasted, in seconds; too long is only the time in which the hand did not wait for the other one.
     Duration,

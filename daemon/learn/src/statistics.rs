@@ -1,6 +1,6 @@
 //! Statistics of small samples.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, Normal, StudentsT};
 
 /// The mean; 0 if there are no values.
 pub(crate) fn mean(values: &[f64]) -> f64 {
@@ -51,6 +51,19 @@ pub(crate) fn median_point(points: impl Iterator<Item = [f32; 3]> + Clone) -> [f
 pub(crate) fn student_t(freedom: f64, exceeded: f64) -> f64 {
     // The location and the scale are valid, and so is any positive freedom.
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(1.0 - exceeded))
+}
+
+/// The greatest share of which so many of a number of trials are not too few, with this confidence (Clopper and Pearson 1934).
+pub(crate) fn at_most(count: usize, of: usize, confidence: f64) -> f64 {
+    if count >= of {
+        return 1.0;
+    }
+    Beta::new(count as f64 + 1.0, (of - count) as f64).map_or(1.0, |share| share.inverse_cdf(confidence))
+}
+
+/// How often a normal distribution exceeds its mean by more than this many deviations.
+pub(crate) fn normal_tail(deviations: f64) -> f64 {
+    Normal::new(0.0, 1.0).map_or(0.0, |normal| normal.sf(deviations))
 }
 
 /// The value that chi-squared with `freedom` degrees of freedom stays below with this probability; infinite for 0.

@@ -62,6 +62,8 @@ pub(super) struct OpenActivity {
     pub(super) index: usize,
     /// How many IUs have begun.
     pub(super) ius: u16,
+    /// How many of them came between those of every candidate, which allows that.
+    inserted: u16,
     /// The nominal activity nearest to the newest IU.
     pub(super) nearest: Option<usize>,
     /// For each nominal activity, the sum of its distances as multiples of the thresholds.
@@ -125,6 +127,7 @@ impl OpenActivity {
             against: Against::Candidates(ActivitySet::first(job.activities.len())),
             index: 0,
             ius: 0,
+            inserted: 0,
             nearest: None,
             ratios: [0.0; ACTIVITIES],
             alignments: [Alignment::new(); ACTIVITIES],
@@ -159,8 +162,8 @@ impl OpenActivity {
         }
         self.places_before = self.places;
         self.newest = (context, junction);
-        for (places, nominal) in self.places.iter_mut().zip(job.activities) {
-            *places = places.step(nominal.ius, context, junction);
+        for (index, (places, nominal)) in self.places.iter_mut().zip(job.activities).enumerate() {
+            *places = places.step(nominal.ius, job.allows_insertions(index), context, junction);
         }
         self.junction = Junction { was_doubtful: is_doubtful, ..Junction::default() };
         for ((aligned, alignment), nominal) in
@@ -180,10 +183,11 @@ impl OpenActivity {
         let hidden = core::mem::take(&mut self.junction).hidden;
         let before_it = junction.hidden.saturating_add(hidden);
         let junction = Junction { is_doubtful: false, hidden: before_it, ..junction };
-        for ((places, before), nominal) in self.places.iter_mut().zip(self.places_before).zip(job.activities)
-        {
+        let all = self.places.iter_mut().zip(self.places_before).zip(job.activities);
+        for (index, ((places, before), nominal)) in all.enumerate() {
             if !places.is_empty() {
-                let places_of_it = before.step(nominal.ius, context, junction);
+                let allows_insertions = job.allows_insertions(index);
+                let places_of_it = before.step(nominal.ius, allows_insertions, context, junction);
                 *places = places_of_it.resume(hidden, nominal.ius, context);
             }
         }
@@ -283,7 +287,7 @@ impl OpenActivity {
 
     /// Whether it is certain which IUs of its candidates have come; after a fault, whether all before was judged.
     pub(super) fn is_place_certain(&self) -> bool {
-        let ius = usize::from(self.ius);
+        let ius = usize::from(self.ius - self.inserted);
         let is_certain = match self.against {
             Against::Candidates(candidates) => {
                 candidates.iter().all(|nominal| self.places[nominal].is_certainly(ius))
@@ -319,6 +323,12 @@ impl OpenActivity {
             self.against = Against::Candidates(candidates);
             self.index += 1;
         }
+    }
+
+    /// The newest IU came between those of these candidates.
+    pub(super) fn insert(&mut self, candidates: ActivitySet) {
+        self.against = Against::Candidates(candidates);
+        self.inserted = self.inserted.saturating_add(1);
     }
 
     /// From now on its IUs are judged against this nominal activity, if any is near.

@@ -153,6 +153,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
         let agreeing = activity.agreeing(job, context);
+        let allowing = activity.candidates().iter().filter(|nominal| job.allows_insertions(*nominal)).collect();
+        if agreeing.is_empty() && allowing != ActivitySet::EMPTY && progress.has_parts_of(context) {
+            activity.insert(allowing);
+            let right = Finding::of(Outcome::Ok, Reason::None.into());
+            self.conclude_iu(Finding { nominal: allowing.lowest(), ..right }, progress, emit);
+            return;
+        }
         if agreeing.is_empty() {
             let nominal = activity.nearest_elsewhere(job, context);
             let reason = context_reason(job, activity.candidates(), context);
@@ -514,6 +521,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             return;
         };
+        if job.allows_insertions(nominal) {
+            // Whatever the hand goes on to do with the same object belongs to it.
+            progress.set_waiting(self.side, Some(nominal).filter(|_| !activity.is_concluded));
+            return;
+        }
         let continuations: Vec<Context, ACTIVITIES> = activity
             .candidates()
             .iter()

@@ -46,8 +46,14 @@ impl Places {
         Self(self.0 | other.0)
     }
 
-    /// The places after an IU with this context has begun.
-    pub(super) fn step(self, nominal: &[NominalIu<'_>], context: Context, junction: Junction) -> Self {
+    /// The places after an IU with this context has begun. With `allows_insertions` it may be one that is not among the nominal IUs.
+    pub(super) fn step(
+        self,
+        nominal: &[NominalIu<'_>],
+        allows_insertions: bool,
+        context: Context,
+        junction: Junction,
+    ) -> Self {
         let before = self.or_later(junction.hidden, nominal);
         if junction.is_doubtful {
             return before;
@@ -61,7 +67,13 @@ impl Places {
             _ => self,
         };
         let same = (0..nominal.len()).filter(|index| going_on.contains(index + 1) && has_context(*index));
-        Self(next.chain(same).fold(0, |places, index| places | 1 << (index + 1)))
+        let inserted = (0..=nominal.len()).filter(|ius| {
+            allows_insertions
+                && before.contains(*ius)
+                && nominal.get(*ius).is_none_or(|iu| iu.context != context)
+        });
+        let ius = next.chain(same).map(|index| index + 1).chain(inserted);
+        Self(ius.fold(0, |places, ius| places | 1 << ius))
     }
 
     /// The places after as many hidden frames in an IU with this context, or between two IUs.
@@ -154,7 +166,7 @@ mod tests {
         let nominal = nominal("gpgr");
         let begin = Places::new(hidden, &nominal);
         ius.iter()
-            .fold(begin, |places, (letter, junction)| places.step(&nominal, context(*letter), *junction))
+            .fold(begin, |places, (letter, junction)| places.step(&nominal, false, context(*letter), *junction))
             .0
     }
 

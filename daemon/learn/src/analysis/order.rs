@@ -27,7 +27,6 @@ impl Order {
             measure_rate: false,
             examine_runs: false,
             find_meetings: false,
-            try_runs: true,
             ..TeachOptions::new(name, "", *method)
         };
         let (job, report) = teach(&runs, &options).ok()?;

@@ -106,6 +106,8 @@ pub struct TaughtStep {
     pub completes: Vec<u16>,
     /// Whether a second time has no place in the job.
     pub is_once: bool,
+    /// Whether other IUs may come between those of the sequences, see [`Law::allows_insertions`].
+    pub allows_insertions: bool,
     /// How many runs have it.
     pub runs: u16,
     /// Its relations to activities before it.
@@ -248,6 +250,7 @@ impl TaughtStep {
             is_required: self.is_required,
             completes: self.completes.iter().map(|index| usize::from(*index)).collect(),
             is_once: self.is_once,
+            allows_insertions: self.allows_insertions,
             runs: self.runs,
         }
     }

@@ -143,6 +143,8 @@ struct ObjectText {
     position_only: bool,
     #[serde(default)]
     meetings: Vec<MeetingText>,
+    #[serde(default)]
+    incidental: Vec<u16>,
     start: Option<StartText>,
 }
 
@@ -169,6 +171,8 @@ struct StepText {
     #[serde(default)]
     completes: Vec<u16>,
     once: bool,
+    #[serde(default)]
+    insertions: bool,
     runs: u16,
     after: Vec<RelationText>,
 }
@@ -365,6 +369,7 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
             id: text.id,
             interaction_points: fitting(&text.interaction_points, &format!("{key}.interaction_points"))?,
             meetings: fitting(&meetings, &format!("{key}.meetings"))?,
+            incidental: fitting(&text.incidental, &format!("{key}.incidental"))?,
             is_position_only: text.position_only,
             start: text.start.map(start_of),
             ..ObjectShape::default()
@@ -400,6 +405,7 @@ fn step_of(text: StepText) -> TaughtStep {
         is_required: text.required,
         completes: text.completes,
         is_once: text.once,
+        allows_insertions: text.insertions,
         runs: text.runs,
         after: text.after.into_iter().map(relation).collect(),
     }

@@ -152,6 +152,10 @@ impl JobFile {
             let words = sequence_words(&self.step_contexts(number), |id| self.object_name(id));
             line!(text, "\n[[step]]\n# {number}: {}", words.replace(char::is_control, " "));
             line!(text, "required = {}\nonce = {}\nruns = {}", step.is_required, step.is_once, step.runs);
+            if step.allows_insertions {
+                line!(text, "# The runs have only these IUs in common: others may come between them.");
+                line!(text, "insertions = true");
+            }
             if !step.completes.is_empty() {
                 line!(
                     text,
@@ -199,7 +203,7 @@ fn relation_text(relation: &Relation) -> String {
 }
 
 fn object_text(text: &mut String, object: &NamedObject) {
-    let ObjectShape { id, interaction_points, meetings, is_position_only, start, .. } = &object.shape;
+    let ObjectShape { id, interaction_points, meetings, incidental, is_position_only, start, .. } = &object.shape;
     line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
     line!(text, "# Where it can be touched, in metres in its own frame.");
     line!(text, "interaction_points = {}", points_text(interaction_points));
@@ -209,6 +213,10 @@ fn object_text(text: &mut String, object: &NamedObject) {
             "# Its orientation differed from run to run where its way did not: only its position counts."
         );
         line!(text, "position_only = true");
+    }
+    if !incidental.is_empty() {
+        line!(text, "# It comes near the objects with these ids by chance only, so that there is no contact between them.");
+        line!(text, "incidental = {incidental:?}");
     }
     if let Some(StartPlace { place, moved_by }) = start {
         line!(

@@ -63,7 +63,7 @@ fn names(job: &JobFile) -> Result<(), JobFault> {
 
 fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
     let key = format!("object[{index}]");
-    let ObjectShape { id, interaction_points, meetings, start, .. } = &objects[index].shape;
+    let ObjectShape { id, interaction_points, meetings, incidental, start, .. } = &objects[index].shape;
     let is_unique = objects[..index].iter().all(|other| other.shape.id != *id);
     rule(*id != 0 && is_unique, &key, || format!("id is {id}; ids are 1 to 65535 and differ"))?;
     let is_finite = |points: &[Point]| points.iter().flatten().all(|value| value.is_finite());
@@ -78,6 +78,10 @@ fn object(objects: &[NamedObject], index: usize) -> Result<(), JobFault> {
     rule(meetings.iter().all(is_possible), &format!("{key}.meetings"), || {
         "each must be with 0 or another object of the job, with finite points and 0 < on_m <= off_m"
             .to_owned()
+    })?;
+    let is_other = |other: &u16| *other != *id && *other != Meeting::HAND && is_known(*other);
+    rule(incidental.iter().all(is_other), &format!("{key}.incidental"), || {
+        "each must be the id of another object of the job".to_owned()
     })?;
     rule(start.is_none_or(|start| start.place.is_valid()), &format!("{key}.start"), || {
         "its place must be a finite centre and a distance of at least 0".to_owned()

@@ -5,12 +5,14 @@
 
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
+use super::strength::Strength;
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
-use crate::statistics::{mean, median, pooled_freedom, student_t, variance_of_one_more};
+use crate::statistics::{deviation, mean, median, pooled_freedom, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
 use andon_core::job::{MeasureBounds, Shown};
 use andon_core::segment::{MOVED_M, Measures};
+use andon_core::verdict::Measure;
 
 /// How people in general differ: in the logarithm of the length of a stroke, of a path and of a detour, in the number of reversals beside
 /// those at the border, in the axis and in the place in metres.
@@ -108,8 +110,10 @@ impl Rates {
         frames: &[u32],
         way: Option<&[Measures]>,
         met_within_m: f32,
+        strength: &dyn Fn(Measure) -> Strength,
     ) -> (Bounds, MeasureBounds) {
         let any = MeasureBounds::ANY;
+        let is_law = |measure| strength(measure) != Strength::None;
         if !context.is_touch() {
             return (UNBOUNDED, any);
         } else if self.path <= 0.0 {
@@ -119,16 +123,38 @@ impl Rates {
             );
         }
         let bounds = MeasureBounds {
-            stroke_m: if is_repeated(shown) { self.stroke_m(shown) } else { any.stroke_m },
-            path_m: self.path_m(shown, met_within_m),
-            max_detour_m: self.max_detour_m(shown),
-            max_bow_m: way.map_or(any.max_bow_m, |way| self.max_bow_m(way)),
-            axis: if is_directed(context, shown) { self.axis(shown) } else { any.axis },
-            place_m: if is_at_another(context) { self.place_m(shown, met_within_m) } else { any.place_m },
+            stroke_m: if is_repeated(shown) && is_law(Measure::StrokeLength) {
+                self.stroke_m(shown, strength(Measure::StrokeLength))
+            } else {
+                any.stroke_m
+            },
+            path_m: if is_law(Measure::Path) {
+                self.path_m(shown, met_within_m, strength(Measure::Path))
+            } else {
+                any.path_m
+            },
+            max_detour_m: if is_law(Measure::Path) {
+                self.max_detour_m(shown, strength(Measure::Path))
+            } else {
+                any.max_detour_m
+            },
+            max_bow_m: way
+                .filter(|_| is_law(Measure::Bow))
+                .map_or(any.max_bow_m, |way| self.max_bow_m(way, strength(Measure::Bow))),
+            axis: if is_directed(context, shown) && is_law(Measure::Direction) {
+                self.axis(shown, strength(Measure::Direction))
+            } else {
+                any.axis
+            },
+            place_m: if is_at_another(context) && is_law(Measure::Place) {
+                self.place_m(shown, met_within_m, strength(Measure::Place))
+            } else {
+                any.place_m
+            },
             shown: None,
         };
         (
-            self.reversals(shown),
+            self.reversals(shown, strength(Measure::Strokes)),
             MeasureBounds {
                 shown: Some(what_was_shown(shown, way.unwrap_or(shown), frames, &bounds)),
                 ..bounds
@@ -145,6 +171,7 @@ impl Rates {
         shown: &[Measures],
         frames: &[u32],
         rate_hz: f32,
+        strength: Strength,
     ) -> Option<(u32, Option<f64>)> {
         let is_timed = is_timed(context, shown);
         let (prior, rate) =
@@ -155,7 +182,7 @@ impl Rates {
         let border = border_frames(rate_hz);
         let durations: Vec<f64> = frames.iter().map(|frames| beyond_border(*frames, border).ln()).collect();
         // Right work is near the minimum only, because of the pause, so the whole rate is there.
-        let (centre, apart) = self.interval(&durations, prior, 2.0 * rate);
+        let (centre, apart) = self.interval(&durations, prior, 2.0 * rate, strength);
         let least = (centre - apart).exp();
         // One frame beyond the border may be none. Among people who differ more, the quick ones pass the border more quickly, too.
         let min = if least < 1.0 { 0 } else { (least + border / self.people.variety) as u32 };
@@ -163,15 +190,19 @@ impl Rates {
         Some((min, is_timed.then(|| (centre + apart).exp() + 2.0 * border)))
     }
 
-    fn reversals(&self, shown: &[Measures]) -> Bounds {
+    fn reversals(&self, shown: &[Measures], strength: Strength) -> Bounds {
         let likely: Vec<u32> = likely_reversals(shown).collect();
-        if is_by_feel(shown) {
-            return self.by_feel(&likely);
+        match strength {
+            Strength::None => return UNBOUNDED,
+            // Who makes strokes by feel contradicts a number.
+            Strength::OwnSpread => return self.by_feel(&likely, strength),
+            Strength::General if is_by_feel(shown) => return self.by_feel(&likely, strength),
+            Strength::General => {}
         }
         let usual = usual_reversals(&likely);
         let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
         // How many strokes are right is the same for people who are slow or quick, or make long ones, and for one of them.
-        let (centre, apart) = interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL);
+        let (centre, apart) = interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL, strength);
         let [less, more] = [(apart - centre).max(0.0) as u32, (apart + centre).max(0.0) as u32];
         let most = counts(likely.iter().copied()).max;
         let max = most.max(usual.max + more);
@@ -186,9 +217,9 @@ impl Rates {
     }
 
     /// Where people make strokes by feel. Such an IU divides the rate of its strokes between their number and their length.
-    fn by_feel(&self, likely: &[u32]) -> Bounds {
+    fn by_feel(&self, likely: &[u32], strength: Strength) -> Bounds {
         let logs: Vec<f64> = likely.iter().map(|count| f64::from(count + 1).ln()).collect();
-        let (centre, apart) = self.interval(&logs, PRIOR_NUMBER, self.stroke / 2.0);
+        let (centre, apart) = self.interval(&logs, PRIOR_NUMBER, self.stroke / 2.0, strength);
         let [min, max] = [centre - apart, centre + apart].map(|log| log.exp() - 1.0);
         // Half of the strokes are too few, whatever people make by feel.
         let numbers: Vec<f64> = likely.iter().copied().map(f64::from).collect();
@@ -200,32 +231,32 @@ impl Rates {
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
     /// the last stroke begin and end in the middle.
     fn uncounted(&self, shown: &[Measures]) -> u32 {
-        let is_short = self.people.variety > 1.0 && self.stroke_m(shown).min < 2.0 * MOVED_M;
+        let is_short = self.people.variety > 1.0 && self.stroke_m(shown, Strength::General).min < 2.0 * MOVED_M;
         if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
     /// The maximum length of a stroke, in metres, of an IU with these demonstrations; `None` where the motion is not a repeated one.
     pub(super) fn longest_stroke_m(&self, shown: &[Measures]) -> Option<f32> {
-        (self.stroke > 0.0 && is_repeated(shown)).then(|| self.stroke_m(shown).max)
+        (self.stroke > 0.0 && is_repeated(shown)).then(|| self.stroke_m(shown, Strength::General).max)
     }
 
-    fn stroke_m(&self, shown: &[Measures]) -> Range {
+    fn stroke_m(&self, shown: &[Measures], strength: Strength) -> Range {
         let lengths: Vec<f64> = shown
             .iter()
             .filter_map(|measures| measures.stroke_m)
             .map(|length| f64::from(length).ln())
             .collect();
         let rate = if is_by_feel(shown) { self.stroke / 2.0 } else { self.stroke };
-        let (centre, apart) = self.interval(&lengths, PRIOR_STROKE, rate);
+        let (centre, apart) = self.interval(&lengths, PRIOR_STROKE, rate, strength);
         Range { min: (centre - apart).exp() as f32, max: (centre + apart).exp() as f32 }
     }
 
     /// Two parts that come near each other quickly touch later than two that do so slowly. So it does not matter how little of the way in and out
     /// lies within the contact, unless strokes are made there.
-    fn path_m(&self, shown: &[Measures], met_within_m: f32) -> Range {
+    fn path_m(&self, shown: &[Measures], met_within_m: f32, strength: Strength) -> Range {
         let lengths: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.path_m) + STRAY_PATH_M).ln()).collect();
-        let (centre, apart) = self.interval(&lengths, PRIOR_PATH, self.path);
+        let (centre, apart) = self.interval(&lengths, PRIOR_PATH, self.path, strength);
         let length = |logarithm: f64| (logarithm.exp() - STRAY_PATH_M) as f32;
         let in_and_out_m = if is_repeated(shown) { 0.0 } else { 2.0 * met_within_m };
         let [min, max] = [centre - apart, centre + apart].map(length);
@@ -233,40 +264,47 @@ impl Rates {
     }
 
     /// People differ in where a part lies and in how straight they go, and a way can only become longer.
-    fn max_detour_m(&self, shown: &[Measures]) -> f32 {
+    fn max_detour_m(&self, shown: &[Measures], strength: Strength) -> f32 {
         let detours: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.detour_m) + STRAY_DETOUR_M).ln()).collect();
-        let (centre, apart) = self.interval(&detours, PRIOR_DETOUR, 2.0 * self.path);
+        let (centre, apart) = self.interval(&detours, PRIOR_DETOUR, 2.0 * self.path, strength);
         ((centre + apart).exp() - STRAY_DETOUR_M) as f32
     }
 
     /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
-    fn max_bow_m(&self, shown: &[Measures]) -> f32 {
+    fn max_bow_m(&self, shown: &[Measures], strength: Strength) -> f32 {
         let bows: Vec<f64> = shown.iter().map(|measures| measures.bow_m.into()).collect();
-        let (centre, apart) = self.interval(&bows, PRIOR_BOW * (mean(&bows) + STRAY_BOW_M), 2.0 * self.bow);
+        let (centre, apart) = self.interval(&bows, PRIOR_BOW * (mean(&bows) + STRAY_BOW_M), 2.0 * self.bow, strength);
         (centre + apart) as f32
     }
 
-    fn axis(&self, shown: &[Measures]) -> Around<2> {
-        self.around(&shown.iter().map(|measures| measures.axis).collect::<Vec<_>>(), PRIOR_AXIS, self.axis)
+    fn axis(&self, shown: &[Measures], strength: Strength) -> Around<2> {
+        let axes: Vec<_> = shown.iter().map(|measures| measures.axis).collect();
+        self.around(&axes, PRIOR_AXIS, self.axis, strength)
     }
 
     /// Where the runs show how near two parts come, a part may lie anywhere within that, as on a shelf.
-    fn place_m(&self, shown: &[Measures], met_within_m: f32) -> Around<3> {
+    fn place_m(&self, shown: &[Measures], met_within_m: f32, strength: Strength) -> Around<3> {
         let places: Vec<_> = shown.iter().map(|measures| measures.place_m).collect();
-        let around = self.around(&places, PRIOR_PLACE_M, self.place);
+        let around = self.around(&places, PRIOR_PLACE_M, self.place, strength);
         Around { max: around.max.max(met_within_m), ..around }
     }
 
-    fn interval(&self, values: &[f64], prior: f64, false_alarms: f64) -> (f64, f64) {
-        interval(values, prior, false_alarms, self.people)
+    fn interval(&self, values: &[f64], prior: f64, false_alarms: f64, strength: Strength) -> (f64, f64) {
+        interval(values, prior, false_alarms, self.people, strength)
     }
 
     /// The same in the plane or in space: the spread is that of one axis.
-    fn around<const N: usize>(&self, values: &[[f32; N]], prior: f64, false_alarms: f64) -> Around<N> {
+    fn around<const N: usize>(
+        &self,
+        values: &[[f32; N]],
+        prior: f64,
+        false_alarms: f64,
+        strength: Strength,
+    ) -> Around<N> {
         let axes: [(f64, f64); N] = std::array::from_fn(|axis| {
             let along: Vec<f64> = values.iter().map(|value| f64::from(value[axis])).collect();
-            self.interval(&along, prior, false_alarms)
+            self.interval(&along, prior, false_alarms, strength)
         });
         let apart = axes.iter().map(|(_, apart)| apart.powi(2)).sum::<f64>().sqrt();
         Around { centre: axes.map(|(centre, _)| centre as f32), max: apart as f32 }
@@ -345,8 +383,15 @@ pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) ->
     1.0 - width(runs + more) / width(runs)
 }
 
-/// The centre of these values, and how far from it one more may lie at this rate of false alarms. `prior` is the spread of people in general.
-pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: People) -> (f64, f64) {
+/// The centre of these values, and how far from it one more may lie at this rate of false alarms. `prior` is the spread of people in general, and
+/// the least one where a run that was left out has shown that these people differ more.
+pub(super) fn interval(
+    values: &[f64],
+    prior: f64,
+    false_alarms: f64,
+    people: People,
+    strength: Strength,
+) -> (f64, f64) {
     let People { one_person, variety, freedom: of_variety } = people;
     let prior = (variety * prior).powi(2);
     let of_many = variance_of_one_more(values, prior);
@@ -356,7 +401,22 @@ pub(super) fn interval(values: &[f64], prior: f64, false_alarms: f64, people: Pe
     // How much more than others these people differ is as uncertain again.
     let known = 1.0 / (1.0 / pooled_freedom(values.len()) + 1.0 / of_variety);
     // Half of them on each side.
-    (mean(values), student_t(known, false_alarms / 2.0) * spread)
+    let in_general = student_t(known, false_alarms / 2.0) * spread;
+    let apart = match strength {
+        Strength::General => in_general,
+        Strength::OwnSpread => in_general.max(apart_alone(values, false_alarms)),
+        Strength::None => f64::INFINITY,
+    };
+    (mean(values), apart)
+}
+
+/// How far from the centre of these values one more may lie, as these alone tell (the prediction interval of Student's t).
+pub(super) fn apart_alone(values: &[f64], false_alarms: f64) -> f64 {
+    let count = values.len() as f64;
+    if values.len() < 2 {
+        return f64::INFINITY;
+    }
+    student_t(count - 1.0, false_alarms / 2.0) * deviation(values, 1) * (1.0 + 1.0 / count).sqrt()
 }
 
 #[cfg(test)]
@@ -389,7 +449,7 @@ mod tests {
                 .collect();
             let polishing = Context([1, 5, 5, 6]);
             let ius = [(polishing, shown.as_slice())];
-            let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown);
+            let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
             (min, max)
         };
         let bounds = |reversals: &[u32]| bounds_along([-0.9, 0.1], reversals);
@@ -414,7 +474,7 @@ mod tests {
             });
             let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
             let Range { min, max } =
-                Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).path_m(&shown, met_within_m);
+                Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).path_m(&shown, met_within_m, Strength::General);
             [min, max].map(|path_m| (100.0 * path_m).round() as i32)
         };
         let [min, max] = range(0, 0.0);
@@ -504,7 +564,7 @@ mod tests {
     fn runs_that_differ_as_those_of_many_people_do_are_not_widened_for_one_person_as_if_they_were_alike() {
         let wider = |values: &[f64]| {
             let people = |one_person| People { one_person, ..People::IN_GENERAL };
-            let apart = |one_person| interval(values, 0.14, 0.01, people(one_person)).1;
+            let apart = |one_person| interval(values, 0.14, 0.01, people(one_person), Strength::General).1;
             apart(1.0) / apart(0.0)
         };
         let alike = [0.02, -0.04, 0.06, -0.02, 0.0, 0.04, -0.06];

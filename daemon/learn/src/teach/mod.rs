@@ -7,13 +7,14 @@
 mod bounds;
 mod iu_report;
 mod kind;
-mod left_out;
+mod leave_one_out;
 mod measures;
 mod meetings;
 mod noticed;
 mod options;
 mod order;
 mod page;
+mod pairs;
 mod people;
 mod reach;
 mod relation;
@@ -21,8 +22,10 @@ mod report;
 mod sampling;
 mod sequence;
 mod start;
+mod strength;
 mod threshold;
 mod trust;
+mod widened;
 
 pub use iu_report::IuReport;
 pub use meetings::Unsure;
@@ -46,6 +49,8 @@ use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
 use andon_core::object::Meeting;
 use andon_core::segment::Measures;
+use andon_core::verdict;
+use bounds::UNBOUNDED;
 use kind::{is_repeated, is_taking, way_of};
 use measures::Rates;
 use people::People;
@@ -54,10 +59,11 @@ use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use std::borrow::Cow;
 pub(crate) use threshold::Memory;
-use threshold::{compared, learn};
-use trust::{doubts_of, too_few_frames, without_copies};
+use threshold::compared;
+use strength::{Rule, Strength, StepKey, Strengths};
+use trust::{Odd, odd_runs, too_few_frames, without_copies};
 
-/// Teaches a job from correct runs of it.
+/// Teaches a job from correct runs of it: the stages, one after the other.
 ///
 /// # Errors
 /// If there is no run, if the runs have nothing in common, if the job exceeds a capacity, or if an option is out of its range.
@@ -67,20 +73,85 @@ pub fn teach(runs: &[Run], options: &TeachOptions) -> Result<(JobFile, TeachRepo
         return Err(TeachError::NoRun);
     }
     let (runs, twice) = if options.examine_runs { without_copies(runs) } else { (Cow::Borrowed(runs), None) };
-    if !options.find_meetings {
-        return teach_examined(&runs, agree(&runs), options, twice);
+    let slow = if options.examine_runs { too_few_frames(&runs, &options.method) } else { None };
+    let doubts: Vec<Doubt> = twice.into_iter().chain(slow).collect();
+    let sentences: Vec<String> = doubts.iter().map(|doubt| doubt_words(doubt, &runs)).collect();
+    teach_different(&runs, options, doubts).map_err(|nothing| match nothing {
+        nothing if sentences.is_empty() || !nothing.is_of_runs() => nothing,
+        nothing => TeachError::Doubtful { doubts: sentences, nothing: Box::new(nothing) },
+    })
+}
+
+/// Teaches runs that are different. `doubts` is what speaks against them so far.
+fn teach_different(
+    runs: &[Run],
+    options: &TeachOptions,
+    mut doubts: Vec<Doubt>,
+) -> Result<(JobFile, TeachReport), TeachError> {
+    let mut shown = Demonstrations::of(runs.to_vec(), options)?;
+    let left_out = options.leave_one_out.then(|| leave_one_out::tried(&shown.used(runs), options)).flatten();
+    let strengths = left_out.as_ref().map(|left_out| left_out.strengths.clone()).unwrap_or_default();
+    shown.agree_with(&strengths);
+    let Learnt { mut job, ius, blind, people } = learn(&shown, options, &strengths, &mut Memory::default())?;
+    if options.measure_rate {
+        job.min_rate_hz = needed_rate_hz(&shown.agreement.used_runs(&shown.runs), &job);
     }
-    let (met, agreement, unsure) = meet(&runs, options)?;
-    let (job, mut report) = teach_examined(&met, agreement, options, twice)?;
-    report.unsure = unsure;
+    let mut odd = Odd::default();
+    if options.examine_runs {
+        // The lengths were checked when the IUs were learnt.
+        odd = odd_runs(&shown.runs, &shown.agreement, options).unwrap_or_default();
+        doubts.append(&mut odd.doubts);
+    }
+    let found = Found {
+        disagreements: shown.agreement.disagreements,
+        doubts,
+        pauses: odd.pauses,
+        questions: odd.questions,
+        blind,
+        left_out,
+        one_person: people.one_person,
+        unsure: shown.unsure,
+    };
+    let report = TeachReport::new(runs.len(), options, &job, found, ius);
     Ok((job, report))
 }
 
-/// The runs as they are where hands and objects meet as these runs show it, what they then have in common, and what is not sure of it.
-fn meet(runs: &[Run], options: &TeachOptions) -> Result<(Vec<Run>, Agreement, Vec<Unsure>), TeachError> {
-    let (objects, unsure) = meetings::learn(runs, &options.method);
-    let (met, agreement) = reach::widened(encoded_with(&objects, runs)?, options)?;
-    Ok((met, agreement, unsure))
+/// Runs, with where hands and objects meet as these runs show it, and what they then have in common.
+struct Demonstrations {
+    runs: Vec<Run>,
+    agreement: Agreement,
+    unsure: Vec<Unsure>,
+}
+
+impl Demonstrations {
+    /// Finds where hands and objects meet, which pairs of objects count, and what the runs have in common.
+    ///
+    /// # Errors
+    /// If the objects cannot be used.
+    fn of(runs: Vec<Run>, options: &TeachOptions) -> Result<Self, TeachError> {
+        if !options.find_meetings {
+            let agreement = agree(&runs, &Strengths::default());
+            return Ok(Self { runs, agreement, unsure: Vec::new() });
+        }
+        let (objects, mut unsure) = meetings::learn(&runs, &options.method);
+        let (objects, met) = pairs::choose(objects, &|objects| encoded_with(objects, &runs))?;
+        unsure.extend(Unsure::incidental(&objects));
+        let (runs, agreement) = reach::widened(met, options)?;
+        Ok(Self { runs, agreement, unsure })
+    }
+
+    /// Finds what the runs have in common where rules are as strong as this. Whether it is anything else than before.
+    fn agree_with(&mut self, strengths: &Strengths) -> bool {
+        let agreement = agree(&self.runs, strengths);
+        let is_other = agreement.sequences != self.agreement.sequences;
+        self.agreement = agreement;
+        is_other
+    }
+
+    /// Those of the runs as they were given that are used.
+    fn used<'a>(&self, given: &'a [Run]) -> Vec<&'a Run> {
+        self.agreement.used_runs(given)
+    }
 }
 
 /// The runs as they are where hands and objects meet so.
@@ -91,31 +162,12 @@ fn encoded_with(objects: &[NamedObject], runs: &[Run]) -> Result<Vec<Run>, Teach
     met.map_err(too_many)
 }
 
-/// Teaches a job from runs that are different. `twice` is what speaks against those that were given.
-fn teach_examined(
-    runs: &[Run],
-    agreement: Agreement,
-    options: &TeachOptions,
-    twice: Option<Doubt>,
-) -> Result<(JobFile, TeachReport), TeachError> {
-    if !options.examine_runs {
-        return teach_different(runs, agreement, options, Vec::new(), &mut Memory::default());
-    }
-    let doubts: Vec<Doubt> = twice.into_iter().chain(too_few_frames(runs, &options.method)).collect();
-    let sentences: Vec<String> = doubts.iter().map(|doubt| doubt_words(doubt, runs)).collect();
-    teach_different(runs, agreement, options, doubts, &mut Memory::default()).map_err(|nothing| match nothing
-    {
-        nothing if sentences.is_empty() || !nothing.is_of_runs() => nothing,
-        nothing => TeachError::Doubtful { doubts: sentences, nothing: Box::new(nothing) },
-    })
-}
-
 /// The runs as they are where hands and objects meet as these runs show it.
 ///
 /// # Errors
 /// If the objects cannot be used.
 pub(crate) fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>, TeachError> {
-    Ok(meet(runs, options)?.0)
+    Ok(Demonstrations::of(runs.to_vec(), options)?.runs)
 }
 
 /// Teaches runs as they are, where hands and parts meet as these say, with what was learned from the same runs before.
@@ -128,64 +180,72 @@ pub(crate) fn teach_again(
     memory: &mut Memory,
 ) -> Result<JobFile, TeachError> {
     options.check()?;
-    Ok(teach_different(runs, agree(runs), options, Vec::new(), memory)?.0)
+    let strengths = Strengths::default();
+    let shown = Demonstrations { runs: runs.to_vec(), agreement: agree(runs, &strengths), unsure: Vec::new() };
+    let Learnt { mut job, .. } = learn(&shown, options, &strengths, memory)?;
+    if options.measure_rate {
+        job.min_rate_hz = needed_rate_hz(&shown.agreement.used_runs(&shown.runs), &job);
+    }
+    Ok(job)
 }
 
-/// `agreement` is what these runs have in common, `doubts` what speaks against them so far.
-fn teach_different(
-    runs: &[Run],
-    agreement: Agreement,
+/// What is learnt from demonstrations.
+struct Learnt {
+    job: JobFile,
+    ius: Vec<IuReport>,
+    blind: Vec<Blind>,
+    people: People,
+}
+
+/// Learns the IUs of all steps and their order, with rules as strong as this.
+fn learn(
+    shown: &Demonstrations,
     options: &TeachOptions,
-    mut doubts: Vec<Doubt>,
+    strengths: &Strengths,
     memory: &mut Memory,
-) -> Result<(JobFile, TeachReport), TeachError> {
+) -> Result<Learnt, TeachError> {
+    let Demonstrations { runs, agreement, .. } = shown;
     if agreement.sequences.is_empty() {
-        return Err(nothing_agrees(runs, &agreement));
+        return Err(nothing_agrees(runs, agreement));
     }
-    check_capacities(&agreement)?;
-    let people = People::of(runs, &agreement, options.method.rate_hz);
+    check_capacities(agreement)?;
+    let people = People::of(runs, agreement, options.method.rate_hz);
     memory.prepare(options.cost, options.has_free_ends);
     let mut teacher = Teacher {
         runs,
         options,
+        strengths,
         warp: Warp::new(options.cost),
         tables: Barycentres::new(options.cost, options.method.bins),
-        rates: rates(runs, &agreement, options.bounds.false_alarms, people),
+        rates: rates(runs, agreement, options.bounds.false_alarms, people),
         people,
         memory,
         ius: Vec::new(),
         blind: Vec::new(),
     };
+    let keys = step_keys(agreement);
     let activities = agreement
         .sequences
         .iter()
         .enumerate()
-        .map(|(number, sequence)| teacher.activity(number, sequence))
+        .map(|(number, sequence)| teacher.activity(number, sequence, keys[usize::from(sequence.activity)]))
         .collect::<Result<_, _>>()?;
     let (ius, blind) = (teacher.ius, teacher.blind);
-    let mut job = job_file(runs, options, &agreement, activities);
-    let used = agreement.used_runs(runs);
-    if options.measure_rate {
-        job.min_rate_hz = needed_rate_hz(&used, &job);
+    let job = job_file(runs, options, agreement, strengths, activities);
+    Ok(Learnt { job, ius, blind, people })
+}
+
+/// The steps by their numbers, whatever these are.
+fn step_keys(agreement: &Agreement) -> Vec<StepKey> {
+    let mut keys: Vec<StepKey> = Vec::new();
+    for sequence in &agreement.sequences {
+        if usize::from(sequence.activity) == keys.len() {
+            let Context([hand, object, ..]) = sequence.contexts[0];
+            let opening = [hand, object];
+            keys.push(StepKey { opening, nth: keys.iter().filter(|key| key.opening == opening).count() });
+        }
     }
-    let mut pauses = Vec::new();
-    if options.examine_runs {
-        // The lengths were checked when the IUs were learnt.
-        let (found, only_pauses) = doubts_of(runs, &agreement, options).unwrap_or_default();
-        doubts.extend(found);
-        pauses = only_pauses;
-    }
-    let rejected = (options.try_runs && used.len() > 1).then(|| left_out::rejected(&used, options, &job));
-    let found = Found {
-        disagreements: agreement.disagreements,
-        doubts,
-        pauses,
-        blind,
-        rejected,
-        one_person: people.one_person,
-    };
-    let report = TeachReport::new(runs.len(), options, &job, found, ius);
-    Ok((job, report))
+    keys
 }
 
 fn rates(runs: &[Run], agreement: &Agreement, false_alarms: f64, people: People) -> Rates {
@@ -240,13 +300,14 @@ fn job_file(
     runs: &[Run],
     options: &TeachOptions,
     agreement: &Agreement,
+    strengths: &Strengths,
     activities: Vec<TaughtActivity>,
 ) -> JobFile {
     let mut job = JobFile {
         id: options.id,
         name: options.name.clone(),
         rests: agreement.rests.clone(),
-        steps: relation::steps(runs, agreement, options),
+        steps: relation::steps(runs, agreement, options, strengths),
         cost: options.cost,
         max_slowdown: options.max_slowdown,
         has_free_ends: options.has_free_ends,
@@ -282,6 +343,7 @@ fn sources(runs: &[Run], agreement: &Agreement) -> Vec<Source> {
 struct Teacher<'a> {
     runs: &'a [Run],
     options: &'a TeachOptions,
+    strengths: &'a Strengths,
     warp: Warp,
     tables: Barycentres,
     rates: Rates,
@@ -292,14 +354,20 @@ struct Teacher<'a> {
 }
 
 impl Teacher<'_> {
-    fn activity(&mut self, number: usize, sequence: &Sequence) -> Result<TaughtActivity, TeachError> {
+    fn activity(&mut self, number: usize, sequence: &Sequence, step: StepKey) -> Result<TaughtActivity, TeachError> {
         let ius = (0..sequence.contexts.len())
-            .map(|index| self.iu(number, sequence, index))
+            .map(|index| self.iu(number, sequence, index, step))
             .collect::<Result<_, _>>()?;
         Ok(TaughtActivity { activity: sequence.activity, ius })
     }
 
-    fn iu(&mut self, number: usize, sequence: &Sequence, index: usize) -> Result<TaughtIu, TeachError> {
+    fn iu(
+        &mut self,
+        number: usize,
+        sequence: &Sequence,
+        index: usize,
+        step: StepKey,
+    ) -> Result<TaughtIu, TeachError> {
         self.blind.extend(sequence.blind(self.runs, index));
         let shown: Vec<(usize, &Iu)> = sequence.well_shown(self.runs, index).collect();
         if shown.is_empty() {
@@ -314,20 +382,22 @@ impl Teacher<'_> {
             .recall((number, index), || {
                 let motions: Vec<_> = shown.iter().map(|iu| compared(iu, self.options)).collect();
                 let motions: Vec<&[Motion]> = motions.iter().map(AsRef::as_ref).collect();
-                learn(&mut self.warp, &self.tables, &motions)
+                threshold::learn(&mut self.warp, &self.tables, &motions)
             })
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?
             .slowed(*max_slowdown, leave_out);
         let context = sequence.contexts[index];
+        let strength = |measure| self.strengths.of(Rule::Measure(step, context, measure));
+        let of_motion = self.strengths.of(Rule::Motion(step, context));
         let frames: Vec<u32> = shown.iter().map(|iu| iu.worked_frames()).collect();
         let measured = measures_of(self.runs, sequence, index);
         let way = self.way(sequence, index);
         let (reversals, measures) =
-            self.rates.bounds(context, &measured, &frames, way.as_deref(), self.met_within_m(context));
+            self.rates.bounds(context, &measured, &frames, way.as_deref(), self.met_within_m(context), &strength);
         let taught = TaughtIu {
             context,
-            threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people) as f32,
-            frames: self.frames(&sequence.contexts, index, (&measured, &frames)),
+            threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people, of_motion) as f32,
+            frames: self.frames(&sequence.contexts, index, (&measured, &frames), strength(verdict::Measure::Duration)),
             reversals,
             measures,
             reference: learned.reference.clone(),
@@ -366,10 +436,14 @@ impl Teacher<'_> {
         contexts: &[Context],
         index: usize,
         (measured, frames): (&[Measures], &[u32]),
+        strength: Strength,
     ) -> Bounds {
         let TeachOptions { bounds, method, .. } = self.options;
         let context = contexts[index];
-        let likely = self.rates.frames(context, measured, frames, method.rate_hz);
+        if strength == Strength::None {
+            return UNBOUNDED;
+        }
+        let likely = self.rates.frames(context, measured, frames, method.rate_hz, strength);
         let (min, max) = likely.unwrap_or_default();
         let max = bounds.max_frames(context, method.rate_hz, (frames, self.people.variety), max);
         let is_taking = is_taking(contexts, index) && !is_repeated(measured);

@@ -42,8 +42,8 @@ pub struct TeachOptions {
     pub find_meetings: bool,
     /// Whether the runs are examined for what speaks against learning from them.
     pub examine_runs: bool,
-    /// Whether each run is judged by what the others teach, which takes as many times as long.
-    pub try_runs: bool,
+    /// Whether each run is judged by what the others teach, and what rejects it is no law. It takes as many times as long.
+    pub leave_one_out: bool,
     /// The names that people have given to steps, each with the contexts of its IUs; other steps get a proposal.
     pub step_names: Vec<(Vec<Context>, String)>,
 }
@@ -70,7 +70,7 @@ impl TeachOptions {
             measure_rate: true,
             find_meetings: true,
             examine_runs: true,
-            try_runs: false,
+            leave_one_out: true,
             step_names: Vec::new(),
         }
     }

@@ -3,6 +3,7 @@
 
 use super::people::People;
 use super::sequence::{Agreement, Sequence, agree};
+use super::strength::Strengths;
 use super::{TeachError, TeachOptions, encoded_with, measures_of, rates};
 use crate::recording::NamedObject;
 use crate::run::{Iu, Run};
@@ -19,7 +20,7 @@ const SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 /// # Errors
 /// If the objects cannot be used.
 pub(super) fn widened(runs: Vec<Run>, options: &TeachOptions) -> Result<(Vec<Run>, Agreement), TeachError> {
-    let agreement = agree(&runs);
+    let agreement = agree(&runs, &Strengths::default());
     let people = People::of(&runs, &agreement, options.method.rate_hz);
     if people.variety > 1.0 {
         let reaches = reaches(&runs, &agreement, options, people);
@@ -32,7 +33,7 @@ pub(super) fn widened(runs: Vec<Run>, options: &TeachOptions) -> Result<(Vec<Run
                 break;
             }
             let widened = encoded_with(&objects, &runs)?;
-            let agreed = agree(&widened);
+            let agreed = agree(&widened, &Strengths::default());
             // Where parts lie near each other, they would seem to touch for longer.
             if steps(&agreed).eq(steps(&agreement)) {
                 return Ok((widened, agreed));

@@ -10,6 +10,8 @@
 
 use super::options::TeachOptions;
 use super::sequence::{Agreement, Sequence};
+use super::step_keys;
+use super::strength::{Rule, Strengths};
 use crate::job_file::{Relation, RelationKind, TaughtStep};
 use crate::run::{Activity, Run};
 use crate::statistics::{deviation, mean};
@@ -56,7 +58,13 @@ impl<'a> Occurrence<'a> {
 }
 
 /// The steps of the job with their relations to those before them. The options say how strict that is, and may say whether the order matters.
-pub(super) fn steps(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Vec<TaughtStep> {
+pub(super) fn steps(
+    runs: &[Run],
+    agreement: &Agreement,
+    options: &TeachOptions,
+    strengths: &Strengths,
+) -> Vec<TaughtStep> {
+    let keys = step_keys(agreement);
     let all: Vec<Vec<Option<Occurrence<'_>>>> = agreement
         .steps
         .iter()
@@ -66,20 +74,31 @@ pub(super) fn steps(runs: &[Run], agreement: &Agreement, options: &TeachOptions)
         })
         .collect();
     let step = |later: usize| {
-        let after = (0..later).filter_map(|earlier| relation(earlier, &all[earlier], &all[later], options));
+        let after = (0..later).filter_map(|earlier| {
+            let relation = relation(earlier, &all[earlier], &all[later], options)?;
+            let (one, other) = (keys[earlier], keys[later]);
+            let is_law = strengths.is_law(Rule::Order(one.min(other), one.max(other)));
+            Some(if is_law { relation } else { Relation { kind: RelationKind::Usual, ..relation } })
+        });
         let count = all[later].iter().flatten().count();
         TaughtStep {
-            is_required: count == agreement.used.len(),
+            is_required: count == agreement.used.len() && strengths.is_law(Rule::Required(keys[later])),
             completes: completed_by(later, agreement),
             is_once: false,
+            allows_insertions: allows_insertions(later, agreement),
             runs: count as u16,
             after: after.collect(),
         }
     };
     let mut steps: Vec<TaughtStep> = (0..all.len()).map(step).collect();
-    let once: Vec<bool> = (0..all.len()).map(|index| has_its_place(index, &steps, agreement)).collect();
+    let is_once = |index| strengths.is_law(Rule::Once(keys[index])) && has_its_place(index, &steps, agreement);
+    let once: Vec<bool> = (0..all.len()).map(is_once).collect();
     steps.iter_mut().zip(once).for_each(|(step, once)| step.is_once = once);
     steps
+}
+
+fn allows_insertions(step: usize, agreement: &Agreement) -> bool {
+    agreement.sequences.iter().any(|sequence| usize::from(sequence.activity) == step && sequence.allows_insertions)
 }
 
 /// The sequences that do only a part of what other runs do in one, where this step is the rest or a part of it: whoever lets go in the middle
@@ -201,6 +220,7 @@ mod tests {
         let sequence = |activity: u16, contexts: &[[u16; 4]], shown: &[(usize, usize)]| Sequence {
             activity,
             contexts: contexts.iter().copied().map(Context).collect(),
+            allows_insertions: false,
             shown: shown.to_vec(),
         };
         let whole = sequence(0, &[there, back].concat(), &[(0, 0), (1, 0)]);

@@ -1,6 +1,7 @@
 //! What teaching found, and whether the job can be trusted.
 
 use super::iu_report::IuReport;
+use super::leave_one_out::LeftOut;
 use super::kind::is_on_the_way;
 use super::meetings::Unsure;
 use super::noticed::{Noticed, what_more_would_bring};
@@ -9,6 +10,7 @@ use super::order::OrderReport;
 use super::sequence::Disagreement;
 use super::threshold::min_false_alarms;
 use super::trust::{Blind, Doubt, Outlier, summary};
+use super::widened;
 use crate::job_file::{JobFile, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
@@ -20,17 +22,16 @@ use std::fmt;
 /// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
 const ENOUGH_DEMONSTRATIONS: usize = 5;
 
-/// How many more runs are asked for where the runs reject each other.
-const MORE_RUNS: usize = 3;
-
 /// What was found in the runs.
 #[derive(Debug)]
 pub(super) struct Found {
     pub(super) disagreements: Vec<Disagreement>,
     pub(super) doubts: Vec<Doubt>,
     pub(super) pauses: Vec<Outlier>,
+    pub(super) questions: Vec<Outlier>,
     pub(super) blind: Vec<Blind>,
-    pub(super) rejected: Option<Vec<String>>,
+    pub(super) left_out: Option<LeftOut>,
+    pub(super) unsure: Vec<Unsure>,
     pub(super) one_person: f64,
 }
 
@@ -43,14 +44,18 @@ pub struct TeachReport {
     pub doubts: Vec<Doubt>,
     /// Demonstrations with a pause that the others do not have, and that is no anomaly.
     pub pauses: Vec<Outlier>,
+    /// Demonstrations that stand out where the others make no law of it.
+    pub questions: Vec<Outlier>,
     /// The runs that were left out, and why.
     pub disagreements: Vec<Disagreement>,
     /// What was not learnt because too little of it was seen.
     pub blind: Vec<Blind>,
     /// The steps of the job and their order.
     pub order: OrderReport,
-    /// The names of the runs that a job taught with the others would have rejected; `None` if it was not tried.
+    /// The names of the runs that a job taught with the others rejects; `None` if it was not tried.
     pub rejected: Option<Vec<String>>,
+    /// What leaving one run out has shown, a sentence each; empty if it was not asked for.
+    pub left_out: Vec<String>,
     /// What they do not show for sure of where hands and objects meet.
     pub unsure: Vec<Unsure>,
     /// How probable it is that one person showed all of them.
@@ -78,17 +83,22 @@ impl TeachReport {
         found: Found,
         ius: Vec<IuReport>,
     ) -> Self {
-        let Found { disagreements, doubts, pauses, blind, rejected, one_person } = found;
-        let order = OrderReport::new(job, runs - disagreements.len());
+        let Found { disagreements, doubts, pauses, questions, blind, left_out, unsure, one_person } = found;
+        let used = runs - disagreements.len();
+        let order = OrderReport::new(job, used);
+        let words = |context| context_words(context, |id| object_name(&job.objects, id));
+        let sentences = options.leave_one_out.then(|| widened::sentences(used, left_out.as_ref(), job, &words));
         Self {
             runs,
             doubts,
             pauses,
+            questions,
             disagreements,
             blind,
             order,
-            rejected,
-            unsure: Vec::new(),
+            rejected: left_out.map(|left_out| left_out.rejected),
+            left_out: sentences.unwrap_or_default(),
+            unsure,
             one_person,
             min_rate_hz: job.min_rate_hz,
             rate_hz: job.method.rate_hz,
@@ -119,6 +129,10 @@ impl TeachReport {
         let pauses = self.pauses.iter().map(|pause| {
             format!("{} is slow: {}; so short a pause is right", pause.run, pause.figures(&words))
         });
+        let questions = self.questions.iter().map(|odd| {
+            let figures = odd.figures(&words);
+            format!("{} stands out: {figures}: kept; if it was a fault, teach --without {}", odd.run, odd.run)
+        });
         let others = [
             self.few_demonstrations(),
             self.one_person(),
@@ -127,7 +141,7 @@ impl TeachReport {
             self.by_feel(),
             self.false_alarms(),
         ];
-        left_out.chain(pauses).chain(unsure).chain(others.into_iter().flatten()).collect()
+        left_out.chain(pauses).chain(questions).chain(unsure).chain(others.into_iter().flatten()).collect()
     }
 
     fn one_person(&self) -> Option<String> {
@@ -246,14 +260,13 @@ impl TeachReport {
 
     /// Which runs the others would have rejected, and how many frames the job needs.
     pub(super) fn findings(&self) -> Vec<String> {
-        let rejected = self.rejected.as_ref().map(|rejected| rejected_words(self.order.runs, rejected));
         let rate = (self.min_rate_hz > 0.0).then(|| {
             format!(
                 "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
                 self.min_rate_hz, self.rate_hz
             )
         });
-        rejected.into_iter().chain(rate).collect()
+        self.left_out.iter().cloned().chain(rate).collect()
     }
 
     /// Whether what was measured in metres and seconds has bounds.
@@ -329,19 +342,6 @@ impl Disagreement {
             words(self.others)
         )
     }
-}
-
-/// Which of the runs that were learnt from a job taught without them would reject.
-fn rejected_words(used: usize, rejected: &[String]) -> String {
-    let (count, would) = match rejected.len() {
-        0 => return format!("none of your {used} runs would have been rejected by a job taught without it"),
-        1 => (1, "would"),
-        count => (count, "would each"),
-    };
-    let names = rejected.join(", ");
-    format!(
-        "{count} of your {used} runs {would} have been rejected by a job taught without it ({names}): show {MORE_RUNS} more, from other people"
-    )
 }
 
 /// Bounds in words.

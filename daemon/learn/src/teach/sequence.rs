@@ -6,6 +6,7 @@
 //! Within a step the most common sequence of contexts is nominal, and another sequence that enough runs have is a variant. A run that does a
 //! step in another way is left out, and so is one that lacks most of what most runs do.
 
+use super::strength::{Rule, StepKey, Strengths};
 use crate::run::{Activity, Run};
 use andon_core::couple::Context;
 use andon_core::input::Side;
@@ -20,6 +21,9 @@ const MIN_VARIANT_SHARE: f64 = 0.2;
 /// An object that moves less than this while a hand is at it, in metres, is not moved by it: markers jitter by less, and no work is done in so
 /// small a space.
 const MOVED_M: f32 = 0.03;
+
+/// Fewer runs than this cannot tell which of them is the odd one.
+const MIN_RUNS: usize = 4;
 
 /// A step of the job: the opening of an activity, and the number of earlier activities of the run with the same opening.
 type Step = (Context, usize);
@@ -48,6 +52,8 @@ pub(super) struct Sequence {
     pub(super) activity: u16,
     /// The contexts in order.
     pub(super) contexts: Vec<Context>,
+    /// The demonstrations have only these in common, and other IUs between them.
+    pub(super) allows_insertions: bool,
     /// The demonstrations: index of the run, and index of the activity in that run.
     pub(super) shown: Vec<(usize, usize)>,
 }
@@ -74,28 +80,49 @@ impl Agreement {
     }
 }
 
-/// Finds what the runs have in common.
-pub(super) fn agree(runs: &[Run]) -> Agreement {
+impl Sequence {
+    /// The indices of its IUs in an activity that shows it: of each the first one in its context after the one before.
+    pub(super) fn indices(&self, activity: &Activity) -> Vec<usize> {
+        let side = side_of(self.contexts[0]);
+        let mut all = activity.ius.iter().enumerate();
+        let next = |context: &Context| all.find(|(_, iu)| iu.context.by_hand(side) == *context).map(|(index, _)| index);
+        self.contexts.iter().filter_map(next).collect()
+    }
+}
+
+fn side_of(context: Context) -> Side {
+    if context.0[0] == Side::Left as u16 { Side::Left } else { Side::Right }
+}
+
+/// Finds what the runs have in common. Where no run may be left out for the sequence of a step, because the strengths or two runs say so, the step
+/// is what all its sequences have in common.
+pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
     let steps = Steps::of(runs);
-    let (all, sequences) = (steps.in_order(), steps.sequences());
+    let (all, mut sequences) = (steps.in_order(), steps.sequences());
+    let common_parts = steps.common_parts(&sequences, strengths);
+    for (step, contexts) in &common_parts {
+        sequences.insert(*step, vec![contexts.clone()]);
+    }
     let common: Vec<Step> = all.iter().filter(|step| 2 * steps.count(step) > runs.len()).copied().collect();
     if common.is_empty() {
         return Agreement::default();
     }
-    let found = |run| (run, steps.disagreement(run, &common, &sequences));
+    let found = |run| (run, steps.disagreement(run, &common, &sequences, &common_parts));
     let (disagreeing, kept): (Vec<_>, Vec<_>) =
         (0..runs.len()).map(found).partition(|(_, found)| found.is_some());
     let used: Vec<usize> = kept.into_iter().map(|(run, _)| run).collect();
     let at = |step: &Step| -> Vec<Option<usize>> { used.iter().map(|run| steps.index(*run, step)).collect() };
     let shown_steps: Vec<&Step> = all.iter().filter(|step| at(step).iter().any(Option::is_some)).collect();
     let of_step = |(activity, step): (u16, &&Step)| -> Vec<Sequence> {
+        let allows_insertions = common_parts.contains_key(*step);
         let shows = |run: &usize, contexts: &[Context]| {
             let index = steps.index(*run, step)?;
-            (steps.contexts(*run, index, step) == contexts).then_some((*run, index))
+            (allows_insertions || steps.contexts(*run, index, step) == contexts).then_some((*run, index))
         };
         let sequence = |contexts: &Vec<Context>| Sequence {
             activity,
             contexts: contexts.clone(),
+            allows_insertions,
             shown: used.iter().filter_map(|run| shows(run, contexts)).collect(),
         };
         sequences[*step].iter().map(sequence).filter(|sequence| !sequence.shown.is_empty()).collect()
@@ -107,6 +134,29 @@ pub(super) fn agree(runs: &[Run]) -> Agreement {
         steps: shown_steps.iter().map(|step| at(step)).collect(),
         used,
     }
+}
+
+/// The length in bits of a description of what the runs do: each different sequence of a step is spelled once, and each run says which of them it
+/// has, if it has the step.
+pub(super) fn description_bits(runs: &[Run]) -> f64 {
+    let steps = Steps::of(runs);
+    let counted: Vec<BTreeMap<Vec<Context>, usize>> =
+        steps.in_order().iter().map(|step| steps.sequences_of(step)).collect();
+    let words: BTreeSet<Context> = counted.iter().flat_map(BTreeMap::keys).flatten().copied().collect();
+    // One more word ends a sequence.
+    let word_bits = ((words.len() + 1) as f64).log2();
+    let of_step = |sequences: &BTreeMap<Vec<Context>, usize>| -> f64 {
+        let shown = sequences.values().sum::<usize>();
+        let spelled: usize = sequences.keys().map(|contexts| contexts.len() + 1).sum();
+        let choices = sequences.values().map(|count| entropy_bits(*count, shown)).sum::<f64>();
+        spelled as f64 * word_bits + choices + entropy_bits(shown, runs.len()) + entropy_bits(runs.len() - shown, runs.len())
+    };
+    counted.iter().map(of_step).sum()
+}
+
+/// How many bits it takes to say so many times what comes so many times of a number of times.
+fn entropy_bits(count: usize, of: usize) -> f64 {
+    if count == 0 { 0.0 } else { count as f64 * (of as f64 / count as f64).log2() }
 }
 
 type Sequences = BTreeMap<Step, Vec<Vec<Context>>>;
@@ -173,7 +223,7 @@ impl<'a> Steps<'a> {
 
     /// The contexts of an activity, as the hand of the step would have them.
     fn contexts(&self, run: usize, index: usize, step: &Step) -> Vec<Context> {
-        let side = if step.0.0[0] == Side::Left as u16 { Side::Left } else { Side::Right };
+        let side = side_of(step.0);
         let contexts = self.runs[run].activities[index].contexts();
         contexts.into_iter().map(|context| context.by_hand(side)).collect()
     }
@@ -218,13 +268,46 @@ impl<'a> Steps<'a> {
         self.in_order().into_iter().map(nominal).collect()
     }
 
+    /// For each step of which the runs have only a part in common, that part. One run that does all else as the others may be wrong; two that differ
+    /// show that people do.
+    fn common_parts(&self, sequences: &Sequences, strengths: &Strengths) -> BTreeMap<Step, Vec<Context>> {
+        let differs = |run: &usize, step: &Step| {
+            let index = self.index(*run, step);
+            index.is_some_and(|index| !sequences[step].contains(&self.contexts(*run, index, step)))
+        };
+        let all = self.in_order();
+        let differing = (0..self.runs.len()).filter(|run| all.iter().any(|step| differs(run, step))).count();
+        let may_be_wrong = differing == 1 && self.runs.len() >= MIN_RUNS;
+        let key = |step: &Step| StepKey { opening: [step.0.0[0], step.0.0[1]], nth: step.1 };
+        let is_law = |step: &Step| {
+            let is_shown = may_be_wrong || (0..self.runs.len()).all(|run| !differs(&run, step));
+            strengths.is_law(Rule::Sequence(key(step))) && is_shown
+        };
+        let differing_steps = all.into_iter().filter(|step| !is_law(step));
+        differing_steps.filter_map(|step| Some((step, self.common_part(&step)?))).collect()
+    }
+
+    /// The contexts that all sequences of a step have in common, in their order, from the first touch on.
+    fn common_part(&self, step: &Step) -> Option<Vec<Context>> {
+        let all = self.sequences_of(step).into_keys();
+        let common = all.reduce(|one, other| longest_common_subsequence(&one, &other))?;
+        let first = common.iter().position(|context| context.is_touch())?;
+        Some(common[first..].to_vec())
+    }
+
     /// The first point at which a run does a step in a way that is nominal in no run, or the first common step that it lacks, if it lacks
     /// most of them.
-    fn disagreement(&self, run: usize, common: &[Step], sequences: &Sequences) -> Option<Disagreement> {
+    fn disagreement(
+        &self,
+        run: usize,
+        common: &[Step],
+        sequences: &Sequences,
+        common_parts: &BTreeMap<Step, Vec<Context>>,
+    ) -> Option<Disagreement> {
         let name = self.runs[run].name.clone();
         for (activity, step) in self.steps[run].iter().enumerate() {
-            let Some(step) = step else { continue };
-            let (contexts, allowed) = (self.contexts(run, activity, step), &sequences[step]);
+            let Some(step) = step.filter(|step| !common_parts.contains_key(step)) else { continue };
+            let (contexts, allowed) = (self.contexts(run, activity, &step), &sequences[&step]);
             if !allowed.contains(&contexts) {
                 let iu = contexts.iter().zip(&allowed[0]).take_while(|(had, other)| had == other).count();
                 let (had, others) = (contexts.get(iu).copied(), allowed[0].get(iu).copied());
@@ -237,6 +320,24 @@ impl<'a> Steps<'a> {
         let is_other_work = 2 * (1 + lacking.count()) > common.len();
         is_other_work.then_some(Disagreement { run, name, activity, iu: 0, had, others: Some(step.0) })
     }
+}
+
+/// The longest sequence that both have as a part, with others between.
+fn longest_common_subsequence(one: &[Context], other: &[Context]) -> Vec<Context> {
+    let mut longest: Vec<Vec<Context>> = vec![Vec::new(); other.len() + 1];
+    for context in one {
+        let before = longest.clone();
+        for (index, candidate) in other.iter().enumerate() {
+            longest[index + 1] = if candidate == context {
+                [before[index].as_slice(), &[*context]].concat()
+            } else if longest[index].len() > before[index + 1].len() {
+                longest[index].clone()
+            } else {
+                before[index + 1].clone()
+            };
+        }
+    }
+    longest.pop().unwrap_or_default()
 }
 
 /// The hand that acts on an object first in an activity, for objects at which no run has both hands: the one that most activities have.

@@ -1,11 +1,13 @@
 //! From the demonstrations of an IU to its barycentre and threshold.
 
 use super::options::TeachOptions;
+use super::measures::apart_alone;
 use super::people::People;
+use super::strength::Strength;
 use crate::barycentre::Barycentres;
 use crate::rule::ThresholdRule;
 use crate::run::Iu;
-use crate::statistics::{deviation, mean, variance_of_one_more};
+use crate::statistics::{deviation, mean, normal_tail, variance_of_one_more};
 use crate::warp::Warp;
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
@@ -130,7 +132,16 @@ impl Learned {
 
     /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `people` what the runs tell of those
     /// who showed them.
-    pub(super) fn threshold(&self, rule: ThresholdRule, rate_hz: f64, people: &People) -> f64 {
+    pub(super) fn threshold(
+        &self,
+        rule: ThresholdRule,
+        rate_hz: f64,
+        people: &People,
+        strength: Strength,
+    ) -> f64 {
+        if strength == Strength::None {
+            return f64::from(f32::MAX);
+        }
         if self.own.len() == 1 {
             return SINGLE_DEMONSTRATION_PER_FRAME * (self.reference.len() as f64).sqrt();
         }
@@ -139,9 +150,13 @@ impl Learned {
             ThresholdRule::LeaveOneOut { sigmas, border_s } => {
                 let centre = mean(&self.left_out);
                 let spread = variance_of_one_more(&self.left_out, (PRIOR_SPREAD * centre).powi(2)).sqrt();
+                let apart = match strength {
+                    Strength::General => sigmas * spread,
+                    _ => (sigmas * spread).max(apart_alone(&self.left_out, 2.0 * normal_tail(sigmas))),
+                };
                 // Costs add up under the root.
                 let of_others = people.variety * (1.0 + people.one_person * (OTHER_PEOPLE - 1.0));
-                (of_others * (centre + sigmas * spread)).hypot((border_s * rate_hz * OPPOSITE).sqrt())
+                (of_others * (centre + apart)).hypot((border_s * rate_hz * OPPOSITE).sqrt())
             }
             ThresholdRule::Conformal { false_alarms } => {
                 let mut sorted = self.left_out.clone();
@@ -171,7 +186,7 @@ mod tests {
             left_out: left_out.to_vec(),
         };
         let rule = ThresholdRule::LeaveOneOut { sigmas: 4.0, border_s: 0.0 };
-        let of = |left_out: &[f64]| learned(left_out).threshold(rule, 30.0, &People::IN_GENERAL);
+        let of = |left_out: &[f64]| learned(left_out).threshold(rule, 30.0, &People::IN_GENERAL, Strength::General);
         // The root of 16 / 18 of 0.3 squared, and a third more for the mean of three.
         let spread = 0.3 * (16.0_f64 / 18.0 * 4.0 / 3.0).sqrt();
         assert!((of(&[2.0; 3]) - 2.0 * (1.0 + 4.0 * spread)).abs() < 1e-9);

@@ -39,7 +39,8 @@ impl Progress<'_> {
             let may_have_come = !self.is_start_seen && !first.intersects(self.undone);
             (first_came && !is_left, !first.is_empty() && may_have_come)
         } else {
-            (opening.intersects(came) && !is_left, false)
+            // What the job can do without may come more than once.
+            ((opening & self.required).intersects(came) && !is_left, false)
         };
         // What was not judged may only go on now.
         let is_certain = begins && !may_go_on && !opening.intersects(self.unjudged);

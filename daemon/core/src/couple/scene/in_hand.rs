@@ -120,6 +120,9 @@ impl Scene {
     }
 
     fn next_meets(&self, [i, j]: [usize; 2], is_held: bool, age: usize) -> Meets {
+        if !self.objects[i].shape.may_touch(&self.objects[j].shape) {
+            return Meets::No;
+        }
         let (edge, before) = (self.adjacent[i][j], self.meets[i][j]);
         let is_near = |age: usize| {
             self.are_in_reach(i, j, age)

@@ -29,6 +29,8 @@ pub(super) struct Shape {
     others: Vec<(u16, Place), MEETINGS>,
     /// Maximum distance from the position at which it is met, in metres, beyond how near others must come.
     pub(super) radius_m: f32,
+    /// The ids of the objects with which it has no contact ([`ObjectShape::incidental`]).
+    incidental: Vec<u16, OBJECTS>,
     pub(super) is_position_only: bool,
     pub(super) used_by: ActivitySet,
 }
@@ -52,9 +54,15 @@ impl Shape {
             hand: of_hand.unwrap_or(Place { points: None, contact: method.hand_contact }),
             others: places.filter(|(with, _)| *with != Meeting::HAND).collect(),
             radius_m: shape.meetings.iter().map(is_met_within).fold(points.radius(), f32::max),
+            incidental: shape.incidental.clone(),
             is_position_only: shape.is_position_only,
             used_by: shape.used_by,
         })
+    }
+
+    /// Whether a contact with the other object counts.
+    pub(super) fn may_touch(&self, other: &Self) -> bool {
+        !self.incidental.contains(&other.id) && !other.incidental.contains(&self.id)
     }
 
     fn other(&self, id: u16) -> Option<&Place> {
@@ -101,7 +109,9 @@ impl Scene {
         let (usual, rest_m) = (&self.method.object_contact, self.rest_m());
         for (i, (one, edges)) in posed.iter().zip(&mut self.adjacent).enumerate() {
             for (j, (other, edge)) in posed.iter().zip(edges).enumerate().skip(i + 1) {
-                if !(known[i] && known[j]) {
+                if !one.0.may_touch(other.0) {
+                    edge.push(f32::INFINITY, usual, persist);
+                } else if !(known[i] && known[j]) {
                     edge.push_unknown();
                 } else if are_in_reach(extents[i], extents[j], usual) {
                     let (apart_m, contact) = (apart(one, other, planar), contact_of(one.0, other.0, usual));

@@ -346,7 +346,7 @@ impl Scene {
         };
         let node = |object: usize| &self.objects[object];
         let sight = |object: Option<usize>| {
-            object.map_or(Sight::Seen, |object| self.sight(node(object).poses.ago(age).unseen))
+            object.map_or(Sight::Seen, |object| self.object_sight(node(object).poses.ago(age)))
         };
         let from_hand = j.filter(|_| acts);
         let [h, o_j, o_l] = [

@@ -11,6 +11,9 @@ use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
 use crate::set::ActivitySet;
 
+/// What a seen hand carries may be lost for as many times `blind_ms`: two seconds by default, in which nobody puts a part down and comes back for it.
+const CARRIED_BLINDS: u32 = 3;
+
 impl Scene {
     /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
     pub(super) fn correct_assumed(&mut self, object: usize, seen: &ObjectPose) {
@@ -85,7 +88,9 @@ impl Scene {
                 && is_farther(self.objects[object].wandering.apart_at_most_m())
                 && is_farther(self.apart_by_chance_m(persist, seen))
         };
-        let is_carried = (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
+        // What moves while both hands are seen elsewhere was pushed, or is touched farther away than contacts reach: no hand is unseen.
+        let is_any_hidden = (0..=2 * persist).any(|age| self.hands.iter().any(|hand| hand.ago(age).source != Source::Seen));
+        let is_carried = is_any_hidden && (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
         self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
     }
 
@@ -335,6 +340,12 @@ impl Scene {
             unseen if unseen <= self.blind_frames => Sight::Assumed,
             _ => Sight::Unseen,
         }
+    }
+
+    /// What a seen hand carries goes with it for longer: how it is seen again shows whether it did.
+    pub(super) fn object_sight(&self, pose: &ObjectPose) -> Sight {
+        let is_carried = pose.source == Source::Carried && pose.unseen <= CARRIED_BLINDS * self.blind_frames;
+        if is_carried { Sight::Assumed } else { self.sight(pose.unseen) }
     }
 
     /// An object that lies as far from where it lay has been moved, in metres. Far above the noise of a marker that lies still, and below

@@ -11,6 +11,7 @@ mod unsure;
 
 use super::measures::interval;
 use super::people::People;
+use super::strength::Strength;
 use crate::recording::NamedObject;
 use crate::run::Run;
 use crate::statistics::median_point;
@@ -91,7 +92,7 @@ fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
     if distances_m.is_empty() {
         return default;
     }
-    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * MISSED, People::IN_GENERAL);
+    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * MISSED, People::IN_GENERAL, Strength::General);
     widened(default, (centre + apart) as f32)
 }
 

@@ -2,7 +2,7 @@
 
 use super::trajectory::Trajectories;
 use super::{in_order, is_given, joining};
-use crate::recording::NamedObject;
+use crate::recording::{NamedObject, object_name};
 use crate::run::Run;
 use std::fmt;
 
@@ -41,6 +41,11 @@ pub enum Unsure {
         /// Of how many.
         of: usize,
     },
+    /// Two objects come near each other by chance only.
+    Incidental {
+        /// The names of the two.
+        objects: [String; 2],
+    },
     /// The orientation of an object is not used.
     PositionOnly {
         /// The name of the object.
@@ -68,12 +73,29 @@ impl fmt::Display for Unsure {
                  markers nearer to where they do",
                 100.0 * joining::TOUCH_M
             ),
+            Self::Incidental { objects: [one, other] } => write!(
+                f,
+                "{one} and {other} only come near each other while both are elsewhere: a contact between them is not counted; if there is one, \
+                 show more runs in which they meet alike"
+            ),
             Self::PositionOnly { object } => write!(
                 f,
                 "{object} lies turned in another way in each run and goes the same way: only its position counts; give it \
                  interaction_points if its orientation matters"
             ),
         }
+    }
+}
+
+impl Unsure {
+    /// The pairs of these objects that do not count.
+    pub(in crate::teach) fn incidental(objects: &[NamedObject]) -> Vec<Self> {
+        let name = |id: u16| object_name(objects, id);
+        let of = |object: &NamedObject| -> Vec<Self> {
+            let others = object.shape.incidental.iter();
+            others.map(|other| Self::Incidental { objects: [object.name.clone(), name(*other)] }).collect()
+        };
+        objects.iter().flat_map(of).collect()
     }
 }
 

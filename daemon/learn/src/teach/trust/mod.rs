@@ -27,23 +27,35 @@ use andon_core::dtw::Refused;
 /// Fewer runs than this cannot tell which of them is the odd one.
 const MIN_RUNS: usize = 4;
 
-/// What speaks against learning from these runs, once it is known what they have in common, and the demonstrations in which there is only
-/// a pause.
+/// What stands out among the runs.
+#[derive(Debug, Default)]
+pub(super) struct Odd {
+    /// What speaks against learning from them.
+    pub(super) doubts: Vec<Doubt>,
+    /// Demonstrations that stand out where that changes nothing that the others prove: was it right?
+    pub(super) questions: Vec<Outlier>,
+    /// Demonstrations in which there is only a pause.
+    pub(super) pauses: Vec<Outlier>,
+}
+
+/// What stands out among these runs, once it is known what they have in common.
 ///
 /// # Errors
 /// If an IU is too long to be compared.
-pub(super) fn doubts_of(
+pub(super) fn odd_runs(
     runs: &[Run],
     agreement: &Agreement,
     options: &TeachOptions,
-) -> Result<(Vec<Doubt>, Vec<Outlier>), Refused> {
+) -> Result<Odd, Refused> {
     let kept = agreement.used_runs(runs);
     let used = kept.len();
     let few = (2 * used < runs.len() || used == 1 && runs.len() > 1)
         .then_some(Doubt::FewAgree { used, runs: runs.len() });
     // Whoever says that the order does not matter has seen that it differs.
-    let order = if options.order_matters == Some(false) { None } else { order::odd_one(&kept) };
+    let order = if options.order_matters == Some(false) { None } else { order::odd_one(&kept, agreement) };
     let (pauses, odd): (Vec<_>, Vec<_>) =
         outlier::of_runs(runs, agreement, options)?.into_iter().partition(|outlier| outlier.is_pause);
-    Ok((few.into_iter().chain(order).chain(odd.into_iter().map(Doubt::Outlier)).collect(), pauses))
+    let (odd, questions): (Vec<_>, Vec<_>) = odd.into_iter().partition(|outlier| outlier.is_law_of_others);
+    let doubts = few.into_iter().chain(order).chain(odd.into_iter().map(Doubt::Outlier)).collect();
+    Ok(Odd { doubts, questions, pauses })
 }

@@ -2,17 +2,20 @@
 
 use super::{Doubt, MIN_RUNS};
 use crate::run::Run;
+use crate::teach::sequence::Agreement;
 use andon_core::couple::Context;
 use andon_core::input::Side;
 
-/// The run that does the activities of one hand in another order than all others do, if there is exactly one. The order between two hands is
-/// no evidence: hands that work side by side begin now the one, now the other first.
-pub(super) fn odd_one(runs: &[&Run]) -> Option<Doubt> {
+/// The run that does the steps of one hand that all runs have in another order than all others do, if there is exactly one. The order between two
+/// hands is no evidence: hands that work side by side begin now the one, now the other first.
+pub(super) fn odd_one(runs: &[&Run], agreement: &Agreement) -> Option<Doubt> {
     if runs.len() < MIN_RUNS {
         return None;
     }
+    let in_all: Vec<&Vec<Option<usize>>> =
+        agreement.steps.iter().filter(|step| step.iter().all(Option::is_some)).collect();
     Side::ALL.into_iter().find_map(|side| {
-        let orders: Vec<Vec<Context>> = runs.iter().map(|run| order(run, side)).collect();
+        let orders: Vec<Vec<Context>> = (0..runs.len()).map(|run| order(runs[run], run, &in_all, side)).collect();
         let odd = (0..orders.len()).find(|&odd| is_odd(&orders, odd))?;
         let usual = &orders[usize::from(odd == 0)];
         let at = orders[odd].iter().zip(usual).position(|(had, others)| had != others)?;
@@ -33,8 +36,11 @@ fn is_odd(orders: &[Vec<Context>], odd: usize) -> bool {
     *first != orders[odd] && others.all(|other| other == first)
 }
 
-/// The first context of each activity of a hand, in the order of time.
-fn order(run: &Run, side: Side) -> Vec<Context> {
-    let of_side = run.activities.iter().filter(|activity| activity.side == side);
-    of_side.filter_map(|activity| activity.ius.first()).map(|iu| iu.context).collect()
+/// The hand and object with which each of these steps of a hand begins in a run, in the order of time.
+fn order(run: &Run, number: usize, steps: &[&Vec<Option<usize>>], side: Side) -> Vec<Context> {
+    let mut indices: Vec<usize> = steps.iter().filter_map(|step| step[number]).collect();
+    indices.sort_unstable();
+    let of_side = indices.into_iter().map(|index| &run.activities[index]).filter(|activity| activity.side == side);
+    let opening = |Context([hand, object, ..]): Context| Context([hand, object, 0, 0]);
+    of_side.filter_map(|activity| activity.ius.first()).map(|iu| opening(iu.context)).collect()
 }

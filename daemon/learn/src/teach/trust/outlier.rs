@@ -170,6 +170,8 @@ pub struct Outlier {
     pub others: [f64; 2],
     /// It only lasts longer than most, and longer than all others by no more than a pause that is no anomaly.
     pub is_pause: bool,
+    /// The others make a law of it, which would be another one with it: strokes and time at another part.
+    pub is_law_of_others: bool,
 }
 
 /// The demonstrations that stand out, at most one per run: the one that stands out most, and a pause only if there is no other.
@@ -229,6 +231,8 @@ fn of_iu(
                     others: [min, max],
                     is_pause: measure == Measure::Duration
                         && (median(&others)..=max + options.bounds.pause_s).contains(&value),
+                    // What the runs have only in part in common is in pieces.
+                    is_law_of_others: is_at_another(iu.context) && !sequence.allows_insertions,
                 };
                 found.push((run, share, outlier));
             }

@@ -20,7 +20,10 @@ pub struct Blind {
 impl Sequence {
     /// All demonstrations of an IU, each with the index of its run.
     fn all_shown<'a>(&'a self, runs: &'a [Run], iu: usize) -> impl Iterator<Item = (usize, &'a Iu)> {
-        self.shown.iter().map(move |&(run, activity)| (run, &runs[run].activities[activity].ius[iu]))
+        self.shown.iter().filter_map(move |&(run, activity)| {
+            let activity = &runs[run].activities[activity];
+            Some((run, &activity.ius[*self.indices(activity).get(iu)?]))
+        })
     }
 
     /// The demonstrations of an IU from which it can be learnt, each with the index of its run. A release state is judged by its context

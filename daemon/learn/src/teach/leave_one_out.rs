@@ -1,0 +1,92 @@
+//! Leaving one run out decides what is law. Every run that is shown is right, so a job accepts each run that it was not taught by, if the others
+//! taught it. Whatever rule rejects a run that was left out is made weaker until it does not, or is no law: pairs, sequences, what is required,
+//! order, measures and motions alike.
+//!
+//! The job of the others is taught from the beginning, with where they meet and which pairs count for them. Its verdicts name the rules that are
+//! broken ([`Rule::broken_by`]). These are weakened in the jobs of all others as well, until no run breaks a rule that can be made weaker.
+
+use super::strength::{Rule, Strengths};
+use super::threshold::Memory;
+use super::{Demonstrations, TeachOptions, learn};
+use crate::run::Run;
+use andon_core::verdict::Outcome;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// With fewer runs, the others would be one, which shows neither an order nor a spread.
+pub(super) const MIN_RUNS: usize = 3;
+
+/// What leaving one run out shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct LeftOut {
+    /// How much is left of each rule.
+    pub(super) strengths: Strengths,
+    /// The names of the runs that the others reject while all rules are as strong as in general.
+    pub(super) rejected_before: Vec<String>,
+    /// The names of those that they reject although nothing more can be made weaker.
+    pub(super) rejected: Vec<String>,
+}
+
+/// One run, and what the others show.
+struct Fold<'a> {
+    left_out: &'a Run,
+    others: Demonstrations,
+    memory: Memory,
+}
+
+/// What rejects a run that was left out.
+struct Rejection {
+    name: String,
+    /// The rules that it breaks; empty if the others teach no job, or it does something else that they do not know.
+    rules: BTreeSet<Rule>,
+}
+
+/// Tries each of these runs with the job that the others teach; `None` of fewer than [`MIN_RUNS`].
+pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
+    if runs.len() < MIN_RUNS {
+        return None;
+    }
+    let made: Vec<Option<Fold<'_>>> =
+        (0..runs.len()).into_par_iter().map(|index| Fold::new(runs, index, options)).collect();
+    let untaught: Vec<String> =
+        made.iter().zip(runs).filter(|(fold, _)| fold.is_none()).map(|(_, run)| run.name.clone()).collect();
+    let mut folds: Vec<Fold<'_>> = made.into_iter().flatten().collect();
+    let mut strengths = Strengths::default();
+    let mut rejected_before = None;
+    loop {
+        let rejections: Vec<Rejection> =
+            folds.par_iter_mut().filter_map(|fold| fold.rejection(options, &strengths)).collect();
+        let names: Vec<String> = rejections.iter().map(|rejection| rejection.name.clone()).chain(untaught.iter().cloned()).collect();
+        rejected_before.get_or_insert_with(|| names.clone());
+        let broken: BTreeSet<Rule> = rejections.into_iter().flat_map(|rejection| rejection.rules).collect();
+        let is_weaker = broken.into_iter().fold(false, |is_weaker, rule| strengths.weaken(rule) || is_weaker);
+        if !is_weaker {
+            return Some(LeftOut { strengths, rejected_before: rejected_before.unwrap_or_default(), rejected: names });
+        }
+    }
+}
+
+impl<'a> Fold<'a> {
+    /// `None` if nothing can be learnt of how the others meet.
+    fn new(runs: &[&'a Run], index: usize, options: &TeachOptions) -> Option<Self> {
+        let others: Vec<Run> =
+            runs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, run)| (*run).clone()).collect();
+        let others = Demonstrations::of(others, options).ok()?;
+        Some(Self { left_out: runs[index], others, memory: Memory::default() })
+    }
+
+    /// What rejects the run that was left out, if anything does.
+    fn rejection(&mut self, options: &TeachOptions, strengths: &Strengths) -> Option<Rejection> {
+        let name = self.left_out.name.clone();
+        if self.others.agree_with(strengths) {
+            self.memory = Memory::default();
+        }
+        let Ok(learnt) = learn(&self.others, options, strengths, &mut self.memory) else {
+            return Some(Rejection { name, rules: BTreeSet::new() });
+        };
+        let verdicts = self.left_out.judge(&learnt.job).unwrap_or_default();
+        let rules = verdicts.iter().filter_map(|verdict| Rule::broken_by(verdict, &learnt.job)).collect();
+        let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
+        is_accused.then_some(Rejection { name, rules })
+    }
+}

@@ -1,0 +1,120 @@
+//! How strong each rule of a job is. Every run that is shown is right, so a rule is law only as far as no run contradicts it that was left out.
+
+use crate::job_file::JobFile;
+use andon_core::couple::Context;
+use andon_core::verdict::{Level, Measure, OrderFault, Outcome, Reason, Verdict};
+use std::collections::BTreeMap;
+
+/// A step of a job, whatever its number there is: the hand and the object that it begins with, and how many steps before it begin so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct StepKey {
+    /// Hand and object.
+    pub(super) opening: [u16; 2],
+    /// The number of earlier steps with the same opening.
+    pub(super) nth: usize,
+}
+
+/// A rule of a job that a run can break.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Rule {
+    /// The step has these IUs, and no others.
+    Sequence(StepKey),
+    /// No job is complete without the step.
+    Required(StepKey),
+    /// The step comes no second time.
+    Once(StepKey),
+    /// One step comes before the other one; in whichever order.
+    Order(StepKey, StepKey),
+    /// The motion of the IUs of the step with this context.
+    Motion(StepKey, Context),
+    /// What these IUs measure.
+    Measure(StepKey, Context, Measure),
+}
+
+/// How much of a rule the runs leave. Each is weaker than the one before.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Strength {
+    /// As strong as what is known of people in general and these runs make it.
+    #[default]
+    General,
+    /// As strong as the runs alone make it, where they differ more than people in general.
+    OwnSpread,
+    /// It is no law.
+    None,
+}
+
+/// The strength of each rule of a job.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Strengths(BTreeMap<Rule, Strength>);
+
+impl Strengths {
+    pub(super) fn of(&self, rule: Rule) -> Strength {
+        self.0.get(&rule).copied().unwrap_or_default()
+    }
+
+    /// Whether the rule is law.
+    pub(super) fn is_law(&self, rule: Rule) -> bool {
+        self.of(rule) == Strength::General
+    }
+
+    /// A run that was left out breaks the rule. Whether that makes it any weaker.
+    pub(super) fn weaken(&mut self, rule: Rule) -> bool {
+        let before = self.of(rule);
+        let after = match (rule, before) {
+            (Rule::Motion(..) | Rule::Measure(..), Strength::General) => Strength::OwnSpread,
+            _ => Strength::None,
+        };
+        self.0.insert(rule, after);
+        after != before
+    }
+
+    /// The rules that are weaker than in general.
+    pub(super) fn weakened(&self) -> impl Iterator<Item = (Rule, Strength)> {
+        self.0.iter().map(|(rule, strength)| (*rule, *strength))
+    }
+}
+
+impl StepKey {
+    /// The step of a job with this number.
+    pub(super) fn of(job: &JobFile, number: usize) -> Option<Self> {
+        let opening = |number: usize| -> Option<[u16; 2]> {
+            let Context([hand, object, ..]) = *job.step_contexts(number).first()?;
+            Some([hand, object])
+        };
+        let own = opening(number)?;
+        Some(Self { opening: own, nth: (0..number).filter(|earlier| opening(*earlier) == Some(own)).count() })
+    }
+}
+
+impl Rule {
+    /// The rule of the job that this verdict says is broken, if it says so and there is one.
+    pub(super) fn broken_by(verdict: &Verdict, job: &JobFile) -> Option<Self> {
+        if verdict.outcome != Outcome::Anomaly {
+            return None;
+        }
+        let step = StepKey::of(job, usize::from(verdict.nearest?))?;
+        if let Some(broken) = verdict.broken {
+            let other = StepKey::of(job, usize::from(broken.activity))?;
+            let is_again = broken.fault == OrderFault::Again;
+            return Some(if is_again { Self::Once(step) } else { Self::Order(step.min(other), step.max(other)) });
+        }
+        let context = by_hand_of(verdict.context, step);
+        match (verdict.level, verdict.reason, verdict.measured) {
+            (Level::Iu, _, Some(measured)) => Some(Self::Measure(step, context, measured.measure)),
+            (Level::Iu, Reason::Motion, None) => Some(Self::Motion(step, context)),
+            (Level::Iu, Reason::TooLong | Reason::TooShort, None) => {
+                Some(Self::Measure(step, context, Measure::Duration))
+            }
+            (Level::Iu, Reason::WrongObject | Reason::WrongOrder, None) => Some(Self::Sequence(step)),
+            (Level::Activity, Reason::NotCompleted, _) => Some(Self::Sequence(step)),
+            (Level::Job, Reason::NotCompleted, _) => Some(Self::Required(step)),
+            _ => None,
+        }
+    }
+}
+
+/// The context as the hand of this step has it.
+fn by_hand_of(context: Context, step: StepKey) -> Context {
+    let Context([hand, rest @ ..]) = context;
+    if hand == 0 { context } else { Context([step.opening[0], rest[0], rest[1], rest[2]]) }
+}

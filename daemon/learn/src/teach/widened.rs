@@ -1,0 +1,90 @@
+//! What leaving one run out has changed, in words.
+
+use super::leave_one_out::{LeftOut, MIN_RUNS};
+use super::strength::{Rule, StepKey, Strength};
+use crate::job_file::JobFile;
+use crate::statistics::at_most;
+use andon_core::couple::Context;
+use andon_core::verdict::Measure;
+
+/// How sure the stated maximum of the rate of false alarms is.
+const CONFIDENCE: f64 = 0.95;
+
+/// What leaving one run out has shown of a job that `used` runs teach, a sentence each. `words` puts a context into words.
+pub(super) fn sentences(
+    used: usize,
+    left_out: Option<&LeftOut>,
+    job: &JobFile,
+    words: &dyn Fn(Context) -> String,
+) -> Vec<String> {
+    let Some(LeftOut { strengths, rejected_before, rejected }) = left_out else {
+        return vec![format!(
+            "{used} run{} cannot show what another right run would be rejected for: from {MIN_RUNS} runs on each is judged by what the others teach; \
+             until then whatever differs more than people in general is an anomaly, and any order of the steps is right",
+            if used == 1 { "" } else { "s" }
+        )];
+    };
+    let mut sentences = vec![rate(used, rejected)];
+    let changed = rejected_before.iter().filter(|run| !rejected.contains(run)).count();
+    if changed > 0 {
+        sentences.push(format!(
+            "{changed} of them would have been, had every rule been as strict as people in general allow ({}); so these rules give way:",
+            rejected_before.join(", ")
+        ));
+    }
+    let steps: Vec<(StepKey, usize)> =
+        (0..job.steps.len()).filter_map(|number| Some((StepKey::of(job, number)?, number))).collect();
+    let number = |step: StepKey| steps.iter().find(|(key, _)| *key == step).map(|(_, number)| number + 1);
+    let line = |(rule, strength)| rule_words(rule, strength, &number, words).map(|line| format!("  {line}"));
+    sentences.extend(strengths.weakened().filter_map(line));
+    sentences
+}
+
+/// How many right jobs would be rejected, as leaving one out has measured it.
+fn rate(used: usize, rejected: &[String]) -> String {
+    let most = 100.0 * at_most(rejected.len(), used, CONFIDENCE);
+    let sure = format!("with so few runs that promises no more than that at most {most:.0} of 100 right jobs are ({:.0} % sure)", 100.0 * CONFIDENCE);
+    match rejected.len() {
+        0 => format!("none of your {used} runs is rejected by a job that the others teach: {sure}"),
+        count => format!(
+            "{count} of your {used} runs {} rejected by a job that the others teach ({}): {sure}; show more runs like these, from other people",
+            if count == 1 { "is" } else { "are" },
+            rejected.join(", ")
+        ),
+    }
+}
+
+fn rule_words(
+    rule: Rule,
+    strength: Strength,
+    number: &dyn Fn(StepKey) -> Option<usize>,
+    words: &dyn Fn(Context) -> String,
+) -> Option<String> {
+    let extent = match strength {
+        Strength::General => return None,
+        Strength::OwnSpread => "as wide as these runs differ",
+        Strength::None => "no law, because the runs contradict it",
+    };
+    Some(match rule {
+        Rule::Sequence(step) => format!("step {}: other contacts may come in between", number(step)?),
+        Rule::Required(step) => format!("step {}: not required", number(step)?),
+        Rule::Once(step) => format!("step {}: it may come again", number(step)?),
+        Rule::Order(one, other) => format!("steps {} and {}: in either order", number(one)?, number(other)?),
+        Rule::Motion(step, context) => format!("step {} ({}): motion, {extent}", number(step)?, words(context)),
+        Rule::Measure(step, context, measure) => {
+            format!("step {} ({}): {}, {extent}", number(step)?, words(context), measure_words(measure))
+        }
+    })
+}
+
+fn measure_words(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Duration => "duration",
+        Measure::Strokes => "number of strokes",
+        Measure::StrokeLength => "length of a stroke",
+        Measure::Path => "length of the path",
+        Measure::Bow => "bow of the way",
+        Measure::Direction => "direction",
+        Measure::Place => "place",
+    }
+}
