@@ -20,6 +20,9 @@ use std::sync::Arc;
 /// in one of them weighs there more than in a piece that is judged.
 const MIN_MEASURED: f64 = 0.8;
 
+/// Frames in which the noise of positions is measured. A marker that jumps is seen in few of them.
+const NOISE_FRAMES: usize = 12;
+
 /// One Interaction Unit of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Iu {
@@ -215,6 +218,16 @@ impl Run {
         let shown = couples.filter(|couple| (iu.began_ns..iu.ended_ns).contains(&couple.captured_ns));
         let apart = shown.filter(|couple| couple.context == iu.context).map(|couple| couple.distances[1]);
         apart.fold(0.0, f32::max)
+    }
+
+    /// How far apart two positions of an object that lies still seem to be at most, in metres, as a rule; 0 where it is not seen in enough frames.
+    pub(crate) fn noise_m(&self, id: u16) -> f32 {
+        let place =
+            |frame: &Frame| frame.objects.iter().find(|object| object.id == id).map(|object| object.position);
+        let of = |frames: &[Frame]| f64::from(couple::apart_by_chance_m(frames.iter().map(place)));
+        let known: Vec<f64> =
+            self.frames.chunks(NOISE_FRAMES).map(of).filter(|noise_m| *noise_m > 0.0).collect();
+        median(&known) as f32
     }
 
     /// How far an activity moves the object that it begins with, in metres: the lesser of how far the object and the hand get, in the middle half of

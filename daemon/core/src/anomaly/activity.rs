@@ -337,12 +337,21 @@ impl OpenActivity {
         self.nearest = nominal.or(self.nearest);
     }
 
+    /// Whether the hand only rests or steadies, where it was shown to.
+    pub(super) fn is_rest(&self, job: &Job<'_>) -> bool {
+        self.step == Step::NotShown && job.rests.contains(&self.context.0[1])
+    }
+
+    /// Whether there is no fault in it, whatever was not seen: the hand rests where it was shown to, or does that or a step that the job can do
+    /// without, and no order is broken.
+    pub(super) fn can_be_no_fault(&self, job: &Job<'_>) -> bool {
+        self.is_rest(job) || self.may_differ && self.broken.is_none()
+    }
+
     /// What was not shown before in this activity of a hand.
     pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
         match self.step {
-            Step::NotShown => {
-                (self.may_differ || !job.rests.contains(&self.context.0[1])).then_some(Note::Step)
-            }
+            Step::NotShown => (self.may_differ || !self.is_rest(job)).then_some(Note::Step),
             Step::Shown(shown) if shown != side => Some(Note::OtherHand),
             _ => self.order_note,
         }

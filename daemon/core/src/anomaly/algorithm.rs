@@ -153,7 +153,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
         let agreeing = activity.agreeing(job, context);
-        let allowing = activity.candidates().iter().filter(|nominal| job.allows_insertions(*nominal)).collect();
+        let allowing =
+            activity.candidates().iter().filter(|nominal| job.allows_insertions(*nominal)).collect();
         if agreeing.is_empty() && allowing != ActivitySet::EMPTY && progress.has_parts_of(context) {
             activity.insert(allowing);
             let right = Finding::of(Outcome::Ok, Reason::None.into());

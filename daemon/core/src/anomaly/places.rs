@@ -166,7 +166,9 @@ mod tests {
         let nominal = nominal("gpgr");
         let begin = Places::new(hidden, &nominal);
         ius.iter()
-            .fold(begin, |places, (letter, junction)| places.step(&nominal, false, context(*letter), *junction))
+            .fold(begin, |places, (letter, junction)| {
+                places.step(&nominal, false, context(*letter), *junction)
+            })
             .0
     }
 

@@ -203,7 +203,8 @@ fn relation_text(relation: &Relation) -> String {
 }
 
 fn object_text(text: &mut String, object: &NamedObject) {
-    let ObjectShape { id, interaction_points, meetings, incidental, is_position_only, start, .. } = &object.shape;
+    let ObjectShape { id, interaction_points, meetings, incidental, is_position_only, start, .. } =
+        &object.shape;
     line!(text, "\n[[object]]\nid = {id}\nname = {}", quoted(&object.name));
     line!(text, "# Where it can be touched, in metres in its own frame.");
     line!(text, "interaction_points = {}", points_text(interaction_points));
@@ -215,7 +216,10 @@ fn object_text(text: &mut String, object: &NamedObject) {
         line!(text, "position_only = true");
     }
     if !incidental.is_empty() {
-        line!(text, "# It comes near the objects with these ids by chance only, so that there is no contact between them.");
+        line!(
+            text,
+            "# It comes near the objects with these ids by chance only, so that there is no contact between them."
+        );
         line!(text, "incidental = {incidental:?}");
     }
     if let Some(StartPlace { place, moved_by }) = start {

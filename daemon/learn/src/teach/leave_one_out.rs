@@ -56,12 +56,20 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
     loop {
         let rejections: Vec<Rejection> =
             folds.par_iter_mut().filter_map(|fold| fold.rejection(options, &strengths)).collect();
-        let names: Vec<String> = rejections.iter().map(|rejection| rejection.name.clone()).chain(untaught.iter().cloned()).collect();
+        let names: Vec<String> = rejections
+            .iter()
+            .map(|rejection| rejection.name.clone())
+            .chain(untaught.iter().cloned())
+            .collect();
         rejected_before.get_or_insert_with(|| names.clone());
         let broken: BTreeSet<Rule> = rejections.into_iter().flat_map(|rejection| rejection.rules).collect();
         let is_weaker = broken.into_iter().fold(false, |is_weaker, rule| strengths.weaken(rule) || is_weaker);
         if !is_weaker {
-            return Some(LeftOut { strengths, rejected_before: rejected_before.unwrap_or_default(), rejected: names });
+            return Some(LeftOut {
+                strengths,
+                rejected_before: rejected_before.unwrap_or_default(),
+                rejected: names,
+            });
         }
     }
 }
@@ -69,8 +77,12 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
 impl<'a> Fold<'a> {
     /// `None` if nothing can be learnt of how the others meet.
     fn new(runs: &[&'a Run], index: usize, options: &TeachOptions) -> Option<Self> {
-        let others: Vec<Run> =
-            runs.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, run)| (*run).clone()).collect();
+        let others: Vec<Run> = runs
+            .iter()
+            .enumerate()
+            .filter(|(other, _)| *other != index)
+            .map(|(_, run)| (*run).clone())
+            .collect();
         let others = Demonstrations::of(others, options).ok()?;
         Some(Self { left_out: runs[index], others, memory: Memory::default() })
     }

@@ -5,8 +5,8 @@
 
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
-use super::strength::Strength;
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
+use super::strength::Strength;
 use crate::statistics::{deviation, mean, median, pooled_freedom, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
@@ -202,7 +202,8 @@ impl Rates {
         let usual = usual_reversals(&likely);
         let beyond: Vec<f64> = likely.iter().map(|count| beyond(usual, *count)).collect();
         // How many strokes are right is the same for people who are slow or quick, or make long ones, and for one of them.
-        let (centre, apart) = interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL, strength);
+        let (centre, apart) =
+            interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL, strength);
         let [less, more] = [(apart - centre).max(0.0) as u32, (apart + centre).max(0.0) as u32];
         let most = counts(likely.iter().copied()).max;
         let max = most.max(usual.max + more);
@@ -231,7 +232,8 @@ impl Rates {
     /// How many reversals are not counted of the shortest strokes that may be right, where people differ more than people in general: the first and
     /// the last stroke begin and end in the middle.
     fn uncounted(&self, shown: &[Measures]) -> u32 {
-        let is_short = self.people.variety > 1.0 && self.stroke_m(shown, Strength::General).min < 2.0 * MOVED_M;
+        let is_short =
+            self.people.variety > 1.0 && self.stroke_m(shown, Strength::General).min < 2.0 * MOVED_M;
         if is_short { 2 * BORDER_REVERSALS } else { 0 }
     }
 
@@ -274,7 +276,8 @@ impl Rates {
     /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
     fn max_bow_m(&self, shown: &[Measures], strength: Strength) -> f32 {
         let bows: Vec<f64> = shown.iter().map(|measures| measures.bow_m.into()).collect();
-        let (centre, apart) = self.interval(&bows, PRIOR_BOW * (mean(&bows) + STRAY_BOW_M), 2.0 * self.bow, strength);
+        let (centre, apart) =
+            self.interval(&bows, PRIOR_BOW * (mean(&bows) + STRAY_BOW_M), 2.0 * self.bow, strength);
         (centre + apart) as f32
     }
 
@@ -449,7 +452,8 @@ mod tests {
                 .collect();
             let polishing = Context([1, 5, 5, 6]);
             let ius = [(polishing, shown.as_slice())];
-            let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
+            let Bounds { min, max } =
+                Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
             (min, max)
         };
         let bounds = |reversals: &[u32]| bounds_along([-0.9, 0.1], reversals);
@@ -473,8 +477,11 @@ mod tests {
                 ..Measures::default()
             });
             let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
-            let Range { min, max } =
-                Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).path_m(&shown, met_within_m, Strength::General);
+            let Range { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).path_m(
+                &shown,
+                met_within_m,
+                Strength::General,
+            );
             [min, max].map(|path_m| (100.0 * path_m).round() as i32)
         };
         let [min, max] = range(0, 0.0);

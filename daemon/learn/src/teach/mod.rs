@@ -58,9 +58,9 @@ use report::Found;
 use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use std::borrow::Cow;
+use strength::{Rule, StepKey, Strength, Strengths};
 pub(crate) use threshold::Memory;
 use threshold::compared;
-use strength::{Rule, Strength, StepKey, Strengths};
 use trust::{Odd, odd_runs, too_few_frames, without_copies};
 
 /// Teaches a job from correct runs of it: the stages, one after the other.
@@ -181,7 +181,8 @@ pub(crate) fn teach_again(
 ) -> Result<JobFile, TeachError> {
     options.check()?;
     let strengths = Strengths::default();
-    let shown = Demonstrations { runs: runs.to_vec(), agreement: agree(runs, &strengths), unsure: Vec::new() };
+    let shown =
+        Demonstrations { runs: runs.to_vec(), agreement: agree(runs, &strengths), unsure: Vec::new() };
     let Learnt { mut job, .. } = learn(&shown, options, &strengths, memory)?;
     if options.measure_rate {
         job.min_rate_hz = needed_rate_hz(&shown.agreement.used_runs(&shown.runs), &job);
@@ -354,7 +355,12 @@ struct Teacher<'a> {
 }
 
 impl Teacher<'_> {
-    fn activity(&mut self, number: usize, sequence: &Sequence, step: StepKey) -> Result<TaughtActivity, TeachError> {
+    fn activity(
+        &mut self,
+        number: usize,
+        sequence: &Sequence,
+        step: StepKey,
+    ) -> Result<TaughtActivity, TeachError> {
         let ius = (0..sequence.contexts.len())
             .map(|index| self.iu(number, sequence, index, step))
             .collect::<Result<_, _>>()?;
@@ -392,12 +398,23 @@ impl Teacher<'_> {
         let frames: Vec<u32> = shown.iter().map(|iu| iu.worked_frames()).collect();
         let measured = measures_of(self.runs, sequence, index);
         let way = self.way(sequence, index);
-        let (reversals, measures) =
-            self.rates.bounds(context, &measured, &frames, way.as_deref(), self.met_within_m(context), &strength);
+        let (reversals, measures) = self.rates.bounds(
+            context,
+            &measured,
+            &frames,
+            way.as_deref(),
+            self.met_within_m(context),
+            &strength,
+        );
         let taught = TaughtIu {
             context,
             threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people, of_motion) as f32,
-            frames: self.frames(&sequence.contexts, index, (&measured, &frames), strength(verdict::Measure::Duration)),
+            frames: self.frames(
+                &sequence.contexts,
+                index,
+                (&measured, &frames),
+                strength(verdict::Measure::Duration),
+            ),
             reversals,
             measures,
             reference: learned.reference.clone(),

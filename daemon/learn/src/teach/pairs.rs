@@ -34,7 +34,9 @@ pub(super) fn choose(
             let encoded = encode(&without)?;
             let tried: BTreeSet<Pair> = incidental.iter().copied().chain([*pair]).collect();
             let bits = description_bits(&encoded, &contacts, &tried);
-            if std::env::var("LAB").is_ok() { eprintln!("pair {pair:?}: {bits:.1?} {:.2} (best {best:.1?})", paths_m(&encoded)); }
+            if std::env::var("LAB").is_ok() {
+                eprintln!("pair {pair:?}: {bits:.1?} {:.2} (best {best:.1?})", paths_m(&encoded));
+            }
             if bits < best {
                 better.push(Tried { bits, pair: *pair, objects: without, runs: encoded });
             }
@@ -95,7 +97,9 @@ fn contacts(runs: &[Run]) -> BTreeMap<Pair, Vec<usize>> {
 /// The length in bits of the shortest description of the runs that is known.
 fn description_bits(runs: &[Run], contacts: &BTreeMap<Pair, Vec<usize>>, incidental: &BTreeSet<Pair>) -> f64 {
     // Where in the sequence of a run something happens.
-    let place_bits = |run: usize| ((1 + runs[run].activities.iter().map(|activity| activity.ius.len()).sum::<usize>()) as f64).log2();
+    let place_bits = |run: usize| {
+        ((1 + runs[run].activities.iter().map(|activity| activity.ius.len()).sum::<usize>()) as f64).log2()
+    };
     let by_chance: f64 = incidental
         .iter()
         .flat_map(|pair| contacts[pair].iter().enumerate())

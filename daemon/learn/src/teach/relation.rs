@@ -91,14 +91,18 @@ pub(super) fn steps(
         }
     };
     let mut steps: Vec<TaughtStep> = (0..all.len()).map(step).collect();
-    let is_once = |index| strengths.is_law(Rule::Once(keys[index])) && has_its_place(index, &steps, agreement);
+    let is_once =
+        |index| strengths.is_law(Rule::Once(keys[index])) && has_its_place(index, &steps, agreement);
     let once: Vec<bool> = (0..all.len()).map(is_once).collect();
     steps.iter_mut().zip(once).for_each(|(step, once)| step.is_once = once);
     steps
 }
 
 fn allows_insertions(step: usize, agreement: &Agreement) -> bool {
-    agreement.sequences.iter().any(|sequence| usize::from(sequence.activity) == step && sequence.allows_insertions)
+    agreement
+        .sequences
+        .iter()
+        .any(|sequence| usize::from(sequence.activity) == step && sequence.allows_insertions)
 }
 
 /// The sequences that do only a part of what other runs do in one, where this step is the rest or a part of it: whoever lets go in the middle

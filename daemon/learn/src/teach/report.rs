@@ -1,8 +1,8 @@
 //! What teaching found, and whether the job can be trusted.
 
 use super::iu_report::IuReport;
-use super::leave_one_out::LeftOut;
 use super::kind::is_on_the_way;
+use super::leave_one_out::LeftOut;
 use super::meetings::Unsure;
 use super::noticed::{Noticed, what_more_would_bring};
 use super::options::TeachOptions;
@@ -87,7 +87,8 @@ impl TeachReport {
         let used = runs - disagreements.len();
         let order = OrderReport::new(job, used);
         let words = |context| context_words(context, |id| object_name(&job.objects, id));
-        let sentences = options.leave_one_out.then(|| widened::sentences(used, left_out.as_ref(), job, &words));
+        let sentences =
+            options.leave_one_out.then(|| widened::sentences(used, left_out.as_ref(), job, &words));
         Self {
             runs,
             doubts,

@@ -18,8 +18,8 @@ const MIN_VARIANT_RUNS: usize = 3;
 /// A variant also needs at least this share of the runs: among many runs, three could share the same slip.
 const MIN_VARIANT_SHARE: f64 = 0.2;
 
-/// An object that moves less than this while a hand is at it, in metres, is not moved by it: markers jitter by less, and no work is done in so
-/// small a space.
+/// An object that moves less than this while a hand is at it, in metres, or less than it seems to move by noise, is not moved by it: no work is done
+/// in so small a space.
 const MOVED_M: f32 = 0.03;
 
 /// Fewer runs than this cannot tell which of them is the odd one.
@@ -85,7 +85,9 @@ impl Sequence {
     pub(super) fn indices(&self, activity: &Activity) -> Vec<usize> {
         let side = side_of(self.contexts[0]);
         let mut all = activity.ius.iter().enumerate();
-        let next = |context: &Context| all.find(|(_, iu)| iu.context.by_hand(side) == *context).map(|(index, _)| index);
+        let next = |context: &Context| {
+            all.find(|(_, iu)| iu.context.by_hand(side) == *context).map(|(index, _)| index)
+        };
         self.contexts.iter().filter_map(next).collect()
     }
 }
@@ -149,7 +151,10 @@ pub(super) fn description_bits(runs: &[Run]) -> f64 {
         let shown = sequences.values().sum::<usize>();
         let spelled: usize = sequences.keys().map(|contexts| contexts.len() + 1).sum();
         let choices = sequences.values().map(|count| entropy_bits(*count, shown)).sum::<f64>();
-        spelled as f64 * word_bits + choices + entropy_bits(shown, runs.len()) + entropy_bits(runs.len() - shown, runs.len())
+        spelled as f64 * word_bits
+            + choices
+            + entropy_bits(shown, runs.len())
+            + entropy_bits(runs.len() - shown, runs.len())
     };
     counted.iter().map(of_step).sum()
 }
@@ -172,7 +177,8 @@ impl<'a> Steps<'a> {
         let mut steps = Self::with(runs, |_, _| true);
         let is_kept = |run: &Run, index: usize, step: Step| {
             let is_shared = steps.count(&step) == runs.len() && steps.sequences_of(&step).len() == 1;
-            is_shared || run.moved_m(&run.activities[index]) >= MOVED_M
+            let min_m = MOVED_M.max(run.noise_m(object(&run.activities[index])));
+            is_shared || run.moved_m(&run.activities[index]) >= min_m
         };
         let kept: Vec<Vec<bool>> = runs
             .iter()

@@ -3,8 +3,8 @@
 
 use super::measures::interval;
 use super::people::People;
-use super::strength::Strength;
 use super::sequence::Agreement;
+use super::strength::Strength;
 use crate::recording::NamedObject;
 use crate::run::{Activity, Run};
 use crate::statistics::median_point;
@@ -51,7 +51,8 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
         let away: Option<Vec<f64>> =
             shown.map(|(run, index)| away_m(id, run, &run.activities[index], &place, space)).collect();
         away.filter(|away| !away.is_empty()).is_some_and(|away| {
-            let (centre, apart) = interval(&away, PRIOR_PUT_DOWN_M, 2.0 * PUT_BACK, People::IN_GENERAL, Strength::General);
+            let (centre, apart) =
+                interval(&away, PRIOR_PUT_DOWN_M, 2.0 * PUT_BACK, People::IN_GENERAL, Strength::General);
             centre - apart > f64::from(place.max)
         })
     };

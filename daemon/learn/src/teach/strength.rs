@@ -96,7 +96,11 @@ impl Rule {
         if let Some(broken) = verdict.broken {
             let other = StepKey::of(job, usize::from(broken.activity))?;
             let is_again = broken.fault == OrderFault::Again;
-            return Some(if is_again { Self::Once(step) } else { Self::Order(step.min(other), step.max(other)) });
+            return Some(if is_again {
+                Self::Once(step)
+            } else {
+                Self::Order(step.min(other), step.max(other))
+            });
         }
         let context = by_hand_of(verdict.context, step);
         match (verdict.level, verdict.reason, verdict.measured) {

@@ -1,7 +1,7 @@
 //! From the demonstrations of an IU to its barycentre and threshold.
 
-use super::options::TeachOptions;
 use super::measures::apart_alone;
+use super::options::TeachOptions;
 use super::people::People;
 use super::strength::Strength;
 use crate::barycentre::Barycentres;
@@ -186,7 +186,9 @@ mod tests {
             left_out: left_out.to_vec(),
         };
         let rule = ThresholdRule::LeaveOneOut { sigmas: 4.0, border_s: 0.0 };
-        let of = |left_out: &[f64]| learned(left_out).threshold(rule, 30.0, &People::IN_GENERAL, Strength::General);
+        let of = |left_out: &[f64]| {
+            learned(left_out).threshold(rule, 30.0, &People::IN_GENERAL, Strength::General)
+        };
         // The root of 16 / 18 of 0.3 squared, and a third more for the mean of three.
         let spread = 0.3 * (16.0_f64 / 18.0 * 4.0 / 3.0).sqrt();
         assert!((of(&[2.0; 3]) - 2.0 * (1.0 + 4.0 * spread)).abs() < 1e-9);

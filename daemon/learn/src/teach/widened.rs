@@ -43,7 +43,10 @@ pub(super) fn sentences(
 /// How many right jobs would be rejected, as leaving one out has measured it.
 fn rate(used: usize, rejected: &[String]) -> String {
     let most = 100.0 * at_most(rejected.len(), used, CONFIDENCE);
-    let sure = format!("with so few runs that promises no more than that at most {most:.0} of 100 right jobs are ({:.0} % sure)", 100.0 * CONFIDENCE);
+    let sure = format!(
+        "with so few runs that promises no more than that at most {most:.0} of 100 right jobs are ({:.0} % sure)",
+        100.0 * CONFIDENCE
+    );
     match rejected.len() {
         0 => format!("none of your {used} runs is rejected by a job that the others teach: {sure}"),
         count => format!(
@@ -70,7 +73,9 @@ fn rule_words(
         Rule::Required(step) => format!("step {}: not required", number(step)?),
         Rule::Once(step) => format!("step {}: it may come again", number(step)?),
         Rule::Order(one, other) => format!("steps {} and {}: in either order", number(one)?, number(other)?),
-        Rule::Motion(step, context) => format!("step {} ({}): motion, {extent}", number(step)?, words(context)),
+        Rule::Motion(step, context) => {
+            format!("step {} ({}): motion, {extent}", number(step)?, words(context))
+        }
         Rule::Measure(step, context, measure) => {
             format!("step {} ({}): {}, {extent}", number(step)?, words(context), measure_words(measure))
         }

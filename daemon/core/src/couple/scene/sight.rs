@@ -89,8 +89,10 @@ impl Scene {
                 && is_farther(self.apart_by_chance_m(persist, seen))
         };
         // What moves while both hands are seen elsewhere was pushed, or is touched farther away than contacts reach: no hand is unseen.
-        let is_any_hidden = (0..=2 * persist).any(|age| self.hands.iter().any(|hand| hand.ago(age).source != Source::Seen));
-        let is_carried = is_any_hidden && (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
+        let is_any_hidden =
+            (0..=2 * persist).any(|age| self.hands.iter().any(|hand| hand.ago(age).source != Source::Seen));
+        let is_carried =
+            is_any_hidden && (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
         self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
     }
 

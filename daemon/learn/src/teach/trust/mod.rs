@@ -42,11 +42,7 @@ pub(super) struct Odd {
 ///
 /// # Errors
 /// If an IU is too long to be compared.
-pub(super) fn odd_runs(
-    runs: &[Run],
-    agreement: &Agreement,
-    options: &TeachOptions,
-) -> Result<Odd, Refused> {
+pub(super) fn odd_runs(runs: &[Run], agreement: &Agreement, options: &TeachOptions) -> Result<Odd, Refused> {
     let kept = agreement.used_runs(runs);
     let used = kept.len();
     let few = (2 * used < runs.len() || used == 1 && runs.len() > 1)

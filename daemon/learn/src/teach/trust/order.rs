@@ -15,7 +15,8 @@ pub(super) fn odd_one(runs: &[&Run], agreement: &Agreement) -> Option<Doubt> {
     let in_all: Vec<&Vec<Option<usize>>> =
         agreement.steps.iter().filter(|step| step.iter().all(Option::is_some)).collect();
     Side::ALL.into_iter().find_map(|side| {
-        let orders: Vec<Vec<Context>> = (0..runs.len()).map(|run| order(runs[run], run, &in_all, side)).collect();
+        let orders: Vec<Vec<Context>> =
+            (0..runs.len()).map(|run| order(runs[run], run, &in_all, side)).collect();
         let odd = (0..orders.len()).find(|&odd| is_odd(&orders, odd))?;
         let usual = &orders[usize::from(odd == 0)];
         let at = orders[odd].iter().zip(usual).position(|(had, others)| had != others)?;
@@ -40,7 +41,8 @@ fn is_odd(orders: &[Vec<Context>], odd: usize) -> bool {
 fn order(run: &Run, number: usize, steps: &[&Vec<Option<usize>>], side: Side) -> Vec<Context> {
     let mut indices: Vec<usize> = steps.iter().filter_map(|step| step[number]).collect();
     indices.sort_unstable();
-    let of_side = indices.into_iter().map(|index| &run.activities[index]).filter(|activity| activity.side == side);
+    let of_side =
+        indices.into_iter().map(|index| &run.activities[index]).filter(|activity| activity.side == side);
     let opening = |Context([hand, object, ..]): Context| Context([hand, object, 0, 0]);
     of_side.filter_map(|activity| activity.ius.first()).map(|iu| opening(iu.context)).collect()
 }
