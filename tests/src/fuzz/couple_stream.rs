@@ -85,6 +85,7 @@ fn law(input: &mut Input<'_>) -> Law {
         is_required: input.below(4) > 0,
         completes: set(input.below(4)),
         is_once: input.below(2) == 0,
+        allows_insertions: input.below(4) == 0,
         runs: input.byte().into(),
     }
 }
