@@ -4,6 +4,9 @@ use super::Arm;
 use crate::simulator::{Vector, add, length, scale, subtract, turn};
 use std::f64::consts::TAU;
 
+/// How often a grip is corrected, of all times that a hand takes something or puts it down.
+const CORRECTED: f64 = 0.06;
+
 /// How a hand works to and fro or around with a tool.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::simulator) struct Swing {
@@ -31,14 +34,14 @@ impl Arm<'_> {
         self.go_in(to, seconds, bow);
     }
 
-    /// Reaches for a part, takes it, and in one of eight times corrects the grip.
+    /// Reaches for a part, takes it, and at times corrects the grip.
     pub(in crate::simulator) fn grasp(&mut self, id: u16, at: Vector) {
         let slack = [0.005 * self.random.normal(), 0.005 * self.random.normal()];
         self.wander_to(add(add(at, self.person.grip_offset_m), slack));
         self.held = Some(id);
         let seconds = 0.4 * self.random.factor(0.4);
         self.fidget(0.003, seconds);
-        if self.random.uniform() < 0.125 {
+        if self.random.uniform() < CORRECTED {
             self.correct_grip();
         }
     }
@@ -71,7 +74,7 @@ impl Arm<'_> {
         self.wander_to(add(at, slack));
         let seconds = 0.3 * self.random.factor(0.4);
         self.fidget(0.006, seconds);
-        if self.random.uniform() < 0.15 {
+        if self.random.uniform() < CORRECTED {
             self.correct_grip();
         }
         self.release();
