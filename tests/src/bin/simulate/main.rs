@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! simulate 1|2|floor SEED FOLDER           writes track files: experiment 1, experiment 2, or every flaw of the shop floor
-//! simulate people SEED FOLDER              writes a folder for each work by feel and each of two persons: ten right runs, and lapses in five of them
+//! simulate people SEED FOLDER              writes a folder for each work by feel and each of three persons, the third one seen by boxes
 //! simulate measure FIRST LAST              measures experiment 2 with the seeds FIRST to LAST, without files
 //! simulate measure-1 FIRST LAST FOLDER     measures experiment 1 with these seeds, and writes a report of each into the folder
 //! simulate floor-measure FIRST LAST RUNS   measures the default rules on every flaw, taught by 1 to 5 runs
@@ -50,12 +50,12 @@ fn run(arguments: &[&str]) -> Outcome {
     }
 }
 
-/// A folder for each work by feel and each person.
+/// A folder for each work by feel and each person: the first two by motion capture, the third one by the boxes of a camera.
 fn people(seed: u64, folder: &Path) -> Outcome {
     for work in ByFeel::ALL {
-        for person in 1..=2 {
+        for person in 1..=3 {
+            let noise = if person == 3 { Noise::boxes() } else { Noise::motion_capture() };
             let recorded = |repetition, lapse| {
-                let noise = Noise::motion_capture();
                 perform_by_feel(&Performance { seed, person, repetition, noise }, work, lapse)
             };
             let mut runs: Vec<(String, Recording)> = (0..10)
