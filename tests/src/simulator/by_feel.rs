@@ -291,3 +291,102 @@ impl<'a> Stage<'a> {
         self.bench.pose(id).at
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulator::{Noise, length, subtract};
+
+    fn recording(work: ByFeel, repetition: u64, lapse: Option<Lapse>) -> Recording {
+        let noise = Noise::motion_capture();
+        perform_by_feel(&Performance { seed: 71, person: 1, repetition, noise }, work, lapse)
+    }
+
+    /// Where a part is seen, with the time in seconds.
+    fn seen(recording: &Recording, id: u16) -> Vec<(f64, Vector)> {
+        let of_frame = |frame: &andon_core::input::Frame| {
+            let object = frame.objects.iter().find(|object| object.id == id)?;
+            let [x, y, _] = object.position.map(f64::from);
+            Some((frame.captured_ns as f64 * 1e-9, [x, y]))
+        };
+        recording.frames.iter().filter_map(of_frame).collect()
+    }
+
+    /// How far two parts are from each other in each frame that shows both, in metres.
+    fn gaps_m(recording: &Recording, one: u16, other: u16) -> Vec<(f64, f64)> {
+        let others = seen(recording, other);
+        let gap_m = |(time_s, at): &(f64, Vector)| {
+            let same = others.iter().find(|(other_s, _)| other_s == time_s)?;
+            Some((*time_s, length(subtract(*at, same.1))))
+        };
+        seen(recording, one).iter().filter_map(gap_m).collect()
+    }
+
+    /// How near two parts come to each other, in metres.
+    fn nearest_m(recording: &Recording, one: u16, other: u16) -> f64 {
+        gaps_m(recording, one, other).iter().map(|(_, gap_m)| *gap_m).fold(f64::INFINITY, f64::min)
+    }
+
+    /// For how long a part is away from where it first is, in seconds.
+    fn away_s(recording: &Recording, id: u16) -> f64 {
+        let places = seen(recording, id);
+        let is_away = |at: Vector| length(subtract(at, places[0].1)) > 0.1;
+        places.iter().filter(|(_, at)| is_away(*at)).count() as f64 / 30.0
+    }
+
+    #[test]
+    fn a_lapse_leaves_out_what_every_right_run_has() {
+        for work in ByFeel::ALL {
+            let Layout { tool: (tool, _), bottle: (bottle, _), base: (base, _), .. } = work.layout();
+            for repetition in 0..10 {
+                let with = |lapse| recording(work, repetition, lapse);
+                let right = with(None);
+                assert!(nearest_m(&right, bottle, base) < 0.07);
+                assert!(nearest_m(&with(Some(Lapse::NotPoured)), bottle, base) > 0.1);
+                assert!(away_s(&with(Some(Lapse::BottleLeft)), bottle) < 0.1);
+                let cut_short = with(Some(Lapse::CutShort));
+                assert!(away_s(&cut_short, tool) < 0.6 * away_s(&right, tool));
+                let moved_s = |recording: &Recording| {
+                    let places = seen(recording, bottle);
+                    let first = places[0].1;
+                    places
+                        .iter()
+                        .find(|(_, at)| length(subtract(*at, first)) > 0.1)
+                        .map(|(time_s, _)| *time_s)
+                };
+                assert!(moved_s(&with(Some(Lapse::BottleFirst))) < moved_s(&right));
+            }
+        }
+    }
+
+    #[test]
+    fn the_bottle_at_the_base_is_nearer_to_the_tool_in_some_runs_and_never_in_others() {
+        let noise = Noise::motion_capture();
+        for work in ByFeel::ALL {
+            let Layout { tool: (tool, _), bottle: (bottle, _), base: (base, _), .. } = work.layout();
+            let is_nearer_to_tool = |run: &u64| {
+                let performance = Performance { seed: 71, person: run / 4, repetition: *run, noise };
+                let recording = perform_by_feel(&performance, work, None);
+                let (to_base, to_tool) = (gaps_m(&recording, bottle, base), gaps_m(&recording, bottle, tool));
+                to_base.iter().zip(&to_tool).any(|(base, tool)| base.1 < 0.08 && tool.1 < base.1)
+            };
+            let count = (0..40).filter(is_nearer_to_tool).count();
+            assert!((2..=38).contains(&count), "{work:?}: {count} of 40");
+        }
+    }
+
+    #[test]
+    fn the_marker_of_the_bottle_is_lost_in_some_runs() {
+        let whole = |repetition: &u64| {
+            let seen_run = recording(ByFeel::Kitchen, *repetition, None);
+            seen(&seen_run, BOTTLE_ID).len() == seen_run.frames.len()
+        };
+        assert!((1..20).contains(&(0..20).filter(whole).count()));
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_runs() {
+        let again = || recording(ByFeel::Workshop, 3, None).frames;
+        assert_eq!(again(), again());
+    }
+}
