@@ -1,5 +1,9 @@
 //! Two arms at one bench: each moves by itself, and the parts follow the hands that hold them.
 
+mod freely;
+
+pub(super) use freely::Swing;
+
 use super::bench::{Bench, Pose};
 use super::movement::{Instant, Truth, hand_yaw, minimum_jerk};
 use super::noise::Noise;

@@ -28,8 +28,21 @@ pub(super) const POLISHER_ID: u16 = 5;
 /// The id of the brick.
 pub(super) const BRICK_ID: u16 = 6;
 
-/// The parts of the paper's experiments.
-pub(super) const PARTS: [Part; 7] = [
+/// The id of the whisk.
+pub(super) const WHISK_ID: u16 = 8;
+/// The id of the bottle.
+pub(super) const BOTTLE_ID: u16 = 9;
+/// The id of the bowl.
+pub(super) const BOWL_ID: u16 = 10;
+/// The id of the brush.
+pub(super) const BRUSH_ID: u16 = 11;
+/// The id of the bottle of glue.
+pub(super) const GLUE_ID: u16 = 12;
+/// The id of the tray.
+pub(super) const TRAY_ID: u16 = 13;
+
+/// The parts of the paper's experiments, and those of work that is done by feel, which have no points.
+pub(super) const PARTS: [Part; 13] = [
     part(1, "profile", [0.0, 0.0], [0.11, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.11, 0.0]]),
     part(2, "corner", [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.0, 0.03]]),
     part(
@@ -58,7 +71,18 @@ pub(super) const PARTS: [Part; 7] = [
         &[[-0.06, 0.0], [-0.03, 0.0], [0.0, 0.0], [0.03, 0.0], [0.06, 0.0]],
     ),
     part(7, "drill", [0.0, 0.0], [0.12, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.12, 0.0]]),
+    mere_position(WHISK_ID, "whisk"),
+    mere_position(BOTTLE_ID, "bottle"),
+    mere_position(BOWL_ID, "bowl"),
+    mere_position(BRUSH_ID, "brush"),
+    mere_position(GLUE_ID, "glue"),
+    mere_position(TRAY_ID, "tray"),
 ];
+
+/// A part of which only the position of its marker is known.
+const fn mere_position(id: u16, name: &'static str) -> Part {
+    part(id, name, [0.0; 2], [0.0; 2], [0.0; 2], &[[0.0; 2]])
+}
 
 const fn part(
     id: u16,
@@ -75,7 +99,7 @@ impl Part {
     /// The part with this id.
     ///
     /// # Panics
-    /// If there is none: scripts name only parts of the paper's experiments.
+    /// If there is none: scripts name only the parts of this list.
     #[allow(clippy::panic)]
     pub fn of(id: u16) -> Self {
         PARTS.into_iter().find(|part| part.id == id).unwrap_or_else(|| panic!("no part has id {id}"))

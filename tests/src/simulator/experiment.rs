@@ -81,10 +81,21 @@ pub fn floor(seed: u64, noise: Noise) -> Vec<Recorded> {
 /// # Errors
 /// If the folder cannot be written.
 pub fn save(folder: &Path, recorded: &[Recorded]) -> io::Result<()> {
+    save_as(folder, recorded.iter().map(|one| (one.name.as_str(), &one.recording)))
+}
+
+/// Writes recordings as track files with these names into a folder.
+///
+/// # Errors
+/// If the folder cannot be written.
+pub fn save_as<'a>(
+    folder: &Path,
+    recordings: impl IntoIterator<Item = (&'a str, &'a Recording)>,
+) -> io::Result<()> {
     std::fs::create_dir_all(folder)?;
-    for one in recorded {
-        let file = std::fs::File::create(folder.join(format!("{}.tracks.jsonl", one.name)))?;
-        recording::write(&mut io::BufWriter::new(file), &one.recording.header, &one.recording.frames)?;
+    for (name, recording) in recordings {
+        let file = std::fs::File::create(folder.join(format!("{name}.tracks.jsonl")))?;
+        recording::write(&mut io::BufWriter::new(file), &recording.header, &recording.frames)?;
     }
     Ok(())
 }

@@ -10,6 +10,7 @@
 mod activity;
 mod arm;
 mod bench;
+mod by_feel;
 mod experiment;
 mod flaw;
 mod job;
@@ -23,12 +24,13 @@ mod two_hands;
 
 pub use activity::{Layout, perform_activity};
 pub use bench::{Bench, Part, PlannedPart, Pose};
-pub use experiment::{Recorded, experiment_1, experiment_2, floor, save};
+pub use by_feel::{ByFeel, Lapse, perform_by_feel};
+pub use experiment::{Recorded, experiment_1, experiment_2, floor, save, save_as};
 pub use flaw::{Expected, Flaw};
 pub use job::perform;
 pub use lasting::LastingErrors;
 pub use movement::{Instant, Truth};
-pub use noise::Noise;
+pub use noise::{Noise, SeenHand};
 pub use performance::Performance;
 pub use person::Person;
 pub use script::{Action, Labels, Script, TrueIu};

@@ -3,13 +3,30 @@
 use super::bench::{Part, Pose};
 use super::lasting::LastingErrors;
 use super::movement::{Instant, Truth};
-use super::{Person, Random, Vector, add, turn};
-use andon_core::input::{Frame, Hand, Object, Point, Space};
+use super::{Person, Random, Vector, add, length, subtract, turn};
+use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
 use andon_learn::recording::{Header, Landmarks, Recording};
+use std::collections::BTreeMap;
+
+/// Within this distance of a part, a hand covers some of it, in metres.
+const COVERED_M: f64 = 0.12;
+
+/// How a hand is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SeenHand {
+    /// Each finger by itself.
+    Fingers,
+    /// A rigid body on the back of the hand, with the finger tips at a fixed place in front of it.
+    Body,
+    /// The middle of a box about the whole hand.
+    Box,
+}
 
 /// Measurement noise and losses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
+    /// How hands are seen.
+    pub hand: SeenHand,
     /// Frame rate of the camera.
     pub rate_hz: f64,
     /// Pixels per metre on the bench.
@@ -26,6 +43,12 @@ pub struct Noise {
     pub marker_px: f64,
     /// Share of a marker's error that remains one frame later.
     pub marker_memory: f64,
+    /// How much more inexact a part is seen that a hand covers, as a factor.
+    pub covered: f64,
+    /// Probability per frame that a hand or a part is seen somewhere else, a metre away.
+    pub leap_begins: f64,
+    /// Maximum number of frames that it is seen there; all numbers up to this one are equally likely.
+    pub leap_frames: f64,
     /// Probability per frame that the marker of a held part becomes hidden.
     pub hidden_begins: f64,
     /// Maximum number of frames that it stays hidden; all numbers up to this one are equally likely.
@@ -46,6 +69,7 @@ impl Default for Noise {
     /// No hand was lost.
     fn default() -> Self {
         Self {
+            hand: SeenHand::Fingers,
             rate_hz: 30.0,
             px_per_m: 800.0,
             landmark_px: 3.0,
@@ -55,6 +79,9 @@ impl Default for Noise {
             landmark_common: 0.2,
             marker_px: 0.05,
             marker_memory: 0.0,
+            covered: 1.0,
+            leap_begins: 0.0,
+            leap_frames: 1.0,
             hidden_begins: 0.01,
             hidden_frames: 15.0,
             // Worse than in the recordings, which lose no hand and no frame: light and load of a shop floor are worse too.
@@ -66,6 +93,43 @@ impl Default for Noise {
 }
 
 impl Noise {
+    /// Motion capture: a body on the back of each hand, which turns over the finger tips by a centimetre, and hardly any other error.
+    pub fn motion_capture() -> Self {
+        Self {
+            hand: SeenHand::Body,
+            landmark_px: 2.5,
+            landmark_bias_px: 4.0,
+            landmark_memory: 0.98,
+            landmark_common: 1.0,
+            marker_px: 0.3,
+            hidden_begins: 0.0,
+            lost_begins: 0.0,
+            dropped: 0.0,
+            ..Self::default()
+        }
+    }
+
+    /// The boxes of a stereo camera that uses no markers: errors of millimetres where nothing is near, of centimetres where a hand covers a part,
+    /// and leaps.
+    pub fn boxes() -> Self {
+        Self {
+            hand: SeenHand::Box,
+            landmark_px: 5.0,
+            landmark_bias_px: 12.0,
+            landmark_memory: 0.8,
+            landmark_common: 1.0,
+            marker_px: 3.0,
+            marker_memory: 0.6,
+            covered: 4.0,
+            leap_begins: 0.004,
+            leap_frames: 4.0,
+            hidden_begins: 0.0,
+            lost_begins: 0.0,
+            dropped: 0.0,
+            ..Self::default()
+        }
+    }
+
     /// What is seen of the truth. `habit` gives the errors that are constant for the person.
     pub fn see(&self, truth: &Truth, person: &Person, habit: &mut Random, random: &mut Random) -> Recording {
         let ids: Vec<u16> = truth
@@ -90,6 +154,7 @@ impl Noise {
             of_markers: LastingErrors::new(self.marker_memory),
             hidden: 0.0,
             lost: 0.0,
+            leaps: BTreeMap::new(),
         };
         // This is long enough for nothing to be left of the initial errors.
         for _ in 0..60 {
@@ -117,6 +182,8 @@ struct Eye<'a> {
     hidden: f64,
     /// Number of frames that the hand stays lost.
     lost: f64,
+    /// Number of frames that the hand (none) or a part is seen somewhere else.
+    leaps: BTreeMap<Option<u16>, f64>,
 }
 
 impl Eye<'_> {
@@ -149,18 +216,40 @@ impl Eye<'_> {
         let mut frame = Frame { captured_ns: (instant.time_s * 1e9).round() as u64, ..Frame::default() };
         if let Some(grip) = instant.grip.filter(|_| self.lost <= 0.0) {
             // There is room for one hand.
-            let _ = frame.hands.push(self.hand(truth, grip, instant, person));
+            let leap = self.leap(None, random);
+            let _ = frame.hands.push(self.hand(truth, add(grip, leap), instant, person));
         }
         for (id, pose) in &instant.poses {
             if instant.held != Some(*id) || self.hidden <= 0.0 {
                 // There are at most seven parts, and there is room for 32.
-                let _ = frame.objects.push(self.object(*id, pose, random));
+                let is_covered = instant.grip.is_some_and(|grip| length(subtract(grip, pose.at)) < COVERED_M);
+                let leap = self.leap(Some(*id), random);
+                let at = add(pose.at, leap);
+                let _ = frame.objects.push(self.object(*id, Pose { at, ..*pose }, is_covered, random));
             }
         }
         (!dropped).then_some(frame)
     }
 
     fn hand(&self, truth: &Truth, grip: Vector, instant: &Instant, person: &Person) -> Hand {
+        match self.noise.hand {
+            SeenHand::Fingers => self.fingers(truth, grip, instant, person),
+            SeenHand::Body => self.body(truth.side, grip, instant.hand_yaw, [0.0, 0.06, 0.125]),
+            SeenHand::Box => self.body(truth.side, grip, instant.hand_yaw, [0.07, 0.07, 0.13]),
+        }
+    }
+
+    /// All finger tips are at one place. Tips, middle knuckle and wrist are so far behind the grip, in metres.
+    fn body(&self, side: Side, grip: Vector, yaw: f64, [tips, knuckle, wrist]: [f64; 3]) -> Hand {
+        let tip = add(grip, add(self.biases[0], self.common));
+        let at = |behind_m: f64| -> Point {
+            let [x, y] = add(tip, turn([0.0, -behind_m], yaw));
+            [x as f32, y as f32, 0.0]
+        };
+        Hand { side, score: 1.0, wrist: at(wrist), middle_knuckle: at(knuckle), tips: [at(tips); 3] }
+    }
+
+    fn fingers(&self, truth: &Truth, grip: Vector, instant: &Instant, person: &Person) -> Hand {
         let spread = person.grip_m + (1.0 - instant.closed) * 0.012;
         let at = |own: Vector, landmark: usize| -> Point {
             let seen = add(
@@ -169,7 +258,7 @@ impl Eye<'_> {
             );
             [seen[0] as f32, seen[1] as f32, 0.0]
         };
-        let thumb_side = if truth.side == andon_core::input::Side::Right { -1.0 } else { 1.0 };
+        let thumb_side = if truth.side == Side::Right { -1.0 } else { 1.0 };
         Hand {
             side: truth.side,
             score: 0.95,
@@ -183,8 +272,19 @@ impl Eye<'_> {
         }
     }
 
-    fn object(&mut self, id: u16, pose: &Pose, random: &mut Random) -> Object {
-        let deviation = self.noise.marker_px / self.noise.px_per_m;
+    /// How far away from where it is the hand (none) or a part is seen.
+    fn leap(&mut self, of: Option<u16>, random: &mut Random) -> Vector {
+        if self.noise.leap_begins == 0.0 {
+            return [0.0; 2];
+        }
+        let left = self.leaps.entry(of).or_default();
+        begin(left, self.noise.leap_begins, self.noise.leap_frames, random);
+        if *left > 0.0 { [-0.4, -0.9] } else { [0.0; 2] }
+    }
+
+    fn object(&mut self, id: u16, pose: Pose, is_covered: bool, random: &mut Random) -> Object {
+        let factor = if is_covered { self.noise.covered } else { 1.0 };
+        let deviation = factor * self.noise.marker_px / self.noise.px_per_m;
         let error = self.of_markers.next(id, random);
         let [x, y] = add(pose.at, [deviation * error[0], deviation * error[1]]);
         let half = 0.5 * (pose.yaw + deviation / 0.018 * error[2]);

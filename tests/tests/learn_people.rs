@@ -1,0 +1,192 @@
+//! Work of two hands by feel: each of ten runs of one person is judged by the job that the nine others teach.
+//!
+//! `ANDON_SEED` chooses other people, `ANDON_SETS` how many sets of ten runs, by turns of each work, and `ANDON_BOXES=1` a camera that sees boxes
+//! instead of motion capture. `-- --nocapture` prints the table.
+#![allow(clippy::unwrap_used)]
+
+use andon_core::config::Method;
+use andon_core::input::Side;
+use andon_core::verdict::Outcome;
+use andon_learn::job_file::JobFile;
+use andon_learn::recording::Recording;
+use andon_learn::run::Run;
+use andon_learn::teach::{TeachError, TeachOptions, teach};
+use andon_tests::deletion::{self, Deletion, Hidden};
+use andon_tests::simulator::{ByFeel, Lapse, Noise, Performance, Random, perform_by_feel};
+use andon_tests::{environment, workers};
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::sync::Mutex;
+
+/// The number of right runs of one set.
+const RUNS: u64 = 10;
+
+/// In how many of them there is each lapse as well.
+const WITH_LAPSES: u64 = 5;
+
+/// The percentage of right runs that may be accused, for the time being: what people do by feel still counts as a fault.
+const MAX_ACCUSED: u32 = 75;
+
+/// The percentage of lapses that must be found.
+const MIN_FOUND: u32 = 60;
+
+/// The percentage of lapses that may be called right.
+const MAX_CALLED_RIGHT: u32 = 15;
+
+/// One person does one work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Set {
+    seed: u64,
+    work: ByFeel,
+    person: u64,
+    by_boxes: bool,
+}
+
+impl Set {
+    fn recording(self, repetition: u64, lapse: Option<Lapse>) -> Recording {
+        let Self { seed, work, person, by_boxes } = self;
+        let noise = if by_boxes { Noise::boxes() } else { Noise::motion_capture() };
+        perform_by_feel(&Performance { seed, person, repetition, noise }, work, lapse)
+    }
+
+    /// The job that all right runs but one teach, and whether `teach` trusts it.
+    fn taught_without(self, left_out: u64) -> Result<(JobFile, bool), TeachError> {
+        let others = (0..RUNS).filter(|repetition| *repetition != left_out);
+        let runs: Vec<Run> = others
+            .map(|repetition| {
+                let name = format!("run {repetition}");
+                Run::new(&name, "", &self.recording(repetition, None), &Method::default()).unwrap()
+            })
+            .collect();
+        let options = TeachOptions::new(self.work.name(), "", Method::default());
+        let (job, report) = teach(&runs, &options)?;
+        Ok((job, report.is_trusted()))
+    }
+}
+
+/// What the judge says of a whole recording, as `andond replay` counts it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Said {
+    Right,
+    Accused,
+    NotJudged,
+}
+
+fn said(job: &JobFile, recording: &Recording) -> Said {
+    let verdicts = deletion::judged(job, recording);
+    if deletion::is_accused(&verdicts) {
+        Said::Accused
+    } else if deletion::jobs(&verdicts).contains(&Outcome::Ok)
+        && verdicts.iter().all(|verdict| verdict.outcome != Outcome::NotJudged)
+    {
+        Said::Right
+    } else {
+        Said::NotJudged
+    }
+}
+
+/// What came of it that one run was left out.
+struct Case {
+    /// Whether `teach` trusted the others; none if they taught no job.
+    is_trusted: Option<bool>,
+    right_run: Option<Said>,
+    lapses: Vec<Said>,
+    hand_lost: Vec<Said>,
+}
+
+fn left_out(set: Set, repetition: u64) -> Case {
+    let Ok((job, is_trusted)) = set.taught_without(repetition) else {
+        return Case { is_trusted: None, right_run: None, lapses: Vec::new(), hand_lost: Vec::new() };
+    };
+    let whole = set.recording(repetition, None);
+    let lost = |side| Deletion::Stretch(Hidden::Hand(side), 6.0, 2.0).of(&whole, &mut Random::new(0, &[]));
+    let lapses = Lapse::ALL.iter().filter(|_| repetition < WITH_LAPSES);
+    Case {
+        is_trusted: Some(is_trusted),
+        right_run: Some(said(&job, &whole)),
+        lapses: lapses.map(|lapse| said(&job, &set.recording(repetition, Some(*lapse)))).collect(),
+        hand_lost: Side::ALL.iter().map(|side| said(&job, &lost(*side))).collect(),
+    }
+}
+
+/// How often `teach` did not trust the runs or taught nothing, and what was said of what was left out.
+#[derive(Debug, Default)]
+struct Counts {
+    cases: u32,
+    refused: u32,
+    without_job: u32,
+    right_runs: BTreeMap<Said, u32>,
+    lapses: BTreeMap<Said, u32>,
+    hand_lost: BTreeMap<Said, u32>,
+}
+
+impl Counts {
+    fn add(&mut self, case: &Case) {
+        self.cases += 1;
+        self.refused += u32::from(case.is_trusted != Some(true));
+        self.without_job += u32::from(case.is_trusted.is_none());
+        for (counts, said) in [
+            (&mut self.right_runs, case.right_run.as_slice()),
+            (&mut self.lapses, &case.lapses),
+            (&mut self.hand_lost, &case.hand_lost),
+        ] {
+            said.iter().for_each(|said| *counts.entry(*said).or_default() += 1);
+        }
+    }
+
+    /// One line of the table.
+    fn line(&self) -> String {
+        let of = |counts| {
+            let [right, accused, not_judged] =
+                [Said::Right, Said::Accused, Said::NotJudged].map(|said| number(counts, said));
+            format!("{right} / {accused} / {not_judged}")
+        };
+        format!(
+            "{} of {} refused, {} without a job | right runs {} | lapses {} | a hand lost {}",
+            self.refused,
+            self.cases,
+            self.without_job,
+            of(&self.right_runs),
+            of(&self.lapses),
+            of(&self.hand_lost)
+        )
+    }
+}
+
+fn number(counts: &BTreeMap<Said, u32>, said: Said) -> u32 {
+    counts.get(&said).copied().unwrap_or_default()
+}
+
+#[test]
+fn people_who_work_by_feel_are_judged_by_what_their_other_runs_teach() {
+    let seed = environment::number("ANDON_SEED", 71);
+    let by_boxes = environment::number("ANDON_BOXES", 0) != 0;
+    let sets: Vec<Set> = (0..environment::number("ANDON_SETS", 2))
+        .map(|index| Set { seed, work: ByFeel::ALL[(index % 2) as usize], person: 1 + index / 2, by_boxes })
+        .collect();
+    let cases: Vec<(Set, u64)> =
+        sets.iter().flat_map(|set| (0..RUNS).map(|repetition| (*set, repetition))).collect();
+    let counts: Mutex<BTreeMap<Set, Counts>> = Mutex::default();
+    let total: Mutex<Counts> = Mutex::default();
+    let done = workers::for_each(&cases, |(set, repetition)| {
+        let case = left_out(*set, *repetition);
+        counts.lock().unwrap().entry(*set).or_default().add(&case);
+        total.lock().unwrap().add(&case);
+        Ok::<(), Infallible>(())
+    });
+    done.unwrap();
+    println!("right / accused / not judged");
+    for (set, counts) in counts.into_inner().unwrap() {
+        println!("{set:?}: {}", counts.line());
+    }
+    let total = total.into_inner().unwrap();
+    println!("all: {}", total.line());
+    if by_boxes {
+        // Too little of these is taught for a bar.
+        return;
+    }
+    let judged: u32 = total.lapses.values().sum();
+    assert!(100 * number(&total.right_runs, Said::Accused) <= MAX_ACCUSED * total.cases, "{total:?}");
+    assert!(100 * number(&total.lapses, Said::Accused) >= MIN_FOUND * judged, "{total:?}");
+    assert!(100 * number(&total.lapses, Said::Right) <= MAX_CALLED_RIGHT * judged, "{total:?}");
+}
