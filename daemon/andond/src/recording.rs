@@ -7,6 +7,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use andon_core::input::{Frame, Space};
+use andon_learn::file;
 use andon_learn::recording::{Header, Landmarks, NamedObject, TrackError, TrackReader};
 use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
 use shm_schemas::Detections;
@@ -93,7 +94,7 @@ impl Recording {
     }
 
     fn tracks(path: &Path) -> Result<Self, RecordingError> {
-        let file = File::open(path).map_err(|source| RecordingError::Open { path: path.into(), source })?;
+        let file = file::open(path).map_err(|source| RecordingError::Open { path: path.into(), source })?;
         let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
         Ok(Self { header: reader.header().clone(), source: Source::Tracks(Box::new(reader)) })
     }

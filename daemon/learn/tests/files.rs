@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use andon_learn::file::NotText;
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::recording;
 
@@ -44,7 +45,7 @@ fn a_track_file_that_cannot_be_trusted_is_refused_with_its_line_and_the_reason()
     let thirty_three: Vec<_> =
         (1..=33).map(|id| format!("{{\"id\":{id},\"interaction_points\":[[0,0,0]]}}")).collect();
     let cases = [
-        (String::new(), 1, "the header is missing"),
+        (String::new(), 1, "the file is empty"),
         ("{\"form".into(), 1, "the header is missing"),
         (frame("").replace("andon.tracks", "other"), 1, "the format is \"other\""),
         (frame("").replace("\"version\":1", "\"version\":2"), 1, "version 2 of the track format is unknown"),
@@ -82,7 +83,9 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
     let good = std::fs::read_to_string(path).unwrap();
     let invalid = JobFile { max_slowdown: 0.5, ..JobFile::parse(path, good.as_bytes()).unwrap() };
     let refused = |bytes: &[u8]| JobFile::parse("job.toml", bytes).unwrap_err().fault;
-    assert!(matches!(refused(b"a\xff"), JobFault::NotText(1)));
+    assert!(matches!(refused(b"a\xff"), JobFault::NotText(NotText::Encoding(1))));
+    assert!(matches!(refused(b"\0\0\0\x20ftypisom"), JobFault::NotText(NotText::Binary)));
+    assert!(matches!(refused(b"\r\n"), JobFault::Empty));
     assert!(matches!(refused(b"format = "), JobFault::Toml(_)));
     assert!(matches!(refused(good.replace("andon.job", "other").as_bytes()), JobFault::Format(_)));
     assert!(matches!(
@@ -90,6 +93,22 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
         JobFault::Version(99)
     ));
     assert!(matches!(refused(invalid.to_toml().as_bytes()), JobFault::Invalid { .. }));
+}
+
+/// Windows' editors end lines in their own way, and some put a mark before the text. Names are there to be edited.
+#[test]
+fn a_job_file_that_any_editor_has_saved_is_the_same_job() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+    let good = std::fs::read_to_string(path).unwrap();
+    let job = JobFile::parse(path, good.as_bytes()).unwrap();
+    let crlf = good.replace('\n', "\r\n");
+    for saved in [crlf.clone(), format!("\u{feff}{good}"), format!("\u{feff}{crlf}")] {
+        let read = JobFile::parse("saved.toml", saved.as_bytes()).unwrap();
+        assert_eq!((read.model_hash(), read.to_toml()), (job.model_hash(), good.clone()));
+    }
+    let utf16: Vec<u8> = good.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let said = JobFile::parse("saved.toml", &utf16).unwrap_err().to_string();
+    assert!(said.contains("UTF-16") && said.contains("save it as UTF-8"), "{said}");
 }
 
 /// A job that was taught when a short time at no other part was wrong is read as one that was taught without that rule.

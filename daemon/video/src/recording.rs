@@ -68,6 +68,16 @@ pub(crate) fn format_of(capture: &VideoCapture) -> Result<PictureFormat, String>
     })
 }
 
+/// How many pictures a film has by its own account; `None` where it is none.
+pub(crate) fn count_of(path: &Path) -> Option<u64> {
+    let capture = VideoCapture::from_file(path, videoio::CAP_FFMPEG).ok()?;
+    capture
+        .is_opened()
+        .unwrap_or(false)
+        .then(|| format_of(&capture).ok().map(|format| format.count))
+        .flatten()
+}
+
 /// A video file.
 struct Film {
     capture: VideoCapture,

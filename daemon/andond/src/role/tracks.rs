@@ -5,6 +5,7 @@ use std::io::BufReader;
 use std::time::Duration;
 
 use andon_ipc::{Loan, Node};
+use andon_learn::file;
 use andon_learn::recording::TrackReader;
 use shm_schemas::{Detections, RoleId};
 
@@ -32,7 +33,7 @@ impl Tracks {
         // The configuration is refused without a path for this source.
         let path = config.camera.path.clone().unwrap_or_default();
         let file =
-            File::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
+            file::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
         Ok(Self { reader: TrackReader::new(&path.display().to_string(), BufReader::new(file))? })
     }
 }

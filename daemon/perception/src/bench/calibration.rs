@@ -110,7 +110,11 @@ impl Calibration {
             file.sync_all()?;
             std::fs::rename(&unfinished, path)
         };
-        write().map_err(|source| CalibrationError::File { path: path.into(), verb: "written", source })
+        write().map_err(|source| {
+            // What there is of it is of no use, and takes room where there is none.
+            let _ = std::fs::remove_file(&unfinished);
+            CalibrationError::File { path: path.into(), verb: "written", source }
+        })
     }
 
     /// The bench frame of metric mode: where a camera with this lens must be for this calibration.
