@@ -68,9 +68,11 @@ pub fn encode(file: &Path) -> Result<(), String> {
     let format = pipe.format();
     let size = Size::new(format.width as i32, format.height as i32);
     let message = |error: opencv::Error| error.to_string();
+    // FFmpeg takes what stands before a colon for a protocol.
+    let absolute = std::path::absolute(file).map_err(|error| error.to_string())?;
     let codec = VideoWriter::fourcc('a', 'v', 'c', '1').map_err(message)?;
     let mut film =
-        VideoWriter::new_with_backend(file, videoio::CAP_FFMPEG, codec, format.rate_hz, size, true)
+        VideoWriter::new_with_backend(absolute, videoio::CAP_FFMPEG, codec, format.rate_hz, size, true)
             .map_err(message)?;
     if !film.is_opened().map_err(message)? {
         return Err(unfinished(file).unwrap_or_else(|| {
