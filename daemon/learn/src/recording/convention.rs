@@ -27,6 +27,10 @@ const MAX_WRONG_RATE: f64 = 4.0;
 const MAX_TILT: f64 = 0.01;
 /// A part is turned so far, by half the angle, that another order of the numbers cannot be meant.
 const MIN_TURN: f64 = 0.2;
+/// Where there is no rotation about the other axes at all, because the tracker knows only the bench's normal, next to no turn is needed: nothing
+/// that is measured keeps to exactly half a turn.
+const NO_TILT: f64 = 1e-6;
+const MIN_TURN_WITHOUT_TILT: f64 = 0.005;
 
 /// What the frames so far show.
 #[derive(Debug)]
@@ -140,11 +144,13 @@ impl Conventions {
         *first_two = first_two.max(a * a + b * b);
         (*least, *most) = (least.min(c), most.max(c));
         // In the plane the third number is zero. In three dimensions a part may lie on its back, and stays so.
-        let is_turned = match self.space {
-            Space::Plane => most.max(-*least) > MIN_TURN,
-            Space::Metric => *most - *least > 2.0 * MIN_TURN,
+        let turn = match self.space {
+            Space::Plane => most.max(-*least),
+            Space::Metric => (*most - *least) / 2.0,
         };
-        if *count >= ROTATIONS && *first_two < MAX_TILT && is_turned {
+        let is_last =
+            *first_two < MAX_TILT && turn > MIN_TURN || *first_two < NO_TILT && turn > MIN_TURN_WITHOUT_TILT;
+        if *count >= ROTATIONS && is_last {
             return Err(TrackFault::RealPartLast(object.id));
         }
         Ok(())

@@ -33,7 +33,8 @@ impl fmt::Display for Truncation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, line {}: the file ends in the middle of this line; it was read up to the line before",
+            "{}, line {}: the file ends in the middle of this line, so it was not written to its end, and nothing is said of what came then; copy \
+             it again, or remove this line if no more is missing",
             self.file, self.line
         )
     }
