@@ -14,7 +14,6 @@ use super::cycle::Cycle;
 use super::output::Output;
 use super::player::{Player, Recording};
 use crate::config::Config;
-use crate::log::{code, log};
 use crate::wire;
 
 /// Runs until it is asked to stop.
@@ -26,6 +25,8 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
 
 struct Tracks {
     reader: TrackReader<BufReader<File>>,
+    /// The time of the first frame, which other trackers do not begin with zero.
+    first_ns: Option<u64>,
 }
 
 impl Tracks {
@@ -34,7 +35,8 @@ impl Tracks {
         let path = config.camera.path.clone().unwrap_or_default();
         let file =
             file::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
-        Ok(Self { reader: TrackReader::new(&path.display().to_string(), BufReader::new(file))? })
+        let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
+        Ok(Self { reader, first_ns: None })
     }
 }
 
@@ -49,12 +51,11 @@ impl Recording<Loan<Detections>> for Tracks {
 
     fn next(&mut self, message: &mut Loan<Detections>) -> Result<Option<Duration>, RoleError> {
         let Some(frame) = self.reader.next().transpose()? else {
-            if let Some(truncation) = self.reader.truncation() {
-                log!(code::TRACK_CUT_SHORT, "{truncation}");
-            }
-            return Ok(None);
+            // That it is at its end is not known where it is cut: nothing may be said of the end then.
+            return self.reader.truncation().map_or(Ok(None), |cut| Err(RoleError::CutShort(cut.clone())));
         };
         wire::detections::write_frame(&frame, message);
-        Ok(Some(Duration::from_nanos(frame.captured_ns)))
+        let first_ns = *self.first_ns.get_or_insert(frame.captured_ns);
+        Ok(Some(Duration::from_nanos(frame.captured_ns - first_ns)))
     }
 }

@@ -186,8 +186,6 @@ fn each_frame(
         take(frame)?;
     }
     bar.finish_and_clear();
-    if let Some(warning) = recording.warning() {
-        eprintln!("{warning}");
-    }
+    recording.warnings(path).iter().for_each(|warning| eprintln!("{warning}"));
     Ok(())
 }
