@@ -76,7 +76,7 @@ impl Bench {
         Writer { arguments: words.split_whitespace().map(path).collect(), replaces }
     }
 
-    /// Everything that writes files. `demo --annotate` writes its films as `replay --annotate` does.
+    /// Everything that writes files. `demo --annotate` writes its films as `replay --annotate` does, and `calibrate` its picture as `look` does.
     fn writers(&self) -> Vec<Writer> {
         vec![
             self.writer(None, "new full --part a=0.03 --camera FILM --out @new.toml"),
@@ -84,10 +84,9 @@ impl Bench {
             self.writer(Some("look.png"), "look DEMO FILM --save @look.png"),
             self.writer(Some("look.jpg"), "look DEMO FILM --annotated @look.jpg"),
             self.writer(
-                Some("bench.png"),
-                "calibrate DEMO FILM --side 0.03 --marker 3=0,0 --marker 5=0.3,0 --marker 6=0,0.2 --marker 7=1,1 --out @b.toml --plot @bench.png",
+                Some("a.mp4"),
+                "replay DEMO FILM --job config/jobs/polish-and-measure.toml --annotate @a.mp4",
             ),
-            self.writer(Some("a.mp4"), "replay DEMO FILM --job config/jobs/polish-and-measure.toml --annotate @a.mp4"),
             self.writer(Some("a.svg"), "segment LINE $work.tracks.jsonl --plot @a.svg"),
             self.writer(Some("f.tracks.jsonl"), "tracks DEMO FILM --force --out @f.tracks.jsonl"),
             self.writer(

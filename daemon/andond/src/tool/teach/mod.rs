@@ -42,6 +42,12 @@ const FALSE_ALARMS: f64 = 0.01;
 /// # Errors
 /// What is missing or damaged, an existing file, or why nothing can be learned.
 pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
+    if let Some(name) =
+        arguments.name.as_ref().filter(|name| name.trim().is_empty() || name.contains(char::is_control))
+    {
+        let expected = "a name has a letter, and stands on one line";
+        return Err(ToolError::Option { option: "--name", given: name.clone(), expected });
+    }
     let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty());
     let before = is_changed.then(|| job::load(&arguments.out)).transpose()?;
     make_folder(&arguments.out)?;
@@ -76,6 +82,13 @@ fn learn(
     // In the order of their names, whichever way they were given, so that the same recordings teach the same job.
     let mut runs = read_runs(recordings, config, &options.method, &|| ())?;
     runs.sort_by(|one, other| (&one.name, &one.sha256).cmp(&(&other.name, &other.sha256)));
+    for run in runs.iter().filter(|run| !run.shows_hands()) {
+        eprintln!(
+            "note: {} shows no hand, so it shows no work: is it the right recording, is the hand in view and lit, and is it named in \
+             perception.hands?",
+            run.name
+        );
+    }
     let unseen = unseen::parts(&runs);
     let (job, report) =
         teach(&runs, &options).map_err(|nothing| unseen::explain(&unseen, recordings, nothing))?;
