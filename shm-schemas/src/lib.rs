@@ -93,4 +93,6 @@ pub mod flag {
     pub const SEEN: u16 = 1;
     /// The object was hidden, and its pose is held by the hand that carries it.
     pub const HELD: u16 = 1 << 1;
+    /// The object's marker is in view twice, so that it was not seen in this frame.
+    pub const TWICE: u16 = 1 << 2;
 }

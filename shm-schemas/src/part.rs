@@ -44,7 +44,7 @@ impl PartId {
     pub const NONE: Self = Self([0; PART_BYTES]);
 
     /// Reads an id. It ends before the first zero; what follows that is ignored, because a controller may leave old characters there.
-    /// Blanks at both ends are padding.
+    /// Blanks and line ends at both ends are padding, as scanners add them: where there is nothing else, there is no id.
     ///
     /// # Errors
     /// [`BadPart`]
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_id_ends_at_the_first_zero_and_blanks_around_it_are_padding() {
+    fn an_id_ends_at_the_first_zero_and_blanks_and_line_ends_around_it_are_padding() {
         for bytes in [&b"A-17"[..], b"A-17\0\0", b"A-17\0old", b"  A-17  ", b"A-17\r\n"] {
             assert_eq!(PartId::new(bytes).map(|id| *id.bytes()), PartId::new(b"A-17").map(|id| *id.bytes()));
             assert_eq!(PartId::new(bytes).as_ref().map(PartId::text), Ok("A-17"));
@@ -97,8 +97,8 @@ mod tests {
     }
 
     #[test]
-    fn blanks_and_zeros_are_no_id() {
-        for bytes in [&b""[..], b"\0\0", b"   ", b"\0old"] {
+    fn blanks_line_ends_and_zeros_are_no_id() {
+        for bytes in [&b""[..], b"\0\0", b"   ", b"\r\n", b"\0old"] {
             assert_eq!(PartId::new(bytes), Ok(PartId::NONE));
         }
     }

@@ -306,3 +306,56 @@ fn a_doubt_uses_the_words_that_it_is_given() {
         "p1 has another order than the 4 others: its step 2 begins with <5>, theirs with <6>"
     );
 }
+
+/// The recording as another program has saved it: turned, later by half a second, at 25 Hz, with half a millimetre of noise.
+fn saved_again(recording: &Recording) -> Recording {
+    let (sine, cosine) = 1.3_f32.sin_cos();
+    let mut state = 1_u32;
+    let mut noise_m = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((state >> 8) as f32 / (1 << 24) as f32 - 0.5) * 0.0017
+    };
+    let mut moved = |[x, y, z]: [f32; 3]| {
+        [0.3 + x * cosine - y * sine + noise_m(), x * sine + y * cosine - 0.1 + noise_m(), z + noise_m()]
+    };
+    let mut frames = Vec::new();
+    for (index, frame) in recording.frames.iter().enumerate() {
+        if index % 6 == 5 {
+            continue;
+        }
+        let mut frame = frame.clone();
+        frame.captured_ns += 500_000_000;
+        for hand in &mut frame.hands {
+            hand.wrist = moved(hand.wrist);
+            hand.middle_knuckle = moved(hand.middle_knuckle);
+            hand.tips = hand.tips.map(&mut moved);
+        }
+        for object in &mut frame.objects {
+            object.position = moved(object.position);
+        }
+        frames.push(frame);
+    }
+    Recording { frames, ..recording.clone() }
+}
+
+#[test]
+fn a_run_that_was_saved_again_in_another_form_counts_once() {
+    let mut runs = correct(4);
+    runs.push(named("again", &saved_again(&recording(2, Flaw::None))));
+    let said = refused(&taught(&runs));
+    assert!(said.contains("again was shown before: there are 4 different runs only"), "{said}");
+}
+
+/// However alike they are: the same person does the same job again and again.
+#[test]
+fn runs_of_one_person_are_different_runs() {
+    let repetition = |seed: u64, repetition: u64| {
+        let performance = Performance { seed, person: 1, repetition, noise: Noise::default() };
+        named(&format!("r{repetition}"), &perform(&performance, Flaw::None).0)
+    };
+    for seed in [SEED, SEED + 1] {
+        let runs: Vec<Run> = (1..=8).map(|number| repetition(seed, number)).collect();
+        let report = taught(&runs);
+        assert!(!report.to_string().contains("shown before"), "{report}");
+    }
+}

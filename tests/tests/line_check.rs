@@ -97,6 +97,40 @@ fn a_realsense_camera_that_is_not_attached_is_found() {
     lacks(&line(), &station, &["camera: ", "RealSense"]);
 }
 
+/// Its name, its port and its journal are those of this station because it is the same file.
+#[test]
+fn a_copy_of_the_station_file_in_its_folder_is_told_as_a_copy() {
+    let line = line();
+    std::fs::copy(line.config(), line.path("station copy.toml")).unwrap();
+    let output = line.command("check", &[]);
+    let said =
+        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(78), "{said}");
+    assert!(said.contains("station copy.toml is a copy of this station's file: move it"), "{said}");
+    assert!(!said.contains("listens on port"), "one cause is one fault: {said}");
+}
+
+/// Who waits for the writer of a pipe waits for ever.
+#[test]
+fn a_pipe_in_place_of_a_file_is_refused_and_not_waited_for() {
+    let line = line();
+    let pipe = line.path("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for key in
+        ["[station]\njob", "[camera]\nsource = \"video\"\npath", "[journal]\npath", "[bench]\ncalibration"]
+    {
+        let (code, said) = check(&line, &format!("{key} = {pipe:?}\n"));
+        assert!(code == Some(78) && said.contains("pipe"), "{key}: {code:?} {said}");
+    }
+    let output = std::process::Command::new(andon_tests::line::andond())
+        .args(["check", "-c"])
+        .arg(&pipe)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(78) && said.contains("save it as one first"), "{said}");
+}
+
 #[test]
 fn a_text_as_film_or_as_job_is_found() {
     let line = line();

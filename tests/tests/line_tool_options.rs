@@ -243,6 +243,27 @@ fn replay_says_how_many_strokes_there_were_and_how_many_were_shown() {
     );
 }
 
+/// The worker has not come to the end there: without the cut this would be an anomaly.
+#[test]
+fn a_track_file_that_was_cut_is_judged_up_to_there_and_not_at_its_end() {
+    let line = Line::new(Settings::default());
+    let (job, whole) = (line.path("job.toml"), std::fs::read(line.tracks()).unwrap());
+    let whole_said = line.command("replay", &["--job", text(&job), text(&line.tracks())]);
+    let whole_said = String::from_utf8(whole_said.stdout).unwrap();
+    let cut = line.path("cut.tracks.jsonl");
+    for tenths in 4..10 {
+        std::fs::write(&cut, &whole[..whole.len() * tenths / 10 - 7]).unwrap();
+        let output = line.command("replay", &["--job", text(&job), text(&cut)]);
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(output.status.code(), Some(64), "{said}");
+        assert!(whole_said.starts_with(&said), "{tenths} tenths: {said}");
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(errors.contains("cut.tracks.jsonl, line ") && errors.contains("copy it again"), "{errors}");
+    }
+    let taught = line.command("teach", &["--force", "--out", text(&line.path("new.toml")), text(&cut)]);
+    assert_eq!(taught.status.code(), Some(64), "a run that is cut teaches nothing");
+}
+
 #[test]
 fn segment_draws_its_plot() {
     let line = Line::new(Settings::default());

@@ -59,11 +59,16 @@ fn a_hand_that_leaves_the_picture_at_work_is_logged_and_the_step_is_not_judged()
 }
 
 #[test]
-fn a_track_file_that_was_cut_off_is_played_to_the_cut_and_the_cut_is_logged() {
+fn a_track_file_that_was_cut_off_is_played_to_the_cut_and_nothing_is_said_of_its_end() {
     let mut line = Line::new(Settings::default());
     let bytes = std::fs::read(line.tracks()).unwrap();
-    std::fs::write(line.tracks(), &bytes[..bytes.len() - 20]).unwrap();
+    // In the middle of the work: the job is not done.
+    std::fs::write(line.tracks(), &bytes[..bytes.len() * 3 / 5]).unwrap();
     let mut watcher = line.launch();
-    watcher.until("the judge's end", |watcher| watcher.is(RoleId::Judge, RoleState::Finished));
-    line.wait_for_log("perceive", "AND-210", "everything up to that line is used");
+    line.wait_for_log("perceive", "AND-210", "nothing is said of what came then");
+    watcher.until("the end of perceive", |watcher| !watcher.is(RoleId::Perceive, RoleState::Running));
+    line.stop();
+    watcher.listen(std::time::Duration::ZERO);
+    let accused = watcher.verdicts.iter().filter(|verdict| verdict.outcome() == Ok(VerdictOutcome::Anomaly));
+    assert_eq!(accused.count(), 0, "the cut is taken for the end of the job");
 }

@@ -8,6 +8,7 @@ use std::io::{self, Read as _};
 use std::path::{Component, Path, PathBuf};
 
 use andon_learn::digest::sha256_hex;
+use andon_learn::file;
 use serde::{Deserialize, Serialize};
 
 /// The name of the entry that lists the others.
@@ -144,7 +145,7 @@ impl Archive {
     /// # Errors
     /// What is wrong with it.
     pub(crate) fn read(path: &Path) -> Result<Self, ArchiveError> {
-        let file = File::open(path).map_err(|source| ArchiveError::File { path: path.into(), source })?;
+        let file = file::open(path).map_err(|source| ArchiveError::File { path: path.into(), source })?;
         let damaged = |why: String| ArchiveError::Damaged { path: path.into(), why };
         let entries = read_entries(file).map_err(|error| damaged(error.to_string()))?;
         let mut entries = entries.into_iter();

@@ -2,7 +2,7 @@
 
 use crate::log::{code, log};
 use std::error::Error;
-use std::io::{self, ErrorKind};
+use std::io::{self, ErrorKind, Write as _};
 use std::process::ExitCode;
 
 /// Why a role or a tool has ended.
@@ -56,6 +56,18 @@ pub fn exit_on_panic() {
         // `println!` panics where the reader has seen enough, as `head` does. That is no defect, and there is nobody to tell.
         if message.starts_with("failed printing to std") && message.contains("Broken pipe") {
             std::process::exit(i32::from(Code::Unread as u8));
+        }
+        if let Some(error) = message.strip_prefix("failed printing to stdout: ") {
+            // Nor is a full disk.
+            let _ = writeln!(
+                io::stderr(),
+                "standard output cannot be written: {error}; make room on this disk, or write elsewhere"
+            );
+            std::process::exit(i32::from(Code::Fault as u8));
+        }
+        if message.starts_with("failed printing to stderr") {
+            // There is nowhere to say it.
+            std::process::exit(i32::from(Code::Fault as u8));
         }
         log!(code::PANIC, "{message}, at {location}");
         // A tool has no log.

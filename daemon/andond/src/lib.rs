@@ -2,8 +2,8 @@
 //!
 //! Along the data path: [`video`] brings pictures, [`perception`] and, with depth, [`metric`] look at them, [`role`] has the
 //! processes of the line, [`wire`] what crosses shared memory, and [`report`] verdicts for people and programs.
-//! [`sight`] names what the line cannot see. [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`], [`config`], [`exit`],
-//! [`compatibility`], [`taken`] and [`log`] serve them all.
+//! [`file`] opens what people and other programs made. [`sight`] names what the line cannot see. [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`], [`config`], [`exit`],
+//! [`compatibility`], [`taken`], [`unwritten`] and [`log`] serve them all.
 #![forbid(unsafe_code)]
 
 mod atomic;
@@ -25,5 +25,8 @@ pub mod role;
 pub mod sight;
 pub mod taken;
 pub mod tool;
+pub mod unwritten;
 pub mod video;
 pub mod wire;
+
+pub use andon_learn::file;

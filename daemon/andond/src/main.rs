@@ -17,19 +17,26 @@ fn main() -> ExitCode {
         Err(usage) => {
             // Help and version are asked for; all else is a wrong command line.
             let asked = !usage.use_stderr();
-            let _ = usage.print();
-            return if asked { ExitCode::SUCCESS } else { Code::Usage.into() };
+            return match usage.print() {
+                Err(error) if asked => end(&ToolError::Print(error)),
+                _ if asked => ExitCode::SUCCESS,
+                _ => Code::Usage.into(),
+            };
         }
     };
     match run(cli.command) {
         Ok(code) => code,
-        // The reader has seen enough, as `head` does.
-        Err(failure) if is_reader_gone(&*failure) => Code::Unread.into(),
-        Err(failure) => {
-            eprintln!("{failure}");
-            failure.code().into()
-        }
+        Err(failure) => end(&failure),
     }
+}
+
+fn end(failure: &ToolError) -> ExitCode {
+    // The reader has seen enough, as `head` does.
+    if is_reader_gone(failure) {
+        return Code::Unread.into();
+    }
+    eprintln!("{failure}");
+    failure.code().into()
 }
 
 /// The error is boxed: it names whatever a tool may meet, and is large.

@@ -2,12 +2,16 @@
 //!
 //! The perception that runs live looks at a film in this process.
 
+use std::fmt;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use andon_core::input::{Frame, Space};
-use andon_learn::recording::{Header, Landmarks, NamedObject, TrackError, TrackReader};
+use andon_learn::file;
+use andon_learn::recording::{
+    Header, Landmarks, NamedObject, TrackError, TrackReader, Truncation, object_name,
+};
 use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
 use shm_schemas::Detections;
 
@@ -31,6 +35,9 @@ pub enum RecordingError {
     /// A track file with a fault.
     #[error(transparent)]
     Track(#[from] TrackError),
+    /// A track file that was not written to its end.
+    #[error("{0}")]
+    CutShort(Truncation),
     /// A film that cannot be read.
     #[error(transparent)]
     Video(#[from] VideoError),
@@ -54,6 +61,27 @@ pub enum RecordingError {
 pub struct Recording {
     header: Header,
     source: Source,
+    frames: u64,
+    twins: Vec<Twin>,
+}
+
+/// A marker that was in view twice: its part counts as not seen in these frames, because nobody knows which of the two lies on it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Twin {
+    /// The marker and the part.
+    pub id: u16,
+    /// What people call the part.
+    pub name: String,
+    /// In how many frames.
+    pub frames: u64,
+    /// When it was so last, in nanoseconds since the first frame.
+    pub newest_ns: u64,
+}
+
+impl fmt::Display for Twin {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "marker {} ({}) is in view twice", self.id, self.name)
+    }
 }
 
 enum Source {
@@ -93,9 +121,9 @@ impl Recording {
     }
 
     fn tracks(path: &Path) -> Result<Self, RecordingError> {
-        let file = File::open(path).map_err(|source| RecordingError::Open { path: path.into(), source })?;
+        let file = file::open(path).map_err(|source| RecordingError::Open { path: path.into(), source })?;
         let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
-        Ok(Self { header: reader.header().clone(), source: Source::Tracks(Box::new(reader)) })
+        Ok(Self::of(reader.header().clone(), Source::Tracks(Box::new(reader))))
     }
 
     fn film(path: &Path, config: &Config) -> Result<Self, RecordingError> {
@@ -119,7 +147,11 @@ impl Recording {
                 .collect(),
         };
         let watched = Watched { film, perceiver, seen: Detections::default() };
-        Ok(Self { header, source: Source::Film(Box::new(watched)) })
+        Ok(Self::of(header, Source::Film(Box::new(watched))))
+    }
+
+    fn of(header: Header, source: Source) -> Self {
+        Self { header, source, frames: 0, twins: Vec::new() }
     }
 
     /// Rate, space, hands and objects.
@@ -141,9 +173,44 @@ impl Recording {
     /// What is damaged, and where.
     pub fn next_frame(&mut self) -> Result<Option<Frame>, RecordingError> {
         match &mut self.source {
-            Source::Tracks(reader) => Ok(reader.next().transpose()?),
-            Source::Film(watched) => watched.next_frame(),
+            Source::Tracks(reader) => {
+                let frame = reader.next().transpose()?;
+                // What is known to be cut has no end that anything could be said of, as a film has none.
+                match reader.truncation().filter(|_| frame.is_none()) {
+                    Some(cut) => Err(RecordingError::CutShort(cut.clone())),
+                    None => Ok(frame),
+                }
+            }
+            Source::Film(watched) => {
+                let frame = watched.next_frame()?;
+                if let Some(frame) = &frame {
+                    self.frames += 1;
+                    wire::detections::twice(&watched.seen)
+                        .for_each(|id| note(&mut self.twins, &self.header, id, frame.captured_ns));
+                }
+                Ok(frame)
+            }
         }
+    }
+
+    /// The markers that were in view twice so far.
+    pub fn twins(&self) -> &[Twin] {
+        &self.twins
+    }
+
+    /// What a person should know of the recording after it was read. `path` is what it is called.
+    pub fn warnings(&self, path: &Path) -> Vec<String> {
+        let words = |twin: &Twin| {
+            format!(
+                "{}: {twin} in {} of {} frames, and the {} counts as not seen there: take the other print away, or give it an id of its own",
+                path.display(),
+                twin.frames,
+                self.frames,
+                twin.name
+            )
+        };
+        // What is read once or twice is a lucky pattern.
+        self.twins.iter().filter(|twin| twin.frames > 2).map(words).collect()
     }
 
     /// What the film shows now; a track file has no pictures.
@@ -157,12 +224,18 @@ impl Recording {
             }),
         }
     }
+}
 
-    /// What a person should know about the recording after it was read: that it ended in the middle of a line.
-    pub fn warning(&self) -> Option<String> {
-        match &self.source {
-            Source::Tracks(reader) => reader.truncation().map(ToString::to_string),
-            Source::Film(_) => None,
+/// Notes that a marker is in view twice.
+fn note(twins: &mut Vec<Twin>, header: &Header, id: u16, now_ns: u64) {
+    match twins.iter_mut().find(|twin| twin.id == id) {
+        Some(twin) => {
+            twin.frames += 1;
+            twin.newest_ns = now_ns;
+        }
+        None => {
+            let name = object_name(&header.objects, id);
+            twins.push(Twin { id, name, frames: 1, newest_ns: now_ns });
         }
     }
 }

@@ -342,7 +342,7 @@ fn parts_that_no_film_shows_are_named_with_their_markers_before_nothing_is_learn
     let words = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{words}");
     let expected = format!(
-        "marker 1 (drill), marker 2 (plate) are in no frame of the 1 recordings: do the ids in [[objects]] agree with the markers on the \
+        "marker 1 (drill), marker 2 (plate) are in no frame of {film}: do the ids in [[objects]] agree with the markers on the \
          parts, and are these in view, flat and whole? `andond look {film}` says which markers it shows. Nothing was learned: "
     );
     assert!(words.lines().last().unwrap().contains(&expected), "{words}");

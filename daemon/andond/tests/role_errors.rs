@@ -6,7 +6,7 @@
 use andon_ipc::{Channel, Error as Ipc};
 use andon_journal::JournalError;
 use andon_learn::job_file::JobFile;
-use andon_learn::recording::TrackReader;
+use andon_learn::recording::{TrackReader, Truncation};
 use andon_perception::bench::CalibrationError;
 use andon_perception::{PerceptionError, RuntimeFile};
 use andond::compatibility::Misfit;
@@ -45,13 +45,18 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
     let station = || "bench1".to_owned();
     let (root, lock) = (PathBuf::new(), PathBuf::new());
     let address = ([127, 0, 0, 1], 502).into();
-    let errors: [(RoleError, u32, Code); 30] = [
+    let errors: [(RoleError, u32, Code); 31] = [
         (open(OpenError::Refused), 105, Code::Configuration),
         (open(OpenError::NotAllowed), 107, Code::Fault),
         (open(OpenError::Gone), 108, Code::Fault),
         (open(OpenError::NoRecording), 108, Code::Configuration),
         (RoleError::Source(String::new()), 108, Code::Fault),
         (TrackReader::new("empty.tracks.jsonl", &b""[..]).err().unwrap().into(), 108, Code::Configuration),
+        (
+            RoleError::CutShort(Truncation { file: "cut.tracks.jsonl".to_owned(), line: 7 }),
+            210,
+            Code::Configuration,
+        ),
         (open(OpenError::Unfit), 109, Code::Fault),
         (open(OpenError::Unsupported), 109, Code::Configuration),
         (missing(RuntimeFile::PalmModel), 205, Code::Configuration),

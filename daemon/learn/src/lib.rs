@@ -5,7 +5,7 @@
 //! [`recording`] reads a track file → [`run`] finds its activities and IUs with the code that runs live → [`teach`] derives nominal
 //! activities, barycentres, thresholds and bounds, the latter two by a [`rule`] → [`job_file`] keeps the job.
 //!
-//! [`seen`] says what a run shows before anything is learned from it. [`folder`], [`analysis`] and [`experiment`] repeat what the paper did with its recordings.
+//! [`file`] opens what people and other programs made. [`seen`] says what a run shows before anything is learned from it. [`folder`], [`analysis`] and [`experiment`] repeat what the paper did with its recordings.
 #![forbid(unsafe_code)]
 
 pub mod analysis;
@@ -13,6 +13,7 @@ mod barycentre;
 pub mod cluster;
 pub mod digest;
 pub mod experiment;
+pub mod file;
 pub mod folder;
 mod html;
 pub mod job_file;

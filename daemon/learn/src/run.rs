@@ -2,7 +2,7 @@
 
 use crate::digest::sha256_hex;
 use crate::job_file::JobFile;
-use crate::recording::{self, NamedObject, Recording, TrackError};
+use crate::recording::{self, NamedObject, Recording, TrackError, Truncation};
 use crate::statistics::median;
 use andon_core::anomaly::{self, Judge};
 use andon_core::capacity::ACTIVITIES;
@@ -97,6 +97,9 @@ pub enum RunError {
     /// The track file was refused.
     #[error(transparent)]
     Track(#[from] TrackError),
+    /// It was not recorded to its end.
+    #[error("{0}")]
+    CutShort(Truncation),
     /// The encoder refuses the method or the objects.
     #[error("{name}: the recording cannot be encoded: {unusable:?}")]
     Unusable {
@@ -122,8 +125,11 @@ impl Run {
     /// Encodes and segments a recording. `sha256` is the digest of the bytes that it comes from.
     ///
     /// # Errors
-    /// If the method or the objects cannot be used.
+    /// If the method or the objects cannot be used, and if the recording is known to be cut: it does not show how the job ends.
     pub fn new(name: &str, sha256: &str, recording: &Recording, method: &Method) -> Result<Self, RunError> {
+        if let Some(cut) = &recording.truncation {
+            return Err(RunError::CutShort(cut.clone()));
+        }
         let unencoded = Self {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
@@ -198,6 +204,11 @@ impl Run {
     /// Whether object `id` was seen in any frame.
     pub fn shows(&self, id: u16) -> bool {
         self.frames.iter().any(|frame| frame.objects.iter().any(|object| object.id == id))
+    }
+
+    /// Whether a hand was seen in any frame.
+    pub fn shows_hands(&self) -> bool {
+        self.frames.iter().any(|frame| !frame.hands.is_empty())
     }
 
     /// Whether this run was recorded frame by frame as the other one was.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use andon_learn::file::NotText;
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::recording;
 
@@ -44,7 +45,7 @@ fn a_track_file_that_cannot_be_trusted_is_refused_with_its_line_and_the_reason()
     let thirty_three: Vec<_> =
         (1..=33).map(|id| format!("{{\"id\":{id},\"interaction_points\":[[0,0,0]]}}")).collect();
     let cases = [
-        (String::new(), 1, "the header is missing"),
+        (String::new(), 1, "the file is empty"),
         ("{\"form".into(), 1, "the header is missing"),
         (frame("").replace("andon.tracks", "other"), 1, "the format is \"other\""),
         (frame("").replace("\"version\":1", "\"version\":2"), 1, "version 2 of the track format is unknown"),
@@ -55,7 +56,11 @@ fn a_track_file_that_cannot_be_trusted_is_refused_with_its_line_and_the_reason()
         (tracks("", r#"{"id":5,"interaction_points":[]}"#, ""), 1, "object 5 has 0 interaction points"),
         (tracks("", &nine_points, ""), 1, "object 5 has 9 interaction points"),
         (tracks("", &thirty_three.join(","), ""), 1, "there are 33 objects"),
-        (tracks("", r#"{"id":5,"interaction_points":[[0,0,1e9]]}"#, ""), 1, "an interaction point is"),
+        (
+            tracks("", r#"{"id":5,"interaction_points":[[0,0,1e9]]}"#, ""),
+            1,
+            "an interaction point of object 5 lies",
+        ),
         (frame("{\"t\":0}\n{\"t\":0}"), 3, "t is 0 s after 0 s"),
         (frame("{\"t\":-1}"), 2, "t is -1; it must be in 0 to 1e9 seconds"),
         (frame("{\"t\":\"now\"}"), 2, "invalid type"),
@@ -82,7 +87,9 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
     let good = std::fs::read_to_string(path).unwrap();
     let invalid = JobFile { max_slowdown: 0.5, ..JobFile::parse(path, good.as_bytes()).unwrap() };
     let refused = |bytes: &[u8]| JobFile::parse("job.toml", bytes).unwrap_err().fault;
-    assert!(matches!(refused(b"a\xff"), JobFault::NotText(1)));
+    assert!(matches!(refused(b"a\xff"), JobFault::NotText(NotText::Encoding(1))));
+    assert!(matches!(refused(b"\0\0\0\x20ftypisom"), JobFault::NotText(NotText::Binary)));
+    assert!(matches!(refused(b"\r\n"), JobFault::Empty));
     assert!(matches!(refused(b"format = "), JobFault::Toml(_)));
     assert!(matches!(refused(good.replace("andon.job", "other").as_bytes()), JobFault::Format(_)));
     assert!(matches!(
@@ -90,6 +97,22 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
         JobFault::Version(99)
     ));
     assert!(matches!(refused(invalid.to_toml().as_bytes()), JobFault::Invalid { .. }));
+}
+
+/// Windows' editors end lines in their own way, and some put a mark before the text. Names are there to be edited.
+#[test]
+fn a_job_file_that_any_editor_has_saved_is_the_same_job() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+    let good = std::fs::read_to_string(path).unwrap();
+    let job = JobFile::parse(path, good.as_bytes()).unwrap();
+    let crlf = good.replace('\n', "\r\n");
+    for saved in [crlf.clone(), format!("\u{feff}{good}"), format!("\u{feff}{crlf}")] {
+        let read = JobFile::parse("saved.toml", saved.as_bytes()).unwrap();
+        assert_eq!((read.model_hash(), read.to_toml()), (job.model_hash(), good.clone()));
+    }
+    let utf16: Vec<u8> = good.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let said = JobFile::parse("saved.toml", &utf16).unwrap_err().to_string();
+    assert!(said.contains("UTF-16") && said.contains("save it as UTF-8"), "{said}");
 }
 
 /// A job that was taught when a short time at no other part was wrong is read as one that was taught without that rule.
@@ -114,4 +137,92 @@ fn the_shipped_job_is_written_as_it_was_read() {
     let text = std::fs::read_to_string(path).unwrap();
     let job = JobFile::parse(path, text.as_bytes()).unwrap();
     assert!(job.to_toml() == text, "a word of the job file has changed");
+}
+
+/// A track file of two seconds at 30 Hz in which a hand moves and a part turns, as a tracker of this kind writes it.
+fn tracked(write: impl Fn(f64, [f64; 3], [f64; 4]) -> (String, String, String)) -> String {
+    let lines = (0..60).map(|frame| {
+        let t = f64::from(frame) / 30.0;
+        let half_turn = 0.2 + 0.3 * t;
+        let q = [half_turn.cos(), 0.0, 0.0, half_turn.sin()];
+        let (t, p, q) = write(t, [0.1 + 0.05 * t, 0.2, 0.0], q);
+        let tip = p.replace("0.2", "0.38").replace("200", "380");
+        let hand = format!("{{\"id\":\"right\",\"landmarks\":[{p},{tip},{p},{tip},{tip}]}}");
+        format!("{{\"t\":{t},\"hands\":[{hand}],\"objects\":[{{\"id\":5,\"p\":{p},\"q\":{q}}}]}}\n")
+    });
+    let lines: String = lines.collect();
+    tracks("\"right\"", r#"{"id":5}"#, lines.trim_end())
+}
+
+fn list<const N: usize>(numbers: [f64; N]) -> String {
+    format!("[{}]", numbers.map(|number| number.to_string()).join(","))
+}
+
+#[test]
+fn what_another_tracker_writes_is_read_where_it_is_certain() {
+    let plain = tracked(|t, p, q| (t.to_string(), list(p), list(q)));
+    let expected = recording::read("plain", plain.as_bytes()).unwrap().frames;
+    assert_eq!(expected.len(), 60);
+    let with_mark = format!("\u{feff}{}", plain.replace('\n', "\r\n"));
+    assert_eq!(recording::read("mark", with_mark.as_bytes()).unwrap().frames, expected);
+    let since_1970 = tracked(|t, p, q| (format!("{:.6}", 1.7e9 + t), list(p), list(q)));
+    let times: Vec<u64> = recording::read("1970", since_1970.as_bytes())
+        .unwrap()
+        .frames
+        .iter()
+        .map(|frame| (frame.captured_ns + 500_000) / 1_000_000)
+        .collect();
+    assert_eq!(times[..4], [0, 33, 67, 100]);
+}
+
+/// Python writes NaN where nothing was seen, and other programs null.
+#[test]
+fn a_part_or_a_hand_without_a_place_was_not_seen() {
+    for gap in ["null", "[null,null,null]", "[NaN,NaN,NaN]", "[0.1,nan,-NaN]"] {
+        let text = tracked(|t, p, q| {
+            (t.to_string(), if t > 0.5 && t < 1.0 { gap.to_owned() } else { list(p) }, list(q))
+        });
+        let frames = recording::read("gap", text.as_bytes()).unwrap().frames;
+        let without = |frame: &&andon_core::input::Frame| frame.hands.is_empty() && frame.objects.is_empty();
+        assert_eq!((frames.len(), frames.iter().filter(without).count()), (60, 14), "{gap}");
+    }
+    let name = tracked(|t, p, q| (t.to_string(), list(p), list(q)))
+        .replace("{\"id\":5}", "{\"id\":5,\"name\":\"a NaN \\\" nan\"}");
+    assert_eq!(recording::read("name", name.as_bytes()).unwrap().header.objects[0].name, "a NaN \" nan");
+}
+
+#[test]
+fn what_another_tracker_means_by_its_numbers_is_refused_by_its_name() {
+    let scaled = |p: [f64; 3], factor: f64| list(p.map(|metres| (metres * factor * 1e6).round() / 1e6));
+    let cases = [
+        (tracked(|t, p, q| (t.to_string(), scaled(p, 1000.0), list(q))), "millimetres; divide them by 1000"),
+        (tracked(|t, p, q| ((t * 1e3).to_string(), list(p), list(q))), "milliseconds; divide it by 1000"),
+        (
+            tracked(|t, p, q| ((t * 1e9).to_string(), list(p), list(q))),
+            "nanoseconds; divide it by 1000000000",
+        ),
+        (tracked(|t, p, q| ((1.7e12 + t * 1e3).to_string(), list(p), list(q))), "milliseconds"),
+        (tracked(|t, p, [w, x, y, z]| (t.to_string(), list(p), list([x, y, z, w]))), "x, y, z, w"),
+        (
+            tracked(|t, p, q| {
+                (t.to_string(), if t > 1.0 { "[Infinity,0,0]".to_owned() } else { list(p) }, list(q))
+            }),
+            "write null",
+        ),
+        (
+            tracked(|t, p, q| (t.to_string(), list(p), list(q)))
+                .replace("{\"id\":5}", "{\"id\":5,\"interaction_points\":[[104,0,0]]}"),
+            "points are in metres",
+        ),
+    ];
+    for (text, said) in cases {
+        let error = recording::read("other", text.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}: not {said:?}");
+    }
+    let utf16: Vec<u8> = tracked(|t, p, q| (t.to_string(), list(p), list(q)))
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
+    let error = recording::read("other", &utf16).unwrap_err().to_string();
+    assert!(error.contains("UTF-16") && error.contains("save it as UTF-8"), "{error}");
 }

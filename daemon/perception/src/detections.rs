@@ -99,6 +99,8 @@ pub struct Detections {
     pub hands: Vec<HandDetection, HANDS>,
     /// At most one object per id, and only configured ids, in order of their ids.
     pub objects: Vec<ObjectDetection, OBJECTS>,
+    /// Configured ids that are in view twice. None of them is in `objects`.
+    pub twice: Vec<u16, OBJECTS>,
     /// Carried objects whose markers are hidden, placed by the motion of the hand. None of them is in `objects`.
     pub carried: Vec<PlacedObject, OBJECTS>,
     /// Hands in the picture, wanted or not.

@@ -141,6 +141,7 @@ fn see_hands(
 /// The objects of a picture on the bench, and its measures.
 struct SeenObjects {
     objects: heapless::Vec<ObjectDetection, OBJECTS>,
+    twice: heapless::Vec<u16, OBJECTS>,
     foreign_markers: usize,
     picture: Picture,
     markers_ns: u64,
@@ -149,6 +150,7 @@ struct SeenObjects {
 impl SeenObjects {
     fn enter(self, detections: &mut Detections) {
         detections.objects = self.objects;
+        detections.twice = self.twice;
         detections.foreign_markers = self.foreign_markers;
         detections.picture = self.picture;
         detections.spent.markers_ns = self.markers_ns;
@@ -163,12 +165,15 @@ fn see_objects(
 ) -> Result<SeenObjects, PerceptionError> {
     let _span = trace_span!("markers").entered();
     let began = Instant::now();
-    let found = markers.find(image, bench.min_side_px(), |id| bench.side_m(id).is_some())?;
+    let mut found = markers.find(image, bench.min_side_px(), |id| bench.side_m(id).is_some())?;
+    // Which of two prints lies on the part is a guess: neither is it.
+    found.retain(|marker| !markers.twice().contains(&marker.id));
     bench.see([image.width(), image.height()], &found, captured_ns)?;
     let gray = markers.gray(image)?;
     let picture = trace_span!("measures").in_scope(|| Picture::of(image, &gray));
     Ok(SeenObjects {
         objects: found.iter().filter_map(|marker| placed(bench, marker)).collect(),
+        twice: markers.twice().iter().copied().collect(),
         foreign_markers: markers.foreign(),
         picture,
         markers_ns: began.elapsed().as_nanos() as u64,

@@ -230,6 +230,11 @@ fn a_file_that_is_missing_or_no_calibration_is_named() {
     let calibration = calibrated(&CORNERS, &named(&CORNERS)).unwrap();
     let error = calibration.save(&folder.path().join("none/bench.toml")).unwrap_err();
     assert!(matches!(error, CalibrationError::File { verb: "written", .. }), "{error}");
+    // A folder has the name: what was written before that is found is gone again.
+    std::fs::create_dir(&path).unwrap();
+    assert!(calibration.save(&path).is_err());
+    std::fs::remove_dir(&path).unwrap();
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left");
     std::fs::write(&path, "width = 640\n").unwrap();
     let error = Calibration::load(&path).unwrap_err();
     assert!(matches!(error, CalibrationError::Content { .. }), "{error}");

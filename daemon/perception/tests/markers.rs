@@ -245,6 +245,26 @@ fn a_marker_that_is_not_configured_is_counted_while_the_others_are_looked_for_wh
     assert_eq!(counts[10..], [0; 10], "{counts:?}");
 }
 
+/// Nobody knows which of two prints lies on the part. One that comes later is found where only the neighbourhood of the first is searched too.
+#[test]
+fn a_marker_that_is_in_view_twice_is_named_and_its_part_is_not_seen() {
+    let mut perceiver = perceiver(&[5, 6]);
+    let (part, twin) = (Drawn::new(5, [0.1, 0.0], SIDE_M, 0.0), Drawn::new(5, [-0.2, 0.1], SIDE_M, 0.0));
+    let other = Drawn::new(6, [0.0, -0.1], SIDE_M, 0.0);
+    let (alone, both) =
+        (small_picture(&[part, other], DAYLIGHT), small_picture(&[part, twin, other], DAYLIGHT));
+    let mut seen = |pixels: &[u8], at: u64| {
+        let seen = perceiver.perceive(gray(640, 480, pixels), at).unwrap();
+        let ids: Vec<u16> = seen.objects.iter().map(|object| object.id).collect();
+        (ids, seen.twice.to_vec())
+    };
+    assert_eq!(seen(&alone, 0), (vec![5, 6], vec![]));
+    let later: Vec<_> = (1..20).map(|at| seen(&both, at)).collect();
+    assert_eq!(later[10..], vec![(vec![6], vec![5]); 9]);
+    let gone: Vec<_> = (20..24).map(|at| seen(&alone, at)).collect();
+    assert_eq!(gone, vec![(vec![5, 6], vec![]); 4]);
+}
+
 #[test]
 fn a_marker_half_hidden_is_never_seen_elsewhere() {
     let marker = Drawn::new(5, [0.1, 0.0], SIDE_M, 0.0);

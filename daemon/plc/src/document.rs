@@ -158,7 +158,8 @@ write `control_set` and `control_clear` instead: a panel that resets an error se
 
 ## The part
 
-1. Before the part comes to the bench, write its id to `part` and set `set_part`, in one request. No id, all zeros, is allowed.
+1. Before the part comes to the bench, write its id to `part` and set `set_part`, in one request. Blanks and line ends at its two ends are no part
+   of it, as scanners add them. No id is allowed: zeros, or nothing else than blanks and line ends.
 2. Wait for `carried_out`, as for every command: then `next_part` shows the id. Clear `set_part`.
 3. The id goes with every verdict of every job that begins from then on, until another one is set: in `result_part`, in the journal,
    in the output of `andond tail --json` and in the struct for C.
@@ -166,7 +167,7 @@ write `control_set` and `control_clear` instead: a panel that resets an error se
 **It counts from the next job on.** A job begins with the first touch, or with `start`, and keeps the id that was in force then. An id
 that is set in the middle of a job is for the next job: so a PLC can set it while the worker is still finishing the part before.
 
-**Never the wrong one.** An id with a byte that is not printable ASCII is refused, and the next job has none instead of the one before. A judge that
+**Never the wrong one.** An id with another byte that is not printable ASCII is refused, and the next job has none instead of the one before. A judge that
 starts again is given the id before `enable`; to it, what the worker goes on with is a new job. After a restart of this role the client
 sets the id again, before it writes `enable`; the judge keeps the last one until then. Where nothing was ever written here, a scanner
 or a person gives the id by `andond part ID`; once `set_part` was used, that is refused.

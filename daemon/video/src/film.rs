@@ -1,9 +1,11 @@
 //! Films for the tools: pictures of a film to standard output, and a film from the pictures on standard input.
 
 use std::ffi::OsStr;
-use std::io::{BufReader, BufWriter, Write as _, stdin, stdout};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, ErrorKind, Write as _, stdin, stdout};
 use std::path::Path;
 
+use andond::unwritten::remedy;
 use andond::video::frame::view;
 use andond::video::pipe::{PipeReader, PipeWriter};
 use opencv::core::{Mat, Size, Vec3b, Vector};
@@ -30,8 +32,10 @@ pub fn decode(file: &Path, rate_hz: &OsStr) -> Result<(), String> {
 pub fn watch(source: &mut dyn Source) -> Result<(), String> {
     let format = source.format();
     let mut frame = vec![0; source.frame_bytes()];
-    // A reader that closes the pipe has seen enough: a broken pipe is a clean end.
-    let Ok(mut pipe) = PipeWriter::new(BufWriter::new(stdout().lock()), format) else { return Ok(()) };
+    let mut pipe = match PipeWriter::new(BufWriter::new(stdout().lock()), format) {
+        Ok(pipe) => pipe,
+        Err(error) => return end_of_reader(error),
+    };
     while let Some(pts_ns) = source.next_picture(&mut frame)? {
         let mut header = FrameHeader::default();
         source.describe(&mut header);
@@ -40,12 +44,19 @@ pub fn watch(source: &mut dyn Source) -> Result<(), String> {
             .get(..header.colour_bytes().unwrap_or(usize::MAX))
             .ok_or("the source sends less than a picture")?;
         let image = view(&header, colour).and_then(|image| image.bgr()).map_err(|error| error.to_string())?;
-        if pipe.write_picture(pts_ns, &image).is_err() {
-            return Ok(());
+        if let Err(error) = pipe.write_picture(pts_ns, &image) {
+            return end_of_reader(error);
         }
     }
-    let _ = pipe.finish();
-    Ok(())
+    pipe.finish().or_else(end_of_reader)
+}
+
+/// A reader that closes the pipe has seen enough: a broken pipe is a clean end, and nothing else is.
+fn end_of_reader(error: io::Error) -> Result<(), String> {
+    match error.kind() {
+        ErrorKind::BrokenPipe => Ok(()),
+        _ => Err(format!("standard output cannot be written: {error}; {}", remedy(&error))),
+    }
 }
 
 /// Writes a film of the pictures on standard input.
@@ -57,19 +68,46 @@ pub fn encode(file: &Path) -> Result<(), String> {
     let format = pipe.format();
     let size = Size::new(format.width as i32, format.height as i32);
     let message = |error: opencv::Error| error.to_string();
+    // FFmpeg takes what stands before a colon for a protocol.
+    let absolute = std::path::absolute(file).map_err(|error| error.to_string())?;
     let codec = VideoWriter::fourcc('a', 'v', 'c', '1').map_err(message)?;
     let mut film =
-        VideoWriter::new_with_backend(file, videoio::CAP_FFMPEG, codec, format.rate_hz, size, true)
+        VideoWriter::new_with_backend(absolute, videoio::CAP_FFMPEG, codec, format.rate_hz, size, true)
             .map_err(message)?;
     if !film.is_opened().map_err(message)? {
-        return Err("cannot be written: does the folder exist, and does the name end in .mp4?".into());
+        return Err(unfinished(file).unwrap_or_else(|| {
+            "no film of this kind can be written here: does the name end in .mp4?".to_owned()
+        }));
     }
+    let mut pictures = 0;
     while pipe.advance().map_err(|error| error.to_string())?.is_some() {
+        pictures += 1;
         let mat = Mat::new_rows_cols_with_bytes::<Vec3b>(size.height, size.width, pipe.picture())
             .map_err(message)?;
         film.write(&mat).map_err(message)?;
     }
-    film.release().map_err(message)
+    film.release().map_err(message)?;
+    check_written(file, pictures)
+}
+
+/// Checks that a film is whole and on the disk: OpenCV does not say that it could not write.
+fn check_written(file: &Path, pictures: u64) -> Result<(), String> {
+    if pictures == 0 || recording::count_of(file).is_some_and(|count| count + 1 >= pictures) {
+        let synced = File::options().append(true).open(file).and_then(|film| film.sync_all());
+        return synced.map_err(|error| unwritten(&error));
+    }
+    Err(unfinished(file).unwrap_or_else(|| "it was not written to its end; is the disk in order?".into()))
+}
+
+/// Why a film came to no end, if the system still says so: where it has no room, a little more is refused as well.
+fn unfinished(file: &Path) -> Option<String> {
+    let mut film = File::options().append(true).open(file).ok()?;
+    let error = film.write_all(&[0; 1 << 16]).and_then(|()| film.sync_all()).err()?;
+    Some(unwritten(&error))
+}
+
+fn unwritten(error: &io::Error) -> String {
+    format!("it cannot be written: {error}; {}", remedy(error))
 }
 
 /// Writes each picture on standard input to standard output as a file of its own with this ending, after its length in bytes (32 bits, the
@@ -89,9 +127,8 @@ pub fn stills(ending: &OsStr) -> Result<(), String> {
         imgcodecs::imencode_def(&ending, &mat, &mut file).map_err(message)?;
         let length = u32::try_from(file.len()).map_err(|error| error.to_string())?;
         let written = out.write_all(&length.to_le_bytes()).and_then(|()| out.write_all(file.as_slice()));
-        if written.and_then(|()| out.flush()).is_err() {
-            // A reader that closes the pipe has seen enough.
-            return Ok(());
+        if let Err(error) = written.and_then(|()| out.flush()) {
+            return end_of_reader(error);
         }
     }
     Ok(())

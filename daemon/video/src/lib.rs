@@ -4,14 +4,17 @@
 #![forbid(unsafe_code)]
 
 pub mod capture;
+mod container;
 mod device;
 mod encoding;
 pub mod film;
+mod folder;
 mod rate;
 #[cfg(feature = "realsense")]
 mod realsense;
 mod recording;
 pub mod source;
+mod whole;
 
 use andond::config::{Config, Source as Configured};
 use andond::video::OpenError;

@@ -1,12 +1,14 @@
-//! Films and folders of pictures, read by OpenCV.
+//! Films, read by OpenCV.
 
 use std::path::{Path, PathBuf};
 
+use andond::file;
 use andond::video::pipe::PictureFormat;
-use opencv::core::{DataType, Mat, MatTraitConst, Vec3b};
-use opencv::imgcodecs;
+use opencv::core::{self, DataType, Mat, MatTraitConst, MatTraitConstManual as _, Vec3b};
 use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst};
 
+use crate::container::{self, Turn};
+use crate::folder::{Folder, is_picture};
 use crate::source::Source;
 
 /// The rate of a film or a device that does not tell its own.
@@ -21,15 +23,19 @@ pub(crate) fn open(path: &Path, rate_hz: f64) -> Result<Box<dyn Source>, String>
         return Err("no such file; give a film or a folder of pictures".into());
     }
     if is_picture(path) {
-        return Ok(Box::new(Folder::of(vec![path.to_owned()], rate_hz)?));
+        return Ok(Box::new(Folder::of_one(path, rate_hz)?));
+    }
+    // The decoder would wait for the writer of a pipe.
+    let film = file::open(path).map_err(|error| error.to_string())?;
+    if film.metadata().is_ok_and(|film| film.len() == 0) {
+        return Err("the file is empty: copy the film again".into());
     }
     Ok(Box::new(Film::open(path)?))
 }
 
-/// Whether a file has the ending of a picture that is read.
-fn is_picture(path: &Path) -> bool {
-    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-    matches!(ending.as_deref(), Some("png" | "jpg" | "jpeg" | "bmp" | "tif" | "tiff"))
+/// A path by which FFmpeg means a file: what stands before a colon, as in `10:15:00.mp4`, is a protocol to it.
+fn absolute(path: &Path) -> Result<PathBuf, String> {
+    std::path::absolute(path).map_err(|error| error.to_string())
 }
 
 /// Lets OpenCV write the next picture of `capture` into the caller's memory, in so many rows and columns of `Pixel`; false at the end.
@@ -68,10 +74,26 @@ pub(crate) fn format_of(capture: &VideoCapture) -> Result<PictureFormat, String>
     })
 }
 
+/// How many pictures a film has by its own account; `None` where it is none.
+pub(crate) fn count_of(path: &Path) -> Option<u64> {
+    let capture = VideoCapture::from_file(path, videoio::CAP_FFMPEG).ok()?;
+    capture
+        .is_opened()
+        .unwrap_or(false)
+        .then(|| format_of(&capture).ok().map(|format| format.count))
+        .flatten()
+}
+
 /// A video file.
 struct Film {
     capture: VideoCapture,
+    /// As the pictures are shown.
     format: PictureFormat,
+    turn: Turn,
+    /// The picture as it was recorded, and mirrored, where it is turned.
+    recorded: [Mat; 2],
+    /// The file is shorter than its container says.
+    is_cut: bool,
     shown: u64,
     times: Times,
 }
@@ -105,13 +127,68 @@ impl Times {
 
 impl Film {
     fn open(path: &Path) -> Result<Self, String> {
-        let capture =
-            VideoCapture::from_file(path, videoio::CAP_FFMPEG).map_err(|error| error.to_string())?;
+        let container = container::read(path);
+        let mut capture = VideoCapture::from_file(absolute(path)?, videoio::CAP_FFMPEG)
+            .map_err(|error| error.to_string())?;
         if !capture.is_opened().unwrap_or(false) {
             return Err("it is not a film that this machine can decode; H.264 in MP4 always works".into());
         }
-        let format = format_of(&capture)?;
-        Ok(Self { capture, format, shown: 0, times: Times::default() })
+        let turn = container.turn.unwrap_or_default();
+        if container.turn.is_some() {
+            // What is turned by the file's own words is not turned by OpenCV as well.
+            let _ = capture.set(videoio::CAP_PROP_ORIENTATION_AUTO, 0.0);
+        }
+        let mut format = format_of(&capture)?;
+        if turn.quarters % 2 == 1 {
+            (format.width, format.height) = (format.height, format.width);
+        }
+        format.count = match container.pictures {
+            Some(pictures) => pictures,
+            None if container::has_a_count(path) => format.count,
+            None => 0,
+        };
+        let recorded = [Mat::default(), Mat::default()];
+        Ok(Self {
+            capture,
+            format,
+            turn,
+            recorded,
+            is_cut: container.is_cut,
+            shown: 0,
+            times: Times::default(),
+        })
+    }
+
+    /// Writes the next picture as it is shown; false after the last.
+    fn read(&mut self, picture: &mut [u8]) -> Result<bool, String> {
+        let Self { capture, format, turn, recorded: [read, mirrored], .. } = self;
+        if *turn == Turn::default() {
+            return read_in_place::<Vec3b>(capture, [format.height, format.width], picture);
+        }
+        let message = |error: opencv::Error| error.to_string();
+        if !capture.read(read).map_err(message)? {
+            return Ok(false);
+        }
+        if turn.is_mirrored {
+            core::flip(read, mirrored, 1).map_err(message)?;
+            std::mem::swap(read, mirrored);
+        }
+        let code = match turn.quarters {
+            1 => Some(core::ROTATE_90_CLOCKWISE),
+            2 => Some(core::ROTATE_180),
+            3 => Some(core::ROTATE_90_COUNTERCLOCKWISE),
+            _ => None,
+        };
+        if let Some(code) = code {
+            core::rotate(read, mirrored, code).map_err(message)?;
+            std::mem::swap(read, mirrored);
+        }
+        let bytes = read.data_bytes().map_err(message)?;
+        if bytes.len() != picture.len() || read.cols() as u32 != format.width {
+            return Err("the pictures change their size or colour format in mid-stream".into());
+        }
+        picture.copy_from_slice(bytes);
+        Ok(true)
     }
 }
 
@@ -121,8 +198,7 @@ impl Source for Film {
     }
 
     fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
-        let size = [self.format.height, self.format.width];
-        if !read_in_place::<Vec3b>(&mut self.capture, size, picture)? {
+        if !self.read(picture)? {
             return self.end();
         }
         let container_ms = property(&self.capture, videoio::CAP_PROP_POS_MSEC);
@@ -133,77 +209,18 @@ impl Source for Film {
 }
 
 impl Film {
-    /// A decoder that meets damage reports the end of the film, so the number of pictures is checked. Containers round their length:
+    /// A decoder that meets damage reports the end of the film, so the number of pictures is checked. Some programs round the length of a film:
     /// one second is tolerated.
     fn end(&self) -> Result<Option<u64>, String> {
-        if self.shown as f64 + self.format.rate_hz < self.format.count as f64 {
+        let PictureFormat { count, rate_hz, .. } = self.format;
+        if self.is_cut || self.shown as f64 + rate_hz < count as f64 {
+            let of = if count > 0 { format!(" of {count}") } else { String::new() };
             return Err(format!(
-                "it breaks off after {} of {} pictures: it is damaged or was cut short, copy it again",
-                self.shown, self.format.count
+                "it breaks off after {}{of} pictures: it is damaged or was cut short, copy it again",
+                self.shown
             ));
         }
         Ok(None)
-    }
-}
-
-/// A folder of pictures, in the order of their names.
-struct Folder {
-    pictures: Vec<PathBuf>,
-    format: PictureFormat,
-    shown: usize,
-}
-
-impl Folder {
-    fn open(path: &Path, rate_hz: f64) -> Result<Self, String> {
-        let listed = std::fs::read_dir(path).map_err(|error| error.to_string())?;
-        let mut pictures: Vec<PathBuf> = listed
-            .filter_map(|entry| entry.ok().map(|entry| entry.path()))
-            .filter(|path| is_picture(path))
-            .collect();
-        pictures.sort();
-        Self::of(pictures, rate_hz)
-    }
-
-    fn of(pictures: Vec<PathBuf>, rate_hz: f64) -> Result<Self, String> {
-        let first = pictures.first().ok_or("the folder holds no picture (png, jpg, bmp, tif)")?;
-        let (width, height) = {
-            let mat = decode(first)?;
-            (mat.cols() as u32, mat.rows() as u32)
-        };
-        let format = PictureFormat { width, height, rate_hz, count: pictures.len() as u64 };
-        Ok(Self { pictures, format, shown: 0 })
-    }
-}
-
-fn decode(path: &Path) -> Result<Mat, String> {
-    let mat = imgcodecs::imread(path, imgcodecs::IMREAD_COLOR)
-        .map_err(|error| format!("{}: {error}", path.display()))?;
-    if mat.empty() { Err(format!("{}: not a picture that can be read", path.display())) } else { Ok(mat) }
-}
-
-impl Source for Folder {
-    fn format(&self) -> PictureFormat {
-        self.format
-    }
-
-    fn next_picture(&mut self, picture: &mut [u8]) -> Result<Option<u64>, String> {
-        let Some(path) = self.pictures.get(self.shown) else { return Ok(None) };
-        let mat = decode(path)?;
-        let bytes = opencv::core::MatTraitConstManual::data_bytes(&mat).map_err(|error| error.to_string())?;
-        if bytes.len() != picture.len() || mat.cols() as u32 != self.format.width {
-            return Err(format!(
-                "{}: {} x {} pixels, but the first picture of the folder has {} x {}",
-                path.display(),
-                mat.cols(),
-                mat.rows(),
-                self.format.width,
-                self.format.height
-            ));
-        }
-        picture.copy_from_slice(bytes);
-        let pts_ns = (self.shown as f64 * 1e9 / self.format.rate_hz).round() as u64;
-        self.shown += 1;
-        Ok(Some(pts_ns))
     }
 }
 

@@ -84,7 +84,8 @@ impl Checks<'_> {
         let kind = if folder { "folder" } else { "file" };
         match std::fs::metadata(path) {
             Err(error) => self.fault(key, &[], format!("{} cannot be opened: {error}", path.display())),
-            Ok(found) if found.is_dir() != folder => {
+            // Neither is a pipe, whose writer would be waited for.
+            Ok(found) if !(if folder { found.is_dir() } else { found.is_file() }) => {
                 self.fault(key, &[], format!("{} is not a {kind}", path.display()));
             }
             Ok(_) => {}

@@ -1,6 +1,7 @@
 //! One file of the configuration: its text, its tables, and the lines of both.
 
 use super::fault::Fault;
+use andon_learn::file;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -20,7 +21,7 @@ pub(super) struct File {
 impl File {
     /// Reads `path`, or reports in `faults` why that is impossible.
     pub(super) fn open(path: &Path, faults: &mut Vec<Fault>) -> Option<Self> {
-        let read = std::fs::read_to_string(path).and_then(|text| Ok((text, std::path::absolute(path)?)));
+        let read = file::read_text(path).and_then(|text| Ok((text, std::path::absolute(path)?)));
         match read {
             Ok((text, absolute)) => {
                 let folder = absolute.parent().unwrap_or(Path::new("/")).to_owned();

@@ -148,7 +148,9 @@ impl Value for String {
             Text::Name => {
                 format!("1 to {STATION_BYTES} of the characters a-z, 0-9 and '-', in quotes")
             }
-            Text::Line => format!("1 to {TEXT_CHARACTERS} characters on one line, in quotes"),
+            Text::Line => {
+                format!("1 to {TEXT_CHARACTERS} characters on one line, not blanks alone, in quotes")
+            }
         }
     }
 
@@ -157,7 +159,9 @@ impl Value for String {
         let fits = match limit {
             Text::Name => is_station_name(text),
             Text::Line => {
-                (1..=TEXT_CHARACTERS).contains(&text.chars().count()) && !text.contains(char::is_control)
+                (1..=TEXT_CHARACTERS).contains(&text.chars().count())
+                    && !text.contains(char::is_control)
+                    && !text.trim().is_empty()
             }
         };
         fits.then(|| text.to_owned())

@@ -64,7 +64,7 @@ table! {
     ERROR 208 CALIBRATION_REFUSED: "the calibration cannot be used",
         "Make a new one with `andond calibrate`";
     WARN 210 TRACK_CUT_SHORT: "the track file ends in the middle of a line",
-        "The tracker was stopped while it wrote; everything up to that line is used";
+        "The tracker was stopped while it wrote, so nothing is said of the end: copy the file again, or remove that line if no more is missing";
     WARN 211 BENCH_NOT_FOUND: "the depth picture does not show the bench; until it does, nothing has a position",
         "Clear the bench and let the camera look down on it, or calibrate with `andond calibrate`";
     ERROR 212 PICTURE_FROZEN: "the picture has stopped: the camera sends the same one again and again",
@@ -88,6 +88,8 @@ table! {
     INFO 221 SIGHT_BACK: "the line sees its bench again", "";
     ERROR 222 CAMERA_MOVED: "the camera has been moved",
         "Put the camera back; or, if bench.calibration is set, calibrate again with `andond calibrate` and restart perceive. Without a calibration the new view counts after ten seconds";
+    WARN 224 MARKER_TWICE: "a marker's id is in view twice, so its part counts as not seen",
+        "Take the other print away, or give it an id of its own; `andond markers --spare` prints ids that no part has";
 
     INFO 301 JOB_LOADED: "a job is loaded and watched", "";
     ERROR 302 JOB_REFUSED: "a job file cannot be read, or the job does not fit this station",

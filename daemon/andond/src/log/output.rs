@@ -68,6 +68,8 @@ pub fn start(role: &str, station: &str, level: Level) -> Result<(), TryInitError
     let text = layer()
         .event_format(Text { role: role.to_owned() })
         .with_ansi(std::io::stderr().is_terminal())
+        // A log that cannot be written, as on a full disk, must not end the role: by default this is printed to where it cannot be written.
+        .log_internal_errors(false)
         .with_writer(std::io::stderr);
     registry.with(text).try_init()
 }

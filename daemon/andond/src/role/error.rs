@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use andon_ipc::Error as Ipc;
 use andon_journal::JournalError;
 use andon_learn::job_file::{JobFault, JobFileError};
-use andon_learn::recording::TrackError;
+use andon_learn::recording::{TrackError, Truncation};
 use andon_perception::{PerceptionError, RuntimeFile};
 use shm_schemas::Refusal;
 
@@ -42,6 +42,9 @@ pub enum RoleError {
     /// The track file cannot be played.
     #[error(transparent)]
     Tracks(#[from] TrackError),
+    /// The track file was not written to its end.
+    #[error("{0}")]
+    CutShort(Truncation),
     /// A job file is not one, or is damaged.
     #[error(transparent)]
     JobFile(#[from] JobFileError),
@@ -147,6 +150,7 @@ impl RoleError {
             Self::Source(_) | Self::Open(OpenError::Gone(_)) => (&code::RECORDING_DAMAGED, OfCode, Fault),
             Self::Open(OpenError::NoRecording(_)) => (&code::RECORDING_DAMAGED, OfCode, Configuration),
             Self::Tracks(_) => (&code::RECORDING_DAMAGED, OfCode, Configuration),
+            Self::CutShort(_) => (&code::TRACK_CUT_SHORT, InMessage, Configuration),
             Self::Open(error) => {
                 let (code, remedy) = classify_camera(error);
                 let is_final = matches!(error, OpenError::Refused(_) | OpenError::Unsupported(_));

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt as _;
 use std::path::{Path, PathBuf};
 
+use andon_learn::file;
 use andon_learn::job_file::JobFile;
 use shm_schemas::{Judging, Refusal};
 
@@ -58,7 +59,7 @@ pub(crate) fn load(path: &Path, config: &Config) -> Result<JobFile, RoleError> {
 
 /// Reads a job file, whether it fits or not.
 pub(crate) fn read(path: &Path) -> Result<JobFile, RoleError> {
-    let bytes = std::fs::read(path).map_err(|source| RoleError::UnreadJob { path: path.into(), source })?;
+    let bytes = file::read(path).map_err(|source| RoleError::UnreadJob { path: path.into(), source })?;
     Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
 }
 

@@ -21,6 +21,7 @@ mod plc;
 mod sight;
 mod steward;
 mod tracks;
+mod twins;
 mod upstream;
 mod visibility;
 

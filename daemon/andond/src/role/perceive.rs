@@ -8,6 +8,7 @@ use shm_schemas::{Detections, Judging, RoleId};
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
 use super::sight::SightWatch;
+use super::twins::Twins;
 use super::{RoleError, tracks};
 use crate::config::{Config, Source};
 use crate::log::{code, log};
@@ -32,6 +33,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
         placer,
         is_without_bench: false,
         sight: SightWatch::new(config),
+        twins: Twins::new(config),
         source_epoch: 0,
         missed: 0,
     };
@@ -49,6 +51,7 @@ struct Perceive<'a> {
     /// Whether it was logged that the bench is not found.
     is_without_bench: bool,
     sight: SightWatch,
+    twins: Twins<'a>,
     /// Of the source that the perceiver has seen; 0 before the first.
     source_epoch: u64,
     /// Frames up to the newest one that were not processed, whoever lost or skipped them.
@@ -73,6 +76,7 @@ impl Role for Perceive<'_> {
         let newly_missed = missed - std::mem::replace(&mut self.missed, missed);
         let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
         if let Some((seen, _)) = &seen {
+            self.twins.look(&seen.twice, seen.captured_ns);
             self.sight.look(header, seen, newly_missed as u32, cycle.liveness());
         }
         self.detections.send(cycle, |message| {

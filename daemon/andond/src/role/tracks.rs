@@ -5,6 +5,7 @@ use std::io::BufReader;
 use std::time::Duration;
 
 use andon_ipc::{Loan, Node};
+use andon_learn::file;
 use andon_learn::recording::TrackReader;
 use shm_schemas::{Detections, RoleId};
 
@@ -13,7 +14,6 @@ use super::cycle::Cycle;
 use super::output::Output;
 use super::player::{Player, Recording};
 use crate::config::Config;
-use crate::log::{code, log};
 use crate::wire;
 
 /// Runs until it is asked to stop.
@@ -25,6 +25,8 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
 
 struct Tracks {
     reader: TrackReader<BufReader<File>>,
+    /// The time of the first frame, which other trackers do not begin with zero.
+    first_ns: Option<u64>,
 }
 
 impl Tracks {
@@ -32,8 +34,9 @@ impl Tracks {
         // The configuration is refused without a path for this source.
         let path = config.camera.path.clone().unwrap_or_default();
         let file =
-            File::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
-        Ok(Self { reader: TrackReader::new(&path.display().to_string(), BufReader::new(file))? })
+            file::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
+        let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
+        Ok(Self { reader, first_ns: None })
     }
 }
 
@@ -48,12 +51,11 @@ impl Recording<Loan<Detections>> for Tracks {
 
     fn next(&mut self, message: &mut Loan<Detections>) -> Result<Option<Duration>, RoleError> {
         let Some(frame) = self.reader.next().transpose()? else {
-            if let Some(truncation) = self.reader.truncation() {
-                log!(code::TRACK_CUT_SHORT, "{truncation}");
-            }
-            return Ok(None);
+            // That it is at its end is not known where it is cut: nothing may be said of the end then.
+            return self.reader.truncation().map_or(Ok(None), |cut| Err(RoleError::CutShort(cut.clone())));
         };
         wire::detections::write_frame(&frame, message);
-        Ok(Some(Duration::from_nanos(frame.captured_ns)))
+        let first_ns = *self.first_ns.get_or_insert(frame.captured_ns);
+        Ok(Some(Duration::from_nanos(frame.captured_ns - first_ns)))
     }
 }

@@ -1,11 +1,13 @@
 //! `andond analyze`: compares and clusters the interactions of a folder of recordings, and writes a report.
 
-use andon_learn::analysis::{Analysis, Kind, Order, as_shown_to_meet, report, selection};
+use std::path::{Path, PathBuf};
+
+use andon_learn::analysis::{Analysis, Kind, Order, Report, as_shown_to_meet, report, selection};
 use andon_learn::experiment::experiment_1;
 use andon_learn::teach::TeachOptions;
 
 use super::experiment::{SEED, is_experiment_1, percent_bar};
-use super::{ToolError, cannot_write, labelled};
+use super::{ToolError, cannot_write, labelled, write_together};
 use crate::cli::Analyze;
 use crate::exit::Code;
 
@@ -33,7 +35,22 @@ pub fn run(arguments: &Analyze) -> Result<Code, ToolError> {
     let selection = selection(&met, &method, cost);
     let order = Order::of(&met, &source, &method, cost);
     let report = report(&analysis, drilling.as_ref(), selection.as_ref(), order.as_ref(), &source)?;
-    report.save(&arguments.out).map_err(cannot_write(&arguments.out))?;
+    save(&report, &arguments.out)?;
     println!("written: {}", arguments.out.join("index.html").display());
     Ok(Code::Stopped)
+}
+
+/// Writes the page as `index.html`, and its pictures and tables next to it.
+fn save(report: &Report, folder: &Path) -> Result<(), ToolError> {
+    let is_new = !folder.exists();
+    std::fs::create_dir_all(folder).map_err(cannot_write(folder))?;
+    let page = (folder.join("index.html"), &report.page);
+    let others = report.files.iter().map(|(name, text)| (folder.join(name), text));
+    let files: Vec<(PathBuf, &String)> = std::iter::once(page).chain(others).collect();
+    let written = write_together(files.iter().map(|(path, text)| (path.as_path(), text.as_bytes())));
+    if written.is_err() && is_new {
+        // An empty folder is a rest as well. One that is not empty by now stays.
+        let _ = std::fs::remove_dir(folder);
+    }
+    written
 }

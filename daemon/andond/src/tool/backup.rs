@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use andon_journal::History;
+use andon_journal::{History, JournalError};
+use andon_learn::file;
 
 use super::{ToolError, cannot_write, running_config};
-use crate::atomic::folder_of;
+use crate::atomic::{self, folder_of};
 use crate::backup::{self, Kind};
 use crate::cli::Backup;
 use crate::config::Config;
@@ -20,7 +21,7 @@ pub fn run(arguments: &Backup) -> Result<Code, ToolError> {
     let config = running_config(&arguments.config)?.config;
     let (mut manifest, mut contents) = (backup::manifest(&config.station.name, config.root()), Vec::new());
     for (path, kind) in files(&config)? {
-        let bytes = if kind == Kind::Journal { journal(&path)? } else { read(&path)? };
+        let bytes = if kind == Kind::Journal { journal(&path, &arguments.archive)? } else { read(&path)? };
         manifest.files.push(backup::entry(contents.len() + 1, &path, kind, &bytes));
         contents.push(bytes);
     }
@@ -29,8 +30,7 @@ pub fn run(arguments: &Backup) -> Result<Code, ToolError> {
         // Beside it first: a backup that is broken off leaves the one before it. It holds what is not for everybody.
         let file = tempfile::NamedTempFile::new_in(folder_of(archive))?;
         backup::write(file.reopen()?, manifest.clone(), &contents)?;
-        file.persist(archive)?;
-        Ok(())
+        atomic::put(file.into_temp_path(), archive)
     };
     write().map_err(cannot_write(archive))?;
     for entry in &manifest.files {
@@ -64,15 +64,23 @@ fn files(config: &Config) -> Result<Vec<(PathBuf, Kind)>, ToolError> {
     Ok(files)
 }
 
-fn journal(path: &Path) -> Result<Vec<u8>, ToolError> {
-    let folder = tempfile::tempdir().map_err(cannot_read(path))?;
+/// The journal as it is at one moment. The copy lies beside the archive meanwhile, where room for it is needed anyway.
+fn journal(path: &Path, archive: &Path) -> Result<Vec<u8>, ToolError> {
+    let folder = tempfile::Builder::new()
+        .prefix(".andon-")
+        .tempdir_in(folder_of(archive))
+        .map_err(cannot_write(archive))?;
     let copy = folder.path().join("journal.sqlite");
-    History::open(path)?.copy_to(&copy)?;
+    History::open(path)?.copy_to(&copy).map_err(|error| match error {
+        // It is the copy that finds no room, not the journal.
+        JournalError::Full { .. } => cannot_write(archive)(rustix::io::Errno::NOSPC.into()),
+        other => other.into(),
+    })?;
     read(&copy)
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, ToolError> {
-    std::fs::read(path).map_err(cannot_read(path))
+    file::read(path).map_err(cannot_read(path))
 }
 
 fn cannot_read(path: &Path) -> impl Fn(std::io::Error) -> ToolError {

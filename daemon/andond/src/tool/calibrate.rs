@@ -1,6 +1,6 @@
 //! `andond calibrate`: finds the bench in a picture with four known markers.
 
-use andon_perception::bench::{BenchMarker, Examination, examine};
+use andon_perception::bench::{BenchMarker, CalibrationError, Examination, examine};
 use andon_perception::{BenchPoint, ImageView, PixelFormat};
 
 use super::{ToolError, cannot_write, check_writable, load_config_to_learn, stills};
@@ -40,7 +40,10 @@ pub fn run(arguments: &Calibrate) -> Result<Code, ToolError> {
     }
     let residuals = residuals(&examined);
     let calibration = examined.outcome.map_err(refused)?;
-    calibration.save(&arguments.out).map_err(ToolError::SaveCalibration)?;
+    calibration.save(&arguments.out).map_err(|error| match error {
+        CalibrationError::File { path, source, .. } => cannot_write(&path)(source),
+        other => ToolError::SaveCalibration(other),
+    })?;
     println!(
         "{}: each marker lies within {:.1} mm of where the others place it, and its sides fit to {:.1} %\n{residuals}\
          Name the file in bench.calibration of the station.",

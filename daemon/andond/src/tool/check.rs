@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use andon_journal::{History, Query};
+use andon_learn::file;
 use andon_learn::recording::TrackReader;
 
 use super::{ToolError, existing_config_files};
@@ -165,6 +166,8 @@ impl Checks<'_> {
         let path = self.config.journal_path();
         let problem = if path.is_dir() {
             Some("is a folder, and must be a file".to_owned())
+        } else if path.metadata().is_ok_and(|there| !there.is_file()) {
+            Some("is a pipe or a device, and must be a file".to_owned())
         } else if path.exists() {
             unusable_journal(&path)
         } else {
@@ -223,7 +226,7 @@ fn unusable_journal(path: &Path) -> Option<String> {
 }
 
 fn open_tracks(path: &Path) -> Result<(), String> {
-    let file = File::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let file = file::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
     let mut reader = TrackReader::new(&path.display().to_string(), std::io::BufReader::new(file))
         .map_err(|error| error.to_string())?;
     reader.next().transpose().map(drop).map_err(|error| error.to_string())

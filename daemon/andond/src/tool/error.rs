@@ -28,6 +28,7 @@ use crate::config::Faults;
 use crate::exit::Code;
 use crate::picture::AnnotateError;
 use crate::recording::RecordingError;
+use crate::unwritten::remedy;
 use crate::video::VideoError;
 
 /// Why a command ended without a result. Each message names the place and the remedy.
@@ -112,7 +113,7 @@ pub enum ToolError {
         remedy: &'static str,
     },
     /// A result cannot be written.
-    #[error("{}: it cannot be written: {source}; name a file in a folder of yours", path.display())]
+    #[error("{}: it cannot be written: {source}; {}", path.display(), remedy(source))]
     Write {
         /// The file.
         path: PathBuf,
@@ -245,7 +246,7 @@ pub enum ToolError {
     Ipc(#[from] andon_ipc::Error),
     /// The journal cannot be read.
     #[error(transparent)]
-    Journal(#[from] JournalError),
+    Journal(JournalError),
     /// An archive cannot be used, or a station cannot be restored now.
     #[error(transparent)]
     Archive(#[from] ArchiveError),
@@ -256,7 +257,7 @@ pub enum ToolError {
     #[error("{0}")]
     UnknownCode(String),
     /// Standard output is closed or full.
-    #[error("standard output cannot be written: {0}")]
+    #[error("standard output cannot be written: {0}; {remedy}", remedy = remedy(.0))]
     Print(#[source] io::Error),
     /// Frames did not reach the recorder.
     #[error("{0} frames were lost: the machine is too busy, and a replay may judge otherwise; record again")]
@@ -354,6 +355,16 @@ impl ToolError {
             | Self::Picture { .. }
             | Self::Calibration { .. }
             | Self::SaveCalibration(_) => Code::Usage,
+        }
+    }
+}
+
+impl From<JournalError> for ToolError {
+    fn from(error: JournalError) -> Self {
+        match error {
+            // The rows went to standard output.
+            JournalError::Export(error) => Self::Print(error),
+            other => Self::Journal(other),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use andon_learn::file;
 use andon_learn::job_file::JobFile;
 
 use super::ToolError;
@@ -13,7 +14,7 @@ use crate::config::Config;
 /// # Errors
 /// If it is missing, damaged or of another version.
 pub(super) fn load(path: &Path) -> Result<JobFile, ToolError> {
-    let bytes = std::fs::read(path).map_err(|source| ToolError::NoJob { path: path.into(), source })?;
+    let bytes = file::read(path).map_err(|source| ToolError::NoJob { path: path.into(), source })?;
     Ok(JobFile::parse(&path.display().to_string(), &bytes)?)
 }
 

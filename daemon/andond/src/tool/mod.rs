@@ -43,7 +43,7 @@ use std::path::{Path, PathBuf};
 
 use andon_core::input::Frame;
 
-use crate::atomic::folder_of;
+use crate::atomic::{self, folder_of};
 use crate::cli::{self, ConfigArgs};
 use crate::config::Config;
 use crate::recording::Recording;
@@ -85,6 +85,15 @@ fn new_or_forced(path: &Path, force: bool) -> Result<(), ToolError> {
 /// Names the file that the system refuses to write.
 fn cannot_write(path: &Path) -> impl Fn(io::Error) -> ToolError {
     |source| ToolError::Write { path: path.into(), source }
+}
+
+/// Writes several results: all of them, or none where one cannot be written.
+///
+/// # Errors
+/// The file that cannot be written, and why.
+fn write_together<'a>(files: impl IntoIterator<Item = (&'a Path, &'a [u8])>) -> Result<(), ToolError> {
+    let files: Vec<_> = files.into_iter().collect();
+    atomic::write_together(&files).map_err(|(path, error)| cannot_write(path)(error))
 }
 
 /// Reads the configuration that the arguments name, or the one that lies where it is looked for.
@@ -177,8 +186,6 @@ fn each_frame(
         take(frame)?;
     }
     bar.finish_and_clear();
-    if let Some(warning) = recording.warning() {
-        eprintln!("{warning}");
-    }
+    recording.warnings(path).iter().for_each(|warning| eprintln!("{warning}"));
     Ok(())
 }

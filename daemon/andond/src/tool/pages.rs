@@ -10,6 +10,7 @@ use clap_mangen::Man;
 use clap_mangen::roff::{Roff, bold, roman};
 
 use super::{ToolError, cannot_write};
+use crate::atomic;
 use crate::cli::{self, Completions, ManPages};
 use crate::exit::Code;
 
@@ -54,7 +55,7 @@ pub fn man(arguments: &ManPages) -> Result<Code, ToolError> {
         write(subcommand, Some(subcommand.get_name()), folder)?;
     }
     let path = folder.join("andond-video.1");
-    fs::write(&path, video().render()).map_err(cannot_write(&path))?;
+    atomic::write(&path, video().render().as_bytes()).map_err(cannot_write(&path))?;
     Ok(Code::Stopped)
 }
 
@@ -73,7 +74,7 @@ fn write(command: &Command, name: Option<&str>, folder: &Path) -> Result<(), Too
     }
     .to_writer(&mut page)
     .map_err(cannot_write(&path))?;
-    fs::write(&path, page).map_err(cannot_write(&path))
+    atomic::write(&path, &page).map_err(cannot_write(&path))
 }
 
 fn examples(name: &str) -> Roff {

@@ -1,15 +1,17 @@
 //! `andond record`: writes what a running station sees to a track file, whose replay gives the same verdicts.
 
 use std::fs::File;
+use std::path::Path;
 use std::time::Duration;
 
-use andon_ipc::{Reader, Wake};
+use andon_ipc::{Node, Reader, Wake};
 use shm_schemas::{Detections, flag};
 
 use super::join::join;
 use super::recorder::{Recorder, header};
 use super::{ToolError, cannot_write, load_config, new_or_forced};
 use crate::cli::Record;
+use crate::config::Config;
 use crate::exit::Code;
 use crate::wire;
 
@@ -27,7 +29,16 @@ pub fn run(arguments: &Record) -> Result<Code, ToolError> {
     let out = arguments.out.as_path();
     new_or_forced(out, arguments.force)?;
     let node = join(&config)?;
-    let mut recorder = Recorder::new(File::create(out).map_err(cannot_write(out))?, out, header(&config))?;
+    let recorded = record(&node, &config, out);
+    if recorded.is_err() && out.metadata().is_ok_and(|file| file.is_file() && file.len() == 0) {
+        // Nothing of it came to the disk: an empty file is no recording.
+        let _ = std::fs::remove_file(out);
+    }
+    recorded
+}
+
+fn record(node: &Node, config: &Config, out: &Path) -> Result<Code, ToolError> {
+    let mut recorder = Recorder::new(File::create(out).map_err(cannot_write(out))?, out, header(config))?;
     let mut detections: Reader<Detections> = node.reader()?;
     eprintln!("recording to {}; stop with Ctrl-C", out.display());
     let mut ended = false;

@@ -13,6 +13,8 @@ use crate::config::Config;
 /// A track file that grows.
 pub(super) struct Recorder<'a> {
     tracks: TrackWriter<BufWriter<File>>,
+    /// The same file, to bring it to the disk.
+    file: File,
     path: &'a Path,
     objects: Vec<u16>,
     /// Source time of the first frame: a track file begins at zero.
@@ -28,9 +30,10 @@ impl<'a> Recorder<'a> {
     /// What the system says.
     pub(super) fn new(file: File, path: &'a Path, header: Header) -> Result<Self, ToolError> {
         let header = Header { landmarks: Landmarks::Five, ..header };
-        let tracks = TrackWriter::new(BufWriter::new(file), &header).map_err(cannot_write(path))?;
+        let again = file.try_clone().map_err(cannot_write(path))?;
+        let tracks = TrackWriter::new(BufWriter::new(again), &header).map_err(cannot_write(path))?;
         let objects = header.objects.iter().map(|object| object.shape.id).collect();
-        Ok(Self { tracks, path, objects, first_ns: None, newest_ns: 0, frames: 0 })
+        Ok(Self { tracks, file, path, objects, first_ns: None, newest_ns: 0, frames: 0 })
     }
 
     /// Adds a frame. False where the recording is complete, because it starts again.
@@ -56,12 +59,12 @@ impl<'a> Recorder<'a> {
         frame.objects.retain(|object| self.objects.contains(&object.id));
     }
 
-    /// Writes what is still in memory.
+    /// Writes what is still in memory, and waits until all of it is on the disk.
     ///
     /// # Errors
     /// What the system says.
     pub(super) fn finish(&mut self) -> Result<(), ToolError> {
-        self.tracks.flush().map_err(cannot_write(self.path))
+        self.tracks.flush().and_then(|()| self.file.sync_all()).map_err(cannot_write(self.path))
     }
 }
 

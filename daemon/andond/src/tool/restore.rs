@@ -7,7 +7,7 @@ use andon_journal::{Journal, Retention};
 use shm_schemas::AuditKind;
 
 use super::{ToolError, cannot_write};
-use crate::atomic;
+use crate::atomic::{self, folder_of};
 use crate::backup::{Archive, ArchiveError, Entry, Kind};
 use crate::cli::Restore;
 use crate::exit::Code;
@@ -37,9 +37,7 @@ pub fn run(arguments: &Restore) -> Result<Code, ToolError> {
     if !arguments.replace && !in_the_way.is_empty() {
         return Err(ArchiveError::InTheWay(in_the_way).into());
     }
-    for (entry, bytes) in archive.files() {
-        put(&place(entry), entry.kind, bytes)?;
-    }
+    put_all(&archive, place)?;
     note(&archive, arguments)?;
     println!("restored; check it with `andond check` before the station starts");
     Ok(Code::Stopped)
@@ -60,25 +58,59 @@ fn refuse_while_it_runs(archive: &Archive) -> Result<(), ToolError> {
     }
 }
 
-fn put(path: &Path, kind: Kind, bytes: &[u8]) -> Result<(), ToolError> {
-    let write = || -> std::io::Result<()> {
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
+/// Puts all files in their places, or none where one cannot be written: half of a station is none.
+fn put_all(archive: &Archive, place: impl Fn(&Entry) -> PathBuf) -> Result<(), ToolError> {
+    let (mut parts, mut made) = (Vec::new(), Folders::default());
+    for (entry, bytes) in archive.files() {
+        let path = place(entry);
+        let staged = made.make(folder_of(&path)).and_then(|()| atomic::staged(&path, bytes));
+        parts.push((entry.kind, staged.map_err(cannot_write(&path))?, path));
+    }
+    // From here on nothing more has to be written: they only get their names.
+    made.keep();
+    parts.into_iter().try_for_each(|(kind, part, path)| {
+        let named = if kind == Kind::Journal { forget_companions(&path) } else { Ok(()) };
+        named.and_then(|()| atomic::put(part.into_temp_path(), &path)).map_err(cannot_write(&path))
+    })
+}
+
+/// What lies beside an old database is not part of the one that takes its place.
+fn forget_companions(path: &Path) -> std::io::Result<()> {
+    for ending in ["-wal", "-shm"] {
+        let mut beside = path.as_os_str().to_owned();
+        beside.push(ending);
+        match std::fs::remove_file(beside) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
+            _ => (),
         }
-        if kind == Kind::Journal {
-            // What lies beside the old database is not part of this one.
-            for ending in ["-wal", "-shm"] {
-                let mut beside = path.as_os_str().to_owned();
-                beside.push(ending);
-                match std::fs::remove_file(beside) {
-                    Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(error),
-                    _ => (),
-                }
-            }
-        }
-        atomic::write(path, bytes)
-    };
-    write().map_err(cannot_write(path))
+    }
+    Ok(())
+}
+
+/// Folders that were made. They are removed again where they are not kept.
+#[derive(Default)]
+struct Folders(Vec<PathBuf>);
+
+impl Folders {
+    /// Makes a folder, and those that it lies in.
+    fn make(&mut self, folder: &Path) -> std::io::Result<()> {
+        let missing: Vec<PathBuf> =
+            folder.ancestors().take_while(|folder| !folder.exists()).map(Path::to_path_buf).collect();
+        std::fs::create_dir_all(folder)?;
+        self.0.extend(missing.into_iter().rev());
+        Ok(())
+    }
+
+    fn keep(mut self) {
+        self.0.clear();
+    }
+}
+
+impl Drop for Folders {
+    fn drop(&mut self) {
+        // A folder that something else was put in meanwhile stays.
+        self.0.iter().rev().for_each(|folder| drop(std::fs::remove_dir(folder)));
+    }
 }
 
 /// The journal itself says that it was restored, and by whom.

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use andon_core::config::Method;
 use andon_core::input::Space;
 use andon_learn::digest::sha256_hex;
+use andon_learn::file;
 use andon_learn::recording as learn;
 use andon_learn::run::Run;
 
@@ -81,7 +82,7 @@ fn read_run(path: &Path, config: &Config, method: &Method) -> Result<Run, ToolEr
 /// The bytes that the hash of a recording covers: those of a file, or of the pictures of a folder one after the other.
 pub(super) fn bytes_of(path: &Path) -> std::io::Result<Vec<u8>> {
     if !path.is_dir() {
-        return std::fs::read(path);
+        return file::read(path);
     }
     let mut files: Vec<_> =
         std::fs::read_dir(path)?.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;

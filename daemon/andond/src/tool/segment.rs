@@ -10,6 +10,7 @@ use andon_core::segment::{Event, JobSegmenter};
 use andon_learn::job_file::JobFile;
 
 use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_for};
+use crate::atomic;
 use crate::cli::Segment;
 use crate::compatibility;
 use crate::config::Config;
@@ -43,7 +44,7 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
     printed.map_err(ToolError::Print)?;
     if let Some(file) = &arguments.plot {
         let picture = plot::draw(&segmented.seen, &segmented.timelines(&names), &names, config.method.bins);
-        std::fs::write(file, picture).map_err(cannot_write(file))?;
+        atomic::write(file, picture.as_bytes()).map_err(cannot_write(file))?;
     }
     Ok(Code::Stopped)
 }

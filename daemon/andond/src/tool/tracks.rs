@@ -2,7 +2,7 @@
 
 use super::recorder::Recorder;
 use super::{ToolError, cannot_write, each_frame, load_config_to_learn, new_or_forced};
-use crate::atomic::folder_of;
+use crate::atomic;
 use crate::cli::Tracks;
 use crate::exit::Code;
 use crate::recording::Recording;
@@ -15,17 +15,13 @@ pub fn run(arguments: &Tracks) -> Result<Code, ToolError> {
     let Tracks { film, out, .. } = arguments;
     new_or_forced(out, arguments.force)?;
     let config = load_config_to_learn(&arguments.config)?;
-    let part = tempfile::Builder::new()
-        .prefix(".andon-")
-        .permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666))
-        .tempfile_in(folder_of(out))
-        .map_err(cannot_write(out))?;
+    let part = atomic::beside(out).map_err(cannot_write(out))?;
     let mut recording = Recording::open(film, &config)?;
     let mut recorder =
         Recorder::new(part.reopen().map_err(cannot_write(out))?, out, recording.header().clone())?;
     each_frame(&mut recording, film, |frame| recorder.write(frame).map(drop))?;
     recorder.finish()?;
-    part.persist(out).map_err(|failed| cannot_write(out)(failed.error))?;
+    atomic::put(part.into_temp_path(), out).map_err(cannot_write(out))?;
     println!("written: {}, {} frames", out.display(), recorder.frames);
     Ok(Code::Stopped)
 }

@@ -8,14 +8,17 @@ pub mod pipe;
 mod still;
 
 use std::ffi::OsString;
-use std::fs::File;
-use std::io::{self, Read as _, Seek as _};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::thread::JoinHandle;
 
 use pipe::{PictureFormat, PipeReader, PipeWriter};
+use tempfile::TempPath;
 
+use crate::atomic;
 use crate::config::Config;
+use crate::unwritten::remedy;
 pub use still::StillEncoder;
 
 /// Why a film could not be read or written, and what to do about it.
@@ -38,6 +41,14 @@ pub enum VideoError {
         file: PathBuf,
         /// The helper's message.
         message: String,
+    },
+    /// A film cannot be written.
+    #[error("{}: it cannot be written: {source}; {}", file.display(), remedy(source))]
+    Write {
+        /// The film.
+        file: PathBuf,
+        /// The cause that the system gives.
+        source: std::io::Error,
     },
     /// The camera of a station cannot be opened, or sends no more.
     #[error("{0}")]
@@ -88,36 +99,42 @@ pub fn helper_path() -> PathBuf {
 /// A running `andond-video`. It is stopped when this is dropped.
 struct Helper {
     child: Child,
-    /// Standard error: a file, since a pipe that is not read in the meantime would fill up.
-    stderr: File,
+    /// Collects standard error, which is read all the time: the helper would wait where nobody reads it.
+    stderr: Option<JoinHandle<String>>,
 }
 
 impl Helper {
     fn spawn(arguments: &[OsString], stdin: Stdio, stdout: Stdio) -> Result<Self, VideoError> {
         let path = helper_path();
-        let start = || -> io::Result<Self> {
-            let stderr = tempfile::tempfile()?;
-            let child = Command::new(&path)
-                .args(arguments)
-                // The messages of the decoders themselves name no remedy; the last line of the helper does.
-                .envs([("OPENCV_LOG_LEVEL", "OFF"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")])
-                .stdin(stdin)
-                .stdout(stdout)
-                .stderr(stderr.try_clone()?)
-                .spawn()?;
-            Ok(Self { child, stderr })
-        };
-        start().map_err(|source| VideoError::Helper { path: path.clone(), source })
+        let mut child = Command::new(&path)
+            .args(arguments)
+            // The messages of the decoders themselves name no remedy; the last line of the helper does.
+            .envs([("OPENCV_LOG_LEVEL", "OFF"), ("OPENCV_FFMPEG_LOGLEVEL", "-8")])
+            .stdin(stdin)
+            .stdout(stdout)
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|source| VideoError::Helper { path, source })?;
+        let stderr = child.stderr.take().map(|mut stderr| {
+            std::thread::spawn(move || {
+                let mut message = Vec::new();
+                // What cannot be read cannot be reported either.
+                let _ = stderr.read_to_end(&mut message);
+                String::from_utf8_lossy(&message).into_owned()
+            })
+        });
+        Ok(Self { child, stderr })
     }
 
     /// Waits for its end and returns what it wrote to standard error.
     fn final_message(&mut self) -> String {
-        let _ = self.child.wait();
-        let mut message = String::new();
-        // What cannot be read cannot be reported either.
-        let _ = self.stderr.rewind().and_then(|()| self.stderr.read_to_string(&mut message));
-        let message = message.trim();
-        if message.is_empty() { "andond-video ended without a message".into() } else { message.into() }
+        let status = self.child.wait();
+        let message = self.stderr.take().and_then(|reader| reader.join().ok()).unwrap_or_default();
+        match (message.trim(), status) {
+            ("", Ok(status)) => format!("andond-video ended without a message ({status})"),
+            ("", Err(_)) => "andond-video ended without a message".into(),
+            (message, _) => message.into(),
+        }
     }
 }
 
@@ -187,21 +204,29 @@ fn failed(file: Option<PathBuf>, helper: &mut Helper) -> VideoError {
     }
 }
 
-/// A film that is being written by `andond-video`.
+/// A film that is being written by `andond-video`. It has its name when it is finished: one that is broken off leaves the one before it.
 pub struct FilmWriter {
     // Dropped before the helper: that closes the pipe, and the helper ends by itself.
     pictures: Option<PipeWriter<std::process::ChildStdin>>,
     helper: Helper,
+    part: TempPath,
     file: PathBuf,
 }
 
 impl FilmWriter {
     /// Starts an MP4 of pictures of this format.
     pub fn create(file: &Path, format: PictureFormat) -> Result<Self, VideoError> {
-        let mut helper = Helper::spawn(&["encode".into(), file.into()], Stdio::piped(), Stdio::null())?;
+        if file.metadata().is_ok_and(|there| !there.is_file()) {
+            let message = "a film is written to a file, and this is none; name one that ends in .mp4".into();
+            return Err(VideoError::Film { file: file.into(), message });
+        }
+        let unwritten = |source| VideoError::Write { file: file.into(), source };
+        let part = atomic::beside(file).map_err(unwritten)?.into_temp_path();
+        let mut helper =
+            Helper::spawn(&["encode".into(), part.as_os_str().into()], Stdio::piped(), Stdio::null())?;
         let Some(stdin) = helper.child.stdin.take() else { unreachable!("standard input is piped") };
         match PipeWriter::new(stdin, format) {
-            Ok(pictures) => Ok(Self { helper, pictures: Some(pictures), file: file.into() }),
+            Ok(pictures) => Ok(Self { helper, pictures: Some(pictures), part, file: file.into() }),
             Err(_) => Err(VideoError::Film { file: file.into(), message: helper.final_message() }),
         }
     }
@@ -215,7 +240,7 @@ impl FilmWriter {
             .map_err(|_| VideoError::Film { file: self.file.clone(), message: self.helper.final_message() })
     }
 
-    /// Ends the film and waits until it is on the disk.
+    /// Ends the film, waits until it is whole on the disk, and gives it its name.
     pub fn finish(mut self) -> Result<(), VideoError> {
         // A helper that has failed cannot take the end; its message is read below.
         let _ = self.pictures.take().map(PipeWriter::finish);
@@ -224,10 +249,9 @@ impl FilmWriter {
             .child
             .wait()
             .map_err(|source| VideoError::Pipe { file: self.file.clone(), source })?;
-        if status.success() {
-            Ok(())
-        } else {
-            Err(VideoError::Film { file: self.file, message: self.helper.final_message() })
+        if !status.success() {
+            return Err(VideoError::Film { file: self.file, message: self.helper.final_message() });
         }
+        atomic::put(self.part, &self.file).map_err(|source| VideoError::Write { file: self.file, source })
     }
 }

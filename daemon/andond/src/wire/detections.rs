@@ -44,27 +44,34 @@ fn write_hands(
     message.hands_len = seen.hands.len().min(HANDS) as u32;
 }
 
-/// Writes the objects that were seen and have a pose, with its confidence; then those that a hand holds and hides.
+/// Writes the objects that were seen and have a pose, with its confidence; then those that a hand holds and hides, and those whose marker is in
+/// view twice.
 fn write_objects(
     seen: &Seen,
     pose: impl Fn(&seen::ObjectDetection) -> Option<([f32; 3], [f32; 4], f32)>,
     carried: &[PlacedObject],
     message: &mut Detections,
 ) {
+    let ambiguous = &seen.twice;
+    let is_carried = |id: &u16| carried.iter().any(|object| object.id == *id);
+    let unplaced = ambiguous.iter().filter(|id| !is_carried(id));
+    let unplaced =
+        unplaced.map(|&id| ObjectDetection { id, flags: flag::TWICE, ..ObjectDetection::default() });
     let seen = seen.objects.iter().filter_map(|object| {
         let (position_m, orientation, quality) = pose(object)?;
         let (id, corners_px) = (object.id, object.corners_px);
         Some(ObjectDetection { id, flags: flag::SEEN, quality, position_m, orientation, corners_px })
     });
+    let twice = |id: &u16| if ambiguous.contains(id) { flag::TWICE } else { 0 };
     let carried = carried.iter().map(|&PlacedObject { id, position_m, orientation }| ObjectDetection {
         id,
-        flags: flag::HELD,
+        flags: flag::HELD | twice(&id),
         position_m,
         orientation,
         ..ObjectDetection::default()
     });
     let mut written = 0;
-    for (object, slot) in seen.chain(carried).zip(message.objects.iter_mut()) {
+    for (object, slot) in seen.chain(carried).chain(unplaced).zip(message.objects.iter_mut()) {
         *slot = object;
         written += 1;
     }
@@ -103,6 +110,11 @@ fn hand(side: Side, score: f32, landmarks: &[[f32; 3]; seen::LANDMARKS]) -> Opti
     let placed =
         [wrist, index, knuckle, middle, ring].iter().flatten().all(|coordinate| coordinate.is_finite());
     placed.then_some(Hand { side, score, wrist, middle_knuckle: knuckle, tips: [index, middle, ring] })
+}
+
+/// The objects of a message whose marker is in view twice.
+pub fn twice(message: &Detections) -> impl Iterator<Item = u16> {
+    message.objects().iter().filter(|object| object.flags & flag::TWICE != 0).map(|object| object.id)
 }
 
 /// Reads from a message what the method uses. A hand without a position on the bench counts as not seen, and so does an object whose pose

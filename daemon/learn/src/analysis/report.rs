@@ -9,8 +9,6 @@ use crate::cluster::{MotionClusters, Table};
 use crate::html::{document, escaped};
 use crate::warp::Warp;
 use std::fmt::Write as _;
-use std::io;
-use std::path::Path;
 
 /// The number of the person whose matrix the paper shows.
 const PERSON_OF_PAPER: u32 = 5;
@@ -22,18 +20,6 @@ pub struct Report {
     pub page: String,
     /// Name and content of each picture (SVG) and table (CSV).
     pub files: Vec<(String, String)>,
-}
-
-impl Report {
-    /// Writes the page as `index.html`, and the files next to it.
-    ///
-    /// # Errors
-    /// If the folder cannot be written.
-    pub fn save(&self, folder: &Path) -> io::Result<()> {
-        std::fs::create_dir_all(folder)?;
-        std::fs::write(folder.join("index.html"), &self.page)?;
-        self.files.iter().try_for_each(|(name, text)| std::fs::write(folder.join(name), text))
-    }
 }
 
 /// Draws an analysis. `source` says what was analysed.

@@ -1,6 +1,7 @@
 //! A table that says who did what in which recording: comma-separated values or TOML.
 
 use super::{FolderError, Written};
+use crate::file;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -75,8 +76,8 @@ impl Table {
     /// # Errors
     /// What is wrong in which line.
     pub fn read(path: &Path) -> Result<Self, TableError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| TableError::Io { path: path.to_owned(), source })?;
+        let text =
+            file::read_text(path).map_err(|source| TableError::Io { path: path.to_owned(), source })?;
         let form = |problem: String| TableError::Form { path: path.to_owned(), problem };
         let rows = if path.extension().is_some_and(|ending| ending == "toml") {
             toml::from_str::<Rows>(&text).map_err(|error| form(error.to_string().trim_end().to_owned()))?.runs

@@ -1,6 +1,7 @@
 //! Why a job file was refused.
 
 use super::VERSION;
+use crate::file::NotText;
 use andon_core::capacity::IU_FRAMES;
 
 /// A job file was refused.
@@ -16,11 +17,12 @@ pub struct JobFileError {
 /// What is wrong with a job file.
 #[derive(Debug, thiserror::Error)]
 pub enum JobFault {
-    /// The bytes are not UTF-8 text.
-    #[error(
-        "byte {0} is not UTF-8 text; the file is damaged: teach the job again or restore the file from a backup"
-    )]
-    NotText(usize),
+    /// There is nothing in it.
+    #[error("the file is empty: teach the job again or restore the file from a backup")]
+    Empty,
+    /// It is something else, such as a film, or was saved in another encoding.
+    #[error("{0}; a job file is the .toml that `andond teach` has written")]
+    NotText(#[from] NotText),
     /// The text is not TOML, a key is unknown or missing, or a value has the wrong type.
     #[error("{0}")]
     Toml(#[from] toml::de::Error),

@@ -4,6 +4,7 @@ use super::{
     FORMAT, JobFault, JobFile, JobFileError, Provenance, Relation, RelationKind, Source, TaughtActivity,
     TaughtIu, TaughtStep, VERSION, checksum, runs, validate,
 };
+use crate::file;
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
@@ -269,7 +270,12 @@ impl JobFile {
 }
 
 fn parse(bytes: &[u8]) -> Result<JobFile, JobFault> {
-    let text = str::from_utf8(bytes).map_err(|error| JobFault::NotText(error.valid_up_to()))?;
+    // The checksum is that of the text as it was written, whichever editor has changed its names since.
+    let text = file::text(bytes)?;
+    let text = text.as_ref();
+    if text.trim().is_empty() {
+        return Err(JobFault::Empty);
+    }
     let magic: Magic = toml::from_str(text)?;
     if magic.format != FORMAT {
         return Err(JobFault::Format(magic.format));

@@ -1,5 +1,6 @@
 //! Why a track file was refused.
 
+use crate::file::NotText;
 use andon_core::capacity::{HANDS, INTERACTION_POINTS, OBJECTS};
 
 /// A track file was refused.
@@ -17,6 +18,12 @@ pub struct TrackError {
 /// What is wrong with a line of a track file.
 #[derive(Debug, thiserror::Error)]
 pub enum TrackFault {
+    /// There is nothing in the file.
+    #[error("the file is empty")]
+    Empty,
+    /// The file is text in another encoding, or no text.
+    #[error("{0}")]
+    NotText(#[from] NotText),
     /// There is no line at all, or only a part of the first one.
     #[error(
         "the header is missing; the first line must be {{\"format\": \"andon.tracks\", \"version\": 1, ...}}"
@@ -38,8 +45,51 @@ pub enum TrackFault {
     #[error("the file cannot be read: {0}")]
     Io(#[from] std::io::Error),
     /// A number is infinite, or too large for a coordinate.
-    #[error("{0} is infinite or larger than any bench")]
+    #[error("{0} is infinite or larger than any bench; places are in metres: 100 mm is 0.1")]
     NotFinite(&'static str),
+    /// A word stands where a number is expected.
+    #[error(
+        "{0} is no place; write null, or leave the part or the hand out of a frame in which it is not seen"
+    )]
+    Infinite(&'static str),
+    /// Places are in another unit than metres: that of the hands, by the length of a hand.
+    #[error(
+        "a hand is {length:.1} long, from its wrist to the tip of its middle finger: places are in metres, and these seem to be in {unit}"
+    )]
+    Lengths {
+        /// The median length of a hand, as the file has it.
+        length: f64,
+        /// The unit that makes a hand of it, and how it is converted.
+        unit: &'static str,
+    },
+    /// A point of an object is metres away from it.
+    #[error(
+        "an interaction point of object {0} lies {1} from it: points are in metres, as places are: 100 mm is 0.1"
+    )]
+    FarPoint(u16, f64),
+    /// Times are in another unit than seconds, by the rate of the header.
+    #[error(
+        "t goes on by {step} from frame to frame, and at rate_hz {rate_hz} it should by {expected:.4}: t is in seconds, and this seems to be in \
+         {unit}; divide it by {factor}"
+    )]
+    Times {
+        /// The median step.
+        step: f64,
+        /// The rate of the header.
+        rate_hz: f64,
+        /// The step at that rate.
+        expected: f64,
+        /// The unit that makes this rate of it.
+        unit: &'static str,
+        /// How many of them a second has.
+        factor: f64,
+    },
+    /// Quaternions have their real part last.
+    #[error(
+        "q of object {0} and of all others turns about no axis that a part on a bench turns about, unless its numbers stand in the order x, y, z, \
+         w; here it is [w, x, y, z]: put the last one first"
+    )]
+    RealPartLast(u16),
     /// A number is out of its range.
     #[error("{name} is {value}; it must be in {range}")]
     Range {

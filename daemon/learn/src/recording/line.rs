@@ -2,7 +2,7 @@
 
 use super::Landmarks;
 use andon_core::input::Side;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 /// The value of `format`.
 pub(super) const FORMAT: &str = "andon.tracks";
@@ -89,12 +89,36 @@ pub(super) struct FrameLine {
     pub(super) objects: Vec<ObjectEntry>,
 }
 
+/// Numbers that a tracker writes `null` or NaN for, all of them or one, where it has not seen what they measure.
+pub(super) type Numbers<const N: usize> = Option<[Option<f64>; N]>;
+
+/// The numbers, if all of them are there.
+pub(super) fn all<const N: usize>(numbers: &Numbers<N>) -> Option<[f64; N]> {
+    let numbers = numbers.as_ref()?;
+    let mut all = [0.0; N];
+    for (one, number) in all.iter_mut().zip(numbers) {
+        *one = (*number)?;
+    }
+    Some(all)
+}
+
+/// Numbers that are all there.
+pub(super) fn seen<const N: usize>(numbers: [f64; N]) -> Numbers<N> {
+    Some(numbers.map(Some))
+}
+
+/// A gap is written as one: a key that is missing is a mistake.
+fn required<'de, D: Deserializer<'de>, T: Deserialize<'de>>(from: D) -> Result<T, D::Error> {
+    T::deserialize(from)
+}
+
 #[derive(Serialize, Deserialize)]
 pub(super) struct HandEntry {
     pub(super) id: HandName,
     #[serde(default = "certain")]
     pub(super) score: f64,
-    pub(super) landmarks: Vec<[f64; 3]>,
+    #[serde(deserialize_with = "required")]
+    pub(super) landmarks: Option<Vec<Numbers<3>>>,
 }
 
 /// A hand without a score was detected with certainty.
@@ -105,8 +129,10 @@ fn certain() -> f64 {
 #[derive(Serialize, Deserialize)]
 pub(super) struct ObjectEntry {
     pub(super) id: u16,
-    pub(super) p: [f64; 3],
-    pub(super) q: [f64; 4],
+    #[serde(deserialize_with = "required")]
+    pub(super) p: Numbers<3>,
+    #[serde(deserialize_with = "required")]
+    pub(super) q: Numbers<4>,
 }
 
 impl Landmarks {

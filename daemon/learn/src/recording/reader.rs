@@ -1,8 +1,10 @@
 //! From the bytes of a track file to frames.
 
+use super::convention::{self, Conventions};
 use super::error::{TrackError, TrackFault};
-use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION};
+use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION, all};
 use super::{Header, Landmarks, NamedObject, Recording};
+use crate::file::{BYTE_ORDER_MARK, NotText, is_utf16};
 use andon_core::capacity::{HANDS, OBJECTS};
 use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
 use andon_core::object::ObjectShape;
@@ -15,7 +17,7 @@ const MAX_LINE_BYTES: usize = 1 << 20;
 /// Maximum coordinate in metres: no bench is wider than a kilometre, and the square of this is far from overflow.
 const MAX_COORDINATE_M: f64 = 1000.0;
 
-/// Maximum `t` in seconds: 30 years.
+/// Maximum `t` in seconds: 30 years. A file that begins later has times since 1970, and its first frame is its beginning.
 const MAX_TIME_S: f64 = 1e9;
 
 /// The file ends in the middle of a line; it was read up to its last whole line.
@@ -31,7 +33,8 @@ impl fmt::Display for Truncation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,
-            "{}, line {}: the file ends in the middle of this line; it was read up to the line before",
+            "{}, line {}: the file ends in the middle of this line, so it was not written to its end, and nothing is said of what came then; copy \
+             it again, or remove this line if no more is missing",
             self.file, self.line
         )
     }
@@ -52,7 +55,10 @@ pub fn read(file: &str, bytes: &[u8]) -> Result<Recording, TrackError> {
 pub struct TrackReader<R> {
     lines: Lines<R>,
     header: Header,
+    /// `t` of the beginning: 0, or that of the first frame where times are since 1970.
+    origin_s: Option<f64>,
     before_s: Option<f64>,
+    conventions: Conventions,
     truncation: Option<Truncation>,
     ended: bool,
 }
@@ -67,11 +73,20 @@ impl<R: BufRead> TrackReader<R> {
         let header = match lines.next_line() {
             Ok(Some(_)) => header_of(&lines.buffer).map_err(|fault| lines.error(fault))?,
             Ok(None) => {
-                return Err(TrackError { file: file.to_owned(), line: 1, fault: TrackFault::NoHeader });
+                return Err(TrackError { file: file.to_owned(), line: 1, fault: TrackFault::Empty });
             }
-            Err(fault) => return Err(lines.error(fault)),
+            Err(fault) => return Err(lines.error(not_text(&lines.buffer).unwrap_or(fault))),
         };
-        Ok(Self { lines, header, before_s: None, truncation: None, ended: false })
+        let conventions = Conventions::new(f64::from(header.rate_hz), header.space);
+        Ok(Self {
+            lines,
+            header,
+            origin_s: None,
+            before_s: None,
+            conventions,
+            truncation: None,
+            ended: false,
+        })
     }
 
     /// The first line.
@@ -85,24 +100,32 @@ impl<R: BufRead> TrackReader<R> {
     }
 
     fn frame(&mut self) -> Result<Option<Frame>, TrackFault> {
-        let Some(is_whole) = self.lines.next_line()? else { return Ok(None) };
-        let line = match serde_json::from_slice::<FrameLine>(&self.lines.buffer) {
+        let Some(is_whole) = self.lines.next_line()? else {
+            self.conventions.end()?;
+            return Ok(None);
+        };
+        let line = match frame_line(&self.lines.buffer) {
             Ok(line) => line,
             // A number that is cut off is a syntax error; everything else that is cut off ends too early.
-            Err(error) if !is_whole && (error.is_eof() || error.is_syntax()) => {
+            Err(TrackFault::Json(error)) if !is_whole && (error.is_eof() || error.is_syntax()) => {
                 self.truncation = Some(Truncation { file: self.lines.file.clone(), line: self.lines.line });
                 return Ok(None);
             }
-            Err(error) => return Err(error.into()),
+            Err(fault) => return Err(fault),
         };
-        if !(0.0..=MAX_TIME_S).contains(&line.t) {
-            return Err(TrackFault::Range { name: "t", value: line.t, range: "0 to 1e9 seconds" });
+        self.conventions.time(line.t)?;
+        let origin_s = *self.origin_s.get_or_insert(if line.t > MAX_TIME_S { line.t } else { 0.0 });
+        if !(0.0..=MAX_TIME_S).contains(&(line.t - origin_s)) {
+            let range = "0 to 1e9 seconds: subtract the first one from all";
+            return Err(TrackFault::Range { name: "t", value: line.t, range });
         }
         if let Some(before) = self.before_s.filter(|before| line.t <= *before) {
             return Err(TrackFault::Time { t: line.t, before });
         }
         self.before_s = Some(line.t);
-        frame_of(&line, &self.header).map(Some)
+        let frame = frame_of(&line, origin_s, &self.header)?;
+        self.conventions.frame(&frame.hands, &frame.objects)?;
+        Ok(Some(frame))
     }
 }
 
@@ -154,7 +177,27 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
+/// A frame, in which NaN is a gap as `null` is.
+fn frame_line(line: &[u8]) -> Result<FrameLine, TrackFault> {
+    serde_json::from_slice(line).or_else(|error| match convention::without_nan(line)? {
+        Some(line) => Ok(serde_json::from_slice(&line)?),
+        None => Err(error.into()),
+    })
+}
+
+/// That the beginning of a file is no text in UTF-8.
+fn not_text(line: &[u8]) -> Option<TrackFault> {
+    if is_utf16(line) {
+        return Some(NotText::Utf16.into());
+    }
+    line.contains(&0).then_some(TrackFault::NotText(NotText::Binary))
+}
+
 fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
+    if let Some(fault) = not_text(line) {
+        return Err(fault);
+    }
+    let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
     let magic: Magic = serde_json::from_slice(line).map_err(|_| TrackFault::NoHeader)?;
     if magic.format != FORMAT {
         return Err(TrackFault::Format(magic.format));
@@ -214,6 +257,7 @@ fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
         let found = object.interaction_points.len();
         let mut interaction_points = heapless::Vec::new();
         for point in &object.interaction_points {
+            convention::point(id, point)?;
             interaction_points
                 .push(point_of(point, "an interaction point")?)
                 .map_err(|_| TrackFault::InteractionPoints { id, found })?;
@@ -230,17 +274,18 @@ fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
     Ok(objects)
 }
 
-fn frame_of(line: &FrameLine, header: &Header) -> Result<Frame, TrackFault> {
-    let mut frame = Frame { captured_ns: (line.t * 1e9).round() as u64, ..Frame::default() };
+fn frame_of(line: &FrameLine, origin_s: f64, header: &Header) -> Result<Frame, TrackFault> {
+    let captured_ns = ((line.t - origin_s) * 1e9).round() as u64;
+    let mut frame = Frame { captured_ns, ..Frame::default() };
     for entry in &line.hands {
-        let hand = hand_of(entry, header)?;
+        let Some(hand) = hand_of(entry, header)? else { continue };
         if frame.hands.iter().any(|known| known.side == hand.side) {
             return Err(TrackFault::Twice(format!("the {} hand", hand.side.name())));
         }
         frame.hands.push(hand).map_err(|_| TrackFault::Full { what: "hands", found: HANDS + 1 })?;
     }
     for entry in &line.objects {
-        let object = object_of(entry, header)?;
+        let Some(object) = object_of(entry, header)? else { continue };
         if frame.objects.iter().any(|known| known.id == object.id) {
             return Err(TrackFault::Twice(format!("object {}", object.id)));
         }
@@ -249,7 +294,8 @@ fn frame_of(line: &FrameLine, header: &Header) -> Result<Frame, TrackFault> {
     Ok(frame)
 }
 
-fn hand_of(entry: &HandEntry, header: &Header) -> Result<Hand, TrackFault> {
+/// The hand; `None` where a landmark that the method uses was not seen.
+fn hand_of(entry: &HandEntry, header: &Header) -> Result<Option<Hand>, TrackFault> {
     let side = Side::from(entry.id);
     if !header.hands.contains(&side) {
         return Err(TrackFault::UnknownHand(side.name()));
@@ -257,32 +303,39 @@ fn hand_of(entry: &HandEntry, header: &Header) -> Result<Hand, TrackFault> {
     if !(0.0..=1.0).contains(&entry.score) {
         return Err(TrackFault::Range { name: "score", value: entry.score, range: "0 to 1" });
     }
+    let Some(landmarks) = &entry.landmarks else { return Ok(None) };
     let expected = header.landmarks.count();
-    if entry.landmarks.len() != expected {
-        return Err(TrackFault::Landmarks { found: entry.landmarks.len(), expected });
+    if landmarks.len() != expected {
+        return Err(TrackFault::Landmarks { found: landmarks.len(), expected });
     }
     // All landmarks are checked, including those that the method does not use: a tracker that writes nonsense is not trusted.
-    for point in &entry.landmarks {
-        point_of(point, "a landmark")?;
+    for point in landmarks.iter().filter_map(all) {
+        point_of(&point, "a landmark")?;
     }
-    let [wrist, middle_knuckle, index, middle, ring] =
-        header.landmarks.indices().map(|index| entry.landmarks[index].map(|value| value as f32));
-    Ok(Hand { side, score: entry.score as f32, wrist, middle_knuckle, tips: [index, middle, ring] })
+    let used = header.landmarks.indices().map(|index| all(&landmarks[index]));
+    let [Some(wrist), Some(middle_knuckle), Some(index), Some(middle), Some(ring)] =
+        used.map(|point| point.map(|point| point.map(|value| value as f32)))
+    else {
+        return Ok(None);
+    };
+    Ok(Some(Hand { side, score: entry.score as f32, wrist, middle_knuckle, tips: [index, middle, ring] }))
 }
 
-fn object_of(entry: &ObjectEntry, header: &Header) -> Result<Object, TrackFault> {
+/// The object; `None` where it was not seen.
+fn object_of(entry: &ObjectEntry, header: &Header) -> Result<Option<Object>, TrackFault> {
     if !header.objects.iter().any(|known| known.shape.id == entry.id) {
         return Err(TrackFault::UnknownObject(entry.id));
     }
-    let position = point_of(&entry.p, "p")?;
-    let length = entry.q.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let (Some(position), Some(orientation)) = (all(&entry.p), all(&entry.q)) else { return Ok(None) };
+    let position = point_of(&position, "p")?;
+    let length = orientation.iter().map(|part| part * part).sum::<f64>().sqrt();
     // Rounding to four decimals changes the length by less than 1e-3; a larger deviation means that this is no rotation.
     if !(0.99..=1.01).contains(&length) {
         return Err(TrackFault::Quaternion(entry.id, length as f32));
     }
     // A quaternion of length 1, as far as `f32` can tell, is kept bit for bit, so that a recording replays as it was recorded.
     let length = if (length - 1.0).abs() < f64::from(f32::EPSILON) { 1.0 } else { length };
-    Ok(Object { id: entry.id, position, orientation: entry.q.map(|part| (part / length) as f32) })
+    Ok(Some(Object { id: entry.id, position, orientation: orientation.map(|part| (part / length) as f32) }))
 }
 
 fn point_of(point: &[f64; 3], what: &'static str) -> Result<Point, TrackFault> {

@@ -1,6 +1,8 @@
 //! From frames to the text of a track file.
 
-use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, HeaderObject, ObjectEntry, SpaceName, VERSION};
+use super::line::{
+    FORMAT, FrameLine, HandEntry, HeaderLine, HeaderObject, ObjectEntry, SpaceName, VERSION, seen,
+};
 use super::{Header, Landmarks};
 use andon_core::input::{Frame, Hand, Space};
 use std::io::{self, Write};
@@ -116,8 +118,8 @@ fn frame_line(frame: &Frame, numbers: &Numbers) -> FrameLine {
             .iter()
             .map(|object| ObjectEntry {
                 id: object.id,
-                p: numbers.of(&object.position),
-                q: numbers.of(&object.orientation),
+                p: seen(numbers.of(&object.position)),
+                q: seen(numbers.of(&object.orientation)),
             })
             .collect(),
     }
@@ -128,9 +130,11 @@ fn hand_entry(hand: &Hand, numbers: &Numbers) -> HandEntry {
     HandEntry {
         id: hand.side.into(),
         score: f64::from(hand.score),
-        landmarks: [&hand.wrist, index, &hand.middle_knuckle, middle, ring]
-            .map(|point| numbers.of(point))
-            .to_vec(),
+        landmarks: Some(
+            [&hand.wrist, index, &hand.middle_knuckle, middle, ring]
+                .map(|point| seen(numbers.of(point)))
+                .to_vec(),
+        ),
     }
 }
 

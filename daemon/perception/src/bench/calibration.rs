@@ -110,7 +110,11 @@ impl Calibration {
             file.sync_all()?;
             std::fs::rename(&unfinished, path)
         };
-        write().map_err(|source| CalibrationError::File { path: path.into(), verb: "written", source })
+        write().map_err(|source| {
+            // What there is of it is of no use, and takes room where there is none.
+            let _ = std::fs::remove_file(&unfinished);
+            CalibrationError::File { path: path.into(), verb: "written", source }
+        })
     }
 
     /// The bench frame of metric mode: where a camera with this lens must be for this calibration.
@@ -238,7 +242,11 @@ fn find(
         markers.iter().map(|marker| MarkerObject { id: marker.id, side_m: marker.side_m as f32 }).collect();
     let config = MarkersConfig { dictionary, objects, ..MarkersConfig::default() };
     let is_named = |id| markers.iter().any(|marker| marker.id == id);
-    let mut found = Markers::new(&config)?.find(image, None, is_named)?;
+    let mut finder = Markers::new(&config)?;
+    let mut found = finder.find(image, None, is_named)?;
+    if !finder.twice().is_empty() {
+        return Err(CalibrationError::Twice(finder.twice().to_vec()));
+    }
     if found.len() < markers.len() {
         let is_missing = |id| is_named(id) && found.iter().all(|other| other.id != id);
         let others = Markers::patient(&config)?.find(image, None, is_missing)?;

@@ -19,6 +19,9 @@ pub enum CalibrationError {
         "marker {0} of the calibration: its position and its side must be finite numbers, its side over 0 m, and its id named once"
     )]
     Marker(u16),
+    /// Markers are in the picture twice.
+    #[error("markers {0:?} are in the picture twice: take the other print of each away")]
+    Twice(Vec<u16>),
     /// Markers were not found in the picture.
     #[error(
         "markers {0:?} were not found in the picture: lay them flat, whole and well lit in the camera's view"

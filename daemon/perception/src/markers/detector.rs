@@ -1,7 +1,7 @@
 //! Markers in a part of a picture, with exact corners.
 
 use super::aruco::{Aruco, Reading};
-use super::{Found, Marker, edges};
+use super::{Found, Ids, Marker, edges};
 use crate::config::MarkersConfig;
 use crate::image::ImageView;
 use crate::points::PixelPoint;
@@ -32,7 +32,8 @@ impl Detector {
         })
     }
 
-    /// Adds the markers of a part of the picture whose id is `wanted` to those that were found, and returns how many others it shows. `min_side_px`
+    /// Adds the markers of a part of the picture whose id is `wanted` to those that were found, and the ids that are in view twice to `twice`; returns
+    /// how many others it shows. `min_side_px`
     /// is the side of the smallest marker that is expected, if that is known: it decides whether half the picture's size is enough.
     pub(super) fn search(
         &mut self,
@@ -41,6 +42,7 @@ impl Detector {
         min_side_px: Option<f64>,
         wanted: impl Fn(u16) -> bool,
         found: &mut Found,
+        twice: &mut Ids,
     ) -> opencv::Result<usize> {
         let scale = self.detect(gray, part, min_side_px)?;
         let _span = trace_span!("corners").entered();
@@ -58,7 +60,7 @@ impl Detector {
                 to.y = f64::from(part.y) + (f64::from(from.y) + 0.5) * scale[1] - 0.5;
             }
             let quality = edges::refine(gray, &mut refined, self.modules);
-            keep(found, Marker { id, corners: refined, quality });
+            keep(found, twice, Marker { id, corners: refined, quality });
         }
         Ok(unwanted)
     }
@@ -87,12 +89,29 @@ impl Detector {
     }
 }
 
-/// Adds a marker; of two with the same id the one with the better outline stays.
-fn keep(found: &mut Found, marker: Marker) {
+/// Adds a marker; of two with the same id the one with the better outline stays, and the id is noted if they are two prints.
+fn keep(found: &mut Found, twice: &mut Ids, marker: Marker) {
     match found.iter_mut().find(|other| other.id == marker.id) {
-        Some(other) if other.quality < marker.quality => *other = marker,
-        Some(_) => {}
+        Some(other) => {
+            if is_elsewhere(other, &marker) && !twice.contains(&marker.id) {
+                // There is room: no more ids are wanted than the list holds.
+                let _ = twice.push(marker.id);
+            }
+            if other.quality < marker.quality {
+                *other = marker;
+            }
+        }
         // There is room: no more ids are wanted than the list holds.
         None => drop(found.push(marker)),
     }
+}
+
+/// Whether these are two prints. One has an inner and an outer outline, and is in two windows where these overlap.
+fn is_elsewhere(one: &Marker, other: &Marker) -> bool {
+    let centre = |marker: &Marker| {
+        let [a, _, c, _] = marker.corners;
+        PixelPoint::new((a.x + c.x) / 2.0, (a.y + c.y) / 2.0)
+    };
+    let side = |marker: &Marker| marker.corners[0].distance(marker.corners[1]);
+    centre(one).distance(centre(other)) > side(one).max(side(other)) / 2.0
 }

@@ -36,6 +36,9 @@ pub(crate) struct Marker {
 /// The markers of one frame, at most one per id, in order of their ids.
 pub(crate) type Found = Vec<Marker, OBJECTS>;
 
+/// Ids of markers.
+pub(crate) type Ids = Vec<u16, OBJECTS>;
+
 /// Finds markers.
 pub(crate) struct Markers {
     detector: Detector,
@@ -44,6 +47,7 @@ pub(crate) struct Markers {
     /// For the step between the picture and its brightness.
     between: Mat,
     foreign: Foreign,
+    twice: Ids,
 }
 
 impl Markers {
@@ -70,10 +74,11 @@ impl Markers {
             gray: Mat::default(),
             between: Mat::default(),
             foreign: Foreign::new(config.dictionary),
+            twice: Ids::new(),
         })
     }
 
-    /// Finds the markers whose id is `wanted`. `min_side_px` is the side of the smallest marker that is expected, if that is
+    /// Finds the markers whose id is `wanted`, the better of two with one id: see [`Self::twice`]. `min_side_px` is the side of the smallest marker that is expected, if that is
     /// known.
     ///
     /// # Errors
@@ -84,7 +89,7 @@ impl Markers {
         min_side_px: Option<f64>,
         wanted: impl Fn(u16) -> bool,
     ) -> Result<Found, PerceptionError> {
-        let Self { detector, windows, gray, between, foreign } = self;
+        let Self { detector, windows, gray, between, foreign, twice } = self;
         if image.format() != PixelFormat::Gray8 {
             let _span = trace_span!("grey").entered();
             image.write_gray(between, gray).map_err(while_doing("looking for markers"))?;
@@ -92,27 +97,37 @@ impl Markers {
         let gray = gray_view(image, gray)?;
         let mut search = |parts: &[Rect]| {
             let (mut found, mut unwanted) = (Found::default(), 0);
+            twice.clear();
             for part in parts {
                 unwanted += detector
-                    .search(&gray, *part, min_side_px, &wanted, &mut found)
+                    .search(&gray, *part, min_side_px, &wanted, &mut found, twice)
                     .map_err(while_doing("looking for markers"))?;
             }
-            Ok::<_, PerceptionError>((found, unwanted))
+            let mut single = found.clone();
+            single.retain(|marker| !twice.contains(&marker.id));
+            Ok::<_, PerceptionError>((found, single, unwanted))
         };
-        let mut found = Found::default();
+        let (mut found, mut single) = (Found::default(), Found::default());
         if let Some(near) = windows.near(image) {
-            found = search(near)?.0;
+            (found, single, _) = search(near)?;
         }
-        if !windows.hold_all(&found) {
+        // Which of two prints is to be followed nobody knows: the whole picture is searched for as long as both are in view.
+        if !windows.hold_all(&single) {
             let unwanted;
-            (found, unwanted) = search(&[Rect::new(0, 0, image.width() as i32, image.height() as i32)])?;
+            (found, single, unwanted) =
+                search(&[Rect::new(0, 0, image.width() as i32, image.height() as i32)])?;
             foreign
                 .look(&gray, unwanted, !found.is_empty())
                 .map_err(while_doing("looking for foreign markers"))?;
         }
         found.sort_unstable_by_key(|marker| marker.id);
-        windows.follow(image, &found);
+        windows.follow(image, &single);
         Ok(found)
+    }
+
+    /// The ids that the newest frame shows twice.
+    pub(crate) fn twice(&self) -> &[u16] {
+        &self.twice
     }
 
     /// Markers of the newest frame whose whole picture was searched that nobody wants.

@@ -82,7 +82,10 @@ pub(super) fn experiment_1(seeds: RangeInclusive<u64>, folder: &Path) -> Outcome
             let source = format!("seed {seed}, {cost:?}");
             let report =
                 report(&result.analysis, result.drilling.as_ref(), selection.as_ref(), None, &source)?;
-            report.save(&folder.join(format!("{seed}_{}", cost.name())))?;
+            let folder = folder.join(format!("{seed}_{}", cost.name()));
+            std::fs::create_dir_all(&folder)?;
+            std::fs::write(folder.join("index.html"), &report.page)?;
+            report.files.iter().try_for_each(|(name, text)| std::fs::write(folder.join(name), text))?;
         }
     }
     Ok(())

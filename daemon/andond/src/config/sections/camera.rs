@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub enum Source {
     /// A video file.
     Video,
-    /// A folder of pictures, in the order of their names.
+    /// A folder of pictures, in the order and at the times of the numbers in their names.
     Images,
     /// A V4L2 device.
     V4l2,

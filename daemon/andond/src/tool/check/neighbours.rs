@@ -9,6 +9,15 @@ use crate::config::{Config, Source};
 /// What this station shares with one beside it.
 pub(super) fn faults(config: &Config) -> Vec<String> {
     let what_is_shared = |(path, other): (PathBuf, Config)| {
+        let own = config.files.last().and_then(|own| std::fs::read(own).ok());
+        if own.is_some() && own == std::fs::read(&path).ok() {
+            let copy = path.display();
+            let said = format!(
+                "station.name: {copy} is a copy of this station's file: move it to another folder, or give it a name, a port, a journal and a \
+                 camera of its own"
+            );
+            return vec![said];
+        }
         let said = move |what| format!("{what}, as the station in {}", path.display());
         shared(config, &other).map(said).collect::<Vec<_>>()
     };

@@ -14,6 +14,7 @@ use super::clock::Clock;
 use super::known::KnownJobs;
 use super::part::part_id;
 use super::{ToolError, cannot_write, check_writable, job, running_config};
+use crate::atomic;
 use crate::cli::History as Arguments;
 use crate::config::Config;
 use crate::exit::Code;
@@ -66,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<Code, ToolError> {
             write!(out, "{}", summary.text(&clock)).map_err(ToolError::Print)?;
         }
         if let Some(plot) = &arguments.plot {
-            std::fs::write(plot, plot::draw(&summary, &clock)).map_err(cannot_write(plot))?;
+            atomic::write(plot, plot::draw(&summary, &clock).as_bytes()).map_err(cannot_write(plot))?;
             writeln!(out, "drawn: {}", plot.display()).map_err(ToolError::Print)?;
         }
     } else {

@@ -20,6 +20,12 @@ pub(super) struct Glance {
     pub(super) seen: Detections,
     /// How well it can be seen.
     pub(super) picture: Picture,
+    /// Markers of parts that are in view twice.
+    pub(super) twice: Vec<u16>,
+    /// Markers of parts that are only found where the picture is mirrored, and where it is inverted; they are looked for while a part is missing.
+    pub(super) odd: [Vec<u16>; 2],
+    /// Hands in the picture, also those that the station does not look for.
+    pub(super) hands: usize,
     /// Markers of the station's dictionary that belong to no part.
     pub(super) others: Vec<SeenMarker>,
     /// Markers of another dictionary may be among these.
@@ -61,7 +67,12 @@ pub(super) struct Eye {
     /// By id.
     names: Vec<(u16, String)>,
     needed_px: f32,
+    /// In how many pictures missing markers were looked for in other ways.
+    odd_tried: usize,
 }
+
+/// In so many pictures it shows whether they are mirrored or inverted.
+const ODD_PICTURES: usize = 10;
 
 impl Eye {
     /// Where the hands come with the pictures, no hand is looked for.
@@ -78,6 +89,7 @@ impl Eye {
             finder: MarkerFinder::new(dictionary).map_err(RecordingError::from)?,
             names: config.objects.iter().map(|object| (object.id, object.name.clone())).collect(),
             needed_px: dictionary.needed_side_px() as f32,
+            odd_tried: 0,
         })
     }
 
@@ -93,7 +105,36 @@ impl Eye {
         }
         let mut others = self.finder.find(&image).map_err(RecordingError::from)?;
         others.retain(|marker| self.names.iter().all(|(id, _)| *id != marker.id));
-        Ok(Glance { seen, picture: perceived.picture, others, foreign: perceived.foreign_markers })
+        let (twice, hands) = (perceived.twice.to_vec(), perceived.hands_in_view);
+        let is_missing = |id: &u16| {
+            let seen = seen.objects().iter().any(|object| object.flags & flag::SEEN != 0 && object.id == *id);
+            !seen && !twice.contains(id)
+        };
+        let missing: Vec<u16> = self.names.iter().map(|(id, _)| *id).filter(is_missing).collect();
+        let odd = self.odd(&missing, view)?;
+        let (picture, foreign) = (perceived.picture, perceived.foreign_markers);
+        Ok(Glance { seen, picture, twice, odd, hands, others, foreign })
+    }
+
+    /// Those of the missing markers that a mirrored picture shows, and an inverted one.
+    fn odd(&mut self, missing: &[u16], view: &View<'_>) -> Result<[Vec<u16>; 2], ToolError> {
+        if missing.is_empty() || self.odd_tried >= ODD_PICTURES {
+            return Ok([Vec::new(), Vec::new()]);
+        }
+        self.odd_tried += 1;
+        let (width, height) = (view.format.width as usize, view.format.height as usize);
+        let mirrored: Vec<u8> = view
+            .picture
+            .chunks_exact(3 * width)
+            .flat_map(|row| row.chunks_exact(3).rev().flatten().copied())
+            .collect();
+        let inverted: Vec<u8> = view.picture.iter().map(|level| 255 - level).collect();
+        let mut found = |pixels: &[u8]| -> Result<Vec<u16>, RecordingError> {
+            let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, pixels)?;
+            let markers = self.finder.find(&image)?;
+            Ok(markers.into_iter().map(|marker| marker.id).filter(|id| missing.contains(id)).collect())
+        };
+        Ok([found(&mirrored)?, found(&inverted)?])
     }
 
     /// A picture with what was seen in it.

@@ -119,12 +119,17 @@ fn part(glances: &[Glance], object: &Object, sizes: Sizes, format: PictureFormat
     let Sizes { needed_px, wanted_px } = sizes;
     let seen: Vec<[[f32; 2]; 4]> = glances.iter().filter_map(|glance| glance.part(object.id)).collect();
     let about = object.name.as_str();
-    let Some(width) = median(seen.iter().map(side_px).collect()) else {
+    let twice = glances.iter().filter(|glance| glance.twice.contains(&object.id)).count();
+    // What is read once is a lucky pattern.
+    if twice * 4 > glances.len() {
         let sentence = format!(
-            "its marker {} is not seen: is it in view, flat, whole, with white around it, and printed by `andond markers`?",
+            "its marker {} is in view twice, and nobody knows which one is the part: take the other print away, or give it an id of its own",
             object.id
         );
         return line(false, about, sentence);
+    }
+    let Some(width) = median(seen.iter().map(side_px).collect()) else {
+        return line(false, about, unseen(glances, object.id));
     };
     let share = share(seen.len(), glances.len());
     if width.round() < needed_px {
@@ -150,6 +155,26 @@ fn part(glances: &[Glance], object: &Object, sizes: Sizes, format: PictureFormat
     line(true, about, format!("its marker is {width:.0} px wide; {enough} ({share})"))
 }
 
+/// Why a marker is in no picture.
+fn unseen(glances: &[Glance], id: u16) -> String {
+    let count = |odd: usize| glances.iter().filter(|glance| glance.odd[odd].contains(&id)).count();
+    // What is read once is a lucky pattern.
+    let often = |odd: usize| count(odd) > 1 || glances.len() == 1 && count(odd) == 1;
+    if often(0) {
+        return format!(
+            "its marker {id} is seen in the mirror only: the picture is mirrored, as for a selfie; turn that off in the camera or its program"
+        );
+    }
+    if often(1) {
+        return format!(
+            "its marker {id} is seen only where black and white are exchanged: the picture is a negative, or the marker was printed as one"
+        );
+    }
+    format!(
+        "its marker {id} is not seen: is it in view, flat, whole, with white around it, and printed by `andond markers`?"
+    )
+}
+
 fn is_at_edge(corners: &[[f32; 2]; 4], format: PictureFormat) -> bool {
     let room = EDGE_SIDES * side_px(corners);
     let is_near = |at: f32, length: u32| at < room || at > length as f32 - 1.0 - room;
@@ -161,6 +186,11 @@ fn hand(glances: &[Glance], side: Side) -> Line {
     let has_hand = |glance: &Glance| glance.has_hand(side);
     let between = glances.iter().position(has_hand).zip(glances.iter().rposition(has_hand));
     let Some((first, last)) = between else {
+        let others = glances.iter().filter(|glance| glance.hands > glance.seen.hands().len()).count();
+        if 4 * others > glances.len() {
+            let sentence = "not seen, but a hand that perception.hands does not name is in view: name both, or the one that works here";
+            return line(false, &about, sentence);
+        }
         // Nobody needs to work while the bench is set up.
         return line(true, &about, "not seen: hold it over the bench to try it");
     };

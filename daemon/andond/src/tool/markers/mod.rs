@@ -9,8 +9,7 @@ use std::path::PathBuf;
 
 use andon_perception::Dictionary;
 
-use super::{ToolError, cannot_write, load_config_to_learn, new_or_forced};
-use crate::atomic;
+use super::{ToolError, load_config_to_learn, new_or_forced, write_together};
 use crate::cli::Markers;
 use crate::cli::metres::position;
 use crate::config::{Config, Object};
@@ -40,10 +39,8 @@ pub fn run(arguments: &Markers) -> Result<Code, ToolError> {
     let files: Vec<(PathBuf, Vec<u8>)> = std::iter::once(pdf).chain(svgs).collect();
     // None is written where one cannot be, so that no sheets of two stations lie together.
     files.iter().try_for_each(|(path, _)| new_or_forced(path, arguments.force))?;
-    for (path, bytes) in &files {
-        atomic::write(path, bytes).map_err(cannot_write(path))?;
-        println!("{}", path.display());
-    }
+    write_together(files.iter().map(|(path, bytes)| (path.as_path(), bytes.as_slice())))?;
+    files.iter().for_each(|(path, _)| println!("{}", path.display()));
     println!(
         "\nPrint at 100 % (\"actual size\"), on matte paper, and hold a ruler against the one on the sheet. Cut along the dashed lines: the white\n\
          around a marker belongs to it. Stick it flat on the part, where no hand covers it.\n\

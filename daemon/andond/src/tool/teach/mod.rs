@@ -22,8 +22,11 @@ use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachOptions, TeachReport, page, teach};
 
 use super::runs::{common_space, read_runs};
-use super::{ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn, working};
-use crate::atomic::{self, folder_of};
+use super::{
+    ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn, working,
+    write_together,
+};
+use crate::atomic::folder_of;
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
 use crate::config::Config;
@@ -39,6 +42,12 @@ const FALSE_ALARMS: f64 = 0.01;
 /// # Errors
 /// What is missing or damaged, an existing file, or why nothing can be learned.
 pub fn run(arguments: &Teach) -> Result<Code, ToolError> {
+    if let Some(name) =
+        arguments.name.as_ref().filter(|name| name.trim().is_empty() || name.contains(char::is_control))
+    {
+        let expected = "a name has a letter, and stands on one line";
+        return Err(ToolError::Option { option: "--name", given: name.clone(), expected });
+    }
     let is_changed = !(arguments.add.is_empty() && arguments.without.is_empty());
     let before = is_changed.then(|| job::load(&arguments.out)).transpose()?;
     make_folder(&arguments.out)?;
@@ -73,6 +82,13 @@ fn learn(
     // In the order of their names, whichever way they were given, so that the same recordings teach the same job.
     let mut runs = read_runs(recordings, config, &options.method, &|| ())?;
     runs.sort_by(|one, other| (&one.name, &one.sha256).cmp(&(&other.name, &other.sha256)));
+    for run in runs.iter().filter(|run| !run.shows_hands()) {
+        eprintln!(
+            "note: {} shows no hand, so it shows no work: is it the right recording, is the hand in view and lit, and is it named in \
+             perception.hands?",
+            run.name
+        );
+    }
     let unseen = unseen::parts(&runs);
     let (job, report) =
         teach(&runs, &options).map_err(|nothing| unseen::explain(&unseen, recordings, nothing))?;
@@ -109,22 +125,24 @@ fn make_folder(out: &Path) -> Result<(), ToolError> {
 
 /// Writes what was asked for, and says what was written. What cannot be trusted is only drawn and described.
 fn write(arguments: &Teach, job: &JobFile, report: &TeachReport) -> Result<String, ToolError> {
-    let save = |path: &Path, text: &str| atomic::write(path, text.as_bytes()).map_err(cannot_write(path));
-    let mut said = String::new();
+    let (mut said, mut files) = (String::new(), Vec::new());
     if let Some(plot) = &arguments.plot {
-        save(plot, &draw_order(job, report.rejected.as_deref()))?;
+        files.push((plot.as_path(), draw_order(job, report.rejected.as_deref())));
         said += &format!("drawn: {}\n", plot.display());
     }
     if let Some(path) = &arguments.report {
-        save(path, &page(job, report, &draw_order(job, report.rejected.as_deref())))?;
+        files.push((path, page(job, report, &draw_order(job, report.rejected.as_deref()))));
         said += &format!("report: {}\n", path.display());
     }
     let out = arguments.out.display();
-    if !report.is_trusted() && !arguments.force {
-        return Ok(said + &format!("not written: {out}; --force writes it all the same\n"));
+    if report.is_trusted() || arguments.force {
+        files.push((&arguments.out, job.to_toml()));
+        said += &format!("written: {out}, job {} {:?} of hash {:016x}\n", job.id, job.name, job.model_hash());
+    } else {
+        said += &format!("not written: {out}; --force writes it all the same\n");
     }
-    save(&arguments.out, &job.to_toml())?;
-    Ok(said + &format!("written: {out}, job {} {:?} of hash {:016x}\n", job.id, job.name, job.model_hash()))
+    write_together(files.iter().map(|(path, text)| (*path, text.as_bytes())))?;
+    Ok(said)
 }
 
 /// What to teach from: what was given, or what an existing job was taught from, with the changes that are asked for.

@@ -22,11 +22,14 @@ pub(super) fn words(parts: &[(u16, String)], recordings: &[PathBuf]) -> String {
     let look =
         film.map(Path::display).map(|film| format!(" `andond look {film}` says which markers it shows"));
     format!(
-        "{} {} in no frame of the {} recordings: do the ids in [[objects]] agree with the markers on the parts, and are these in view, \
+        "{} {} in no frame of {}: do the ids in [[objects]] agree with the markers on the parts, and are these in view, \
          flat and whole?{}",
         named.join(", "),
         if parts.len() == 1 { "is" } else { "are" },
-        recordings.len(),
+        match recordings {
+            [only] => only.display().to_string(),
+            several => format!("the {} recordings", several.len()),
+        },
         look.unwrap_or_default()
     )
 }

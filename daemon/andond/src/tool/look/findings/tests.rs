@@ -31,7 +31,15 @@ fn glance(place: Option<([f32; 2], f32)>) -> Glance {
         };
     }
     let picture = Picture { sharpness: Some(0.9), noise: 2.0, cells: [[90; 3]; _], ..Picture::default() };
-    Glance { seen, picture, others: Vec::new(), foreign: 0 }
+    Glance {
+        seen,
+        picture,
+        twice: Vec::new(),
+        odd: Default::default(),
+        hands: 0,
+        others: Vec::new(),
+        foreign: 0,
+    }
 }
 
 /// What is said about something.
@@ -54,6 +62,25 @@ fn a_marker_that_is_too_small_is_told_with_the_size_that_is_enough() {
             "its marker is 22 px wide; 30 are needed: come nearer, or print it at 45 mm (seen in 75 % of the pictures)"
         )
     );
+}
+
+#[test]
+fn why_a_part_is_not_seen_is_told_where_the_pictures_say_it() {
+    let seen = glance(Some(([300.0, 200.0], 40.0)));
+    let twice = Glance { twice: vec![1], ..glance(None) };
+    let said = about(&[twice.clone(), twice, seen], "brick");
+    assert!(!said.0 && said.1.starts_with("its marker 1 is in view twice"), "{said:?}");
+    let mirrored = Glance { odd: [vec![1], Vec::new()], ..glance(None) };
+    assert!(about(&[mirrored.clone(), mirrored], "brick").1.contains("the picture is mirrored"));
+    let negative = Glance { odd: [Vec::new(), vec![1]], ..glance(None) };
+    assert!(about(&[negative], "brick").1.contains("a negative"));
+}
+
+#[test]
+fn a_hand_that_is_not_configured_is_told_apart_from_none() {
+    let other = Glance { hands: 1, ..glance(None) };
+    assert!(about(&[other], "right hand").1.contains("perception.hands does not name"));
+    assert!(about(&[glance(None)], "right hand").1.starts_with("not seen: hold it over the bench"));
 }
 
 #[test]

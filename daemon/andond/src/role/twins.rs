@@ -1,0 +1,79 @@
+//! Logs that the marker of a part is in view twice: which of the two is the part is not guessed, and the part counts as not seen.
+
+use crate::config::Config;
+use crate::log::{code, log};
+
+/// What is in view twice for so many frames is no lucky pattern.
+const FRAMES: u32 = 5;
+
+/// When it was not in view twice for so long, in nanoseconds, somebody has taken the other print away: it is news when it comes again.
+const GONE_NS: u64 = 2_000_000_000;
+
+/// The markers that are or were in view twice.
+pub(super) struct Twins<'a> {
+    config: &'a Config,
+    known: Vec<Twin>,
+}
+
+struct Twin {
+    id: u16,
+    frames: u32,
+    newest_ns: u64,
+}
+
+impl<'a> Twins<'a> {
+    pub(super) fn new(config: &'a Config) -> Self {
+        Self { config, known: Vec::new() }
+    }
+
+    /// Takes the ids that a frame shows twice.
+    pub(super) fn look(&mut self, twice: &[u16], now_ns: u64) {
+        for id in self.news(twice, now_ns) {
+            let object = self.config.objects.iter().find(|object| object.id == id);
+            let name = object.map_or("", |object| object.name.as_str());
+            log!(code::MARKER_TWICE, { object = id }, "marker {id} ({name}) is in view twice");
+        }
+    }
+
+    /// Those of them that are news.
+    fn news(&mut self, twice: &[u16], now_ns: u64) -> Vec<u16> {
+        // The times of another source may begin anew.
+        self.known.retain(|twin| now_ns >= twin.newest_ns && now_ns - twin.newest_ns < GONE_NS);
+        let mut news = Vec::new();
+        for &id in twice {
+            let index = self.known.iter().position(|twin| twin.id == id).unwrap_or_else(|| {
+                self.known.push(Twin { id, frames: 0, newest_ns: now_ns });
+                self.known.len() - 1
+            });
+            let twin = &mut self.known[index];
+            twin.newest_ns = now_ns;
+            twin.frames = twin.frames.saturating_add(1);
+            if twin.frames == FRAMES {
+                news.push(id);
+            }
+        }
+        news
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_twin_is_told_once_while_it_is_there_and_again_when_it_comes_back() {
+        let config = Config::default();
+        let mut twins = Twins::new(&config);
+        let mut told = Vec::new();
+        for frame in 0..600_u64 {
+            // From the fifth to the seventh second there is one, except in every seventh frame; and one picture that looks like it.
+            let is_there =
+                (150..210).contains(&frame) && frame % 7 != 0 || (400..420).contains(&frame) || frame == 20;
+            let twice: &[u16] = if is_there { &[5] } else { &[] };
+            if !twins.news(twice, frame * 33_333_333).is_empty() {
+                told.push(frame);
+            }
+        }
+        assert_eq!(told, [155, 404]);
+    }
+}

@@ -1,0 +1,128 @@
+//! Files that people and other programs made: opened without waiting for what is none, and read as the text that they are.
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::{self, ErrorKind, Read as _};
+use std::path::Path;
+
+/// The mark that some editors put before a text in UTF-8.
+pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// So many bytes show what a file is.
+const HEAD: usize = 4096;
+
+/// Opens a file to read it. A pipe is refused, because its writer would be waited for, and so is a device, which has no end.
+///
+/// # Errors
+/// That it is no file, and what the system says.
+pub fn open(path: &Path) -> io::Result<File> {
+    let there = path.metadata()?;
+    if there.is_dir() {
+        return Err(ErrorKind::IsADirectory.into());
+    }
+    if !there.is_file() {
+        return Err(io::Error::other("it is a pipe or a device, and a file is needed: save it as one first"));
+    }
+    File::open(path)
+}
+
+/// Reads a whole file.
+///
+/// # Errors
+/// As [`open`].
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Reads a whole file as text.
+///
+/// # Errors
+/// As [`open`], and that it is no text.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let bytes = read(path)?;
+    let text = text(&bytes).map_err(|error| io::Error::new(ErrorKind::InvalidData, error))?;
+    Ok(text.into_owned())
+}
+
+/// Why a file is no text that can be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotText {
+    /// There are two bytes for each character.
+    #[error("it is saved as UTF-16; save it as UTF-8, as an editor offers it under \"Save as\"")]
+    Utf16,
+    /// It is a picture, a film or a program.
+    #[error("it is no text")]
+    Binary,
+    /// Something in this line is in another encoding.
+    #[error(
+        "line {0} is not UTF-8, as where an editor has saved umlauts in an older encoding; save it as UTF-8, or restore it from a backup"
+    )]
+    Encoding(usize),
+}
+
+/// The text of a file as every program means it: without a byte order mark, and with `\n` at the end of each line, whichever editor has saved it.
+///
+/// # Errors
+/// [`NotText`].
+pub fn text(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
+    if is_utf16(bytes) {
+        return Err(NotText::Utf16);
+    }
+    let bytes = bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes);
+    if bytes.iter().take(HEAD).any(|byte| *byte == 0) {
+        return Err(NotText::Binary);
+    }
+    let text = str::from_utf8(bytes).map_err(|error| {
+        let before = &bytes[..error.valid_up_to()];
+        NotText::Encoding(1 + before.iter().filter(|byte| **byte == b'\n').count())
+    })?;
+    Ok(if text.contains("\r\n") { Cow::Owned(text.replace("\r\n", "\n")) } else { Cow::Borrowed(text) })
+}
+
+/// Whether a text has two bytes for each character: by its mark, or because every other one of its first bytes is zero.
+pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
+    const ENOUGH: usize = 16;
+    let zeros = |parity: usize| bytes.iter().skip(parity).step_by(2).take(ENOUGH).all(|byte| *byte == 0);
+    let none = |parity: usize| bytes.iter().skip(parity).step_by(2).take(ENOUGH).all(|byte| *byte != 0);
+    let has_mark = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    has_mark || bytes.len() >= ENOUGH && (zeros(0) && none(1) || zeros(1) && none(0))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_text_is_the_same_whichever_editor_has_saved_it() {
+        for saved in ["a = 1\nb = 2\n", "a = 1\r\nb = 2\r\n", "\u{feff}a = 1\r\nb = 2\n"] {
+            assert_eq!(text(saved.as_bytes()).unwrap(), "a = 1\nb = 2\n");
+        }
+    }
+
+    #[test]
+    fn what_is_no_text_is_told_by_what_it_is() {
+        let utf16 = |mark: bool| {
+            let text = if mark { "\u{feff}format = 'andon.job'" } else { "format = 'andon.job'" };
+            text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>()
+        };
+        assert_eq!(text(&utf16(true)), Err(NotText::Utf16));
+        assert_eq!(text(&utf16(false)), Err(NotText::Utf16));
+        assert_eq!(text(b"\0\0\0\x20ftypisom\0\0\x02\0isomiso2avc1mp41"), Err(NotText::Binary));
+        assert_eq!(text(b"name = 'a'\nname = 'Pr\xfcfer'"), Err(NotText::Encoding(2)));
+        assert_eq!(text(b"").unwrap(), "");
+    }
+
+    #[test]
+    fn a_pipe_and_a_device_are_refused_and_not_waited_for() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [pipe.as_path(), Path::new("/dev/zero"), Path::new("/dev/null")] {
+            assert!(open(path).unwrap_err().to_string().contains("save it as one first"), "{path:?}");
+        }
+        assert_eq!(open(folder.path()).unwrap_err().kind(), ErrorKind::IsADirectory);
+    }
+}

@@ -1,0 +1,203 @@
+//! Whether places, times and rotations are meant as this format has them: other trackers write millimetres, milliseconds and x, y, z, w.
+//!
+//! Nothing is converted: what is refused here is certainly something else, and which of several units it is, is a guess.
+
+use super::error::TrackFault;
+use andon_core::input::{Hand, Object, Space};
+
+/// So many hands, and as many steps in time, show the unit: one that a tracker misplaces decides nothing.
+const HANDS: usize = 15;
+const STEPS: usize = 8;
+/// So many rotations show their order.
+const ROTATIONS: usize = 20;
+
+/// No hand is as long, from its wrist to the tip of its middle finger, in metres: those of people are at most 0.23 m long.
+const MAX_HAND_M: f64 = 0.6;
+/// A hand is so many centimetres long at least where it is stretched, and so many millimetres where it is a fist.
+const MIN_HAND_CM: f64 = 2.5;
+const MIN_HAND_MM: f64 = 40.0;
+
+/// No point of a part lies farther from its marker, in metres: the longest parts of a bench reach over it.
+const MAX_POINT_M: f64 = 5.0;
+
+/// A rate may be wrong by this factor before its unit is doubted: what a header says is often the camera's, not the tracker's.
+const MAX_WRONG_RATE: f64 = 4.0;
+
+/// A part that is turned about the bench's normal has no more of a rotation about the other axes: the square of half of a tilt of 11 degrees.
+const MAX_TILT: f64 = 0.01;
+/// A part is turned so far, by half the angle, that another order of the numbers cannot be meant.
+const MIN_TURN: f64 = 0.2;
+/// Where there is no rotation about the other axes at all, because the tracker knows only the bench's normal, next to no turn is needed: nothing
+/// that is measured keeps to exactly half a turn.
+const NO_TILT: f64 = 1e-6;
+const MIN_TURN_WITHOUT_TILT: f64 = 0.005;
+
+/// What the frames so far show.
+#[derive(Debug)]
+pub(super) struct Conventions {
+    rate_hz: f64,
+    space: Space,
+    /// Lengths of hands; empty again when they were looked at.
+    hands: Vec<f64>,
+    has_looked_at_hands: bool,
+    newest_t: Option<f64>,
+    steps: Vec<f64>,
+    has_looked_at_steps: bool,
+    rotations: Rotations,
+}
+
+/// The range of the rotations, with the last number positive: q and -q are the same one.
+#[derive(Debug, Default)]
+struct Rotations {
+    count: usize,
+    /// The largest square of the first two numbers.
+    first_two: f64,
+    /// The least and the largest third number.
+    third: [f64; 2],
+}
+
+impl Conventions {
+    pub(super) fn new(rate_hz: f64, space: Space) -> Self {
+        Self {
+            rate_hz,
+            space,
+            hands: Vec::new(),
+            has_looked_at_hands: false,
+            newest_t: None,
+            steps: Vec::new(),
+            has_looked_at_steps: false,
+            rotations: Rotations::default(),
+        }
+    }
+
+    /// Takes the time of a frame, as the file has it.
+    pub(super) fn time(&mut self, t: f64) -> Result<(), TrackFault> {
+        if self.has_looked_at_steps {
+            return Ok(());
+        }
+        self.steps.extend(self.newest_t.replace(t).map(|before| t - before));
+        if self.steps.len() < STEPS { Ok(()) } else { self.look_at_steps() }
+    }
+
+    /// Takes what was seen in a frame.
+    pub(super) fn frame(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), TrackFault> {
+        if !self.has_looked_at_hands {
+            self.hands.extend(hands.iter().map(length));
+            if self.hands.len() >= HANDS {
+                self.look_at_hands()?;
+            }
+        }
+        objects.iter().try_for_each(|object| self.rotation(object))
+    }
+
+    /// Looks at what there is of a file that ends here.
+    pub(super) fn end(&mut self) -> Result<(), TrackFault> {
+        self.look_at_hands()?;
+        self.look_at_steps()
+    }
+
+    fn look_at_hands(&mut self) -> Result<(), TrackFault> {
+        self.has_looked_at_hands = true;
+        if self.hands.is_empty() {
+            return Ok(());
+        }
+        let length = crate::statistics::median(&std::mem::take(&mut self.hands));
+        let unit = match length {
+            ..=MAX_HAND_M => return Ok(()),
+            MIN_HAND_MM.. => "millimetres; divide them by 1000",
+            MIN_HAND_CM.. => "centimetres; divide them by 100 (inches by 39.37)",
+            _ => "another unit; convert them",
+        };
+        Err(TrackFault::Lengths { length, unit })
+    }
+
+    fn look_at_steps(&mut self) -> Result<(), TrackFault> {
+        self.has_looked_at_steps = true;
+        if self.steps.is_empty() {
+            return Ok(());
+        }
+        let step = crate::statistics::median(&std::mem::take(&mut self.steps));
+        let units = [("milliseconds", 1e3), ("microseconds", 1e6), ("nanoseconds", 1e9)];
+        let is_meant = |factor: f64| {
+            let times = step * self.rate_hz / factor;
+            (1.0 / MAX_WRONG_RATE..=MAX_WRONG_RATE).contains(&times)
+        };
+        match units.into_iter().find(|(_, factor)| is_meant(*factor)) {
+            None => Ok(()),
+            Some((unit, factor)) => Err(TrackFault::Times {
+                step,
+                rate_hz: self.rate_hz,
+                expected: 1.0 / self.rate_hz,
+                unit,
+                factor,
+            }),
+        }
+    }
+
+    /// A part on a bench turns about the bench's normal, more than about any other axis: the numbers of the other two axes are small. Where these
+    /// are the first two of all rotations, while the third one changes, the real part is the last.
+    fn rotation(&mut self, object: &Object) -> Result<(), TrackFault> {
+        let [a, b, c, d] = object.orientation.map(f64::from);
+        let c = if d < 0.0 { -c } else { c };
+        let Rotations { count, first_two, third: [least, most] } = &mut self.rotations;
+        *count += 1;
+        *first_two = first_two.max(a * a + b * b);
+        (*least, *most) = (least.min(c), most.max(c));
+        // In the plane the third number is zero. In three dimensions a part may lie on its back, and stays so.
+        let turn = match self.space {
+            Space::Plane => most.max(-*least),
+            Space::Metric => (*most - *least) / 2.0,
+        };
+        let is_last =
+            *first_two < MAX_TILT && turn > MIN_TURN || *first_two < NO_TILT && turn > MIN_TURN_WITHOUT_TILT;
+        if *count >= ROTATIONS && is_last {
+            return Err(TrackFault::RealPartLast(object.id));
+        }
+        Ok(())
+    }
+}
+
+/// From the wrist to the tip of the middle finger.
+fn length(hand: &Hand) -> f64 {
+    let [x, y, z] = [0, 1, 2].map(|axis| f64::from(hand.tips[1][axis]) - f64::from(hand.wrist[axis]));
+    (x * x + y * y + z * z).sqrt()
+}
+
+/// Checks a point of an object in the header.
+pub(super) fn point(id: u16, point: &[f64; 3]) -> Result<(), TrackFault> {
+    let far = point.iter().fold(0.0_f64, |far, value| far.max(value.abs()));
+    if far > MAX_POINT_M { Err(TrackFault::FarPoint(id, far)) } else { Ok(()) }
+}
+
+/// A text with `null` in place of each NaN, which is not JSON but what Python writes where nothing was seen; `None` where there is none.
+pub(super) fn without_nan(line: &[u8]) -> Result<Option<Vec<u8>>, TrackFault> {
+    const GAPS: [&[u8]; 4] = [b"NaN", b"nan", b"-NaN", b"-nan"];
+    const INFINITE: [(&[u8], &str); 4] =
+        [(b"Infinity", "Infinity"), (b"-Infinity", "-Infinity"), (b"inf", "inf"), (b"-inf", "-inf")];
+    let mut text = Vec::with_capacity(line.len());
+    let (mut at, mut is_word, mut has_gap) = (0, false, false);
+    while at < line.len() {
+        let rest = &line[at..];
+        if is_word {
+            // A quote behind a backslash ends no word.
+            let length = if rest[0] == b'\\' { 2.min(rest.len()) } else { 1 };
+            is_word = rest[0] != b'"';
+            text.extend_from_slice(&rest[..length]);
+            at += length;
+            continue;
+        }
+        if let Some(gap) = GAPS.iter().find(|gap| rest.starts_with(gap)) {
+            has_gap = true;
+            text.extend_from_slice(b"null");
+            at += gap.len();
+            continue;
+        }
+        if let Some((_, word)) = INFINITE.iter().find(|(word, _)| rest.starts_with(word)) {
+            return Err(TrackFault::Infinite(word));
+        }
+        is_word = rest[0] == b'"';
+        text.push(rest[0]);
+        at += 1;
+    }
+    Ok(has_gap.then_some(text))
+}
