@@ -161,6 +161,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         activity.against = Against::Candidates(agreeing);
+        progress.note_another_piece(self.side, agreeing, activity.index);
         if context.is_touch() {
             for nominal in agreeing.iter() {
                 self.comparisons.add(job, nominal, activity.index);

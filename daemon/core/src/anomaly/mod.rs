@@ -329,6 +329,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
         }
         hands.iter_mut().for_each(|hand| hand.check_order(progress, emit_verdict));
+        if hands.iter().zip(&couples.hands).any(|(hand, couple)| hand.is_seen_at_step(couple)) {
+            progress.see_step();
+        }
         if hands.iter().all(|hand| hand.is_concluded()) {
             progress.conclude(false, emit_verdict);
         }
@@ -337,6 +340,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Takes note of how much the next couples show, and of what has happened without a hand.
     fn observe(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench, .. } = self;
+        bench.progress.watch(couples, self.period_ns);
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
