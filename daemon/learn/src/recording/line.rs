@@ -87,6 +87,9 @@ pub(super) struct FrameLine {
     pub(super) hands: Vec<HandEntry>,
     #[serde(default)]
     pub(super) objects: Vec<ObjectEntry>,
+    /// Nobody was watching: only what a station recorded says so.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub(super) unseen: bool,
 }
 
 #[derive(Serialize, Deserialize)]

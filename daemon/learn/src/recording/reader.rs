@@ -231,7 +231,11 @@ fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
 }
 
 fn frame_of(line: &FrameLine, header: &Header) -> Result<Frame, TrackFault> {
-    let mut frame = Frame { captured_ns: (line.t * 1e9).round() as u64, ..Frame::default() };
+    let captured_ns = (line.t * 1e9).round() as u64;
+    let mut frame = Frame { captured_ns, is_unseen: line.unseen, ..Frame::default() };
+    if line.unseen {
+        return Ok(frame);
+    }
     for entry in &line.hands {
         let hand = hand_of(entry, header)?;
         if frame.hands.iter().any(|known| known.side == hand.side) {

@@ -120,6 +120,7 @@ fn frame_line(frame: &Frame, numbers: &Numbers) -> FrameLine {
                 q: numbers.of(&object.orientation),
             })
             .collect(),
+        unseen: frame.is_unseen,
     }
 }
 
