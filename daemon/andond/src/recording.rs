@@ -86,7 +86,11 @@ impl Recording {
     /// # Errors
     /// What is missing or damaged, and where.
     pub fn open(path: &Path, config: &Config) -> Result<Self, RecordingError> {
-        if Self::is_tracks(path) { Self::tracks(path, config.method.blind_ms) } else { Self::film(path, config) }
+        if Self::is_tracks(path) {
+            Self::tracks(path, config.method.blind_ms)
+        } else {
+            Self::film(path, config)
+        }
     }
 
     /// Whether this is the name of a track file.

@@ -61,7 +61,11 @@ pub fn is_instead(verdict: &Verdict) -> bool {
 pub(super) fn missing(verdict: &Verdict) -> Option<u16> {
     match verdict.broken {
         Some(BrokenOrder { fault: OrderFault::NotBegun, activity, .. }) => Some(activity),
-        None if verdict.level == Level::Job && verdict.reason == Reason::NotCompleted => verdict.nearest,
+        None if verdict.level == Level::Job
+            && matches!(verdict.reason, Reason::NotCompleted | Reason::WrongObject) =>
+        {
+            verdict.nearest
+        }
         _ => None,
     }
 }
@@ -129,6 +133,9 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
         Reason::WrongObject | Reason::WrongOrder => match (verdict.broken, instead(verdict, names)) {
             (Some(broken), _) => broken_words(broken, verdict, names),
             (None, Some(instead)) => instead,
+            (None, None) if verdict.reason == Reason::WrongObject && verdict.level == Level::Job => {
+                "done with another part".to_owned()
+            }
             (None, None) if verdict.reason == Reason::WrongObject => {
                 "this part is not in the job here".to_owned()
             }
@@ -176,7 +183,7 @@ fn missing_words(verdict: &Verdict, names: &Names) -> String {
         (Reason::ObjectNotSeen, Missing { object: Some(object), .. }) => {
             format!("{} was not seen{time}", names.the(object))
         }
-        (Reason::FramesMissing, _) => format!("no frame came{time}"),
+        (Reason::FramesMissing, _) => format!("no frame that shows the bench came{time}"),
         (Reason::TooFewFrames, Missing { captured_percent: Some(percent), needed_percent, .. }) => {
             match needed_percent.filter(|needed| percent < *needed) {
                 Some(needed) => format!("only {percent} of 100 frames came, and the job needs {needed}"),

@@ -72,7 +72,8 @@ impl Role for Perceive<'_> {
         let missed = self.frames.lost() + self.frames.skipped() + self.frames.lost_by_source();
         let newly_missed = missed - std::mem::replace(&mut self.missed, missed);
         let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
-        let look = |(seen, _): &(Seen, _)| self.sight.look(header, seen, newly_missed as u32, cycle.liveness());
+        let look =
+            |(seen, _): &(Seen, _)| self.sight.look(header, seen, newly_missed as u32, cycle.liveness());
         let unseen = if seen.as_ref().is_none_or(look) { 0 } else { flag::UNSEEN };
         self.detections.send(cycle, |message| {
             message.source_ns = header.source_ns;

@@ -148,7 +148,9 @@ impl Repeats {
         for object in &frame.objects {
             let before = self.parts.iter().position(|part| part.place.id == object.id);
             match before {
-                Some(index) if self.parts[index].place == *object => self.stand_still(index, frame, elapsed_ns),
+                Some(index) if self.parts[index].place == *object => {
+                    self.stand_still(index, frame, elapsed_ns)
+                }
                 Some(index) => self.parts[index] = self.moved(object, frame),
                 None => {
                     let part = Part { since_ns: 0, hand: None, ..self.moved(object, frame) };
@@ -164,13 +166,7 @@ impl Repeats {
         let was_moved = places.into_iter().any(|other| apart_m(other.position, object.position) > MOVED_M);
         let is_near = |hand: &&Hand| apart_m(hand.middle_knuckle, object.position) < REACH_M;
         let hand = frame.hands.iter().find(is_near).filter(|_| was_moved).copied();
-        Part {
-            place: *object,
-            since_ns: frame.captured_ns,
-            still_ns: 0,
-            hand,
-            has_hand_gone_on: false,
-        }
+        Part { place: *object, since_ns: frame.captured_ns, still_ns: 0, hand, has_hand_gone_on: false }
     }
 
     fn stand_still(&mut self, index: usize, frame: &Frame, elapsed_ns: u64) {
@@ -197,4 +193,105 @@ impl Repeats {
 fn apart_m(one: Point, other: Point) -> f32 {
     let square: f32 = one.iter().zip(other).map(|(one, other)| (one - other) * (one - other)).sum();
     square.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use andon_core::input::Side;
+
+    const HAND: u16 = 0;
+    const TOOL: u16 = 5;
+    const BOX: u16 = 7;
+
+    /// Strokes of a tool beside a box, for ten seconds at 30 Hz; where errors are, all places have them.
+    fn strokes(has_errors: bool) -> Vec<Frame> {
+        let mut seed = 1u32;
+        let mut error = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            if has_errors { (seed >> 8) as f32 / (1 << 24) as f32 * 0.001 } else { 0.0 }
+        };
+        let mut frame = |index: u64| {
+            // It rests for two seconds at first, and from the eighth on.
+            let x = 0.06 * ((index.clamp(60, 240) - 60) as f32 * 0.3).sin();
+            let mut at = |x: f32, y: f32| [x + error(), y + error(), 0.0];
+            let (wrist, middle_knuckle, tip) = (at(x, -0.17), at(x, -0.08), at(x, 0.0));
+            let hand = Hand { side: Side::Right, score: 1.0, wrist, middle_knuckle, tips: [tip; 3] };
+            let object = |id, position| Object { id, position, orientation: [1.0, 0.0, 0.0, 0.0] };
+            let objects = [object(TOOL, at(x, 0.02)), object(BOX, at(0.5, 0.0))];
+            Frame {
+                captured_ns: index * 33_333_333,
+                hands: [hand].into_iter().collect(),
+                objects: objects.into_iter().collect(),
+                ..Frame::default()
+            }
+        };
+        (0..300).map(&mut frame).collect()
+    }
+
+    /// From one frame on, the place of what has this id is that of the frame before, for as many frames; of 0, all that is seen.
+    fn held(frames: &mut [Frame], id: u16, from: usize, count: usize) {
+        let last = frames[from - 1].clone();
+        for frame in &mut frames[from..from + count] {
+            if id == HAND {
+                *frame = Frame { captured_ns: frame.captured_ns, ..last.clone() };
+            }
+            let place = last.objects.iter().find(|object| object.id == id);
+            let now = frame.objects.iter_mut().find(|object| object.id == id);
+            now.into_iter().zip(place).for_each(|(now, place)| *now = *place);
+        }
+    }
+
+    /// What is taken for seen.
+    fn seen(frames: &[Frame]) -> Vec<Frame> {
+        let mut repeats = Repeats::new(700);
+        let mut seen = Vec::new();
+        for frame in frames {
+            repeats.push(frame.clone());
+            seen.extend(std::iter::from_fn(|| repeats.pop(false)));
+        }
+        seen.extend(std::iter::from_fn(|| repeats.pop(true)));
+        assert_eq!(seen.len(), frames.len());
+        seen
+    }
+
+    #[test]
+    fn the_place_of_a_part_that_repeats_while_its_hand_goes_on_was_not_seen_from_its_beginning() {
+        let mut frames = strokes(true);
+        held(&mut frames, TOOL, 100, 45);
+        let has_tool = |frame: &Frame| frame.objects.iter().any(|object| object.id == TOOL);
+        let unseen: Vec<usize> = seen(&frames)
+            .iter()
+            .enumerate()
+            .filter(|(_, frame)| !has_tool(frame))
+            .map(|(index, _)| index)
+            .collect();
+        assert_eq!(unseen, (100..145).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn frames_that_repeat_were_not_seen_from_the_first_one_on() {
+        let mut frames = strokes(true);
+        held(&mut frames, HAND, 100, 30);
+        let seen = seen(&frames);
+        assert!(seen[100..130].iter().all(|frame| frame.is_unseen && frame.objects.is_empty()));
+        assert!(seen[..100].iter().chain(&seen[130..]).all(|frame| !frame.is_unseen));
+    }
+
+    #[test]
+    fn what_repeats_no_longer_than_blind_ms_or_lies_still_by_itself_is_seen() {
+        for id in [HAND, TOOL] {
+            let mut frames = strokes(true);
+            held(&mut frames, id, 100, 20);
+            assert_eq!(seen(&frames), frames, "{id}");
+        }
+        let mut frames = strokes(true);
+        held(&mut frames, BOX, 100, 90);
+        assert_eq!(seen(&frames), frames, "nobody has moved it");
+        let mut frames = strokes(false);
+        assert_eq!(seen(&frames), frames, "a simulator without errors");
+        held(&mut frames, TOOL, 100, 45);
+        assert_eq!(seen(&frames), frames, "a simulator says nothing by it");
+    }
 }

@@ -83,7 +83,8 @@ impl Progress<'_> {
     /// The hand that was shown to do an activity, and in how few frames it may have.
     fn quickest(&self, activity: usize) -> Option<(usize, u32)> {
         let variants = self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
-        let hand = |nominal: &NominalActivity<'_>| usize::from(nominal.ius[0].context.0[0] == Side::Left as u16);
+        let hand =
+            |nominal: &NominalActivity<'_>| usize::from(nominal.ius[0].context.0[0] == Side::Left as u16);
         variants.map(|nominal| (hand(nominal), quickest(nominal.ius))).min_by_key(|(_, frames)| *frames)
     }
 
