@@ -133,9 +133,6 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
         Reason::WrongObject | Reason::WrongOrder => match (verdict.broken, instead(verdict, names)) {
             (Some(broken), _) => broken_words(broken, verdict, names),
             (None, Some(instead)) => instead,
-            (None, None) if verdict.reason == Reason::WrongObject && verdict.level == Level::Job => {
-                "done with another part".to_owned()
-            }
             (None, None) if verdict.reason == Reason::WrongObject => {
                 "this part is not in the job here".to_owned()
             }
@@ -200,7 +197,9 @@ fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
     let step = verdict.nearest?;
     // Which parts were meant is said of the IU.
     if verdict.level != Level::Iu {
-        return Some("something else was done than was shown".to_owned());
+        let is_part = verdict.reason == Reason::WrongObject;
+        let what = if is_part { "another part was used" } else { "something else was done" };
+        return Some(format!("{what} than was shown"));
     }
     let (got, shown) = (verdict.context, names.nominal(step, verdict.iu));
     if shown == Some(got) {

@@ -34,7 +34,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
         activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
-        if step == Step::NotShown && (hidden == 0 || was_idle) {
+        if step == Step::NotShown {
             activity.like = ActivitySet::first(progress.job.activities.len());
         }
         self.activity = Some(activity);
