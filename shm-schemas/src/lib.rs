@@ -77,6 +77,8 @@ pub mod flag {
     pub const CARRIED_UNSEEN: u32 = 1 << 4;
     /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since.
     pub const BENCH_HIDDEN: u32 = 1 << 5;
+    /// Of detections: the line was not watching when the frame was captured, and what they hold is no observation.
+    pub const UNSEEN: u32 = 1 << 6;
     /// The motion was measured.
     pub const MEASURED: u8 = 1;
     /// The frame itself shows the context.

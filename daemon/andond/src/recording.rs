@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 use andon_core::input::{Frame, Space};
 use andon_learn::file;
 use andon_learn::recording::{
-    Header, Landmarks, NamedObject, TrackError, TrackReader, Truncation, object_name,
+    Header, Landmarks, NamedObject, SeenTracks, TrackError, Truncation, object_name,
 };
+use andon_perception::sight::{Look, Sight};
 use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
-use shm_schemas::Detections;
+use shm_schemas::{Detections, flag};
 
 use crate::config::Config;
 use crate::perception;
@@ -85,13 +86,14 @@ impl fmt::Display for Twin {
 }
 
 enum Source {
-    Tracks(Box<TrackReader<BufReader<File>>>),
+    Tracks(Box<SeenTracks<BufReader<File>>>),
     Film(Box<Watched>),
 }
 
 struct Watched {
     film: Film,
     perceiver: Perceiver,
+    sight: Sight,
     seen: Detections,
 }
 
@@ -112,7 +114,11 @@ impl Recording {
     /// # Errors
     /// What is missing or damaged, and where.
     pub fn open(path: &Path, config: &Config) -> Result<Self, RecordingError> {
-        if Self::is_tracks(path) { Self::tracks(path) } else { Self::film(path, config) }
+        if Self::is_tracks(path) {
+            Self::tracks(path, config.method.blind_ms)
+        } else {
+            Self::film(path, config)
+        }
     }
 
     /// Whether this is the name of a track file.
@@ -120,9 +126,9 @@ impl Recording {
         path.extension().is_some_and(|ending| ending == "jsonl")
     }
 
-    fn tracks(path: &Path) -> Result<Self, RecordingError> {
+    fn tracks(path: &Path, blind_ms: u32) -> Result<Self, RecordingError> {
         let file = file::open(path).map_err(|source| RecordingError::Open { path: path.into(), source })?;
-        let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
+        let reader = SeenTracks::new(&path.display().to_string(), BufReader::new(file), blind_ms)?;
         Ok(Self::of(reader.header().clone(), Source::Tracks(Box::new(reader))))
     }
 
@@ -146,7 +152,8 @@ impl Recording {
                 .map(|(object, shape)| NamedObject { name: object.name.clone(), shape })
                 .collect(),
         };
-        let watched = Watched { film, perceiver, seen: Detections::default() };
+        let sight = Sight::new(crate::sight::expected(config));
+        let watched = Watched { film, perceiver, sight, seen: Detections::default() };
         Ok(Self::of(header, Source::Film(Box::new(watched))))
     }
 
@@ -247,7 +254,9 @@ impl Watched {
         let (width, height) = (format.width as usize, format.height as usize);
         let image = ImageView::new(width, height, width * 3, PixelFormat::Bgr8, self.film.picture())?;
         let seen = self.perceiver.perceive(image, pts_ns)?;
-        self.seen = Detections { source_ns: pts_ns, ..Detections::default() };
+        self.sight.step(&Look::new(&seen, 0));
+        let flags = if self.sight.is_seen() { 0 } else { flag::UNSEEN };
+        self.seen = Detections { source_ns: pts_ns, flags, ..Detections::default() };
         wire::detections::write(&seen, &mut self.seen);
         Ok(Some(wire::detections::to_core(&self.seen)))
     }

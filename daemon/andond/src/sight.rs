@@ -1,9 +1,19 @@
 //! The words for what the line cannot see: the same in the log, in `andond status`, in `andond tail`, in the journal and for the PLC.
 
-use andon_perception::sight::Trouble;
+use andon_perception::sight::{Expected, Trouble};
 use shm_schemas::{Health, RoleId, Sight};
 
+use crate::config::Config;
 use crate::log::{Code, code};
+
+/// What is expected of a recording at this station.
+pub fn expected(config: &Config) -> Expected {
+    Expected {
+        rate_hz: None,
+        hands: !config.perception.hands.is_empty(),
+        is_calibrated: config.bench.calibration.is_some(),
+    }
+}
 
 /// What a trouble is called on the channel `health`.
 pub fn of_trouble(trouble: Trouble) -> Sight {

@@ -112,14 +112,14 @@ fn another_order_is_an_anomaly() {
 }
 
 #[test]
-fn what_was_done_with_another_part_is_noted_and_the_polisher_that_still_lies_there_shows_what_is_missing() {
+fn what_was_done_with_another_part_is_noted_and_a_wrong_part_once_it_has_polished() {
     let judged = replay("p1_wrong_object_r1");
     assert_eq!(
         judged.activities_and_job(),
         [
             ("ActivityOk", "None", Some(0)),
-            ("ActivityAnomaly", "WrongOrder", Some(1)),
-            ("JobAnomaly", "WrongOrder", None)
+            ("ActivityOk", "None", Some(1)),
+            ("JobAnomaly", "WrongObject", None)
         ]
     );
     // The meter is grasped in frame 59: it is noted before anything is rubbed with it, in frame 107.

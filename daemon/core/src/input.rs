@@ -109,4 +109,7 @@ pub struct Frame {
     pub hands: Vec<Hand, HANDS>,
     /// The objects seen, at most one per id.
     pub objects: Vec<Object, OBJECTS>,
+    /// Whatever sees was not watching when it was captured, as where the picture is black or stands still: it counts as a frame that never came,
+    /// and what it holds is no observation.
+    pub is_unseen: bool,
 }

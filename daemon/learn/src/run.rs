@@ -394,6 +394,7 @@ mod tests {
                 captured_ns: u64::from(index) * 33_333_333,
                 hands: [hand].into_iter().collect(),
                 objects: [part].into_iter().collect(),
+                ..Frame::default()
             }
         };
         let shape = ObjectShape {

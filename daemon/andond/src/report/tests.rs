@@ -61,7 +61,11 @@ fn what_was_not_judged_is_told_by_what_was_missing_and_how_much_of_it() {
     says(Reason::HandNotSeen, hand, "the left hand was not seen for 2.0 s");
     says(Reason::HandNotSeen, missing, "parts moved and no hand was seen at them");
     says(Reason::ObjectNotSeen, Missing { object: Some(6), ..missing }, "the brick was not seen");
-    says(Reason::FramesMissing, Missing { seconds: Some(1.3), ..missing }, "no frame came for 1.3 s");
+    says(
+        Reason::FramesMissing,
+        Missing { seconds: Some(1.3), ..missing },
+        "no frame that shows the bench came for 1.3 s",
+    );
     let few = |captured, needed| Missing {
         captured_percent: Some(captured),
         needed_percent: Some(needed),
@@ -188,7 +192,7 @@ fn a_job_that_ends_after_another_part_was_taken_tells_both_again() {
         teller.tell("14:03:09", &job, &names()).text,
         "14:03:09         ANOMALY     job, for the fault at 14:03:07: step 1 (polish): took the brick; expected the polisher"
     );
-    reads(job, "       ANOMALY     job: step 1 (polish): something else was done than was shown");
+    reads(job, "       ANOMALY     job: step 1 (polish): another part was used than was shown");
 }
 
 /// The meter is used instead of the polisher.

@@ -61,7 +61,11 @@ pub fn is_instead(verdict: &Verdict) -> bool {
 pub(super) fn missing(verdict: &Verdict) -> Option<u16> {
     match verdict.broken {
         Some(BrokenOrder { fault: OrderFault::NotBegun, activity, .. }) => Some(activity),
-        None if verdict.level == Level::Job && verdict.reason == Reason::NotCompleted => verdict.nearest,
+        None if verdict.level == Level::Job
+            && matches!(verdict.reason, Reason::NotCompleted | Reason::WrongObject) =>
+        {
+            verdict.nearest
+        }
         _ => None,
     }
 }
@@ -176,7 +180,7 @@ fn missing_words(verdict: &Verdict, names: &Names) -> String {
         (Reason::ObjectNotSeen, Missing { object: Some(object), .. }) => {
             format!("{} was not seen{time}", names.the(object))
         }
-        (Reason::FramesMissing, _) => format!("no frame came{time}"),
+        (Reason::FramesMissing, _) => format!("no frame that shows the bench came{time}"),
         (Reason::TooFewFrames, Missing { captured_percent: Some(percent), needed_percent, .. }) => {
             match needed_percent.filter(|needed| percent < *needed) {
                 Some(needed) => format!("only {percent} of 100 frames came, and the job needs {needed}"),
@@ -193,7 +197,9 @@ fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
     let step = verdict.nearest?;
     // Which parts were meant is said of the IU.
     if verdict.level != Level::Iu {
-        return Some("something else was done than was shown".to_owned());
+        let is_part = verdict.reason == Reason::WrongObject;
+        let what = if is_part { "another part was used" } else { "something else was done" };
+        return Some(format!("{what} than was shown"));
     }
     let (got, shown) = (verdict.context, names.nominal(step, verdict.iu));
     if shown == Some(got) {

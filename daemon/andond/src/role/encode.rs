@@ -113,7 +113,7 @@ impl Encode<'_> {
     }
 
     fn send_ready(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        let flags = cycle.flags() & !flag::END_OF_STREAM;
+        let flags = cycle.flags() & !(flag::END_OF_STREAM | flag::UNSEEN);
         let model_hash = self.objects.model_hash;
         for couples in self.ready.drain(..) {
             self.couples.send(cycle, |message| {

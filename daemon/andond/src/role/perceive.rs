@@ -3,7 +3,7 @@
 use andon_ipc::{FrameReader, FrameSample, Node, Port, Reader, Writer};
 use andon_perception::metric::MetricScene;
 use andon_perception::{Detections as Seen, Perceiver};
-use shm_schemas::{Detections, Judging, RoleId};
+use shm_schemas::{Detections, Judging, RoleId, flag};
 
 use super::cycle::{Cycle, Role, Turn};
 use super::output::Output;
@@ -77,11 +77,13 @@ impl Role for Perceive<'_> {
         let seen = if cycle.is_at_end() { None } else { Some(self.perceive(&frame)?) };
         if let Some((seen, _)) = &seen {
             self.twins.look(&seen.twice, seen.captured_ns);
-            self.sight.look(header, seen, newly_missed as u32, cycle.liveness());
         }
+        let look =
+            |(seen, _): &(Seen, _)| self.sight.look(header, seen, newly_missed as u32, cycle.liveness());
+        let unseen = if seen.as_ref().is_none_or(look) { 0 } else { flag::UNSEEN };
         self.detections.send(cycle, |message| {
             message.source_ns = header.source_ns;
-            message.flags = header.flags;
+            message.flags = header.flags | unseen;
             match seen {
                 Some((seen, Some(scene))) => wire::detections::write_metric(&seen, &scene, message),
                 Some((seen, None)) => wire::detections::write(&seen, message),

@@ -22,11 +22,7 @@ pub(super) struct SightWatch {
 impl SightWatch {
     pub(super) fn new(config: &Config) -> Self {
         let rate_hz = config.camera.source.is_live().then_some(config.camera.rate_hz);
-        let expected = Expected {
-            rate_hz,
-            hands: !config.perception.hands.is_empty(),
-            is_calibrated: config.bench.calibration.is_some(),
-        };
+        let expected = Expected { rate_hz, ..sight::expected(config) };
         let sight = andon_perception::sight::Sight::new(expected);
         Self { expected, sight, needed_hz: None, newest: None, has_looked: false }
     }
@@ -44,14 +40,14 @@ impl SightWatch {
         self.sight.set_needed_hz(self.needed_hz);
     }
 
-    /// Takes what was seen in a frame. `dropped` are the frames before it that were not processed.
+    /// Takes what was seen in a frame, and says whether it shows the bench. `dropped` are the frames before it that were not processed.
     pub(super) fn look(
         &mut self,
         header: &FrameHeader,
         seen: &Detections,
         dropped: u32,
         liveness: &mut Liveness,
-    ) {
+    ) -> bool {
         let spell = self.sight.step(&Look::new(seen, dropped));
         if spell != self.newest || !self.has_looked {
             // The frame was captured when both clocks showed this.
@@ -81,5 +77,6 @@ impl SightWatch {
             }
             (self.newest, self.has_looked) = (spell, true);
         }
+        self.sight.is_seen()
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use andon_ipc::{Loan, Node};
 use andon_learn::file;
-use andon_learn::recording::TrackReader;
+use andon_learn::recording::SeenTracks;
 use shm_schemas::{Detections, RoleId};
 
 use super::RoleError;
@@ -24,7 +24,7 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
 }
 
 struct Tracks {
-    reader: TrackReader<BufReader<File>>,
+    reader: SeenTracks<BufReader<File>>,
     /// The time of the first frame, which other trackers do not begin with zero.
     first_ns: Option<u64>,
 }
@@ -35,8 +35,8 @@ impl Tracks {
         let path = config.camera.path.clone().unwrap_or_default();
         let file =
             file::open(&path).map_err(|error| RoleError::Source(format!("{}: {error}", path.display())))?;
-        let reader = TrackReader::new(&path.display().to_string(), BufReader::new(file))?;
-        Ok(Self { reader, first_ns: None })
+        let (name, blind_ms) = (path.display().to_string(), config.method.blind_ms);
+        Ok(Self { reader: SeenTracks::new(&name, BufReader::new(file), blind_ms)?, first_ns: None })
     }
 }
 

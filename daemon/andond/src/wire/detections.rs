@@ -80,6 +80,9 @@ fn write_objects(
 
 /// Writes a frame of a track file, which has no picture and only the landmarks that the method uses.
 pub fn write_frame(frame: &Frame, message: &mut Detections) {
+    if frame.is_unseen {
+        message.flags |= flag::UNSEEN;
+    }
     for (hand, slot) in frame.hands.iter().zip(message.hands.iter_mut()) {
         slot.hand = hand.side as u8;
         slot.score = hand.score;
@@ -120,7 +123,11 @@ pub fn twice(message: &Detections) -> impl Iterator<Item = u16> {
 /// Reads from a message what the method uses. A hand without a position on the bench counts as not seen, and so does an object whose pose
 /// is held: the method itself carries hidden objects by contact, and counts how long it was blind.
 pub fn to_core(message: &Detections) -> Frame {
-    let mut frame = Frame { captured_ns: message.source_ns, ..Frame::default() };
+    let is_unseen = message.flags & flag::UNSEEN != 0;
+    let mut frame = Frame { captured_ns: message.source_ns, is_unseen, ..Frame::default() };
+    if is_unseen {
+        return frame;
+    }
     for detected in message.hands() {
         let side = match HandCode::try_from(detected.hand) {
             Ok(HandCode::Right) => Side::Right,

@@ -46,6 +46,8 @@ pub(super) struct OpenActivity {
     /// The runs touch its part in other ways as well, or where the hand was not seen to come the other part, and require no step that begins so:
     /// what is not like such a step is none.
     pub(super) may_differ: bool,
+    /// The nominal activities that it is like so far, but for the part that the hand took.
+    pub(super) like: ActivitySet,
     /// What was not shown before in that it comes now.
     pub(super) order_note: Option<Note>,
     /// The relation to another activity that it breaks.
@@ -118,6 +120,7 @@ impl OpenActivity {
             number,
             step,
             may_differ: false,
+            like: ActivitySet::EMPTY,
             order_note: None,
             broken: None,
             measured: None,
@@ -378,6 +381,18 @@ impl OpenActivity {
                 .cmp(&is_out_of_order(other))
                 .then(self.ratios[*one].total_cmp(&self.ratios[*other]))
         })
+    }
+
+    /// An IU with this number and context has ended. Keeps the nominal activities that have it there, with another part in place of the one that
+    /// the hand took.
+    pub(super) fn compare_but_for_part(&mut self, job: &Job<'_>, iu: usize, context: Context) {
+        let taken = self.context.0[1];
+        let is_like = |nominal: &usize| {
+            let ius = job.activities[*nominal].ius;
+            let part = ius[0].context.0[1];
+            ius.get(iu).is_some_and(|shown| part != taken && shown.context == context.with_part(taken, part))
+        };
+        self.like = self.like.iter().filter(is_like).collect();
     }
 
     /// The candidates whose IU at the current index has this context.

@@ -34,6 +34,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
         activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
+        if step == Step::NotShown {
+            activity.like = ActivitySet::first(progress.job.activities.len());
+        }
         self.activity = Some(activity);
         self.note_never_seen(progress);
     }
@@ -169,6 +172,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         activity.against = Against::Candidates(agreeing);
+        progress.note_another_piece(self.side, agreeing, activity.index);
         if context.is_touch() {
             for nominal in agreeing.iter() {
                 self.comparisons.add(job, nominal, activity.index);
@@ -358,7 +362,26 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 self.decide_by_motion(extent, progress, emit);
             }
         }
+        if self.iu.is_some_and(|open| open.is_certain) {
+            self.compare_but_for_part(iu, progress);
+        }
         self.iu = None;
+    }
+
+    /// An IU has ended that was seen well. Where a step that was not shown has done with it the work of a step that must come now, but with another
+    /// part, that part is wrong. Only strokes tell such work from a part that is held or put aside.
+    fn compare_but_for_part(&mut self, iu: &Iu, progress: &mut Progress<'a>) {
+        let Some((open, activity)) = self.iu.zip(self.activity.as_mut()) else { return };
+        let (job, number) = (progress.job, usize::from(open.number));
+        activity.compare_but_for_part(job, number, iu.context);
+        let has_done = |nominal: &usize| {
+            let shown = &job.activities[*nominal].ius[number];
+            let strokes = shown.reversals.min;
+            strokes > 0 && iu.measures.reversals >= strokes && iu.frames >= shown.quickest()
+        };
+        if let Some(nominal) = activity.like.iter().find(has_done) {
+            progress.set_done_instead(activity.number, nominal);
+        }
     }
 
     /// The two parts were shown to rest beside each other but only passed, and no candidate goes on with the next context: it is not known

@@ -7,7 +7,7 @@ use super::missed::{Cause, Missed, percent};
 use super::progress::Progress;
 use super::watch::Watch;
 use crate::config::Method;
-use crate::couple::Context;
+use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::job::Job;
 use crate::set::ActivitySet;
@@ -127,6 +127,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn is_resting(&self) -> bool {
         let is_not_shown = self.activity.as_ref().is_some_and(|activity| activity.step == Step::NotShown);
         self.iu.is_none_or(|iu| iu.is_concluded && (is_not_shown || iu.context.is_release()))
+    }
+
+    /// This couple shows the hand at a step of the job.
+    pub(super) fn is_seen_at_step(&self, couple: &Couple) -> bool {
+        let is_step = self.activity.as_ref().is_some_and(|activity| matches!(activity.step, Step::Shown(_)));
+        is_step && couple.context.is_touch() && couple.is_clear
     }
 
     /// What the hand does was not shown to be done by it, or may be no step, so nothing in it is wrong.

@@ -17,6 +17,7 @@
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
 //! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)): another one must have begun or ended before it, or
 //!   it must not come again.
+//! - *In place of a step*: one that was not shown has done, with another part, the strokes of one that must come now. The part is wrong.
 //! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
 //!   whether it was right. So does another order, a repetition or another hand that was not shown.
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone.
@@ -55,6 +56,8 @@
 //!   belong to the next piece.
 //! - Frames that were not seen make measures less exact, even where what was hidden is assumed: the ends of an IU may shift, a stroke may not
 //!   show that it is one, and the distance may grow.
+//! - Nor is it where nobody watched for as long as the quickest of those who taught it need to end this piece and to begin another one up to
+//!   what is seen next: that may be another piece, whatever lies where it lay.
 //! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
 //! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen, and no hand
 //!   goes on with what was not judged in the job before and belongs to it.
@@ -329,6 +332,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             hand.settle(segmenter.hand(couple.side), progress, emit_verdict);
         }
         hands.iter_mut().for_each(|hand| hand.check_order(progress, emit_verdict));
+        if hands.iter().zip(&couples.hands).any(|(hand, couple)| hand.is_seen_at_step(couple)) {
+            progress.see_step();
+        }
         if hands.iter().all(|hand| hand.is_concluded()) {
             progress.conclude(false, emit_verdict);
         }
@@ -337,6 +343,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Takes note of how much the next couples show, and of what has happened without a hand.
     fn observe(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench, .. } = self;
+        bench.progress.watch(couples, self.period_ns);
         bench.progress.now_ns = couples.captured_ns;
         bench.progress.known_ns = couples.known_ns;
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {

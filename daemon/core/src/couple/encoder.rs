@@ -91,6 +91,8 @@ impl core::error::Error for Refused {}
 /// positions around the frame were seen, and is unknown elsewhere. Each couple says what was seen, assumed and unseen, and whether
 /// so little was seen that its context is doubtful.
 ///
+/// A frame in which nobody was watching ([`Frame::is_unseen`]) is one that is missing, but for its time.
+///
 /// Frames that are missing on the grid are filled with frames in which nothing was seen, of a longer gap only `blind_ms` and one
 /// frame more. One step therefore emits at most `blind_ms * rate_hz + persist_frames + 2` couples.
 ///
@@ -149,7 +151,8 @@ impl Encoder {
             Location::First => {}
             Location::Steps(steps) => self.fill(steps, known_ns, emit),
         }
-        self.push(known_ns, Some(frame), known_ns, emit);
+        let frame = (!frame.is_unseen).then_some(frame);
+        self.push(known_ns, frame, known_ns, emit);
         Ok(())
     }
 

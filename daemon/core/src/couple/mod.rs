@@ -69,6 +69,14 @@ impl Context {
         if self.is_touch() { Self([side as u16, first, j, l]) } else { self }
     }
 
+    /// The context with one part in place of another.
+    #[must_use]
+    pub(crate) fn with_part(self, part: u16, by: u16) -> Self {
+        let Self([hand, parts @ ..]) = self;
+        let [first, j, l] = parts.map(|id| if id == part { by } else { id });
+        Self([hand, first, j, l])
+    }
+
     /// The hand has let go of something that still touches something else.
     pub fn is_release(self) -> bool {
         !self.is_touch() && self != Self::IDLE

@@ -110,7 +110,8 @@ impl JobSegmenter {
 
     fn watch_for_pause(&mut self, couples: &Couples) {
         let elapsed_ns = couples.captured_ns.saturating_sub(self.newest_ns);
-        if couples.has_moved_unseen || couples.hands.iter().any(Couple::is_hand_seen) {
+        let moves = couples.has_moved_unseen || couples.is_carried_unseen;
+        if moves || couples.hands.iter().any(Couple::is_hand_seen) {
             (self.handless_ns, self.resting_ns) = (0, 0);
         } else if couples.is_captured && self.newest_ns > 0 {
             let elapsed_ns = elapsed_ns.min(2 * self.period_ns);

@@ -87,6 +87,9 @@ pub(super) struct FrameLine {
     pub(super) hands: Vec<HandEntry>,
     #[serde(default)]
     pub(super) objects: Vec<ObjectEntry>,
+    /// Nobody was watching: only what a station recorded says so.
+    #[serde(default, skip_serializing_if = "core::ops::Not::not")]
+    pub(super) unseen: bool,
 }
 
 /// Numbers that a tracker writes `null` or NaN for, all of them or one, where it has not seen what they measure.

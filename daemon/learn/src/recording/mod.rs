@@ -18,10 +18,12 @@ mod convention;
 mod error;
 mod line;
 mod reader;
+mod repeats;
 mod writer;
 
 pub use error::{TrackError, TrackFault};
 pub use reader::{TrackReader, Truncation, read};
+pub use repeats::SeenTracks;
 pub use writer::{TrackWriter, write};
 
 use andon_core::input::{Frame, Side, Space};

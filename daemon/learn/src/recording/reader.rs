@@ -276,7 +276,10 @@ fn objects_of(line: HeaderLine) -> Result<Vec<NamedObject>, TrackFault> {
 
 fn frame_of(line: &FrameLine, origin_s: f64, header: &Header) -> Result<Frame, TrackFault> {
     let captured_ns = ((line.t - origin_s) * 1e9).round() as u64;
-    let mut frame = Frame { captured_ns, ..Frame::default() };
+    let mut frame = Frame { captured_ns, is_unseen: line.unseen, ..Frame::default() };
+    if line.unseen {
+        return Ok(frame);
+    }
     for entry in &line.hands {
         let Some(hand) = hand_of(entry, header)? else { continue };
         if frame.hands.iter().any(|known| known.side == hand.side) {

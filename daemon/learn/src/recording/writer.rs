@@ -122,6 +122,7 @@ fn frame_line(frame: &Frame, numbers: &Numbers) -> FrameLine {
                 q: seen(numbers.of(&object.orientation)),
             })
             .collect(),
+        unseen: frame.is_unseen,
     }
 }
 

@@ -48,6 +48,13 @@ struct Place {
     handled_ns: u64,
 }
 
+impl Place {
+    /// Whether a hand moved it when it left at this time: one that has just let go of the part, or was there when it left.
+    fn is_handled(&self, left_ns: u64) -> bool {
+        self.handled_ns > 0 && self.handled_ns + (AT_ONCE_S * S) as u64 >= left_ns
+    }
+}
+
 /// A marker that came to lie elsewhere.
 #[derive(Clone, Copy)]
 struct Move {
@@ -67,6 +74,8 @@ pub(super) struct Camera {
     moves: Vec<Move>,
     /// The camera looks elsewhere.
     moved: Option<Moved>,
+    /// It may have been moved just now.
+    may_be_moved: bool,
 }
 
 /// A camera that has been moved.
@@ -80,12 +89,17 @@ struct Moved {
 
 impl Camera {
     pub(super) fn new(is_calibrated: bool) -> Self {
-        Self { is_calibrated, places: Vec::new(), moves: Vec::new(), moved: None }
+        Self { is_calibrated, places: Vec::new(), moves: Vec::new(), moved: None, may_be_moved: false }
     }
 
     /// Since when the camera has been moved.
     pub(super) fn moved_since_ns(&self) -> Option<u64> {
         self.moved.as_ref().map(|moved| moved.since_ns)
+    }
+
+    /// Whether the newest picture looks as if the camera was moved, whether it turns out so or not.
+    pub(super) fn may_be_moved(&self) -> bool {
+        self.may_be_moved
     }
 
     pub(super) fn step(&mut self, look: &Look) {
@@ -100,9 +114,12 @@ impl Camera {
                 self.moves.push(moved);
             }
         }
-        if let Some(shifted) = self.shift() {
+        if let Some(shifted) = self.shift(&self.moves, |moved| moved.arrived_ns) {
+            self.moves.clear();
             self.take(shifted);
         }
+        let under_way: Vec<Move> = look.markers.iter().filter_map(|marker| self.under_way(marker)).collect();
+        self.may_be_moved = self.shift(&under_way, |moved| moved.left_ns).is_some();
         let has_settled =
             |moved: &Moved| !self.is_calibrated && age_s(moved.since_ns) > SETTLED_S || self.is_back(moved);
         if self.moved.as_ref().is_some_and(has_settled) {
@@ -142,22 +159,30 @@ impl Camera {
         // By now it has settled.
         let (from, _, left_ns) = place.lay.replace((corners, place.since_ns, now_ns))?;
         let (to, arrived_ns) = (corners, place.since_ns);
-        // A hand that has just let go of the part moved it, and so did one that was there when it left.
-        let is_handled = place.handled_ns > 0 && place.handled_ns + (AT_ONCE_S * S) as u64 >= left_ns;
+        let is_handled = place.is_handled(left_ns);
         Some(Move { id, from, to, left_ns, arrived_ns, is_handled })
     }
 
-    /// How the picture was shifted and when, if that is what the newest moves say.
-    fn shift(&mut self) -> Option<Moved> {
-        let newest = self.moves.last()?;
+    /// The move of a marker that is not where it lay, before it is known where it comes to lie.
+    fn under_way(&self, marker: &SeenMarker) -> Option<Move> {
+        let place = self.places.iter().find(|place| place.id == marker.id)?;
+        let (from, _, left_ns) = place.lay.filter(|(lay, ..)| !is_within(MOVED, lay, &marker.corners))?;
+        let is_handled = place.is_handled(left_ns);
+        Some(Move { id: marker.id, from, to: marker.corners, left_ns, arrived_ns: left_ns, is_handled })
+    }
+
+    /// How the picture was shifted and when, if that is what the newest of these moves say. `over_ns` tells when a move is over: what lies where it
+    /// lay after that has stayed.
+    fn shift(&self, moves: &[Move], over_ns: impl Fn(&Move) -> u64) -> Option<Moved> {
+        let newest = moves.last()?;
         let at_once_ns = (AT_ONCE_S * S) as u64;
         let is_at_once = |moved: &&Move| {
             moved.left_ns <= newest.arrived_ns + at_once_ns && newest.left_ns <= moved.arrived_ns + at_once_ns
         };
-        let together: Vec<Move> = self.moves.iter().filter(is_at_once).copied().collect();
+        let together: Vec<Move> = moves.iter().filter(is_at_once).copied().collect();
         let since_ns = together.iter().map(|moved| moved.left_ns).max()?;
         let arrived_ns = together.iter().map(|moved| moved.arrived_ns).min()?;
-        let last_ns = together.iter().map(|moved| moved.arrived_ns).max()?;
+        let last_ns = together.iter().map(over_ns).max()?;
         let alone = together.iter().filter(|moved| !moved.is_handled);
         let pushed_ns = alone.map(|moved| moved.left_ns).max()?;
         // A part that was in a hand before the camera was pushed, or is in one for longer, has gone a way of its own as well.
@@ -182,7 +207,6 @@ impl Camera {
         }
         let as_one: Vec<Move> = together.iter().filter(|moved| shift.moves(moved)).copied().collect();
         let view = Shift::of(&as_one).filter(|_| as_one.len() > 1)?;
-        self.moves.clear();
         Some(Moved { since_ns, view, known: as_one.iter().map(|moved| (moved.id, moved.from)).collect() })
     }
 

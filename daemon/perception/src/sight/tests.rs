@@ -86,15 +86,21 @@ impl Bench {
         self.sight.current().map(|Spell { trouble, .. }| trouble)
     }
 
-    /// Shows this for some seconds and then what is good again: the trouble is said once, within two seconds, and so is its end.
+    /// Shows this for some seconds and then what is good again: the trouble is said once, within two seconds, and so is its end. From the first
+    /// pictures on, long before it is said, and until it is over, nothing is seen that it hides.
     fn says(mut self, trouble: Trouble, look: impl Fn(u64) -> Look) {
+        assert!(self.sight.is_seen());
+        assert_eq!(self.show(0.05, &look), []);
+        assert_eq!(self.sight.is_seen(), !trouble.hides_bench(), "{trouble:?} in its second picture");
         let said = self.show(6.0, look);
+        assert_eq!(self.sight.is_seen(), !trouble.hides_bench(), "{trouble:?}");
         let [(first, after_s)] = said[..] else { panic!("{trouble:?}: {said:?}") };
         assert_eq!(first, Some(trouble));
         assert!((0.3..=2.0).contains(&after_s), "{trouble:?} after {after_s} s");
         let said = self.show(6.0, |_| good());
         let [(None, over_s)] = said[..] else { panic!("after {trouble:?}: {said:?}") };
         assert!(over_s <= 2.0, "{trouble:?} is over after {over_s} s");
+        assert!(self.sight.is_seen());
     }
 }
 

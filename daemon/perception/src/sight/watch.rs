@@ -49,6 +49,12 @@ impl Trouble {
         Self::NoHands,
     ];
 
+    /// Whether nothing that the picture seems to show is seen while it lasts. Where frames or hands are missing, what there is was seen all the
+    /// same, and the method knows what it misses.
+    const fn hides_bench(self) -> bool {
+        !matches!(self, Self::TooFewFrames | Self::NoHands)
+    }
+
     /// How long it must last before it is believed. Lamps are switched, exposure settles and arms pass in less.
     const fn patience(self) -> f32 {
         match self {
@@ -88,6 +94,8 @@ pub struct Sight {
     rate: Rate,
     work: Work,
     camera: Camera,
+    /// Whether the newest picture shows the bench.
+    is_seen: bool,
     /// By trouble, in the order of [`Trouble::ALL`].
     signs: [Sign; Trouble::ALL.len()],
     current: Option<Spell>,
@@ -103,6 +111,7 @@ impl Sight {
             rate: Rate::default(),
             work: Work::default(),
             camera: Camera::new(expected.is_calibrated),
+            is_seen: true,
             signs: [Sign::default(); Trouble::ALL.len()],
             current: None,
         }
@@ -127,7 +136,17 @@ impl Sight {
         };
         let lasts = self.current.and_then(|current| spell(current.trouble));
         self.current = lasts.or_else(|| Trouble::ALL.into_iter().find_map(spell));
+        let is_sign = |(trouble, shows): (Trouble, Option<u64>)| shows.is_some() && trouble.hides_bench();
+        let is_any_sign = Trouble::ALL.into_iter().zip(shows).any(is_sign);
+        let lasts = self.current.is_some_and(|spell| spell.trouble.hides_bench());
+        self.is_seen = !is_any_sign && !lasts && !self.stillness.repeats && !self.camera.may_be_moved();
         self.current
+    }
+
+    /// Whether the newest picture shows the bench. It takes a while before a trouble is believed and told, but nothing that a picture with a sign
+    /// of one seems to show is taken for seen: not the first that repeats the one before, and not the first in which the markers are moved as one.
+    pub fn is_seen(&self) -> bool {
+        self.is_seen
     }
 
     /// The trouble that lasts, if there is one.
@@ -294,6 +313,8 @@ struct Stillness {
     fingerprint: Option<u64>,
     since_ns: u64,
     still_s: f32,
+    /// The newest picture is the one before.
+    repeats: bool,
     /// Pictures that were not the one before.
     changes: u32,
     /// The longest time for which this source has shown one picture and gone on by itself.
@@ -308,7 +329,8 @@ const STILL_FACTOR: f32 = 4.0;
 impl Stillness {
     fn step(&mut self, look: &Look) {
         let fingerprint = Some(look.picture.fingerprint);
-        if self.fingerprint != fingerprint {
+        self.repeats = self.fingerprint == fingerprint;
+        if !self.repeats {
             // A picture that was frozen is no example.
             if self.frozen_since_ns().is_none() {
                 self.usual_s = self.usual_s.max(self.still_s);

@@ -1,5 +1,6 @@
 //! The job level: which activities have come, which are missing, and in which order they came.
 
+mod another_piece;
 mod next_job;
 mod order;
 mod outcome;
@@ -12,6 +13,7 @@ use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
+use another_piece::{Unwatched, quickest};
 
 /// The first fault of a job.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +92,7 @@ pub(super) struct Progress<'a> {
     is_start_expected: bool,
     /// For how many frames a hand has been hidden at most since the last job ended.
     hidden_frames: u32,
+    unwatched: Unwatched,
     /// For each hand, what has been missed since then.
     missed: [Missed; HANDS],
     /// An activity was not seen well enough to say which one it is.
@@ -148,6 +151,7 @@ impl<'a> Progress<'a> {
             overlooked_object: 0,
             is_start_expected: false,
             hidden_frames: 0,
+            unwatched: Unwatched::new(),
             missed,
             is_doubtful: false,
             carried_on: ActivitySet::EMPTY,
@@ -168,7 +172,8 @@ impl<'a> Progress<'a> {
         }
         let (undone_first, undone) = (self.undone_first | self.seen_undone, self.seen_undone);
         let may_precede = self.all.without(undone_first | self.behind(undone_first));
-        let is_start_seen = is_start_seen || self.is_start_expected || may_precede.is_empty();
+        let is_expected = self.is_start_expected && !self.may_have_begun_unwatched();
+        let is_start_seen = is_start_seen || is_expected || may_precede.is_empty();
         *self = Self {
             began_ns,
             now_ns: self.now_ns,
@@ -185,6 +190,7 @@ impl<'a> Progress<'a> {
             overlooked: self.overlooked,
             overlooked_object: self.overlooked_object,
             hidden_frames: self.hidden_frames,
+            unwatched: self.unwatched,
             is_open: true,
             ..Self::new(self.job, self.persist_frames, self.missed)
         };
@@ -239,6 +245,7 @@ impl<'a> Progress<'a> {
     /// What was hidden up to now does not matter any more.
     fn forget_hidden(&mut self) {
         (self.hidden_frames, self.overlooked) = (0, ActivitySet::EMPTY);
+        self.unwatched.forget();
         self.missed.iter_mut().for_each(Missed::forget);
     }
 
@@ -333,12 +340,11 @@ impl<'a> Progress<'a> {
 
     /// Whether this activity may have happened without being seen.
     fn may_be_unseen(&self, activity: usize) -> bool {
-        let frames = |ius: &[NominalIu<'_>]| ius.iter().map(NominalIu::quickest).fold(0, u32::saturating_add);
         // What shows less than half of itself may have been taken for another activity.
         let mut variants =
             self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
         let is_before = !self.is_start_seen && self.may_precede.contains(activity);
-        let is_hidden = variants.any(|nominal| self.hidden_frames >= frames(nominal.ius) / 2);
+        let is_hidden = variants.any(|nominal| self.hidden_frames >= quickest(nominal.ius) / 2);
         let unknown = self.carried_on | self.overlooked;
         let is_doubtful = self.is_doubtful || unknown.contains(activity);
         !self.undone.contains(activity) && (is_before || is_doubtful || is_hidden)

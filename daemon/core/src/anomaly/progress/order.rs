@@ -3,7 +3,7 @@
 use super::Progress;
 use crate::input::Side;
 use crate::set::ActivitySet;
-use crate::verdict::{BrokenOrder, Note, OrderFault};
+use crate::verdict::{BrokenOrder, Note, OrderFault, Reason};
 
 impl Progress<'_> {
     /// The activity that must come next, if that is only one.
@@ -37,6 +37,24 @@ impl Progress<'_> {
             .map(|other| broken(OrderFault::NotBegun, other))
             .or_else(|| not_ended.map(|other| broken(OrderFault::NotEnded, other)))
             .or_else(|| too_late.map(|other| broken(OrderFault::TooLate, other)))
+    }
+
+    /// An activity with this number has done the work of a nominal one with another part. If that must come now and has certainly not come, the part
+    /// is wrong; the job may have begun with it.
+    pub(in crate::anomaly) fn set_done_instead(&mut self, number: u16, nominal: usize) {
+        let activities = self.activities_of([nominal]);
+        self.first_step = self.first_step.or(Some(number));
+        self.begin_seen_with(number, activities);
+        let came = self.tried() | self.underway.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
+        let is_next = |activity: &usize| {
+            let must_come = self.required.contains(*activity) && !came.contains(*activity);
+            must_come && self.job.law(*activity).after().without(self.tried()).is_empty()
+        };
+        let is_certain =
+            |activity: usize| !self.may_precede.contains(activity) && !self.may_be_unseen(activity);
+        if activities.iter().filter(is_next).any(is_certain) {
+            self.set_wrong(Some(nominal), Reason::WrongObject, None, None);
+        }
     }
 
     /// Whether the bench has shown in this job that what must come before had not been done.

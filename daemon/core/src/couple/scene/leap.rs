@@ -22,28 +22,35 @@ pub(super) struct Leap {
 impl Leap {
     /// Whether to believe that what had these poses is seen here now.
     pub(super) fn believes<P: Pose + Copy>(&mut self, poses: &Recent<P>, seen: &P, method: &Method) -> bool {
-        let [newest, before] = [0, 1].map(|age| poses.ago(age));
+        let newest = poses.ago(0);
         if newest.source() == Source::Never {
             return true;
         }
-        let (from, seen, frames) = (newest.place(), seen.place(), newest.unseen().saturating_add(1));
-        // What was not seen before the newest frame is held where it was seen last, and has come from there since.
-        let is_step_seen =
-            newest.source() == Source::Seen && matches!(before.source(), Source::Seen | Source::Held);
-        let step = if is_step_seen {
-            let since = before.unseen().saturating_add(1) as f32;
-            subtract(from, before.place()).map(|way| way / since)
-        } else {
-            [0.0; 3]
-        };
-        // It rests or goes on as it moved, and was pushed meanwhile.
-        let ahead = [from, add(from, step.map(|step| step * frames as f32))];
-        let is_reached = ahead.iter().any(|ahead| is_within_reach(*ahead, seen, frames, method));
+        let is_reached = is_reached(poses, seen, newest.unseen().saturating_add(1), method);
+        let seen = seen.place();
         let stays = self.frames > 0 && is_within_reach(self.newest, seen, 1, method);
         let is_believed = is_reached && !stays || self.frames >= method.persist_frames;
         *self = if is_believed { Self::default() } else { Self { newest: seen, frames: self.frames + 1 } };
         is_believed
     }
+}
+
+/// Whether what had these poses may be seen here now, if it has been pushed for as many frames.
+pub(super) fn is_reached<P: Pose + Copy>(poses: &Recent<P>, seen: &P, pushed: u32, method: &Method) -> bool {
+    let [newest, before] = [0, 1].map(|age| poses.ago(age));
+    let (from, frames) = (newest.place(), newest.unseen().saturating_add(1));
+    // What was not seen before the newest frame is held where it was seen last, and has come from there since.
+    let is_step_seen =
+        newest.source() == Source::Seen && matches!(before.source(), Source::Seen | Source::Held);
+    let step = if is_step_seen {
+        let since = before.unseen().saturating_add(1) as f32;
+        subtract(from, before.place()).map(|way| way / since)
+    } else {
+        [0.0; 3]
+    };
+    // It rests or goes on as it moved, and was pushed meanwhile.
+    let ahead = [from, add(from, step.map(|step| step * frames as f32))];
+    ahead.iter().any(|ahead| is_within_reach(*ahead, seen.place(), pushed, method))
 }
 
 fn is_within_reach(from: Point, to: Point, frames: u32, method: &Method) -> bool {

@@ -6,6 +6,7 @@ mod hold;
 mod in_hand;
 mod leap;
 mod meeting;
+mod sides;
 mod sight;
 mod start;
 mod waiting;
@@ -29,6 +30,7 @@ use hold::Hold;
 use in_hand::{InHand, Meets};
 use leap::Leap;
 use meeting::Shape;
+use sides::Sides;
 use start::Start;
 
 /// Positions are off their parabola by errors alone if they are by no more than this share of how far apart they are by chance: a third.
@@ -111,6 +113,7 @@ pub(super) struct Scene {
     idle_frames: u32,
     hands: [Recent<HandPose>; HANDS],
     leaps: [Leap; HANDS],
+    sides: Sides,
     /// Sorted by id.
     objects: Vec<Node, OBJECTS>,
     /// From each hand to each object.
@@ -158,6 +161,7 @@ impl Scene {
             idle_frames: 0,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             leaps: [Leap::default(); HANDS],
+            sides: Sides::default(),
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
             in_hand: [[InHand::No; OBJECTS]; HANDS],
@@ -213,6 +217,7 @@ impl Scene {
             let index = hand.side.index();
             seen[index] = seen[index].or_else(|| HandPose::seen(hand, self.method.space));
         }
+        let seen = self.sides.settle(&self.hands, seen, self.blind_frames, &self.method);
         for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
             let seen = seen.filter(|seen| leap.believes(poses, seen, &self.method));
             let before = *poses.ago(0);

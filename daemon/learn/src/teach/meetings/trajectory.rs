@@ -363,6 +363,7 @@ mod tests {
                 captured_ns: u64::from(index) * 33_333_333,
                 hands: Side::ALL.into_iter().zip(hands).map(hand).collect(),
                 objects: (1..).zip(objects).map(object).collect(),
+                ..Frame::default()
             }
         };
         let frames: Vec<Frame> = (0..15).map(frame).collect();

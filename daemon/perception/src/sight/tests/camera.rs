@@ -49,6 +49,28 @@ fn a_camera_that_was_moved_is_said_and_so_is_that_it_is_back() {
 }
 
 #[test]
+fn nothing_is_seen_from_the_first_picture_on_that_a_moved_camera_shows() {
+    for (turn, shift) in [(0.0, [12.0, 0.0]), (0.1, [0.0, 0.0]), (-0.03, [40.0, -25.0])] {
+        let (bench, said) = said_after(true, 0.01, |_| seen_from(turn, shift));
+        assert_eq!((bench.sight.is_seen(), &said[..]), (false, &[][..]), "{turn} {shift:?}");
+    }
+    // A part that a hand moves, or two at once, is seen.
+    for parts in 1..=2 {
+        let look = |_| {
+            let mut look = seen_from(0.0, [0.0; 2]);
+            hand_at(&mut look, [105.0, 105.0]);
+            hand_at(&mut look, [285.0, 105.0]);
+            for corner in look.markers.iter_mut().take(parts).flat_map(|marker| &mut marker.corners) {
+                corner[0] += 20.0;
+            }
+            look
+        };
+        let (bench, said) = said_after(true, 0.01, look);
+        assert_eq!((bench.sight.is_seen(), &said[..]), (true, &[][..]), "{parts} parts");
+    }
+}
+
+#[test]
 fn without_a_calibration_a_new_view_is_as_good_as_the_old_one_after_a_while() {
     let (mut bench, said) = said_after(false, 20.0, |_| seen_from(0.0, [30.0, 0.0]));
     assert_eq!(said, [MOVED, None]);

@@ -1,0 +1,52 @@
+//! Whose hand is seen. A tracker may take a hand for the other one for some frames, but a hand that is where a hand has just been, and where the
+//! one that it is called was not, is that hand.
+
+use super::leap::is_reached;
+use crate::capacity::HANDS;
+use crate::config::Method;
+use crate::couple::poses::{HandPose, Recent, Source};
+
+/// A frame now and then is missing between two that show the same hand.
+const MAX_UNSEEN: u32 = 2;
+
+/// For how long each hand has been called what it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sides {
+    /// In how many frames it was, at most `blind_frames`, less those in which it was called the other one. Another name that lasts is believed.
+    known: [u32; HANDS],
+}
+
+impl Sides {
+    /// The hands as they are, from the hands as they are called.
+    pub(super) fn settle(
+        &mut self,
+        hands: &[Recent<HandPose>; HANDS],
+        called: [Option<HandPose>; HANDS],
+        blind_frames: u32,
+        method: &Method,
+    ) -> [Option<HandPose>; HANDS] {
+        let is_at = |of: usize, called: &HandPose| {
+            let before = hands[of].ago(0);
+            let is_recent = before.source != Source::Never && before.unseen <= MAX_UNSEEN;
+            is_recent && is_reached(&hands[of], called, 1, method)
+        };
+        let is_other = |name: usize| {
+            let (seen, other) = (called[name].as_ref(), 1 - name);
+            self.known[other] > 0 && seen.is_some_and(|seen| is_at(other, seen) && !is_at(name, seen))
+        };
+        let is_swapped = match called {
+            [Some(_), Some(_)] => is_other(0) && is_other(1),
+            _ => is_other(0) || is_other(1),
+        };
+        let seen = if is_swapped { [called[1], called[0]] } else { called };
+        for (hand, known) in self.known.iter_mut().enumerate() {
+            *known = match seen[hand] {
+                Some(_) if is_swapped => *known - u32::from(*known > 0),
+                Some(_) => known.saturating_add(1).min(blind_frames),
+                None if hands[hand].ago(0).unseen < MAX_UNSEEN => *known,
+                None => 0,
+            };
+        }
+        seen
+    }
+}

@@ -1,0 +1,82 @@
+//! Two pieces are never one: what may have been done in the time that nobody watched, and how often a piece gets a verdict.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod common;
+
+use andon_core::couple::{Couples, Sight};
+use andon_core::job::{Job, Law};
+use andon_core::verdict::Level;
+use common::script::{Part, idle, short, stream};
+use common::work::{IN_ORDER, away, judged, measure, polish, polish_and_measure};
+
+/// These parts, of which nothing is seen in some frames: what a hand did before them, it does not.
+fn unwatched(parts: &[Part], hidden: core::ops::Range<usize>) -> Vec<Couples> {
+    let mut couples = stream(parts, &[]);
+    for couples in &mut couples[hidden] {
+        (couples.is_captured, couples.is_bench_hidden) = (false, true);
+        for couple in &mut couples.hands {
+            couple.sight[0] = Sight::Unseen;
+            (couple.is_clear, couple.is_doubtful) = (false, true);
+        }
+    }
+    couples
+}
+
+/// The verdicts on jobs where the polisher was put down, nobody watched for as many frames, and the brick is measured.
+fn measured_after(frames: usize, job: &Job<'_>) -> Vec<String> {
+    let polished: usize = polish(6).iter().map(|part| part.frames).sum();
+    let parts = [&polish(6)[..], &[away(frames)], &measure()].concat();
+    let verdicts = judged(job, &unwatched(&parts, polished..polished + frames));
+    verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect()
+}
+
+/// The fewest frames after which the job is not right any more.
+fn needed(job: &Job<'_>) -> usize {
+    let needed = (1..400).find(|frames| measured_after(*frames, job) != ["JobOk"]).unwrap();
+    for frames in [needed, needed + 1, 399, 5000] {
+        assert_eq!(measured_after(frames, job), ["NotJudged FramesMissing"], "{frames} frames");
+    }
+    needed
+}
+
+#[test]
+fn no_job_is_right_over_a_time_in_which_the_quickest_end_the_piece_and_begin_another_one() {
+    let any_order = polish_and_measure();
+    let in_order = Job { laws: &IN_ORDER, ..any_order };
+    let ius = |activity: usize| in_order.activities[activity].ius.iter().filter(|iu| iu.context.is_touch());
+    let shown = |activity| ius(activity).map(|iu| iu.reference.len()).sum::<usize>();
+    let quick = |frames: usize| frames * 5 / 10..=frames * 7 / 10;
+    // The piece is measured, and another one is polished.
+    assert!(quick(shown(0) + shown(1)).contains(&needed(&in_order)), "{}", needed(&in_order));
+    // Where the order does not matter, the next piece may be measured first.
+    assert!(quick(shown(1)).contains(&needed(&any_order)), "{}", needed(&any_order));
+}
+
+#[test]
+fn a_job_that_begins_with_what_may_come_last_is_not_right_if_nobody_watched_before_it() {
+    let job = polish_and_measure();
+    assert_eq!(job.laws, [] as [Law; 0], "any order");
+    let pieces = [&polish(6)[..], &measure(), &[away(200)], &measure(), &polish(6), &[idle(20)]].concat();
+    let begun: usize = [polish(6), measure()].concat().iter().map(|part| part.frames).sum();
+    let jobs = |hidden: usize| -> Vec<String> {
+        let verdicts = judged(&job, &unwatched(&pieces, begun..begun + hidden));
+        verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect()
+    };
+    assert_eq!(jobs(9), ["JobOk", "JobOk"]);
+    let unwatched = jobs(200);
+    assert_eq!(unwatched[0], "JobOk");
+    // The polishing may be that of the piece after the one that was measured.
+    assert!(unwatched[1..].iter().all(|job| job.starts_with("NotJudged")), "{unwatched:?}");
+}
+
+#[test]
+fn a_hand_that_is_never_seen_gets_one_verdict_for_all_that_it_carries() {
+    let parts = [&polish(6)[..], &measure(), &[away(900)]].concat();
+    let mut couples = stream(&parts, &[]);
+    let carried = couples.len() - 700;
+    couples[carried..carried + 400].iter_mut().for_each(|couples| couples.is_carried_unseen = true);
+    let verdicts = judged(&polish_and_measure(), &couples);
+    let jobs: Vec<String> =
+        verdicts.iter().filter(|verdict| verdict.level == Level::Job).map(short).collect();
+    assert_eq!(jobs, ["JobOk", "NotJudged HandNotSeen"]);
+}
