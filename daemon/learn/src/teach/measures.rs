@@ -495,7 +495,7 @@ mod tests {
     fn strokes_that_are_made_by_feel_may_be_some_more_or_less_and_not_half() {
         let shown = [9, 11, 13, 11, 12].map(|reversals| Measures { reversals, ..Measures::default() });
         let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
-        let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown);
+        let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
         assert!((6..=8).contains(&min) && (15..=18).contains(&max), "{min} {max}");
     }
 
@@ -504,7 +504,7 @@ mod tests {
         let shown = [Measures { reversals: 13, ..Measures::default() }; 7];
         let frames = [120, 150, 135, 160, 128, 142, 155];
         let rates = |context| Rates::new(0.03, People::IN_GENERAL, [(context, shown.as_slice())].into_iter());
-        let bounds = |context| rates(context).frames(context, &shown, &frames, 30.0);
+        let bounds = |context| rates(context).frames(context, &shown, &frames, 30.0, Strength::General);
         let (min, max) = bounds(Context([1, 5, 5, 6])).unwrap_or_default();
         assert!((140 / 3 + 10..140 * 2 / 3).contains(&min), "{min}");
         assert_eq!(max, None, "strokes are counted");
@@ -517,7 +517,7 @@ mod tests {
         let shown = [Measures::default(); 7];
         let at_meter = Context([1, 6, 6, 3]);
         let rates = Rates::new(0.03, People::IN_GENERAL, [(at_meter, shown.as_slice())].into_iter());
-        let bounds = |frames: [u32; 7]| rates.frames(at_meter, &shown, &frames, 30.0).unwrap_or_default();
+        let bounds = |frames: [u32; 7]| rates.frames(at_meter, &shown, &frames, 30.0, Strength::General).unwrap_or_default();
         // A second, less or more. On its way in and out the part is at the meter for a third of a second.
         let (min, max) = bounds([28, 34, 31, 47, 25, 36, 40]);
         assert!((14..20).contains(&min), "{min}");
@@ -534,7 +534,7 @@ mod tests {
         let min = |variety| {
             let people = People { one_person: 0.0, variety, freedom: f64::INFINITY };
             let rates = Rates::new(0.03, people, [(at_meter, shown.as_slice())].into_iter());
-            rates.frames(at_meter, &shown, &frames, 30.0).map(|(min, _)| min)
+            rates.frames(at_meter, &shown, &frames, 30.0, Strength::General).map(|(min, _)| min)
         };
         // On its way in and out the part is at the meter for 6 frames, and for 2 if people differ three times as much.
         assert!(min(1.0).is_some_and(|min| min > 14) && min(3.0).is_some_and(|min| (2..6).contains(&min)));
@@ -551,7 +551,7 @@ mod tests {
             });
             let people = People { variety, ..People::IN_GENERAL };
             let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
-            Rates::new(0.03, people, ius.into_iter()).reversals(&shown).min
+            Rates::new(0.03, people, ius.into_iter()).reversals(&shown, Strength::General).min
         };
         assert_eq!([min(0.07, 1.0), min(0.07, 3.0), min(0.04, 1.0), min(0.2, 3.0)], [12, 10, 12, 12]);
     }
@@ -560,7 +560,7 @@ mod tests {
     fn that_people_differ_more_is_uncertain_and_makes_the_bounds_wider_than_as_many_times() {
         let values = [0.1, -0.2, 0.3, -0.1, 0.0, 0.2, -0.3];
         let apart = |prior, variety, freedom| {
-            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }).1
+            interval(&values, prior, 0.01, People { one_person: 0.0, variety, freedom }, Strength::General).1
         };
         // The spread is the same, and there are half of 22 degrees of freedom instead of 22.
         let ratio = apart(0.1, 2.0, 22.0) / apart(0.2, 1.0, f64::INFINITY);

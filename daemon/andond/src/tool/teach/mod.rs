@@ -173,7 +173,6 @@ fn options(
             misfit: Misfit::Space { job, recording },
         });
     }
-    options.try_runs = true;
     // A job that is taught again is still the same one to people and to the PLC.
     let there = role::read_job(&arguments.out).ok();
     options.id = arguments.id.unwrap_or_else(|| match &there {
