@@ -161,8 +161,11 @@ fn number(counts: &BTreeMap<Said, u32>, said: Said) -> u32 {
 fn people_who_work_by_feel_are_judged_by_what_their_other_runs_teach() {
     let seed = environment::number("ANDON_SEED", 71);
     let by_boxes = environment::number("ANDON_BOXES", 0) != 0;
-    let sets: Vec<Set> = (0..environment::number("ANDON_SETS", 2))
-        .map(|index| Set { seed, work: ByFeel::ALL[(index % 2) as usize], person: 1 + index / 2, by_boxes })
+    let sets: Vec<Set> = (0..environment::number("ANDON_SETS", 3))
+        .map(|index| {
+            let works = ByFeel::ALL.len() as u64;
+            Set { seed, work: ByFeel::ALL[(index % works) as usize], person: 1 + index / works, by_boxes }
+        })
         .collect();
     let cases: Vec<(Set, u64)> =
         sets.iter().flat_map(|set| (0..RUNS).map(|repetition| (*set, repetition))).collect();
