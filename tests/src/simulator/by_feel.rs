@@ -27,7 +27,7 @@ pub enum ByFeel {
 }
 
 /// What may be wrong with such work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lapse {
     /// The hand works for three tenths of the time.
     CutShort,
