@@ -8,8 +8,8 @@ Copies the tracked files into FOLDER, builds there, and adds each condition to F
 is in the table already is not tried again. With words, only conditions whose path or name contains one of them.
 
 The columns: condition, constant, what breaks, number of tests that fail, their names. What breaks is "nothing", "its own" if
-only tests of its module fail or a single one, "others", or "does not build". What breaks no
-more than its own with either constant is a candidate to go.
+only tests of its module fail or a single one, "others", or "does not build". Where a constant breaks no more than "its own",
+the condition is a candidate to go: the tests of other crates and what is measured have not spoken yet.
 """
 
 import os
@@ -39,11 +39,14 @@ def copied(folder):
 
 
 def conditions(tree):
-    """File, name, and where its body begins, of each condition outside of tests."""
+    """File, name, and where its body begins, of each condition outside of tests. The second one of a name in a file is name#2."""
     for path in sorted(path for place in PLACES for path in (tree / place).rglob("*.rs")):
         if path.name != "tests.rs":
-            product = path.read_text().split("#[cfg(test)]\nmod ")[0]
-            yield from ((path, found[1], found.end()) for found in CONDITION.finditer(product))
+            product, names = path.read_text().split("#[cfg(test)]\nmod ")[0], []
+            for found in CONDITION.finditer(product):
+                names.append(found[1])
+                count = names.count(found[1])
+                yield path, found[1] if count == 1 else f"{found[1]}#{count}", found.end()
 
 
 def cargo_test(tree, folder, *arguments):

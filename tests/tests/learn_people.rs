@@ -90,7 +90,7 @@ struct Case {
     /// Whether `teach` trusted the others; none if they taught no job.
     is_trusted: Option<bool>,
     right_run: Option<Said>,
-    lapses: Vec<Said>,
+    lapses: Vec<(Lapse, Said)>,
     hand_lost: Vec<Said>,
 }
 
@@ -104,7 +104,7 @@ fn left_out(set: Set, repetition: u64) -> Case {
     Case {
         is_trusted: Some(is_trusted),
         right_run: Some(said(&job, &whole)),
-        lapses: lapses.map(|lapse| said(&job, &set.recording(repetition, Some(*lapse)))).collect(),
+        lapses: lapses.map(|lapse| (*lapse, said(&job, &set.recording(repetition, Some(*lapse))))).collect(),
         hand_lost: Side::ALL.iter().map(|side| said(&job, &lost(*side))).collect(),
     }
 }
@@ -117,6 +117,7 @@ struct Counts {
     without_job: u32,
     right_runs: BTreeMap<Said, u32>,
     lapses: BTreeMap<Said, u32>,
+    each_lapse: BTreeMap<Lapse, BTreeMap<Said, u32>>,
     hand_lost: BTreeMap<Said, u32>,
 }
 
@@ -125,30 +126,25 @@ impl Counts {
         self.cases += 1;
         self.refused += u32::from(case.is_trusted != Some(true));
         self.without_job += u32::from(case.is_trusted.is_none());
-        for (counts, said) in [
-            (&mut self.right_runs, case.right_run.as_slice()),
-            (&mut self.lapses, &case.lapses),
-            (&mut self.hand_lost, &case.hand_lost),
-        ] {
-            said.iter().for_each(|said| *counts.entry(*said).or_default() += 1);
+        let count = |counts: &mut BTreeMap<Said, u32>, said| *counts.entry(said).or_default() += 1;
+        case.right_run.into_iter().for_each(|said| count(&mut self.right_runs, said));
+        case.hand_lost.iter().for_each(|said| count(&mut self.hand_lost, *said));
+        for (lapse, said) in &case.lapses {
+            count(&mut self.lapses, *said);
+            count(self.each_lapse.entry(*lapse).or_default(), *said);
         }
     }
 
     /// One line of the table.
     fn line(&self) -> String {
-        let of = |counts| {
-            let [right, accused, not_judged] =
-                [Said::Right, Said::Accused, Said::NotJudged].map(|said| number(counts, said));
-            format!("{right} / {accused} / {not_judged}")
-        };
         format!(
             "{} of {} refused, {} without a job | right runs {} | lapses {} | a hand lost {}",
             self.refused,
             self.cases,
             self.without_job,
-            of(&self.right_runs),
-            of(&self.lapses),
-            of(&self.hand_lost)
+            words(&self.right_runs),
+            words(&self.lapses),
+            words(&self.hand_lost)
         )
     }
 }
@@ -157,12 +153,21 @@ fn number(counts: &BTreeMap<Said, u32>, said: Said) -> u32 {
     counts.get(&said).copied().unwrap_or_default()
 }
 
+fn words(counts: &BTreeMap<Said, u32>) -> String {
+    let [right, accused, not_judged] =
+        [Said::Right, Said::Accused, Said::NotJudged].map(|said| number(counts, said));
+    format!("{right} / {accused} / {not_judged}")
+}
+
 #[test]
 fn people_who_work_by_feel_are_judged_by_what_their_other_runs_teach() {
     let seed = environment::number("ANDON_SEED", 71);
     let by_boxes = environment::number("ANDON_BOXES", 0) != 0;
-    let sets: Vec<Set> = (0..environment::number("ANDON_SETS", 2))
-        .map(|index| Set { seed, work: ByFeel::ALL[(index % 2) as usize], person: 1 + index / 2, by_boxes })
+    let sets: Vec<Set> = (0..environment::number("ANDON_SETS", 3))
+        .map(|index| {
+            let works = ByFeel::ALL.len() as u64;
+            Set { seed, work: ByFeel::ALL[(index % works) as usize], person: 1 + index / works, by_boxes }
+        })
         .collect();
     let cases: Vec<(Set, u64)> =
         sets.iter().flat_map(|set| (0..RUNS).map(|repetition| (*set, repetition))).collect();
@@ -181,6 +186,7 @@ fn people_who_work_by_feel_are_judged_by_what_their_other_runs_teach() {
     }
     let total = total.into_inner().unwrap();
     println!("all: {}", total.line());
+    total.each_lapse.iter().for_each(|(lapse, counts)| println!("{lapse:?}: {}", words(counts)));
     if by_boxes {
         // Too little of these is taught for a bar.
         return;

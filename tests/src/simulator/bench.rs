@@ -40,9 +40,15 @@ pub(super) const BRUSH_ID: u16 = 11;
 pub(super) const GLUE_ID: u16 = 12;
 /// The id of the tray.
 pub(super) const TRAY_ID: u16 = 13;
+/// The id of the cloth.
+pub(super) const CLOTH_ID: u16 = 14;
+/// The id of the spray.
+pub(super) const SPRAY_ID: u16 = 15;
+/// The id of the plate.
+pub(super) const PLATE_ID: u16 = 16;
 
 /// The parts of the paper's experiments, and those of work that is done by feel, which have no points.
-pub(super) const PARTS: [Part; 13] = [
+pub(super) const PARTS: [Part; 16] = [
     part(1, "profile", [0.0, 0.0], [0.11, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.11, 0.0]]),
     part(2, "corner", [0.0, 0.0], [0.0, 0.0], [0.0, 0.0], &[[0.0, 0.0], [0.0, 0.03]]),
     part(
@@ -77,6 +83,9 @@ pub(super) const PARTS: [Part; 13] = [
     mere_position(BRUSH_ID, "brush"),
     mere_position(GLUE_ID, "glue"),
     mere_position(TRAY_ID, "tray"),
+    mere_position(CLOTH_ID, "cloth"),
+    mere_position(SPRAY_ID, "spray"),
+    mere_position(PLATE_ID, "plate"),
 ];
 
 /// A part of which only the position of its marker is known.

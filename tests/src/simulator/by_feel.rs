@@ -6,7 +6,9 @@
 //! the bottle may be lost while it is held.
 
 use super::arm::{Arm, Swing, see};
-use super::bench::{BOTTLE_ID, BOWL_ID, BRUSH_ID, Bench, GLUE_ID, TRAY_ID, WHISK_ID};
+use super::bench::{
+    BOTTLE_ID, BOWL_ID, BRUSH_ID, Bench, CLOTH_ID, GLUE_ID, PLATE_ID, SPRAY_ID, TRAY_ID, WHISK_ID,
+};
 use super::performance::Performance;
 use super::{Random, Vector, add};
 use andon_core::input::Side;
@@ -20,12 +22,14 @@ pub enum ByFeel {
     Kitchen,
     /// The right hand brushes in a tray, the left one holds the tray and then draws lines of glue in it.
     Workshop,
+    /// The left hand wipes a plate with a cloth, for as long as it likes. The right one holds the plate, and sprays while it is wiped or afterwards.
+    Cleaning,
 }
 
 /// What may be wrong with such work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Lapse {
-    /// The right hand works for three tenths of the time.
+    /// The hand works for three tenths of the time.
     CutShort,
     /// The bottle is taken and put back without pouring.
     NotPoured,
@@ -37,13 +41,22 @@ pub enum Lapse {
 
 impl ByFeel {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Kitchen, Self::Workshop];
+    pub const ALL: [Self; 3] = [Self::Kitchen, Self::Workshop, Self::Cleaning];
 
     /// A name for files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Kitchen => "kitchen",
             Self::Workshop => "workshop",
+            Self::Cleaning => "cleaning",
+        }
+    }
+
+    /// The hand that works with the tool, and the one that helps.
+    const fn hands(self) -> [Side; 2] {
+        match self {
+            Self::Kitchen | Self::Workshop => [Side::Right, Side::Left],
+            Self::Cleaning => [Side::Left, Side::Right],
         }
     }
 
@@ -64,6 +77,14 @@ impl ByFeel {
                 worked_at: [0.035, -0.03],
                 poured_at: [-0.015, 0.025],
                 held_at: [-0.075, -0.05],
+            },
+            Self::Cleaning => Layout {
+                tool: (CLOTH_ID, [-0.2, 0.05]),
+                bottle: (SPRAY_ID, [0.24, 0.2]),
+                base: (PLATE_ID, [0.0, 0.1]),
+                worked_at: [-0.03, 0.02],
+                poured_at: [0.035, 0.0],
+                held_at: [0.08, -0.03],
             },
         }
     }
@@ -97,15 +118,15 @@ struct Layout {
 /// For how long and where a person does what, by habit or in one run.
 #[derive(Clone, Copy, Debug)]
 struct Plan {
-    /// When the right and the left hand begin.
+    /// When the working and the helping hand begin.
     begins_s: [f64; 2],
     works_s: f64,
-    /// For how long the right hand stops while it works.
+    /// For how long the working hand stops in between.
     stops_s: f64,
-    /// For how long the left hand holds the base after the work has begun.
+    /// For how long the helping hand holds the base after the work has begun.
     holds_on_s: f64,
     pours_s: f64,
-    /// For how long the right hand goes on after the bottle is back.
+    /// For how long the working hand goes on after the bottle is back, where it waits for that.
     goes_on_s: f64,
     worked_at: Vector,
     poured_at: Vector,
@@ -120,6 +141,7 @@ impl Plan {
         let (roundness, along, period_s) = match work {
             ByFeel::Kitchen => (0.7, 0.8, 0.7),
             ByFeel::Workshop => (0.25, 0.2, 0.6),
+            ByFeel::Cleaning => (0.4, 2.0, 0.8),
         };
         Self {
             begins_s: [0.6, 0.5],
@@ -185,12 +207,15 @@ pub fn perform_by_feel(performance: &Performance, work: ByFeel, lapse: Option<La
         arm.rest_at([aside + 0.02 * random.normal(), -0.1 + 0.02 * random.normal()]);
         arm
     };
-    let mut arms = [Side::Right, Side::Left].map(arm);
+    let mut arms = work.hands().map(arm);
     let bottle = layout.bottle.0;
     let own = Random::new(performance.seed, &[8, performance.person, performance.repetition, work as u64]);
     let mut stage = Stage { bench: &bench, layout, plan, work, lapse, random: own };
     let carried = stage.act(&mut arms);
     arms.iter_mut().for_each(Arm::go_home);
+    if work.hands()[0] == Side::Left {
+        arms.reverse();
+    }
     let mut habit = Random::new(performance.seed, &[4, performance.person]);
     let mut seen = see(arms, &bench, &performance.noise, &mut habit, &mut random);
     if let Some(carried) = carried
@@ -223,68 +248,73 @@ struct Stage<'a> {
 
 impl<'a> Stage<'a> {
     /// Both hands do their work. The time in which the bottle is held, in seconds, if it is.
-    fn act(&mut self, [right, left]: &mut [Arm<'a>; 2]) -> Option<Range<f64>> {
+    fn act(&mut self, [working, helping]: &mut [Arm<'a>; 2]) -> Option<Range<f64>> {
         let plan = self.plan;
         let (tool, base) = (self.layout.tool.0, self.at(self.layout.base.0));
-        right.wait(plan.begins_s[0]);
-        left.wait(plan.begins_s[1]);
-        right.grasp(tool, self.at(tool));
-        right.lift();
+        working.wait(plan.begins_s[0]);
+        helping.wait(plan.begins_s[1]);
+        working.grasp(tool, self.at(tool));
+        working.lift();
         let worked_at = add(base, plan.worked_at);
-        right.wander_to(worked_at);
-        let begun_s = right.now_s();
-        let carried = self.accompany(left, begun_s + plan.holds_on_s);
-        let mut works_s = plan.works_s.max(left.now_s() + plan.goes_on_s - begun_s);
+        working.wander_to(worked_at);
+        let begun_s = working.now_s();
+        let carried = self.accompany(helping, begun_s + plan.holds_on_s);
+        let mut works_s = match self.work {
+            ByFeel::Kitchen | ByFeel::Workshop => {
+                plan.works_s.max(helping.now_s() + plan.goes_on_s - begun_s)
+            }
+            ByFeel::Cleaning => plan.works_s,
+        };
         if self.lapse == Some(Lapse::CutShort) {
             works_s *= 0.3;
         }
         if self.random.uniform() < 0.4 {
-            right.work(worked_at, plan.swing, begun_s + self.random.uniform() * works_s);
-            right.wait(plan.stops_s);
+            working.work(worked_at, plan.swing, begun_s + self.random.uniform() * works_s);
+            working.wait(plan.stops_s);
         }
-        right.work(worked_at, plan.swing, begun_s + works_s);
-        right.put(self.at(tool));
+        working.work(worked_at, plan.swing, begun_s + works_s);
+        working.put(self.at(tool));
         carried
     }
 
-    /// The left hand holds the base until this time or longer, and pours. The time in which it holds the bottle.
-    fn accompany(&mut self, left: &mut Arm<'a>, held_until_s: f64) -> Option<Range<f64>> {
+    /// The helping hand holds the base until this time or longer, and pours. The time in which it holds the bottle.
+    fn accompany(&mut self, helping: &mut Arm<'a>, held_until_s: f64) -> Option<Range<f64>> {
         if self.lapse == Some(Lapse::BottleFirst) {
-            let carried = self.fetch(left);
-            self.hold(left, held_until_s);
+            let carried = self.fetch(helping);
+            self.hold(helping, held_until_s);
             return Some(carried);
         }
-        self.hold(left, held_until_s);
-        (self.lapse != Some(Lapse::BottleLeft)).then(|| self.fetch(left))
+        self.hold(helping, held_until_s);
+        (self.lapse != Some(Lapse::BottleLeft)).then(|| self.fetch(helping))
     }
 
-    fn hold(&mut self, left: &mut Arm<'a>, until_s: f64) {
+    fn hold(&mut self, helping: &mut Arm<'a>, until_s: f64) {
         let base = self.layout.base.0;
-        left.grasp(base, add(self.at(base), self.plan.held_at));
-        left.fidget(0.0015, (until_s - left.now_s()).max(0.6));
-        left.release();
+        helping.grasp(base, add(self.at(base), self.plan.held_at));
+        helping.fidget(0.0015, (until_s - helping.now_s()).max(0.6));
+        helping.release();
     }
 
     /// The hand takes the bottle, pours, and puts it back. The time in which it holds it.
-    fn fetch(&mut self, left: &mut Arm<'a>) -> Range<f64> {
+    fn fetch(&mut self, helping: &mut Arm<'a>) -> Range<f64> {
         let bottle = self.layout.bottle.0;
         let (lies, base) = (self.at(bottle), self.at(self.layout.base.0));
-        left.grasp(bottle, lies);
-        let taken_s = left.now_s();
-        left.lift();
+        helping.grasp(bottle, lies);
+        let taken_s = helping.now_s();
+        helping.lift();
         if self.lapse != Some(Lapse::NotPoured) {
             let poured_at = add(base, self.plan.poured_at);
-            left.wander_to(poured_at);
+            helping.wander_to(poured_at);
             match self.work {
-                ByFeel::Kitchen => left.fidget(0.006, self.plan.pours_s),
+                ByFeel::Kitchen | ByFeel::Cleaning => helping.fidget(0.006, self.plan.pours_s),
                 ByFeel::Workshop => {
                     let lines = Swing { size_m: 0.018, roundness: 0.2, along: 0.1, period_s: 1.4 };
-                    left.work(poured_at, lines, left.now_s() + self.plan.pours_s);
+                    helping.work(poured_at, lines, helping.now_s() + self.plan.pours_s);
                 }
             }
         }
-        left.put(lies);
-        taken_s..left.now_s()
+        helping.put(lies);
+        taken_s..helping.now_s()
     }
 
     fn at(&self, id: u16) -> Vector {
