@@ -101,7 +101,8 @@ fn check_written(file: &Path, pictures: u64) -> Result<(), String> {
 
 /// Why a film came to no end, if the system still says so: where it has no room, a little more is refused as well.
 fn unfinished(file: &Path) -> Option<String> {
-    let mut film = File::options().append(true).open(file).ok()?;
+    // OpenCV removes a film that it cannot begin.
+    let mut film = File::options().append(true).create(true).open(file).ok()?;
     let error = film.write_all(&[0; 1 << 16]).and_then(|()| film.sync_all()).err()?;
     Some(unwritten(&error))
 }

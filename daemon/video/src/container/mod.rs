@@ -47,7 +47,6 @@ pub(crate) fn read(path: &Path) -> Container {
             | [_, _, _, _, b'm', b'd', b'a', b't', ..]
             | [_, _, _, _, b'w', b'i', b'd', b'e', ..]
             | [_, _, _, _, b'f', b'r', b'e', b'e', ..] => mp4::read(&mut film, length).map(Some),
-            [b'R', b'I', b'F', b'F', ..] => Ok(None),
             _ => Ok(None),
         }
     };
