@@ -101,8 +101,9 @@ fn a_job_is_not_right_with_what_may_belong_to_the_next_piece() {
         // Something that lay on the bench at first does not any more, so it is not set as it was.
         couples[..2].iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
         couples[first + 80..].iter_mut().for_each(|couples| couples.undone = undone);
+        // For less time than anybody needs to end the piece and to begin another one.
         if !is_seen {
-            couples.drain(first + 5..first + 75);
+            couples.drain(first + 5..first + 35);
         }
         let verdicts = judged(&job, &couples);
         short(verdicts.iter().find(|verdict| verdict.level == Level::Job).unwrap())
