@@ -51,7 +51,7 @@ impl Trouble {
 
     /// Whether nothing that the picture seems to show is seen while it lasts. Where frames or hands are missing, what there is was seen all the
     /// same, and the method knows what it misses.
-    const fn hides_bench(self) -> bool {
+    pub(super) const fn hides_bench(self) -> bool {
         !matches!(self, Self::TooFewFrames | Self::NoHands)
     }
 
