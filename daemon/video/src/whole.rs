@@ -90,7 +90,7 @@ mod tests {
         RNG::new(1).unwrap().fill(&mut picture, 0, &least, &most, false).unwrap();
         let mut file = Vector::new();
         imgcodecs::imencode(ending, &picture, &mut file, &Vector::from_slice(flags)).unwrap();
-        file.to_vec()
+        file.as_slice().to_vec()
     }
 
     #[test]
