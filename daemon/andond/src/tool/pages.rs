@@ -2,15 +2,14 @@
 
 use std::fs;
 use std::io::{self, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Command;
 use clap::builder::{Resettable, StyledStr};
 use clap_mangen::Man;
 use clap_mangen::roff::{Roff, bold, roman};
 
-use super::{ToolError, cannot_write};
-use crate::atomic;
+use super::{ToolError, cannot_write, write_together};
 use crate::cli::{self, Completions, ManPages};
 use crate::exit::Code;
 
@@ -50,17 +49,17 @@ pub fn man(arguments: &ManPages) -> Result<Code, ToolError> {
     fs::create_dir_all(folder).map_err(cannot_write(folder))?;
     let mut command = cli::command().disable_help_subcommand(true);
     command.build();
-    write(&command, None, folder)?;
+    let mut pages = vec![page(&command, None, folder)?];
     for subcommand in command.get_subcommands().filter(|command| !command.is_hide_set()) {
-        write(subcommand, Some(subcommand.get_name()), folder)?;
+        pages.push(page(subcommand, Some(subcommand.get_name()), folder)?);
     }
-    let path = folder.join("andond-video.1");
-    atomic::write(&path, video().render().as_bytes()).map_err(cannot_write(&path))?;
+    pages.push((folder.join("andond-video.1"), video().render().into_bytes()));
+    write_together(pages.iter().map(|(path, page)| (path.as_path(), page.as_slice())))?;
     Ok(Code::Stopped)
 }
 
-/// Writes the page of andond, or of one of its commands.
-fn write(command: &Command, name: Option<&str>, folder: &Path) -> Result<(), ToolError> {
+/// The page of andond, or of one of its commands, and where it goes.
+fn page(command: &Command, name: Option<&str>, folder: &Path) -> Result<(PathBuf, Vec<u8>), ToolError> {
     // Examples and exit codes have sections of their own.
     let none = || Resettable::<StyledStr>::Reset;
     let bare = command.clone().after_help(none()).after_long_help(none());
@@ -74,7 +73,7 @@ fn write(command: &Command, name: Option<&str>, folder: &Path) -> Result<(), Too
     }
     .to_writer(&mut page)
     .map_err(cannot_write(&path))?;
-    atomic::write(&path, &page).map_err(cannot_write(&path))
+    Ok((path, page))
 }
 
 fn examples(name: &str) -> Roff {
