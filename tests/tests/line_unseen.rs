@@ -146,7 +146,7 @@ fn nothing_rests_on_a_white_picture() {
 
 #[test]
 fn nothing_rests_on_a_picture_that_stands_still() {
-    check(&film("loop=loop=90:size=1:start=120"));
+    check(&film("loop=loop=90:size=1:start=120,setpts=N/30/TB"));
 }
 
 #[test]
