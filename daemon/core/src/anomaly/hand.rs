@@ -273,19 +273,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen. What can be
-    /// no fault, however much of it was not seen, is right.
+    /// What is wrong in an activity that accuses nobody is a step that was not shown; not judged, where too little of it was seen.
     fn without_accusation(
         &mut self,
         (outcome, cause, nominal): (Outcome, Cause, Option<usize>),
-        job: &Job<'_>,
     ) -> (Outcome, Cause, Option<usize>) {
         let accuses_nobody = self.accuses_nobody();
-        if outcome == Outcome::NotJudged
-            && self.activity.as_ref().is_some_and(|activity| activity.can_be_no_fault(job))
-        {
-            return (Outcome::Ok, Reason::None.into(), None);
-        }
         let Some(activity) = self.activity.as_mut().filter(|_| outcome == Outcome::Anomaly) else {
             return (outcome, cause, nominal);
         };
@@ -313,7 +306,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.activity.as_ref().is_none_or(|activity| activity.is_concluded) {
             return;
         }
-        let (outcome, cause, nominal) = self.without_accusation((outcome, cause, nominal), progress.job);
+        let (mut outcome, mut cause, nominal) = self.without_accusation((outcome, cause, nominal));
+        let can_be_no_fault = |activity: &OpenActivity| activity.can_be_no_fault(progress.job);
+        if outcome == Outcome::NotJudged && self.activity.as_ref().is_some_and(can_be_no_fault) {
+            (outcome, cause) = (Outcome::Ok, Reason::None.into());
+            progress.set_no_step(self.activity.as_ref().map_or(0, |activity| activity.number));
+        }
         let Cause { reason, missing } = self.missed.until_now(cause);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;

@@ -27,6 +27,9 @@ fn sentences(job: &JobFile, number: usize) -> Vec<String> {
     if !step.is_required {
         sentences.push(format!("optional: {} of the runs have it", step.runs));
     }
+    if step.allows_insertions {
+        sentences.push("the runs have only these contacts in common: others may come in between".to_owned());
+    }
     if !step.completes.is_empty() {
         let earlier = step.completes.iter().map(|index| job.activities[usize::from(*index)].activity);
         let earlier: BTreeSet<u16> = earlier.collect();

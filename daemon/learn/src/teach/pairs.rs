@@ -12,6 +12,9 @@ use crate::recording::NamedObject;
 use crate::run::Run;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Fewer runs than this do not show what they agree on.
+const MIN_RUNS: usize = 3;
+
 /// The ids of two objects, the lower one first.
 pub(super) type Pair = [u16; 2];
 
@@ -24,6 +27,9 @@ pub(super) fn choose(
     encode: &dyn Fn(&[NamedObject]) -> Result<Vec<Run>, TeachError>,
 ) -> Result<(Vec<NamedObject>, Vec<Run>), TeachError> {
     let mut runs = encode(&objects)?;
+    if runs.len() < MIN_RUNS {
+        return Ok((objects, runs));
+    }
     let contacts = contacts(&runs);
     let mut best = description_bits(&runs, &contacts, &BTreeSet::new());
     let mut incidental = BTreeSet::new();
@@ -34,9 +40,6 @@ pub(super) fn choose(
             let encoded = encode(&without)?;
             let tried: BTreeSet<Pair> = incidental.iter().copied().chain([*pair]).collect();
             let bits = description_bits(&encoded, &contacts, &tried);
-            if std::env::var("LAB").is_ok() {
-                eprintln!("pair {pair:?}: {bits:.1?} {:.2} (best {best:.1?})", paths_m(&encoded));
-            }
             if bits < best {
                 better.push(Tried { bits, pair: *pair, objects: without, runs: encoded });
             }

@@ -15,6 +15,9 @@ use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
 use another_piece::{Unwatched, quickest};
 
+/// Two unrelated steps come in one order in as many runs by chance in 3 of 100 jobs (2^-5).
+const MIN_USUAL_RUNS: u16 = 6;
+
 /// The first fault of a job.
 #[derive(Clone, Copy, Debug)]
 struct Fault {
@@ -269,7 +272,7 @@ impl<'a> Progress<'a> {
     fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
         if self.first_step == Some(number) && activities.intersects(self.first()) && !self.is_start_seen {
             self.is_start_seen = true;
-            self.may_precede = self.all.without(activities | self.behind(activities));
+            self.may_precede = self.all.without(activities | self.behind(activities) | self.usually_behind(activities));
         }
     }
 
@@ -331,6 +334,15 @@ impl<'a> Progress<'a> {
             set | next.collect()
         };
         all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
+    }
+
+    /// The activities that came behind one of these in all of so many runs that it is no chance: what was not seen is assumed to have kept to that.
+    fn usually_behind(&self, activities: ActivitySet) -> ActivitySet {
+        let is_behind = |activity: &usize| {
+            let law = self.job.law(*activity);
+            law.runs >= MIN_USUAL_RUNS && law.usually_after.intersects(activities)
+        };
+        self.all.iter().filter(is_behind).collect()
     }
 
     /// Whether the job has any order.
