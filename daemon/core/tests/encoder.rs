@@ -220,7 +220,8 @@ fn a_part_that_the_hand_was_seen_to_leave_behind_is_not_carried_off_when_it_is_h
 }
 
 #[test]
-fn an_object_hidden_in_a_seen_hand_for_longer_than_three_times_blind_ms_keeps_its_contact_but_is_not_sighted() {
+fn an_object_hidden_in_a_seen_hand_for_longer_than_three_times_blind_ms_keeps_its_contact_but_is_not_sighted()
+{
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hide(TOOL).rest(80).show(TOOL).rest(10);
     let couples = encode(&bench.ids(), &bench.frames);

@@ -63,8 +63,8 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
             .collect();
         rejected_before.get_or_insert_with(|| names.clone());
         let broken: BTreeSet<Rule> = rejections.into_iter().flat_map(|rejection| rejection.rules).collect();
-        let is_weaker = broken.into_iter().fold(false, |is_weaker, rule| strengths.weaken(rule) || is_weaker);
-        if !is_weaker {
+        let weaker = broken.into_iter().filter(|rule| strengths.weaken(*rule)).count();
+        if weaker == 0 {
             return Some(LeftOut {
                 strengths,
                 rejected_before: rejected_before.unwrap_or_default(),

@@ -495,7 +495,8 @@ mod tests {
     fn strokes_that_are_made_by_feel_may_be_some_more_or_less_and_not_half() {
         let shown = [9, 11, 13, 11, 12].map(|reversals| Measures { reversals, ..Measures::default() });
         let ius = [(Context([1, 5, 5, 6]), shown.as_slice())];
-        let Bounds { min, max } = Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
+        let Bounds { min, max } =
+            Rates::new(0.03, People::IN_GENERAL, ius.into_iter()).reversals(&shown, Strength::General);
         assert!((6..=8).contains(&min) && (15..=18).contains(&max), "{min} {max}");
     }
 
@@ -517,7 +518,9 @@ mod tests {
         let shown = [Measures::default(); 7];
         let at_meter = Context([1, 6, 6, 3]);
         let rates = Rates::new(0.03, People::IN_GENERAL, [(at_meter, shown.as_slice())].into_iter());
-        let bounds = |frames: [u32; 7]| rates.frames(at_meter, &shown, &frames, 30.0, Strength::General).unwrap_or_default();
+        let bounds = |frames: [u32; 7]| {
+            rates.frames(at_meter, &shown, &frames, 30.0, Strength::General).unwrap_or_default()
+        };
         // A second, less or more. On its way in and out the part is at the meter for a third of a second.
         let (min, max) = bounds([28, 34, 31, 47, 25, 36, 40]);
         assert!((14..20).contains(&min), "{min}");

@@ -18,13 +18,16 @@ const MIN_RUNS: usize = 3;
 /// The ids of two objects, the lower one first.
 pub(super) type Pair = [u16; 2];
 
+/// Encodes the runs with these objects.
+type Encode<'a> = &'a dyn Fn(&[NamedObject]) -> Result<Vec<Run>, TeachError>;
+
 /// Finds the pairs that do not count, and sets them in the objects. `encode` encodes the runs with such objects.
 ///
 /// # Errors
 /// If the runs cannot be encoded.
 pub(super) fn choose(
     mut objects: Vec<NamedObject>,
-    encode: &dyn Fn(&[NamedObject]) -> Result<Vec<Run>, TeachError>,
+    encode: Encode<'_>,
 ) -> Result<(Vec<NamedObject>, Vec<Run>), TeachError> {
     let mut runs = encode(&objects)?;
     if runs.len() < MIN_RUNS {

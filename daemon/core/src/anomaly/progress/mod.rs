@@ -272,7 +272,8 @@ impl<'a> Progress<'a> {
     fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
         if self.first_step == Some(number) && activities.intersects(self.first()) && !self.is_start_seen {
             self.is_start_seen = true;
-            self.may_precede = self.all.without(activities | self.behind(activities) | self.usually_behind(activities));
+            self.may_precede =
+                self.all.without(activities | self.behind(activities) | self.usually_behind(activities));
         }
     }
 
