@@ -5,7 +5,6 @@ use andon_tests::line::{Line, Settings, andond};
 use andon_tests::simulator::Flaw;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Command, Output, Stdio};
-use std::sync::mpsc::{TryRecvError, channel};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 fn text(output: &Output) -> String {
@@ -161,35 +160,44 @@ fn a_live_line_is_told_in_the_time_of_the_place() {
     assert!(since_before <= seconds() - before + 120, "{row}");
 }
 
-/// The recording comes slowly, as from a long film, until the command has said how far it is.
+/// The command is stopped for longer than it is silent, as a busy machine would stop it, in the middle of a long recording.
 #[test]
 fn off_a_terminal_a_command_says_now_and_then_how_far_it_is() {
+    const COPIES: usize = 60;
     let line = Line::new(Settings::default());
     let recording = std::fs::read_to_string(line.tracks()).unwrap();
+    let (header, frames) = recording.split_once('\n').unwrap();
+    let frames: Vec<serde_json::Value> =
+        frames.lines().map(|frame| serde_json::from_str(frame).unwrap()).collect();
     let slow = line.path("slow.tracks.jsonl");
-    assert!(Command::new("mkfifo").arg(&slow).status().unwrap().success());
+    let mut file = std::io::BufWriter::new(std::fs::File::create(&slow).unwrap());
+    writeln!(file, "{header}").unwrap();
+    for (number, frame) in frames.iter().cycle().take(COPIES * frames.len()).enumerate() {
+        let mut frame = frame.clone();
+        frame["t"] = serde_json::json!(number as f64 / 30.0);
+        writeln!(file, "{frame}").unwrap();
+    }
+    drop(file);
     let mut command = Command::new(andond());
     command.args(["segment", "--config"]).arg(line.config()).arg(&slow);
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
     let errors = BufReader::new(child.stderr.take().unwrap());
-    let (told, hears) = channel();
-    let teller = std::thread::spawn(move || {
-        errors.lines().map_while(Result::ok).for_each(|row| told.send(row).unwrap_or_default());
-    });
-    let mut pipe = std::fs::File::options().write(true).open(&slow).unwrap();
-    let mut heard = Err(TryRecvError::Empty);
-    for frame in recording.lines() {
-        if pipe.write_all(format!("{frame}\n").as_bytes()).is_err() {
-            break;
-        }
-        if heard == Err(TryRecvError::Empty) {
-            std::thread::sleep(std::time::Duration::from_millis(50));
-            heard = hears.try_recv();
-        }
+    let hears = std::thread::spawn(move || errors.lines().map_while(Result::ok).next());
+    let has_opened = |process: u32| {
+        let mut files = std::fs::read_dir(format!("/proc/{process}/fd")).unwrap().flatten();
+        files
+            .any(|file| std::fs::read_link(file.path()).is_ok_and(|path| path.ends_with("slow.tracks.jsonl")))
+    };
+    while !has_opened(child.id()) {
+        std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    drop(pipe);
+    let signal = |name: &str| Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    signal("-STOP");
+    std::thread::sleep(std::time::Duration::from_millis(5500));
+    signal("-CONT");
+    let heard = hears.join().unwrap();
     assert!(child.wait().unwrap().success());
-    teller.join().unwrap();
     let row = heard.unwrap();
     assert!(row.starts_with("slow.tracks.jsonl: ") && row.ends_with(" frames"), "{row}");
 }
