@@ -3,7 +3,7 @@
 use crate::digest::sha256_hex;
 use crate::job_file::JobFile;
 use crate::recording::{self, NamedObject, Recording, TrackError, Truncation};
-use crate::statistics::median;
+use crate::statistics::{median, noise_m};
 use andon_core::anomaly::{self, Judge};
 use andon_core::capacity::ACTIVITIES;
 use andon_core::config::Method;
@@ -19,9 +19,6 @@ use std::sync::Arc;
 /// The share of an IU whose motion must have been measured for it to be learnt: a reference is the mean of a few, and what is missing
 /// in one of them weighs there more than in a piece that is judged.
 const MIN_MEASURED: f64 = 0.8;
-
-/// Frames in which the noise of positions is measured. A marker that jumps is seen in few of them.
-const NOISE_FRAMES: usize = 12;
 
 /// One Interaction Unit of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -235,10 +232,7 @@ impl Run {
     pub(crate) fn noise_m(&self, id: u16) -> f32 {
         let place =
             |frame: &Frame| frame.objects.iter().find(|object| object.id == id).map(|object| object.position);
-        let of = |frames: &[Frame]| f64::from(couple::apart_by_chance_m(frames.iter().map(place)));
-        let known: Vec<f64> =
-            self.frames.chunks(NOISE_FRAMES).map(of).filter(|noise_m| *noise_m > 0.0).collect();
-        median(&known) as f32
+        noise_m(&self.frames.iter().map(place).collect::<Vec<_>>())
     }
 
     /// How far an activity moves the object that it begins with, in metres: the lesser of how far the object and the hand get, in the middle half of

@@ -61,6 +61,19 @@ pub(crate) fn at_most(count: usize, of: usize, confidence: f64) -> f64 {
     Beta::new(count as f64 + 1.0, (of - count) as f64).map_or(1.0, |share| share.inverse_cdf(confidence))
 }
 
+/// Frames in which the errors of positions are measured. A marker that jumps is seen in few of them.
+const NOISE_FRAMES: usize = 12;
+
+/// How far apart two of these positions of an object that lies still seem to be at most, as a rule, in metres; 0 where it is not seen in enough
+/// frames to tell.
+pub(crate) fn noise_m(places: &[Option<[f32; 3]>]) -> f32 {
+    let of = |places: &[Option<[f32; 3]>]| {
+        f64::from(andon_core::couple::apart_by_chance_m(places.iter().copied()))
+    };
+    let known: Vec<f64> = places.chunks(NOISE_FRAMES).map(of).filter(|noise_m| *noise_m > 0.0).collect();
+    median(&known) as f32
+}
+
 /// How often a normal distribution exceeds its mean by more than this many deviations.
 pub(crate) fn normal_tail(deviations: f64) -> f64 {
     Normal::new(0.0, 1.0).map_or(0.0, |normal| normal.sf(deviations))

@@ -7,13 +7,11 @@
 //! job, and one that is now here and now there is cheaper as chance.
 
 use super::TeachError;
+use super::leave_one_out::MIN_RUNS;
 use super::sequence;
 use crate::recording::NamedObject;
 use crate::run::Run;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Fewer runs than this do not show what they agree on.
-const MIN_RUNS: usize = 3;
 
 /// The ids of two objects, the lower one first.
 pub(super) type Pair = [u16; 2];

@@ -177,8 +177,12 @@ impl<'a> Steps<'a> {
         let mut steps = Self::with(runs, |_, _| true);
         let is_kept = |run: &Run, index: usize, step: Step| {
             let is_shared = steps.count(&step) == runs.len() && steps.sequences_of(&step).len() == 1;
-            let min_m = MOVED_M.max(run.noise_m(object(&run.activities[index])));
-            is_shared || run.moved_m(&run.activities[index]) >= min_m
+            // Only where it decides, because runs are compared for each pair of parts.
+            let is_moved = |activity: &Activity| {
+                let moved_m = run.moved_m(activity);
+                moved_m >= MOVED_M && moved_m >= run.noise_m(object(activity))
+            };
+            is_shared || is_moved(&run.activities[index])
         };
         let kept: Vec<Vec<bool>> = runs
             .iter()

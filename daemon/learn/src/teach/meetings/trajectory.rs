@@ -3,7 +3,6 @@
 use super::median;
 use crate::statistics;
 use andon_core::capacity::HANDS;
-use andon_core::couple;
 use andon_core::input::{Frame, Hand, Point, Space};
 use andon_core::object::ObjectShape;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
@@ -43,9 +42,6 @@ const BOTH_HOLD: (usize, usize) = (3, 4);
 
 /// The nearer one holds it if it is the nearer one in this share of the time: the object is handed over, or both hold it.
 const ONE_HOLDS: (usize, usize) = (1, 4);
-
-/// Frames in which the errors of positions are measured. A marker that jumps is seen in few of them.
-const SCATTER_FRAMES: usize = 12;
 
 /// The finger tips of a hand, in metres.
 pub(super) type Tips = [Point3<f32>; 3];
@@ -326,10 +322,7 @@ fn strokes<'a>(
 /// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.
 fn apart_by_chance_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
     let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
-    let apart_m =
-        |poses: &[Option<Isometry3<f32>>]| f64::from(couple::apart_by_chance_m(poses.iter().map(place)));
-    let known = poses.chunks(SCATTER_FRAMES).map(apart_m).filter(|apart_m| *apart_m > 0.0);
-    statistics::median(&known.collect::<Vec<_>>()) as f32
+    statistics::noise_m(&poses.iter().map(place).collect::<Vec<_>>())
 }
 
 /// How far finger tips are from the middle of the object in whose frame of reference they are, in metres.
