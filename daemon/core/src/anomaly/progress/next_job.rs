@@ -66,7 +66,7 @@ impl Progress<'_> {
         let is_none = opening.is_empty() && self.has_parts_of(context);
         // Without an order, what the job can do without may come more than once.
         let own = self.opening(context);
-        let is_optional = !self.has_order() && !own.is_empty() && !own.intersects(self.required);
+        let is_optional = !self.has_order() && !opening.is_empty() && !opening.intersects(self.required);
         !is_disturbed && (is_none || is_optional || own.intersects(self.may_follow()))
     }
 
