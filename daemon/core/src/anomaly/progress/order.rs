@@ -31,8 +31,12 @@ impl Progress<'_> {
         let not_ended = (law.after_end & underway).lowest();
         // Otherwise the other one was accused.
         let is_late = self.is_start_seen && !law.is_required;
-        let is_behind = |other: &usize| is_late && self.job.law(*other).after().contains(activity);
-        let too_late = (self.tried() | underway).without(ActivitySet::of(activity)).iter().find(is_behind);
+        let is_behind = |other: &usize| self.job.law(*other).after().contains(activity);
+        let came_before = (self.tried() | underway).without(ActivitySet::of(activity));
+        let too_late = came_before.iter().filter(|_| is_late).find(is_behind).or_else(|| {
+            let came_before = self.tried() & self.begun_before[side.index()];
+            came_before.iter().filter(|_| self.is_late_or_repeated(activity)).find(is_behind)
+        });
         not_begun
             .map(|other| broken(OrderFault::NotBegun, other))
             .or_else(|| not_ended.map(|other| broken(OrderFault::NotEnded, other)))
@@ -97,11 +101,21 @@ impl Progress<'_> {
         BrokenOrder { fault, activity: other as u16, runs }
     }
 
-    /// Whether an activity comes a second time. It may also be that of the next job, if another activity of that has
-    /// come unseen.
+    /// Whether an activity comes a second time.
     fn is_repeated(&self, activity: usize) -> bool {
+        self.done.contains(activity) && !self.may_be_next_job(activity)
+    }
+
+    /// Whether an activity that comes no second time may have come before what was seen: then it comes again now, else it comes too late.
+    fn is_late_or_repeated(&self, activity: usize) -> bool {
+        let may_have_come = self.may_precede.contains(activity) && !self.done.contains(activity);
+        self.job.law(activity).is_once && may_have_come && !self.may_be_next_job(activity)
+    }
+
+    /// Whether another activity may have come unseen, so that an activity that was done comes again in the next job.
+    fn may_be_next_job(&self, activity: usize) -> bool {
         let mut others = self.required.without(ActivitySet::of(activity)).iter();
-        self.done.contains(activity) && !others.any(|other| self.may_be_unseen(other))
+        others.any(|other| self.may_be_unseen(other))
     }
 
     /// What was not shown before in that a nominal activity comes now.
