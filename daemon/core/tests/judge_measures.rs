@@ -12,7 +12,7 @@ use andon_core::segment::Segmenter;
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
-use common::work::{forgiving, judged, measure, polish, polish_and_measure};
+use common::work::{IN_ORDER, forgiving, judged, measure, polish, polish_and_measure};
 use std::f32::consts::PI;
 
 /// The job with other bounds for the strokes of the polisher and the brick at the meter.
@@ -187,4 +187,32 @@ fn bow_away_m(is_known_to_touch: bool) -> f32 {
 fn the_way_away_begins_where_the_two_are_known_to_be_together() {
     assert!(bow_away_m(true) > 0.045);
     assert!(bow_away_m(false) < 0.005);
+}
+
+/// The job in which both steps are ordered, and each has to move its part.
+fn moving() -> Job<'static> {
+    let job = forgiving(polish_and_measure());
+    let with = |nominal: &NominalActivity<'static>| {
+        let mut ius = nominal.ius.to_vec();
+        ius[0].measures.path_m.min = 0.1;
+        NominalActivity { ius: ius.leak(), ..*nominal }
+    };
+    let activities: Vec<_> = job.activities.iter().map(with).collect();
+    Job { activities: activities.leak(), laws: &IN_ORDER, ..job }
+}
+
+#[test]
+fn a_hand_that_lets_go_of_what_it_has_not_moved_has_not_begun() {
+    let touch = |part: u16, motions| [common::script::part([1, part, 0, 0], 20, motions), idle(10)];
+    let said = |parts: &[&[Part]]| {
+        let verdicts = judged(&moving(), &stream(&parts.concat(), &[]));
+        short(verdicts.iter().find(|verdict| verdict.level == Level::Job).unwrap())
+    };
+    let (polish, measure) = (polish(6), measure());
+    assert_eq!(said(&[&touch(5, Still), &polish, &measure]), "JobOk", "it corrects its grip");
+    assert_eq!(said(&[&polish, &touch(5, Still), &measure]), "JobOk");
+    assert_eq!(said(&[&touch(6, Still), &polish, &measure]), "JobOk", "it is not too early");
+    assert_eq!(said(&[&touch(6, Toward(5)), &polish, &measure]), "JobAnomaly WrongOrder", "that was moved");
+    assert_eq!(said(&[&touch(5, Still), &measure]), "JobAnomaly WrongOrder", "nothing was polished");
+    assert_eq!(said(&[&polish, &touch(6, Still)]), "JobAnomaly NotCompleted", "nothing was measured");
 }

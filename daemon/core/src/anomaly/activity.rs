@@ -305,6 +305,17 @@ impl OpenActivity {
         self.is_place_certain() && !self.may_be_rest
     }
 
+    /// Its only IU did not count: it has no verdict.
+    pub(super) fn give_up(&mut self) {
+        self.ius = 0;
+        self.is_concluded = true;
+    }
+
+    /// Whether its only IU did not count.
+    pub(super) fn is_given_up(&self) -> bool {
+        self.is_concluded && self.ius == 0
+    }
+
     /// Something did not fit, and was not judged because something else may have happened unseen.
     pub(super) fn is_astray(&self) -> bool {
         matches!(self.against, Against::Following(_)) && !self.is_concluded

@@ -354,7 +354,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let activity = self.activity.as_ref();
             let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
             let may_pass = self.may_pass(extent) && next.is_some_and(|next| !goes_on(next));
-            if self.comparisons.end().is_err() {
+            if next == Some(Context::IDLE) && open.number == 0 && self.comparisons.has_moved_nothing(extent) {
+                self.give_up(progress);
+            } else if self.comparisons.end().is_err() {
                 self.conclude_unjudged(Reason::Overload.into(), progress, emit);
             } else if may_pass {
                 self.conclude_passing(progress, emit);
@@ -366,6 +368,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.compare_but_for_part(iu, progress);
         }
         self.iu = None;
+    }
+
+    /// The hand has touched an object, moved nothing and let go: it corrects its grip, or has not begun. What it does next is another activity.
+    fn give_up(&mut self, progress: &mut Progress<'a>) {
+        let Some(activity) = &mut self.activity else { return };
+        activity.give_up();
+        progress.set_no_step(activity.number);
+        progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
     }
 
     /// An IU has ended that was seen well. Where a step that was not shown has done with it the work of a step that must come now, but with another
@@ -473,7 +483,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
         // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
         let has_no_place = accuses_nobody && !activity.may_differ;
-        if activity.is_concluded || has_no_place || !is_certain {
+        // Who has moved nothing yet may only correct a grip.
+        let may_give_up =
+            self.iu.is_some_and(|iu| iu.number == 0 && self.comparisons.has_moved_nothing(iu.extent));
+        if activity.is_concluded || has_no_place || !is_certain || may_give_up {
             return;
         }
         // Wherever in it the hand may be, it is too early for all of it while the bench shows that what comes before has not been done.
@@ -520,6 +533,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             return;
         };
+        if activity.is_given_up() {
+            segmenter.activity_matched(&[]);
+            return;
+        }
         let job = progress.job;
         let has_certainly_ended = activity.is_astray() && activity.has_certainly_ended(job);
         if has_certainly_ended || activity.is_followed_to_its_end(job) {
