@@ -38,9 +38,6 @@ const MAX_ALONG: f64 = 0.5;
 /// who counts them makes a mistake.
 const COUNTED: (usize, usize) = (5, 6);
 
-/// Somebody who corrects the place of a part goes back and forth once more.
-const STRAY_REVERSALS: u32 = 2;
-
 /// Nobody notices a path that is longer by this, in metres.
 const STRAY_PATH_M: f64 = 0.05;
 
@@ -194,6 +191,8 @@ impl Rates {
         let likely: Vec<u32> = likely_reversals(shown).collect();
         match strength {
             Strength::None => return UNBOUNDED,
+            // Where not all runs go to and fro, it means nothing that one does.
+            _ if !is_repeated(shown) => return UNBOUNDED,
             // Who makes strokes by feel contradicts a number.
             Strength::OwnSpread => return self.by_feel(&likely, strength),
             Strength::General if is_by_feel(shown) => return self.by_feel(&likely, strength),
@@ -205,16 +204,11 @@ impl Rates {
         let (centre, apart) =
             interval(&beyond, PRIOR_REVERSALS, self.reversals, People::IN_GENERAL, strength);
         let [less, more] = [(apart - centre).max(0.0) as u32, (apart + centre).max(0.0) as u32];
+        // Where the runs show no reversal more or less at the border, others may; and a circle has no ends, so that it may have one at each border.
+        let border = if usual.min == usual.max || is_round(shown) { BORDER_REVERSALS } else { 0 };
+        let less = less.max(border) + self.uncounted(shown);
         let most = counts(likely.iter().copied()).max;
-        let max = most.max(usual.max + more);
-        if is_repeated(shown) {
-            // Where the runs show no reversal more or less at the border, others may; and a circle has no ends, so that it may have one at each border.
-            let border = if usual.min == usual.max || is_round(shown) { BORDER_REVERSALS } else { 0 };
-            let less = less.max(border) + self.uncounted(shown);
-            Bounds { min: usual.min - less.min(usual.min), max: max.max(usual.max + border) }
-        } else {
-            Bounds { min: 0, max: max.max(most + STRAY_REVERSALS) }
-        }
+        Bounds { min: usual.min - less.min(usual.min), max: most.max(usual.max + more.max(border)) }
     }
 
     /// Where people make strokes by feel. Such an IU divides the rate of its strokes between their number and their length.
