@@ -235,28 +235,34 @@ impl Run {
         noise_m(&self.frames.iter().map(place).collect::<Vec<_>>())
     }
 
-    /// How far an activity moves the object that it begins with, in metres: the lesser of how far the object and the hand get, in the middle half of
-    /// the time, from where each was at first. A hand that rests at an object which the other one moves does not move it.
+    /// How far an activity moves the object that it begins with, in metres: the lesser of how far the object and the hand get. A hand that rests at
+    /// an object which the other one moves does not move it.
     pub(crate) fn moved_m(&self, activity: &Activity) -> f32 {
+        let of_object = |frame: &Frame| {
+            let id = activity.ius.first()?.context.0[1];
+            frame.objects.iter().find(|object| object.id == id).map(|object| object.position)
+        };
+        self.gets_m(activity, &of_object).min(self.hand_moves_m(activity))
+    }
+
+    /// How far the hand gets in an activity, in metres.
+    pub(crate) fn hand_moves_m(&self, activity: &Activity) -> f32 {
+        let of_hand = |frame: &Frame| {
+            frame.hands.iter().find(|hand| hand.side == activity.side).map(|hand| hand.middle_knuckle)
+        };
+        self.gets_m(activity, &of_hand)
+    }
+
+    /// How far something gets in the middle half of the time of an activity from where it was at first, in metres.
+    fn gets_m(&self, activity: &Activity, place: &dyn Fn(&Frame) -> Option<Point>) -> f32 {
         let (Some(first), Some(last)) = (activity.ius.first(), activity.ius.last()) else { return 0.0 };
         let quarter_ns = (last.ended_ns - first.began_ns) / 4;
         let middle = first.began_ns + quarter_ns..=last.ended_ns - quarter_ns;
-        let reach_m = |place: &dyn Fn(&Frame) -> Option<Point>| {
-            let frames = self.frames.iter().filter(|frame| frame.captured_ns >= first.began_ns);
-            let mut seen = frames.filter_map(|frame| Some((frame.captured_ns, place(frame)?)));
-            let Some((_, [x, y, z])) = seen.next() else { return 0.0 };
-            let later = seen.filter(|(captured_ns, _)| middle.contains(captured_ns));
-            later.map(|(_, at)| (at[0] - x).hypot(at[1] - y).hypot(at[2] - z)).fold(0.0, f32::max)
-        };
-        let of_object = |frame: &Frame| {
-            let object = frame.objects.iter().find(|object| object.id == first.context.0[1]);
-            object.map(|object| object.position)
-        };
-        let of_hand = |frame: &Frame| {
-            let hand = frame.hands.iter().find(|hand| hand.side == activity.side);
-            hand.map(|hand| hand.middle_knuckle)
-        };
-        reach_m(&of_object).min(reach_m(&of_hand))
+        let frames = self.frames.iter().filter(|frame| frame.captured_ns >= first.began_ns);
+        let mut seen = frames.filter_map(|frame| Some((frame.captured_ns, place(frame)?)));
+        let Some((_, [x, y, z])) = seen.next() else { return 0.0 };
+        let later = seen.filter(|(captured_ns, _)| middle.contains(captured_ns));
+        later.map(|(_, at)| (at[0] - x).hypot(at[1] - y).hypot(at[2] - z)).fold(0.0, f32::max)
     }
 
     /// What the judge of a job works on: the couples of this run, encoded with the constants and objects of the job.

@@ -59,4 +59,9 @@ impl IuReport {
             measures: taught.measures,
         }
     }
+
+    /// The threshold, in words where the motion is no law.
+    pub(super) fn threshold_words(&self) -> String {
+        if self.threshold < f32::MAX { format!("{:.2}", self.threshold) } else { "any".to_owned() }
+    }
 }

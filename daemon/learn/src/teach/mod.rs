@@ -393,8 +393,14 @@ impl Teacher<'_> {
             .map_err(|refused| iu_error("all", usize::from(sequence.activity), index, refused))?
             .slowed(*max_slowdown, leave_out);
         let context = sequence.contexts[index];
-        let strength = |measure| self.strengths.of(Rule::Measure(step, context, measure));
-        let of_motion = self.strengths.of(Rule::Motion(step, context));
+        // A hand that rests has only a time.
+        let of = |rule, is_way: bool| match sequence.is_steadied && is_way {
+            true => Strength::None,
+            false => self.strengths.of(rule),
+        };
+        let strength =
+            |measure| of(Rule::Measure(step, context, measure), measure != verdict::Measure::Duration);
+        let of_motion = of(Rule::Motion(step, context), true);
         let frames: Vec<u32> = shown.iter().map(|iu| iu.worked_frames()).collect();
         let measured = measures_of(self.runs, sequence, index);
         let way = self.way(sequence, index);

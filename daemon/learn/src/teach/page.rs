@@ -49,7 +49,7 @@ fn learned(job: &JobFile, report: &TeachReport) -> String {
         let seconds = range(iu.frames, |frames| report.seconds(frames)).replace(' ', "\u{a0}");
         let reversals = range(iu.reversals, |count| count.to_string());
         let distance = format!("{:.2}\u{a0}±\u{a0}{:.2}", iu.mean_distance, iu.distance_deviation);
-        let threshold = format!("{:.2}", iu.threshold);
+        let threshold = iu.threshold_words();
         vec![name, number, context, iu.demonstrations.to_string(), seconds, reversals, distance, threshold]
     };
     let head = ["step", "IU", "what touches what", "shown", "seconds", "reversals", "distance", "threshold"];

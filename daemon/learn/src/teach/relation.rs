@@ -225,6 +225,7 @@ mod tests {
             activity,
             contexts: contexts.iter().copied().map(Context).collect(),
             allows_insertions: false,
+            is_steadied: false,
             shown: shown.to_vec(),
         };
         let whole = sequence(0, &[there, back].concat(), &[(0, 0), (1, 0)]);

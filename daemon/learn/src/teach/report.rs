@@ -203,7 +203,12 @@ impl TeachReport {
             let place = format!("step {}, IU {} ({what})", iu.activity + 1, iu.iu + 1);
             Some(format!("{least} to {most} in {place}, so that {min} to {max} are right"))
         };
-        let places: Vec<String> = self.ius.iter().filter(|iu| iu.is_by_feel).filter_map(place).collect();
+        let places: Vec<String> = self
+            .ius
+            .iter()
+            .filter(|iu| iu.is_by_feel && iu.reversals.max < u32::MAX)
+            .filter_map(place)
+            .collect();
         (!places.is_empty()).then(|| {
             format!(
                 "the runs do not agree in the number of strokes: {}; if one number is right, leave out the runs with others",
@@ -305,7 +310,7 @@ impl TeachReport {
         for iu in &self.ius {
             writeln!(
                 f,
-                "{:>4}  {:>2}  {:>5}  {:<12}  {:<10}  {:>6.2} +- {:<5.2}  {:>9.2}  {}",
+                "{:>4}  {:>2}  {:>5}  {:<12}  {:<10}  {:>6.2} +- {:<5.2}  {:>9}  {}",
                 iu.activity + 1,
                 iu.iu + 1,
                 iu.demonstrations,
@@ -313,7 +318,7 @@ impl TeachReport {
                 range(iu.reversals, |count| count.to_string()),
                 iu.mean_distance,
                 iu.distance_deviation,
-                iu.threshold,
+                iu.threshold_words(),
                 self.words(iu.context)
             )?;
         }

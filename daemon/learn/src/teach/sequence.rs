@@ -8,6 +8,7 @@
 
 use super::strength::{Rule, StepKey, Strengths};
 use crate::run::{Activity, Run};
+use crate::statistics::median;
 use andon_core::couple::Context;
 use andon_core::input::Side;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,6 +55,8 @@ pub(super) struct Sequence {
     pub(super) contexts: Vec<Context>,
     /// The demonstrations have only these in common, and other IUs between them.
     pub(super) allows_insertions: bool,
+    /// The hand only rests at the object that it begins with: it has no motion that could be compared.
+    pub(super) is_steadied: bool,
     /// The demonstrations: index of the run, and index of the activity in that run.
     pub(super) shown: Vec<(usize, usize)>,
 }
@@ -125,6 +128,7 @@ pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
             activity,
             contexts: contexts.clone(),
             allows_insertions,
+            is_steadied: steps.is_steadied(step),
             shown: used.iter().filter_map(|run| shows(run, contexts)).collect(),
         };
         sequences[*step].iter().map(sequence).filter(|sequence| !sequence.shown.is_empty()).collect()
@@ -176,13 +180,11 @@ impl<'a> Steps<'a> {
     fn of(runs: &'a [Run]) -> Self {
         let mut steps = Self::with(runs, |_, _| true);
         let is_kept = |run: &Run, index: usize, step: Step| {
-            let is_shared = steps.count(&step) == runs.len() && steps.sequences_of(&step).len() == 1;
+            let is_one = steps.sequences_of(&step).len() == 1
+                || steps.is_steadied(&step) && steps.common_part(&step).is_some();
+            let is_shared = steps.count(&step) == runs.len() && is_one;
             // Only where it decides, because runs are compared for each pair of parts.
-            let is_moved = |activity: &Activity| {
-                let moved_m = run.moved_m(activity);
-                moved_m >= MOVED_M && moved_m >= run.noise_m(object(activity))
-            };
-            is_shared || is_moved(&run.activities[index])
+            is_shared || is_moved(run, &run.activities[index])
         };
         let kept: Vec<Vec<bool>> = runs
             .iter()
@@ -292,10 +294,20 @@ impl<'a> Steps<'a> {
         let key = |step: &Step| StepKey { opening: [step.0.0[0], step.0.0[1]], nth: step.1 };
         let is_law = |step: &Step| {
             let is_shown = may_be_wrong || (0..self.runs.len()).all(|run| !differs(&run, step));
-            strengths.is_law(Rule::Sequence(key(step))) && is_shown
+            strengths.is_law(Rule::Sequence(key(step))) && is_shown && !self.is_steadied(step)
         };
         let differing_steps = all.into_iter().filter(|step| !is_law(step));
         differing_steps.filter_map(|step| Some((step, self.common_part(&step)?))).collect()
+    }
+
+    /// Whether the hand only steadies the object of a step: no run moves it, and as a rule the hand rests there. What comes to it meanwhile is the
+    /// work of the other hand.
+    fn is_steadied(&self, step: &Step) -> bool {
+        let all = self.runs.iter().flat_map(|run| run.activities.iter().map(move |activity| (run, activity)));
+        let at_it: Vec<_> = all.filter(|(_, activity)| object(activity) == step.0.0[1]).collect();
+        let moves_m: Vec<f64> =
+            at_it.iter().map(|(run, activity)| f64::from(run.hand_moves_m(activity))).collect();
+        median(&moves_m) < f64::from(MOVED_M) && !at_it.iter().any(|(run, activity)| is_moved(run, activity))
     }
 
     /// The contexts that all sequences of a step have in common, in their order, from the first touch on.
@@ -370,6 +382,12 @@ fn hands(runs: &[Run], is_kept: &impl Fn(usize, usize) -> bool) -> BTreeMap<u16,
     let hand = |[right, left]: [usize; 2]| if left > right { Side::Left } else { Side::Right };
     let of_one = counts.into_iter().filter(|(id, _)| !by_both.contains(id));
     of_one.map(|(id, count)| (id, hand(count))).collect()
+}
+
+/// Whether an activity moves the object that it begins with.
+fn is_moved(run: &Run, activity: &Activity) -> bool {
+    let moved_m = run.moved_m(activity);
+    moved_m >= MOVED_M && moved_m >= run.noise_m(object(activity))
 }
 
 /// The object that the activity begins with.

@@ -1,5 +1,6 @@
 //! Where and how near a hand is to what it carries.
 
+use super::steadying;
 use super::trajectory::{Tips, Trajectories};
 use super::{apart_m, centres, contact_of, is_given, median, meeting, points_of};
 use andon_core::config::Contact;
@@ -15,7 +16,10 @@ pub(super) fn of(
     shown: &[Trajectories],
     default: Contact,
 ) -> Option<Meeting> {
-    let holds: Vec<Vec<Tips>> = shown.iter().flat_map(|run| run.holds(object)).collect();
+    let mut holds: Vec<Vec<Tips>> = shown.iter().flat_map(|run| run.holds(object)).collect();
+    if holds.is_empty() {
+        holds = steadying::of(object, shown).into_iter().map(|tips| vec![tips]).collect();
+    }
     if holds.is_empty() {
         return None;
     }

@@ -6,6 +6,7 @@
 mod hold;
 mod joining;
 mod orientation;
+mod steadying;
 mod trajectory;
 mod unsure;
 

@@ -1,5 +1,6 @@
 //! What a run shows of the ways of hands and objects.
 
+use super::joining::TOUCH_M;
 use super::median;
 use crate::statistics;
 use andon_core::capacity::HANDS;
@@ -156,6 +157,60 @@ impl Trajectories {
         };
         let others = self.carried.iter().enumerate().filter(|(other, _)| *other != object);
         others.filter_map(|(_, carried)| tips(carried)).any(|tips| from_middle_m(&tips) < than_m)
+    }
+
+    /// The finger tips of a hand in the frame of reference of an object, each time that it comes, rests near it with nothing in the hand, and
+    /// leaves again. Where the hand is in the beginning or at the end it waits.
+    pub(super) fn rests(&self, hand: usize, object: usize) -> Vec<Vec<Tips>> {
+        let seen = self.seen_at(hand, object);
+        let ends = [seen.first(), seen.last()];
+        let waits = |tips: &Tips| ends.iter().flatten().any(|(_, end)| apart_m(end, tips) < DWELL_M);
+        let is_at = |rest: &&[(usize, Tips)]| {
+            let (frame, tips) = &rest[rest.len() / 2];
+            from_middle_m(tips) < TOUCH_M
+                && !waits(tips)
+                && self.is_nearest(hand, object, *frame)
+                && !self.holds_anything(hand, *frame)
+        };
+        let tips = |rest: &[(usize, Tips)]| rest.iter().map(|(_, tips)| *tips).collect();
+        self.still(&seen).into_iter().filter(is_at).map(tips).collect()
+    }
+
+    /// The frames that show a hand and an object, with the finger tips in the frame of reference of the object.
+    fn seen_at(&self, hand: usize, object: usize) -> Vec<(usize, Tips)> {
+        let seen = |(frame, tips): (usize, &Option<Tips>)| {
+            let pose = self.objects[object][frame]?;
+            Some((frame, (*tips)?.map(|tip| pose.inverse_transform_point(&tip))))
+        };
+        self.hands[hand].iter().enumerate().filter_map(seen).collect()
+    }
+
+    /// The stretches in which finger tips stay where they are for long enough.
+    fn still<'a>(&self, seen: &'a [(usize, Tips)]) -> Vec<&'a [(usize, Tips)]> {
+        let mut still = Vec::new();
+        let mut begin = 0;
+        while begin < seen.len() {
+            let has_left = |(_, tips): &(usize, Tips)| apart_m(tips, &seen[begin].1) >= HELD_M;
+            let end = seen[begin..].iter().position(has_left).map_or(seen.len(), |left| begin + left);
+            let is_still = self.times_s[seen[end - 1].0] - self.times_s[seen[begin].0] >= DWELL_S;
+            still.extend(is_still.then(|| &seen[begin..end]));
+            begin = if is_still { end } else { begin + 1 };
+        }
+        still
+    }
+
+    /// Whether no other object is nearer to a hand.
+    fn is_nearest(&self, hand: usize, object: usize, frame: usize) -> bool {
+        let Some(tips) = self.hands[hand][frame] else { return false };
+        let apart_m = |poses: &Vec<Option<Isometry3<f32>>>| {
+            poses[frame].map_or(f32::INFINITY, |pose| (centre(&tips).coords - pose.translation.vector).norm())
+        };
+        self.objects.iter().all(|other| apart_m(other) >= apart_m(&self.objects[object]))
+    }
+
+    /// Whether a hand holds any object.
+    fn holds_anything(&self, hand: usize, frame: usize) -> bool {
+        (0..self.objects.len()).any(|object| self.are_at(object, frame)[hand] == Some(true))
     }
 
     /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.
@@ -330,7 +385,11 @@ fn from_middle_m(tips: &Tips) -> f32 {
     centre(tips).coords.norm()
 }
 
-fn centre(points: &Tips) -> Point3<f32> {
+fn apart_m(one: &Tips, other: &Tips) -> f32 {
+    nalgebra::distance(&centre(one), &centre(other))
+}
+
+pub(super) fn centre(points: &Tips) -> Point3<f32> {
     Point3::from((points[0].coords + points[1].coords + points[2].coords) / 3.0)
 }
 
