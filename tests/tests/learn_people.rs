@@ -10,6 +10,7 @@ use andon_core::verdict::Outcome;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
+use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachError, TeachOptions, teach};
 use andon_tests::deletion::{self, Deletion, Hidden};
 use andon_tests::simulator::{ByFeel, Lapse, Noise, Performance, Random, perform_by_feel};
@@ -49,15 +50,15 @@ impl Set {
         perform_by_feel(&Performance { seed, person, repetition, noise }, work, lapse)
     }
 
+    fn run(self, repetition: u64) -> Run {
+        let name = format!("run {repetition}");
+        Run::new(&name, "", &self.recording(repetition, None), &Method::default()).unwrap()
+    }
+
     /// The job that all right runs but one teach, and whether `teach` trusts it.
     fn taught_without(self, left_out: u64) -> Result<(JobFile, bool), TeachError> {
         let others = (0..RUNS).filter(|repetition| *repetition != left_out);
-        let runs: Vec<Run> = others
-            .map(|repetition| {
-                let name = format!("run {repetition}");
-                Run::new(&name, "", &self.recording(repetition, None), &Method::default()).unwrap()
-            })
-            .collect();
+        let runs: Vec<Run> = others.map(|repetition| self.run(repetition)).collect();
         let options = TeachOptions::new(self.work.name(), "", Method::default());
         let (job, report) = teach(&runs, &options)?;
         Ok((job, report.is_trusted()))
@@ -196,4 +197,20 @@ fn people_who_work_by_feel_are_judged_by_what_their_other_runs_teach() {
     assert!(100 * number(&total.right_runs, Said::Accused) <= MAX_ACCUSED * total.cases, "{total:?}");
     assert!(100 * lapses(Said::Accused) >= MIN_FOUND * judged, "{total:?}");
     assert!(100 * lapses(Said::Right) <= MAX_CALLED_RIGHT * judged, "{total:?}");
+}
+
+#[test]
+fn a_stricter_job_keeps_the_rules_that_a_run_contradicts_and_says_so() {
+    let set = Set { seed: 27661, work: ByFeel::ALL[1], person: 1, by_boxes: false };
+    let runs: Vec<Run> = (0..RUNS).map(|repetition| set.run(repetition)).collect();
+    let report = |number: u8| {
+        let options = TeachOptions::new("kitchen", "", Method::default());
+        let strictness = Strictness::new(number).unwrap();
+        teach(&runs, &options.with_strictness(strictness)).unwrap().1.to_string()
+    };
+    let [usual, strict] = [3, 5].map(report);
+    assert!(usual.contains("none of your 10 runs is rejected by") && usual.contains("these rules give way:"));
+    assert!(strict.contains(" of your 10 runs ") && !strict.contains("these rules give way:"), "{strict}");
+    assert!(!strict.contains("none of your 10 runs is rejected by"), "{strict}");
+    assert!(strict.contains("no rule gives way to a run that contradicts it"), "{strict}");
 }

@@ -156,7 +156,7 @@ fn a_stricter_job_notices_more_and_says_what_it_promises() {
         assert!(loose.min < strict.min && strict.max < loose.max, "{loose:?} {strict:?}");
     }
     for ((job, report), (number, one_in)) in taught.iter().zip([(1, 133), (3, 33), (5, 8)]) {
-        let promise = format!("strictness {number} of 5: of {one_in} right jobs these measures accuse one");
+        let promise = format!("the measures are set to accuse one of {one_in} right jobs");
         assert!(report.to_string().contains(&promise), "{report}");
         assert!(job.to_toml().contains(&format!("\nstrictness = {number}\n")));
     }

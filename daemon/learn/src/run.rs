@@ -63,6 +63,18 @@ impl Activity {
         self.ius.iter().map(|iu| iu.context).collect()
     }
 
+    /// A hand that touches what it moves just before or after, moves nothing and lets go corrects its grip: the judge does not count that either.
+    fn forget_grips(&mut self) {
+        let moves = |iu: &Iu| iu.measures.path_m > 0.0;
+        self.ius = std::mem::take(&mut self.ius)
+            .chunk_by(|one, next| one.context == next.context)
+            .flat_map(|same| {
+                let is_moved = same.iter().any(moves);
+                same.iter().filter(move |iu| !is_moved || moves(iu)).cloned()
+            })
+            .collect();
+    }
+
     /// When its last touch ended, in nanoseconds of source time.
     pub(crate) fn ended_ns(&self) -> u64 {
         self.ius.iter().rfind(|iu| iu.context.is_touch()).map_or(0, |iu| iu.ended_ns)
@@ -172,8 +184,9 @@ impl Run {
             segmenter.step(couples, &mut |event| collector.take(event));
         }
         segmenter.finish(&mut |event| collector.take(event));
-        let activities =
-            collector.activities.into_iter().filter(|activity| !activity.ius.is_empty()).collect();
+        let mut activities = collector.activities;
+        activities.retain(|activity| !activity.ius.is_empty());
+        activities.iter_mut().for_each(Activity::forget_grips);
         Ok(Self { couples: couples.into(), activities, ..self })
     }
 

@@ -26,6 +26,9 @@ impl Strictness {
     /// By how much that is multiplied for steps that share a part: they are likely to need their order, so less evidence is enough.
     const SHARED: f64 = 5.0;
 
+    /// How many runs must contradict a rule, each left out while the others teach, for it to give way.
+    const CONTRADICTIONS: [usize; 5] = [1, 1, 1, 2, usize::MAX];
+
     /// The number, if it is one of those that there are.
     pub fn new(number: u8) -> Option<Self> {
         (Self::MIN..=Self::MAX).contains(&number).then_some(Self(number))
@@ -43,6 +46,11 @@ impl Strictness {
     /// The share of right jobs that may be accused by their measures.
     pub fn false_alarms(self) -> f64 {
         Self::FALSE_ALARMS[self.index()]
+    }
+
+    /// How many runs must contradict a rule for it to give way.
+    pub(crate) fn contradictions(self) -> usize {
+        Self::CONTRADICTIONS[self.index()]
     }
 
     /// The quantile of Student's t that the gap between two steps must exceed to be law, in this number of runs.
@@ -78,6 +86,7 @@ mod tests {
         let all: Vec<Strictness> = (1..=5).map(|number| Strictness::new(number).unwrap()).collect();
         for pair in all.windows(2) {
             assert!(pair[0].false_alarms() < pair[1].false_alarms());
+            assert!(pair[0].contradictions() <= pair[1].contradictions());
             for (runs, is_shared) in [(2, false), (5, true), (20, false)] {
                 assert!(pair[0].law_quantile(runs, is_shared) > pair[1].law_quantile(runs, is_shared));
             }

@@ -34,7 +34,8 @@ pub struct Teach {
     #[arg(long, value_name = "NAME")]
     pub without: Vec<String>,
     /// How strict the job is, 1 to 5: at 1 its measures accuse one right job in 133, then one in 67, 33 and 17, at 5 one in 8, and less
-    /// evidence makes the order of two steps a law [default: 3, or that of the job]
+    /// evidence makes the order of two steps a law. Up to 3 a rule gives way to one run that contradicts it, at 4 to two runs, at 5 to none
+    /// [default: 3, or that of the job]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub strictness: Option<u8>,
     /// Write the report as a page, with the steps and their order as a picture

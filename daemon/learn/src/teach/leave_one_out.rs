@@ -3,7 +3,8 @@
 //! order, measures and motions alike.
 //!
 //! The job of the others is taught from the beginning, with where they meet and which pairs count for them. Its verdicts name the rules that are
-//! broken ([`Rule::broken_by`]). These are weakened in the jobs of all others as well, until no run breaks a rule that can be made weaker.
+//! broken ([`Rule::broken_by`]). These are weakened in the jobs of all others as well, until no run breaks a rule that can be made weaker. Who asks
+//! for a stricter job lets one run, or any number of them, contradict a rule that stays.
 
 use super::strength::{Rule, Strengths};
 use super::threshold::Memory;
@@ -11,7 +12,7 @@ use super::{Demonstrations, TeachOptions, learn};
 use crate::run::Run;
 use andon_core::verdict::Outcome;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// With fewer runs, the others would be one, which shows neither an order nor a spread.
 pub(super) const MIN_RUNS: usize = 3;
@@ -62,8 +63,12 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
             .chain(untaught.iter().cloned())
             .collect();
         rejected_before.get_or_insert_with(|| names.clone());
-        let broken: BTreeSet<Rule> = rejections.into_iter().flat_map(|rejection| rejection.rules).collect();
-        let weaker = broken.into_iter().filter(|rule| strengths.weaken(*rule)).count();
+        let mut contradicted: BTreeMap<Rule, usize> = BTreeMap::new();
+        for rule in rejections.into_iter().flat_map(|rejection| rejection.rules) {
+            *contradicted.entry(rule).or_default() += 1;
+        }
+        contradicted.retain(|_, runs| *runs >= options.strictness.contradictions());
+        let weaker = contradicted.into_keys().filter(|rule| strengths.weaken(*rule)).count();
         if weaker == 0 {
             return Some(LeftOut {
                 strengths,

@@ -292,10 +292,12 @@ impl TeachReport {
         }
         vec![
             format!(
-                "strictness {} of {}: of {:.0} right jobs these measures accuse one; --strictness changes it",
+                "strictness {} of {}: where these runs differ as people in general, the measures are set to accuse one of {:.0} right jobs; {}; --strictness \
+                 changes both",
                 self.strictness.number(),
                 Strictness::MAX,
-                1.0 / self.false_alarms
+                1.0 / self.false_alarms,
+                gives_way(self.strictness)
             ),
             what_more_would_bring(self.order.runs, self.false_alarms),
         ]
@@ -332,6 +334,15 @@ impl TeachReport {
     /// So many frames of the grid as seconds.
     pub(super) fn seconds(&self, frames: u32) -> String {
         format!("{:.1}", f64::from(frames) / f64::from(self.rate_hz))
+    }
+}
+
+/// When a rule gives way to the runs, in words.
+fn gives_way(strictness: Strictness) -> String {
+    match strictness.contradictions() {
+        1 => "a rule gives way to one run that contradicts it".to_owned(),
+        usize::MAX => "no rule gives way to a run that contradicts it".to_owned(),
+        runs => format!("a rule gives way to {runs} runs that contradict it"),
     }
 }
 

@@ -199,13 +199,15 @@ impl Trajectories {
         still
     }
 
-    /// Whether no other object is nearer to a hand.
+    /// Whether no other object that lies is nearer to a hand.
     fn is_nearest(&self, hand: usize, object: usize, frame: usize) -> bool {
         let Some(tips) = self.hands[hand][frame] else { return false };
-        let apart_m = |poses: &Vec<Option<Isometry3<f32>>>| {
-            poses[frame].map_or(f32::INFINITY, |pose| (centre(&tips).coords - pose.translation.vector).norm())
+        let apart_m = |object: usize| {
+            let pose = self.objects[object][frame];
+            pose.map_or(f32::INFINITY, |pose| (centre(&tips).coords - pose.translation.vector).norm())
         };
-        self.objects.iter().all(|other| apart_m(other) >= apart_m(&self.objects[object]))
+        let mut lying = (0..self.objects.len()).filter(|other| !self.is_held(*other, frame));
+        lying.all(|other| apart_m(other) >= apart_m(object))
     }
 
     /// Whether a hand holds any object.

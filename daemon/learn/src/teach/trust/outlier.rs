@@ -231,8 +231,10 @@ fn of_iu(
                     others: [min, max],
                     is_pause: measure == Measure::Duration
                         && (median(&others)..=max + options.bounds.pause_s).contains(&value),
-                    // What the runs have only in part in common is in pieces.
-                    is_law_of_others: is_at_another(iu.context) && !sequence.allows_insertions,
+                    // What the runs have only in part in common is in pieces, and what lies between others contradicts none of them.
+                    is_law_of_others: is_at_another(iu.context)
+                        && !sequence.allows_insertions
+                        && !(min < value && value < max),
                 };
                 found.push((run, share, outlier));
             }
