@@ -243,6 +243,11 @@ fn a_part_that_was_taken_instead_of_another_is_told_with_the_step_that_was_misse
             "14:03:09         ANOMALY     job: ended without step 1 (polish); took the meter at 14:03:01, expected the polisher"
         ]
     );
+    let unknown = Verdict { outcome: Outcome::NotJudged, reason: Reason::BeginningNotSeen, ..ended };
+    assert_eq!(
+        told(&[("14:03:01", other(3)), ("14:03:09", unknown)])[1],
+        "14:03:09         NOT JUDGED  job: step 1 (polish): its beginning was not seen; took the meter at 14:03:01, expected the polisher"
+    );
     // It is not known that one step was missed for another.
     let second = Verdict { nearest: Some(1), ..ended };
     assert_eq!(

@@ -57,12 +57,15 @@ pub fn is_instead(verdict: &Verdict) -> bool {
         && matches!(verdict.reason, Reason::WrongObject | Reason::WrongOrder)
 }
 
-/// The step that should have come and did not.
+/// The step that should have come and did not, or may not have.
 pub(super) fn missing(verdict: &Verdict) -> Option<u16> {
     match verdict.broken {
         Some(BrokenOrder { fault: OrderFault::NotBegun, activity, .. }) => Some(activity),
         None if verdict.level == Level::Job
-            && matches!(verdict.reason, Reason::NotCompleted | Reason::WrongObject) =>
+            && matches!(
+                verdict.reason,
+                Reason::NotCompleted | Reason::WrongObject | Reason::BeginningNotSeen
+            ) =>
         {
             verdict.nearest
         }

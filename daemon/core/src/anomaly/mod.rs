@@ -17,7 +17,8 @@
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
 //! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)): another one must have begun or ended before it, or
 //!   it must not come again.
-//! - *In place of a step*: one that was not shown has done, with another part, the strokes of one that must come now. The part is wrong.
+//! - *In place of a step*: one that was not shown has done, with another part, the strokes of one that must come now. The part is wrong. Without
+//!   strokes it is once that one is missed: where another one comes that must come behind it, or at the end of the job.
 //! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
 //!   whether it was right. So does another order, a repetition or another hand that was not shown.
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone.
@@ -82,6 +83,7 @@ mod alignment;
 mod comparison;
 mod extent;
 mod hand;
+mod instead;
 mod measure;
 mod missed;
 mod places;
