@@ -76,6 +76,7 @@ fn what_was_not_judged_is_told_by_what_was_missing_and_how_much_of_it() {
     says(Reason::BeginningNotSeen, missing, "its beginning was not seen");
     says(Reason::BrokenOff, missing, "it was not watched to its end");
     says(Reason::Overload, missing, "it lasted longer than can be compared");
+    says(Reason::MarkerTwice, Missing { object: Some(6), ..missing }, "marker 6 (brick) is in view twice");
     says(Reason::Passing, missing, "it cannot be told whether its parts touched");
     says(Reason::Blind, missing, "too little of it was seen");
 }

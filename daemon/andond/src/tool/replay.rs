@@ -17,7 +17,7 @@ use super::{ToolError, is_named, job, load_config_for, progress};
 use crate::cli::Replay;
 use crate::compatibility;
 use crate::picture::Annotator;
-use crate::recording::{Recording, Twin};
+use crate::recording::Recording;
 use crate::report::{Names, Teller, VerdictLine, on_recording};
 
 /// Exit code: an anomaly was found.
@@ -73,7 +73,7 @@ struct Printer<'a> {
 }
 
 impl Printer<'_> {
-    fn print(&mut self, verdict: &Verdict, twins: &[Twin]) -> std::io::Result<()> {
+    fn print(&mut self, verdict: &Verdict) -> std::io::Result<()> {
         self.seq += 1;
         self.anomaly |= verdict.outcome == Outcome::Anomaly;
         self.not_judged |= verdict.outcome == Outcome::NotJudged;
@@ -83,9 +83,7 @@ impl Printer<'_> {
             serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names))?;
             writeln!(out)
         } else {
-            let mut line = self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names);
-            line.text += &why_unseen(verdict, twins);
-            line.write(&mut out)
+            self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names).write(&mut out)
         }
     }
 
@@ -96,12 +94,6 @@ impl Printer<'_> {
             (false, false) => 0,
         }
     }
-}
-
-/// What was in view twice while a verdict was made that is none.
-fn why_unseen(verdict: &Verdict, twins: &[Twin]) -> String {
-    let of_it = |twin: &&Twin| verdict.outcome == Outcome::NotJudged && twin.newest_ns >= verdict.began_ns;
-    twins.iter().filter(of_it).map(|twin| format!("; {twin}")).collect()
 }
 
 fn replay(
@@ -121,8 +113,7 @@ fn replay(
             let frame = recording.next_frame()?;
             let verdicts = judge_next(frame.as_ref(), &mut encoder, &mut judge, &mut newest);
             if !verdicts.is_empty() {
-                let twins = recording.twins();
-                bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict, twins)))
+                bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
                     .map_err(ToolError::Print)?;
             }
             if let (Some(annotator), Some(view)) = (annotator.as_mut(), recording.view()) {

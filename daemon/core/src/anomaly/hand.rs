@@ -198,9 +198,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let broken = progress.order_fault(self.side, nominal);
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
+        let is_certain = activity.unjudged.is_none() && activity.is_order_certain();
+        let mut broken = progress.order_fault(self.side, nominal);
+        while is_certain && broken.is_some_and(|broken| progress.blame_part(&broken)) {
+            broken = progress.order_fault(self.side, nominal);
+        }
         activity.broken = activity.broken.or(broken);
         let is_too_early = broken.is_some_and(|broken| progress.is_undone(&broken));
         let unjudged = activity.unjudged;
