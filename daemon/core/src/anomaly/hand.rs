@@ -200,9 +200,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
-        let is_certain = activity.unjudged.is_none() && activity.is_order_certain();
+        let is_judged = activity.unjudged.is_none();
+        let is_certain = activity.is_order_certain();
         let mut broken = progress.order_fault(self.side, nominal);
-        while is_certain && broken.is_some_and(|broken| progress.blame_part(&broken)) {
+        while let Some(fault) = broken
+            && is_judged
+            && (is_certain || progress.is_undone(&fault))
+            && progress.blame_part(&fault)
+        {
             broken = progress.order_fault(self.side, nominal);
         }
         activity.broken = activity.broken.or(broken);

@@ -6,6 +6,9 @@ use crate::verdict::{Missing, Outcome, Reason, Verdict};
 /// When no marker was in view twice for so long, somebody has taken the other print away, in nanoseconds.
 const GONE_NS: u64 = 2_000_000_000;
 
+/// For half of each second that an object was not seen, in nanoseconds.
+const HALF_OF_A_SECOND_NS: f32 = 0.5e9;
+
 /// The object whose marker was in view twice last.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Twice {
@@ -40,7 +43,12 @@ impl Twice {
 
     fn explains(&self, verdict: &Verdict) -> bool {
         let is_meant = match verdict.reason {
-            Reason::ObjectNotSeen => verdict.missing.object.is_none_or(|object| object == self.object),
+            // Another cause may have hidden it for most of the time.
+            Reason::ObjectNotSeen => {
+                let is_it = verdict.missing.object.is_none_or(|object| object == self.object);
+                let lasted_ns = self.newest_ns.saturating_sub(self.began_ns.max(verdict.began_ns));
+                is_it && lasted_ns as f32 >= HALF_OF_A_SECOND_NS * verdict.missing.seconds.unwrap_or(0.0)
+            }
             Reason::BeginningNotSeen => self.began_ns <= verdict.began_ns,
             Reason::Blind | Reason::Unknown => true,
             _ => false,

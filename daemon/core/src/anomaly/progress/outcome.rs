@@ -76,9 +76,10 @@ impl Progress<'_> {
             }
             (None, None) => match certainly_missing {
                 Some(lowest) => (Outcome::Anomaly, not_completed(lowest)),
-                None if missing.is_empty() && self.is_start_seen => {
-                    (Outcome::Ok, because(Reason::None.into(), None))
-                }
+                None if missing.is_empty() && self.is_start_seen => match self.mixed_cause() {
+                    Some(cause) => (Outcome::NotJudged, because(cause, None)),
+                    None => (Outcome::Ok, because(Reason::None.into(), None)),
+                },
                 None => {
                     let unseen =
                         missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());

@@ -92,6 +92,14 @@ impl Progress<'_> {
             .unwrap_or(beginning.into())
     }
 
+    /// Why what came may belong to two jobs: what was done is undone again, as the bench shows, and not all was seen. The rest of this job may
+    /// not have come, and the next one may have begun.
+    pub(super) fn mixed_cause(&self) -> Option<Cause> {
+        let is_undone_again = self.seen_undone.intersects(self.done);
+        is_undone_again
+            .then(|| Missed::main_cause(&self.missed, self.job.min_captured, self.persist_frames))?
+    }
+
     /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
     fn moved_unseen_cause(&self) -> Cause {
         Missed::cause(&self.missed, self.job.min_captured).unwrap_or(Reason::HandNotSeen.into())
