@@ -6,8 +6,9 @@ use crate::verdict::{Missing, Outcome, Reason, Verdict};
 /// When no marker was in view twice for so long, somebody has taken the other print away, in nanoseconds.
 const GONE_NS: u64 = 2_000_000_000;
 
-/// For half of each second that an object was not seen, in nanoseconds.
-const HALF_OF_A_SECOND_NS: f32 = 0.5e9;
+/// Of the time that an object was not seen, its marker was in view twice for this share, but for a few frames, in seconds.
+const SHARE: f32 = 0.5;
+const SLACK_S: f32 = 0.1;
 
 /// The object whose marker was in view twice last.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +48,8 @@ impl Twice {
             Reason::ObjectNotSeen => {
                 let is_it = verdict.missing.object.is_none_or(|object| object == self.object);
                 let lasted_ns = self.newest_ns.saturating_sub(self.began_ns.max(verdict.began_ns));
-                is_it && lasted_ns as f32 >= HALF_OF_A_SECOND_NS * verdict.missing.seconds.unwrap_or(0.0)
+                let unseen_s = verdict.missing.seconds.unwrap_or(0.0);
+                is_it && lasted_ns as f32 / 1e9 + SLACK_S >= SHARE * unseen_s
             }
             Reason::BeginningNotSeen => self.began_ns <= verdict.began_ns,
             Reason::Blind | Reason::Unknown => true,
