@@ -48,6 +48,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
         anomaly: false,
         not_judged: false,
         judged: false,
+        shows_parts: false,
     };
     replay(&mut recording, &file, arguments, &mut printer)?;
     let (path, rate_hz) = (arguments.recording.display(), recording.header().rate_hz);
@@ -55,6 +56,11 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     if rate_hz < needed_hz {
         eprintln!(
             "{path} has {rate_hz:.1} frames per second, and the job needs {needed_hz:.1}: what fewer frames show is not judged"
+        );
+    } else if printer.seq == 0 && !printer.shows_parts && !Recording::is_tracks(&arguments.recording) {
+        eprintln!(
+            "nothing was judged: {path} shows no marker of the job's parts; `andond look {path}` says why, as where the picture is mirrored or a \
+             negative"
         );
     } else if printer.seq == 0 {
         eprintln!("nothing was judged: in {path} no hand was seen to touch an object of the job");
@@ -70,6 +76,7 @@ struct Printer<'a> {
     anomaly: bool,
     not_judged: bool,
     judged: bool,
+    shows_parts: bool,
 }
 
 impl Printer<'_> {
@@ -111,6 +118,7 @@ fn replay(
         let mut newest: Option<Couples> = None;
         loop {
             let frame = recording.next_frame()?;
+            printer.shows_parts |= frame.as_ref().is_some_and(|frame| !frame.objects.is_empty());
             let verdicts = judge_next(frame.as_ref(), &mut encoder, &mut judge, &mut newest);
             if !verdicts.is_empty() {
                 bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
