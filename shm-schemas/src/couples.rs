@@ -52,8 +52,8 @@ wire! { "andon.Couples", 200;
         out_of_sight: u32,
         /// One such object; 0 where there is none.
         out_of_sight_object: u16,
-        /// Zero.
-        reserved: u16,
+        /// An object whose marker the newest frame shows twice; 0 where there is none.
+        twice_object: u16,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

@@ -89,6 +89,8 @@ codes! {
         TooFewFrames = 15,
         /// Whether its two objects touched, or one only passed the other, could not be told.
         Passing = 16,
+        /// The marker of an object was in view twice, so that it was not known which of the two lay on it.
+        MarkerTwice = 17,
     }
 }
 
@@ -199,7 +201,7 @@ wire! { "andon.Verdict", 192;
         broken_activity: u16,
         /// How many of the runs that were shown keep that order.
         broken_runs: u16,
-        /// The object that was not seen; 0 where that is not the reason.
+        /// The object that was not seen, or whose marker was in view twice; 0 where that is not the reason.
         missing_object: u16,
         /// A [`VerdictLevel`]. Zero is none: an empty message is not a verdict.
         level: u8,

@@ -228,7 +228,7 @@ fn a_run_that_disagrees_is_named_with_the_iu_where_it_does() {
     runs.insert(2, run(7, 1, Flaw::J2));
     let (job, report) = taught(&runs);
     let warning = report.warnings().into_iter().find(|warning| warning.contains("p7_r1")).unwrap();
-    assert!(warning.contains("step 2, IU 2"), "{warning}");
+    assert!(warning.contains("its step 2 ends before IU 2"), "{warning}");
     assert!(warning.contains("meter"), "{warning}");
     let left_out: Vec<bool> = job.provenance.sources.iter().map(|source| source.left_out).collect();
     assert_eq!(left_out, [false, false, true, false, false]);
@@ -269,7 +269,7 @@ fn nothing_can_be_taught_from_runs_that_have_nothing_in_common() {
     let without_hands = || changed(|frame| frame.hands.clear());
     let runs = [without_hands(), without_hands()];
     let error = teach(&runs, &options()).unwrap_err();
-    assert!(error.to_string().contains("have no step in common"), "{error}");
+    assert!(error.to_string().contains("the one run shows no step"), "{error}");
 }
 
 /// A release state lasts until the hand comes back.

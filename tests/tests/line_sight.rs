@@ -265,3 +265,19 @@ fn what_a_running_line_sees_is_looked_at_without_opening_its_camera() {
     assert!(text.contains("meter       its marker is 30 px wide"), "{text}");
     assert!(picture.exists());
 }
+
+#[test]
+fn a_mirrored_film_and_a_negative_one_each_say_their_cause() {
+    for (filter, cause) in [("hflip", "the picture is mirrored"), ("negate", "the picture is a negative")] {
+        let line = Line::with_film(MAX, "", &["-i", "p1_none_r1.mp4", "-t", "1", "-vf", filter]);
+        let film = line.path("film.mkv");
+        let film = film.to_str().unwrap();
+        let looked = line.command("look", &[film]);
+        assert!(String::from_utf8_lossy(&looked.stdout).contains(cause), "{looked:?}");
+        let job = root().join("config/jobs/polish-and-measure.toml");
+        let replayed = line.command("replay", &["--job", job.to_str().unwrap(), film]);
+        let said = String::from_utf8_lossy(&replayed.stderr);
+        assert!(said.contains("shows no marker of the job's parts; `andond look "), "{said}");
+        assert_eq!(replayed.status.code(), Some(2));
+    }
+}

@@ -1,11 +1,18 @@
-//! What the line knows not to have seen is neither right nor an anomaly, on whichever way a result leaves it: one row for each state of its
-//! sight, one check for each way out.
+//! What the line knows not to have seen is neither right nor an anomaly, on whichever way a result leaves it, nor is anything learnt from it: one
+//! row for each state of not watching, one check for each way out.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_tests::line::{Counted, Line, PATIENCE, Shift, account, andond, kept, root, told_last};
+use andon_ipc::Reader;
+use andon_tests::line::{
+    Counted, Line, PATIENCE, Shift, Watcher, account, andond, kept, measure, root, samples, scrape, soft_plc,
+    stand_in, tally, told_last, verdicts,
+};
 use andon_tests::python::python;
-use shm_schemas::{VerdictLevel, VerdictOutcome};
-use std::process::Command;
+use rustix::process::Signal;
+use shm_schemas::{Detections, RoleId, VerdictLevel, VerdictOutcome, flag};
+use std::fs::{self, File};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
@@ -13,10 +20,21 @@ use std::time::{Duration, Instant};
 const UNSEEN_S: [f64; 2] = [4.0, 7.0];
 /// What every picture is like that a camera gives; rendered ones have no noise.
 const NOISE: &str = "noise=alls=4:allf=t";
+/// The run that the film of a row shows.
+const RUN: &str = "p1_none_r1.mp4";
+/// The other runs that are taught beside it.
+const OTHERS: [&str; 4] = ["p1_none_r2", "p1_none_r3", "p2_none_r1", "p2_none_r2"];
 
-/// A state of the line's sight: what is done to the film, and what the configuration has besides.
+/// A verdict as it left the line on some way: start of the judge and number in that, level, outcome.
+type Told = (u64, u64, String, String);
+/// From when to when a result lasted, in seconds of the film, and how it came out.
+type Span = (f64, f64, String);
+
+/// A row whose film has the state: the line, a replay and `teach` must all know it.
 struct State {
+    /// What is done to the film. `HERE` stands for the time in which it acts.
     filter: &'static str,
+    /// What the configuration has besides, in `[perception]`.
     perception: &'static str,
 }
 
@@ -24,9 +42,6 @@ struct State {
 const fn film(filter: &'static str) -> State {
     State { filter, perception: "" }
 }
-
-/// A verdict as it left the line on some way: start of the judge and number in that, level, outcome.
-type Told = (u64, u64, String, String);
 
 /// Plays the film once, and checks every way out.
 fn check(state: &State) {
@@ -37,83 +52,176 @@ fn check(state: &State) {
     };
     // Only where frames are left out does the film not have all instants.
     let mode = if state.filter.starts_with("select") { "passthrough" } else { "auto" };
-    let ffmpeg = ["-i", "p1_none_r1.mp4", "-vf", &filter, "-fps_mode", mode];
+    let ffmpeg = ["-i", RUN, "-vf", &filter, "-fps_mode", mode];
     let mut line = Line::with_film("speed = \"max\"", state.perception, &ffmpeg);
+    let spans = played(&mut line, |_, _| ());
+    assert_nothing_rests_on(&spans, UNSEEN_S);
+    let replayed = replayed(&line);
+    assert_nothing_rests_on(&replayed, UNSEEN_S);
+    assert_eq!(replayed.len(), spans.len());
+    assert_nothing_is_learnt_of_it(&line);
+}
+
+/// A row in which a role does not run for some seconds: only the line can know it.
+fn check_down(role: &'static str, goes_down: fn(&mut Line), comes_back: fn(&mut Line)) {
+    let filter = ["-i", RUN, "-vf", NOISE];
+    let mut line = Line::with_film("speed = \"file\"", "", &filter);
+    let mut unseen_s = [0.0; 2];
+    let spans = played(&mut line, |line, watcher| {
+        let node = stand_in(line, RoleId::Tool);
+        let mut detections = node.reader().unwrap();
+        let before_s = until_detected(watcher, &mut detections, UNSEEN_S[0]);
+        goes_down(line);
+        unseen_s[0] = newest_detected(&mut detections).unwrap_or(before_s);
+        if role == "perceive" {
+            std::thread::sleep(Duration::from_secs_f64(UNSEEN_S[1] - UNSEEN_S[0]));
+            comes_back(line);
+            // Nothing was detected meanwhile: what it sees first is the end.
+            unseen_s[1] = until_detected(watcher, &mut detections, unseen_s[0] + 1.0);
+        } else {
+            unseen_s[1] = until_detected(watcher, &mut detections, unseen_s[0] + UNSEEN_S[1] - UNSEEN_S[0]);
+            comes_back(line);
+        }
+    });
+    assert_nothing_rests_on(&spans, unseen_s);
+}
+
+/// The time in the film of the newest frame in which was looked for something, in seconds, if there is a new one; infinite at its end, which a
+/// slow machine may reach without many frames.
+fn newest_detected(detections: &mut Reader<Detections>) -> Option<f64> {
+    let mut newest_s = None;
+    while let Some(found) = detections.take().unwrap() {
+        let is_end = found.flags & flag::END_OF_STREAM != 0;
+        newest_s = Some(if is_end { f64::INFINITY } else { found.source_ns as f64 / 1e9 });
+    }
+    newest_s
+}
+
+/// As [`newest_detected`]; waits until it comes after this time.
+fn until_detected(watcher: &mut Watcher, detections: &mut Reader<Detections>, after_s: f64) -> f64 {
+    let until = Instant::now() + PATIENCE;
+    loop {
+        if let Some(newest_s) = newest_detected(detections).filter(|newest_s| *newest_s >= after_s) {
+            return newest_s;
+        }
+        assert!(Instant::now() < until, "no frame after {after_s} s");
+        watcher.listen(Duration::from_millis(5));
+    }
+}
+
+/// Plays the film of a line to its end and asks all ways out for the same; `meanwhile` is called when it has begun. Returns the results.
+fn played(line: &mut Line, meanwhile: impl FnOnce(&mut Line, &mut Watcher)) -> Vec<Span> {
     let jobs = root().join("config/jobs");
     line.reconfigure("loop = true", "loop = false");
     line.reconfigure("\n\n[camera]", &format!("\njobs = {jobs:?}\n\n[camera]"));
     line.reconfigure("[plc]\n", "[plc]\nwrites = true\n");
-    let tail_file = line.path("tail.json");
-    let mut watcher = line.launch();
-    let mut tail = Command::new(andond());
-    tail.args(["tail", "--json", "-c"]).arg(line.config());
-    let mut tail = tail.stdout(std::fs::File::create(&tail_file).unwrap()).spawn().unwrap();
-    // Made once, whichever row comes first.
-    static PYTHON: OnceLock<std::path::PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(python);
-    let program = Shift::start(&line, "1");
-    until("the job of the PLC", || told_last(&line).is_some_and(|told| told.is_job_taken));
+    let port = measure(line);
+    let mut watcher = Watcher::join(&line.station);
+    line.start_all_but(&["steward"]);
+    let ways = Ways::start(line);
     line.start("capture");
+    meanwhile(line, &mut watcher);
     let count = watcher.until_judged() as usize;
     let told: Vec<Told> = watcher
         .verdicts
         .iter()
         .map(|verdict| {
-            let level = VerdictLevel::try_from(verdict.level).unwrap();
-            let outcome = VerdictOutcome::try_from(verdict.outcome).unwrap();
-            let name = |words: String| words.to_lowercase().replace("notjudged", "not_judged");
-            let (level, outcome) = (name(format!("{level:?}")), name(format!("{outcome:?}")));
-            (verdict.stamp.epoch, verdict.stamp.seq, level, outcome)
+            let level = verdict.level().map(VerdictLevel::name).unwrap();
+            let outcome = verdict.outcome().map(VerdictOutcome::name).unwrap();
+            (verdict.stamp.epoch, verdict.stamp.seq, level.to_owned(), outcome.to_owned())
         })
         .collect();
-    // On all ways the same.
-    until("the journal", || kept(&line).len() == count);
-    until("the PLC", || account(&line).len() == count);
-    let of_tail = || -> Vec<serde_json::Value> {
-        let text = std::fs::read_to_string(&tail_file).unwrap();
-        let values = text.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
-        values.filter(|value| !value["outcome"].is_null()).collect()
-    };
-    until("tail", || of_tail().len() == count);
-    tail.kill().unwrap();
-    tail.wait().unwrap();
-    program.end();
-    let counted = |counted: Counted| (counted.epoch, counted.seq, counted.level, counted.outcome);
-    let journal = kept(&line);
-    assert_eq!(journal.iter().map(|kept| counted(kept.verdict.clone())).collect::<Vec<_>>(), told);
-    assert_eq!(account(&line).into_iter().map(|(_, result)| counted(result)).collect::<Vec<_>>(), told);
-    let text = |value: &serde_json::Value| value.as_str().unwrap().to_owned();
-    let tailed: Vec<(String, String)> =
-        of_tail().iter().map(|verdict| (text(&verdict["level"]), text(&verdict["outcome"]))).collect();
-    assert_eq!(
-        tailed,
-        told.iter().map(|(.., level, outcome)| (level.clone(), outcome.clone())).collect::<Vec<_>>()
-    );
-    // And none of them rests on what was not seen.
-    let spans: Vec<(f64, f64, String)> =
-        journal.iter().map(|kept| (kept.began_s, kept.ended_s, kept.verdict.outcome.clone())).collect();
-    assert_nothing_rests_on_it(&spans);
-    // A replay of the film knows it as well.
-    let film = line.path("film.mkv");
-    let output = Command::new(andond())
-        .args(["replay", "--json", "-c"])
-        .arg(line.config())
-        .arg("--job")
-        .arg(jobs.join("polish-and-measure.toml"))
-        .arg(film)
-        .output()
-        .unwrap();
-    let replayed: Vec<(f64, f64, String)> = String::from_utf8(output.stdout)
-        .unwrap()
-        .lines()
-        .map(|line| {
-            let verdict: serde_json::Value = serde_json::from_str(line).unwrap();
-            let seconds = |key: &str| verdict[key].as_f64().unwrap();
-            (seconds("began_s"), seconds("ended_s"), text(&verdict["outcome"]))
-        })
-        .collect();
-    assert_nothing_rests_on_it(&replayed);
-    assert_eq!(replayed.len(), spans.len());
+    let journal = ways.end(line, count, &told);
+    until("the metrics", || verdicts(&samples(&scrape(port))) == tally(&watcher));
+    journal
+}
+
+/// Programs that follow a line's verdicts. They are killed when this is dropped.
+struct Ways {
+    tail: Child,
+    c_reader: Child,
+    plc: Option<Shift>,
+}
+
+impl Ways {
+    fn start(line: &Line) -> Self {
+        let file = |name: &str| File::create(line.path(name)).unwrap();
+        let mut tail = Command::new(andond());
+        tail.args(["tail", "--json", "-c"]).arg(line.config()).stdout(file("tail.json"));
+        let mut c_reader = Command::new(soft_plc(&line.path("")));
+        c_reader.args(["line", "0"]).arg(line.station.root()).stdout(file("c-reader.txt"));
+        // Made once, whichever row comes first.
+        static PYTHON: OnceLock<std::path::PathBuf> = OnceLock::new();
+        PYTHON.get_or_init(python);
+        let (tail, c_reader) = (tail.spawn().unwrap(), c_reader.spawn().unwrap());
+        let ways = Self { tail, c_reader, plc: Some(Shift::start(line, "1")) };
+        until("the job of the PLC", || told_last(line).is_some_and(|told| told.is_job_taken));
+        until("the C reader", || lines(&line.path("c-reader.txt")).iter().any(|line| line == "open"));
+        ways
+    }
+
+    /// Waits until all have as many verdicts, and compares them with what was sent. Returns those of the journal.
+    fn end(mut self, line: &Line, count: usize, told: &[Told]) -> Vec<Span> {
+        let tailed = || -> Vec<serde_json::Value> {
+            let lines = lines(&line.path("tail.json"));
+            let values = lines.iter().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+            values.filter(|value| !value["outcome"].is_null()).collect()
+        };
+        let c_read = || -> Vec<String> {
+            let lines = lines(&line.path("c-reader.txt"));
+            lines.into_iter().filter(|line| line.starts_with("verdict ")).collect()
+        };
+        until("the journal", || kept(line).len() == count);
+        until("the PLC", || account(line).len() == count);
+        until("tail", || tailed().len() == count);
+        until("the C reader", || c_read().len() == count);
+        if let Some(plc) = self.plc.take() {
+            plc.end();
+        }
+        let counted = |counted: Counted| (counted.epoch, counted.seq, counted.level, counted.outcome);
+        let journal = kept(line);
+        assert_eq!(journal.iter().map(|kept| counted(kept.verdict.clone())).collect::<Vec<_>>(), told);
+        assert_eq!(account(line).into_iter().map(|(_, result)| counted(result)).collect::<Vec<_>>(), told);
+        let levels = |verdict: &serde_json::Value| (text(&verdict["level"]), text(&verdict["outcome"]));
+        assert_eq!(
+            tailed().iter().map(levels).collect::<Vec<_>>(),
+            told.iter().map(|(.., level, outcome)| (level.clone(), outcome.clone())).collect::<Vec<_>>()
+        );
+        let in_c = |(_, seq, _, outcome): &Told| {
+            let word = match outcome.as_str() {
+                "anomaly" => "nok",
+                "not_judged" => "not-judged",
+                outcome => outcome,
+            };
+            format!("verdict {seq} {word}")
+        };
+        let begin = |line: String| line.split(" reason").next().unwrap().to_owned();
+        assert_eq!(
+            c_read().into_iter().map(begin).collect::<Vec<_>>(),
+            told.iter().map(in_c).collect::<Vec<_>>()
+        );
+        journal.into_iter().map(|kept| (kept.began_s, kept.ended_s, kept.verdict.outcome)).collect()
+    }
+}
+
+impl Drop for Ways {
+    fn drop(&mut self) {
+        for program in [&mut self.tail, &mut self.c_reader] {
+            let _ = program.kill();
+            let _ = program.wait();
+        }
+    }
+}
+
+fn text(value: &serde_json::Value) -> String {
+    value.as_str().unwrap().to_owned()
+}
+
+/// The whole lines of a file that is being written.
+fn lines(path: &Path) -> Vec<String> {
+    let text = fs::read_to_string(path).unwrap();
+    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+    whole.lines().map(str::to_owned).collect()
 }
 
 fn until(what: &str, holds: impl Fn() -> bool) {
@@ -124,14 +232,74 @@ fn until(what: &str, holds: impl Fn() -> bool) {
     }
 }
 
+/// What a replay of the line's film says.
+fn replayed(line: &Line) -> Vec<Span> {
+    let output = Command::new(andond())
+        .args(["replay", "--json", "-c"])
+        .arg(line.config())
+        .arg("--job")
+        .arg(root().join("config/jobs/polish-and-measure.toml"))
+        .arg(line.path("film.mkv"))
+        .output()
+        .unwrap();
+    String::from_utf8(output.stdout)
+        .unwrap()
+        .lines()
+        .map(|line| {
+            let verdict: serde_json::Value = serde_json::from_str(line).unwrap();
+            let seconds = |key: &str| verdict[key].as_f64().unwrap();
+            (seconds("began_s"), seconds("ended_s"), text(&verdict["outcome"]))
+        })
+        .collect()
+}
+
+/// Teaches a job by the line's film and by films of which all was seen: the IU that was not seen is learnt from these alone.
+fn assert_nothing_is_learnt_of_it(line: &Line) {
+    // What is in them is the same for every row, and a film takes long.
+    static TRACKS: OnceLock<Vec<Vec<u8>>> = OnceLock::new();
+    let tracks = TRACKS.get_or_init(|| OTHERS.map(|run| tracks_of(line, run)).into());
+    let mut teach = Command::new(andond());
+    teach.args(["teach", "-c"]).arg(line.config()).arg("--out").arg(line.path("taught.toml"));
+    teach.arg(line.path("film.mkv"));
+    for (run, tracks) in OTHERS.iter().zip(tracks) {
+        let path = line.path(&format!("{run}.tracks.jsonl"));
+        fs::write(&path, tracks).unwrap();
+        teach.arg(path);
+    }
+    let output = teach.stderr(Stdio::inherit()).output().unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success(), "{said}");
+    let is_told = said.contains("too little was seen of film.mkv in step 1, IU 2 ")
+        || said.contains("left out was film.mkv: ");
+    let is_learnt_from = |runs: &str| said.contains(&format!("\n   1   2      {runs}  "));
+    assert!(is_told && is_learnt_from("4"), "{said}");
+}
+
+/// What is seen in a shipped film.
+fn tracks_of(line: &Line, run: &str) -> Vec<u8> {
+    let out = line.path("other.tracks.jsonl");
+    let status = Command::new(andond())
+        .arg("tracks")
+        .arg(root().join(format!("tests/footage/{run}.mp4")))
+        .arg("-c")
+        .arg(root().join("config/stations/demo.toml"))
+        .arg("--out")
+        .arg(&out)
+        .stdout(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let tracks = fs::read(&out).unwrap();
+    fs::remove_file(out).unwrap();
+    tracks
+}
+
 /// A state lasts a little longer than the picture shows it, so what only touches its ends does not rest on it.
-fn assert_nothing_rests_on_it(verdicts: &[(f64, f64, String)]) {
-    let rests = |(began_s, ended_s, _): &&(f64, f64, String)| {
-        *began_s < UNSEEN_S[1] - 0.2 && *ended_s > UNSEEN_S[0] + 0.2
-    };
-    let resting: Vec<_> = verdicts.iter().filter(rests).collect();
-    assert!(resting.iter().all(|(.., outcome)| outcome == "not_judged"), "{resting:?}");
-    assert!(verdicts.is_empty() || !resting.is_empty(), "{verdicts:?}");
+fn assert_nothing_rests_on(spans: &[Span], unseen_s: [f64; 2]) {
+    let rests = |(began_s, ended_s, _): &&Span| *began_s < unseen_s[1] - 0.2 && *ended_s > unseen_s[0] + 0.2;
+    let resting: Vec<_> = spans.iter().filter(rests).collect();
+    assert!(resting.iter().all(|(.., outcome)| outcome == "not_judged"), "{unseen_s:?}: {resting:?}");
+    assert!(spans.is_empty() || !resting.is_empty(), "{unseen_s:?}: {spans:?}");
 }
 
 #[test]
@@ -177,4 +345,50 @@ fn nothing_rests_on_too_few_frames() {
 #[test]
 fn nothing_rests_on_a_bench_without_markers_of_the_station() {
     check(&State { filter: "null", perception: "dictionary = \"DICT_5X5_50\"" });
+}
+
+#[test]
+fn nothing_rests_on_parts_that_move_while_no_hand_is_found() {
+    // Where the hand works, and no marker lies.
+    check(&film("drawbox=x=382:y=100:w=258:h=380:c=0x504f4b:t=fill:HERE"));
+}
+
+#[test]
+fn nothing_rests_on_a_time_in_which_perceive_is_stopped() {
+    check_down(
+        "perceive",
+        |line| line.role("perceive").signal(Signal::STOP),
+        |line| line.role("perceive").signal(Signal::CONT),
+    );
+}
+
+#[test]
+fn nothing_rests_on_a_time_in_which_perceive_is_killed() {
+    check_down(
+        "perceive",
+        |line| line.role("perceive").kill(),
+        |line| {
+            line.start("perceive");
+        },
+    );
+}
+
+#[test]
+fn nothing_rests_on_a_time_in_which_encode_is_stopped() {
+    check_down(
+        "encode",
+        |line| line.role("encode").signal(Signal::STOP),
+        |line| line.role("encode").signal(Signal::CONT),
+    );
+}
+
+#[test]
+fn nothing_rests_on_a_time_in_which_encode_is_killed() {
+    check_down(
+        "encode",
+        |line| line.role("encode").kill(),
+        |line| {
+            line.start("encode");
+        },
+    );
 }

@@ -75,8 +75,6 @@ pub struct Twin {
     pub name: String,
     /// In how many frames.
     pub frames: u64,
-    /// When it was so last, in nanoseconds since the first frame.
-    pub newest_ns: u64,
 }
 
 impl fmt::Display for Twin {
@@ -190,19 +188,14 @@ impl Recording {
             }
             Source::Film(watched) => {
                 let frame = watched.next_frame()?;
-                if let Some(frame) = &frame {
+                if frame.is_some() {
                     self.frames += 1;
                     wire::detections::twice(&watched.seen)
-                        .for_each(|id| note(&mut self.twins, &self.header, id, frame.captured_ns));
+                        .for_each(|id| note(&mut self.twins, &self.header, id));
                 }
                 Ok(frame)
             }
         }
-    }
-
-    /// The markers that were in view twice so far.
-    pub fn twins(&self) -> &[Twin] {
-        &self.twins
     }
 
     /// What a person should know of the recording after it was read. `path` is what it is called.
@@ -234,15 +227,12 @@ impl Recording {
 }
 
 /// Notes that a marker is in view twice.
-fn note(twins: &mut Vec<Twin>, header: &Header, id: u16, now_ns: u64) {
+fn note(twins: &mut Vec<Twin>, header: &Header, id: u16) {
     match twins.iter_mut().find(|twin| twin.id == id) {
-        Some(twin) => {
-            twin.frames += 1;
-            twin.newest_ns = now_ns;
-        }
+        Some(twin) => twin.frames += 1,
         None => {
             let name = object_name(&header.objects, id);
-            twins.push(Twin { id, name, frames: 1, newest_ns: now_ns });
+            twins.push(Twin { id, name, frames: 1 });
         }
     }
 }

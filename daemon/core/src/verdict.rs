@@ -62,6 +62,8 @@ pub enum Reason {
     TooFewFrames,
     /// Whether its two objects touched, or one only passed the other, cannot be told.
     Passing,
+    /// The marker of an object was in view twice.
+    MarkerTwice,
 }
 
 /// What was missing for a verdict that could not be given. All is `None` of other verdicts, and where it does not say why.

@@ -100,6 +100,25 @@ pub struct Run {
     pub activities: Vec<Activity>,
 }
 
+/// The frames with each hand called what it is, as the encoder takes them: a tracker may call one the other one for some frames, and what is
+/// learnt from the frames themselves must not take it for another hand.
+fn called_what_they_are(
+    frames: &[Frame],
+    objects: &[NamedObject],
+    method: &Method,
+) -> Result<Arc<[Frame]>, couple::Unusable> {
+    let shapes: Vec<ObjectShape> = objects.iter().map(|object| object.shape.clone()).collect();
+    let mut encoder = Encoder::new(*method, &shapes)?;
+    let called = |frame: &Frame| {
+        let mut frame = frame.clone();
+        if encoder.step(&frame, &mut |_| ()).is_ok() && encoder.are_hands_swapped() {
+            frame.hands.iter_mut().for_each(|hand| hand.side = hand.side.other());
+        }
+        frame
+    };
+    Ok(frames.iter().map(called).collect())
+}
+
 /// Why no run was made of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
@@ -139,11 +158,14 @@ impl Run {
         if let Some(cut) = &recording.truncation {
             return Err(RunError::CutShort(cut.clone()));
         }
+        let objects = &recording.header.objects;
+        let frames = called_what_they_are(&recording.frames, objects, method)
+            .map_err(|unusable| RunError::Unusable { name: name.to_owned(), unusable })?;
         let unencoded = Self {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
-            objects: recording.header.objects.clone(),
-            frames: recording.frames.as_slice().into(),
+            objects: objects.clone(),
+            frames,
             method: *method,
             couples: Arc::default(),
             activities: Vec::new(),
@@ -393,6 +415,14 @@ mod tests {
 
     /// A hand takes a part, carries it by 20 cm in half a second, holds it there, and brings it back.
     fn carried_and_held_s(held_s: f32) -> Run {
+        run_of(&recorded(held_s))
+    }
+
+    fn run_of(recording: &Recording) -> Run {
+        Run::new("cup", "", recording, &Method::default()).unwrap()
+    }
+
+    fn recorded(held_s: f32) -> Recording {
         let back_s = 2.0 + held_s;
         let frame = |index: u16| {
             let t = f32::from(index) / 30.0;
@@ -423,8 +453,18 @@ mod tests {
             objects: vec![NamedObject { name: "cup".to_owned(), shape }],
         };
         let frames = (0..(30.0 * (back_s + 2.0)) as u16).map(frame).collect();
-        let recording = Recording { header, frames, truncation: None };
-        Run::new("cup", "", &recording, &Method::default()).unwrap()
+        Recording { header, frames, truncation: None }
+    }
+
+    #[test]
+    fn a_hand_that_is_called_the_other_one_for_some_frames_is_the_same_hand_in_all_that_is_learnt() {
+        let mut recording = recorded(1.0);
+        let run = run_of(&recording);
+        for called_left in [1, 5, 12] {
+            let hands = recording.frames[60..60 + called_left].iter_mut().flat_map(|frame| &mut frame.hands);
+            hands.for_each(|hand| hand.side = Side::Left);
+            assert_eq!(run_of(&recording), run, "{called_left} frames");
+        }
     }
 
     #[test]

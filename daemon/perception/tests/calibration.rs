@@ -243,3 +243,17 @@ fn a_file_that_is_missing_or_no_calibration_is_named() {
     let error = Calibration::load(&path).unwrap_err();
     assert!(error.to_string().contains("no homography"), "{error}");
 }
+
+#[test]
+fn a_pipe_in_place_of_a_calibration_is_refused_and_not_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("bench.toml");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [pipe.as_path(), std::path::Path::new("/dev/null")] {
+        let refused = Calibration::load(path).unwrap_err();
+        assert!(
+            std::error::Error::source(&refused).unwrap().to_string().contains("pipe or a device"),
+            "{refused}"
+        );
+    }
+}

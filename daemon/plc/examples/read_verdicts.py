@@ -28,7 +28,8 @@ GONE, DEAD = 2, 3
 LEVELS = {1: "iu", 2: "activity", 3: "job"}
 OUTCOMES = {1: "ok", 2: "anomaly", 3: "not_judged"}
 REASONS = ["None", "WrongObject", "WrongOrder", "Motion", "TooShort", "TooLong", "NotCompleted", "Unknown", "Blind",
-           "Overload", "HandNotSeen", "ObjectNotSeen", "BeginningNotSeen", "BrokenOff", "FramesMissing", "TooFewFrames", "Passing"]
+           "Overload", "HandNotSeen", "ObjectNotSeen", "BeginningNotSeen", "BrokenOff", "FramesMissing", "TooFewFrames", "Passing",
+           "MarkerTwice"]
 NOTES = [None, "Order", "Again", "OtherHand", "Step"]
 MEASURES = [None, ("Duration", "s"), ("Strokes", "strokes"), ("StrokeLength", "m"), ("Path", "m"), ("Direction", "degrees"),
             ("Place", "m"), ("Bow", "m")]

@@ -43,6 +43,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "usage: %s STATION [COUNT [ROOT]]\n", argv[0]);
         return 64;
     }
+    setvbuf(stdout, NULL, _IOLBF, 0); /* Whoever follows it through a pipe or a file sees each line at once. */
     size_t count = argc > 2 ? strtoul(argv[2], NULL, 10) : 0;
     uint64_t *latency_ns = calloc(count ? count : 1, sizeof *latency_ns);
     AndonReader *reader = NULL;
@@ -52,7 +53,6 @@ int main(int argc, char **argv) {
         return 70;
     }
     printf("open\n");
-    fflush(stdout);
 
     size_t received = 0;
     uint64_t lost = 0;
@@ -69,7 +69,6 @@ int main(int argc, char **argv) {
             break;
         case ANDON_RESULT_WRITER_GONE:
             printf("judge gone\n");
-            fflush(stdout);
             break;
         case ANDON_RESULT_NOTHING:
             break; /* The other work of a cycle. */
@@ -83,7 +82,6 @@ int main(int argc, char **argv) {
         if (status.ready != ready) {
             ready = status.ready;
             printf("ready %d\n", ready);
-            fflush(stdout);
         }
         if (status.lost != lost) {
             printf("lost %llu\n", (unsigned long long)(status.lost - lost));

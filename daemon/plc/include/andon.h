@@ -115,6 +115,10 @@ enum AndonReason {
    * Whether its two objects touched, or one only passed the other, could not be told.
    */
   ANDON_REASON_PASSING = 16,
+  /**
+   * The marker of an object was in view twice, so that it was not known which of the two lay on it.
+   */
+  ANDON_REASON_MARKER_TWICE = 17,
 };
 
 /**

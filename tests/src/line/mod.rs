@@ -7,16 +7,20 @@
 mod client;
 mod film;
 mod journalled;
+mod metrics;
 mod process;
 mod shift;
+mod soft_plc;
 mod stand_in;
 mod watcher;
 
 pub use client::{Modbus, control, status};
 pub use film::root;
 pub use journalled::Journalled;
+pub use metrics::{ask, measure, samples, scrape, tally, verdicts};
 pub use process::{Process, andond, own_memory_kib};
 pub use shift::{Counted, Kept, Shift, Told, account, kept, told, told_last};
+pub use soft_plc::soft_plc;
 pub use stand_in::{Sender, stand_in};
 pub use watcher::{Watcher, role_id};
 

@@ -40,7 +40,7 @@ impl Instead {
 
     /// Why a verdict is as it is, where it rests on the step that was missed for this one.
     pub(super) fn missed(&self, verdict: &Verdict, names: &Names) -> Option<String> {
-        let is_missed = verdict.outcome == Outcome::Anomaly && missing(verdict) == Some(self.step);
+        let is_missed = verdict.outcome != Outcome::Ok && missing(verdict) == Some(self.step);
         let [taken, expected] = self.parts(names).filter(|_| is_missed)?;
         // The question whether it was right is answered.
         let verdict = Verdict { note: verdict.note.filter(|note| *note != Note::Step), ..*verdict };

@@ -76,6 +76,7 @@ fn what_was_not_judged_is_told_by_what_was_missing_and_how_much_of_it() {
     says(Reason::BeginningNotSeen, missing, "its beginning was not seen");
     says(Reason::BrokenOff, missing, "it was not watched to its end");
     says(Reason::Overload, missing, "it lasted longer than can be compared");
+    says(Reason::MarkerTwice, Missing { object: Some(6), ..missing }, "marker 6 (brick) is in view twice");
     says(Reason::Passing, missing, "it cannot be told whether its parts touched");
     says(Reason::Blind, missing, "too little of it was seen");
 }
@@ -242,6 +243,11 @@ fn a_part_that_was_taken_instead_of_another_is_told_with_the_step_that_was_misse
             noted,
             "14:03:09         ANOMALY     job: ended without step 1 (polish); took the meter at 14:03:01, expected the polisher"
         ]
+    );
+    let unknown = Verdict { outcome: Outcome::NotJudged, reason: Reason::BeginningNotSeen, ..ended };
+    assert_eq!(
+        told(&[("14:03:01", other(3)), ("14:03:09", unknown)])[1],
+        "14:03:09         NOT JUDGED  job: step 1 (polish): its beginning was not seen; took the meter at 14:03:01, expected the polisher"
     );
     // It is not known that one step was missed for another.
     let second = Verdict { nearest: Some(1), ..ended };

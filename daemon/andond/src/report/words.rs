@@ -57,12 +57,15 @@ pub fn is_instead(verdict: &Verdict) -> bool {
         && matches!(verdict.reason, Reason::WrongObject | Reason::WrongOrder)
 }
 
-/// The step that should have come and did not.
+/// The step that should have come and did not, or may not have.
 pub(super) fn missing(verdict: &Verdict) -> Option<u16> {
     match verdict.broken {
         Some(BrokenOrder { fault: OrderFault::NotBegun, activity, .. }) => Some(activity),
         None if verdict.level == Level::Job
-            && matches!(verdict.reason, Reason::NotCompleted | Reason::WrongObject) =>
+            && matches!(
+                verdict.reason,
+                Reason::NotCompleted | Reason::WrongObject | Reason::BeginningNotSeen
+            ) =>
         {
             verdict.nearest
         }
@@ -154,6 +157,10 @@ fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
         },
         Reason::NotCompleted => "ended before its last IU".to_owned(),
         Reason::Unknown => "nothing to compare it with".to_owned(),
+        Reason::MarkerTwice => match verdict.missing.object {
+            Some(object) => format!("marker {object} ({}) is in view twice", names.object(object)),
+            None => "a marker is in view twice".to_owned(),
+        },
         Reason::Passing => "it cannot be told whether its parts touched".to_owned(),
         Reason::Overload => "it lasted longer than can be compared".to_owned(),
         Reason::BeginningNotSeen => "its beginning was not seen".to_owned(),
@@ -254,6 +261,7 @@ impl Names {
             (Reason::FramesMissing, _) => "no frames for a while",
             (Reason::TooFewFrames, _) => "too few frames",
             (Reason::Passing, _) => "parts only near each other",
+            (Reason::MarkerTwice, _) => "marker in view twice",
         };
         Some(match verdict.nearest {
             Some(step) => format!("{}: {kind}", self.step(step)),

@@ -3,7 +3,6 @@
 pub(super) mod neighbours;
 
 use std::fmt;
-use std::fs::File;
 use std::io::Read as _;
 use std::net::TcpListener;
 use std::path::Path;
@@ -207,7 +206,7 @@ impl Checks<'_> {
 /// What is wrong with an existing database.
 fn unusable_journal(path: &Path) -> Option<String> {
     let mut begin = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(SQLITE.len() as u64).read_to_end(&mut begin));
+    let read = file::open(path).and_then(|file| file.take(SQLITE.len() as u64).read_to_end(&mut begin));
     if let Err(error) = read {
         return Some(format!("cannot be read: {error}"));
     }

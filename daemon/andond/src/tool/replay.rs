@@ -17,7 +17,7 @@ use super::{ToolError, is_named, job, load_config_for, progress};
 use crate::cli::Replay;
 use crate::compatibility;
 use crate::picture::Annotator;
-use crate::recording::{Recording, Twin};
+use crate::recording::Recording;
 use crate::report::{Names, Teller, VerdictLine, on_recording};
 
 /// Exit code: an anomaly was found.
@@ -48,6 +48,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
         anomaly: false,
         not_judged: false,
         judged: false,
+        shows_parts: false,
     };
     replay(&mut recording, &file, arguments, &mut printer)?;
     let (path, rate_hz) = (arguments.recording.display(), recording.header().rate_hz);
@@ -55,6 +56,11 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     if rate_hz < needed_hz {
         eprintln!(
             "{path} has {rate_hz:.1} frames per second, and the job needs {needed_hz:.1}: what fewer frames show is not judged"
+        );
+    } else if printer.seq == 0 && !printer.shows_parts && !Recording::is_tracks(&arguments.recording) {
+        eprintln!(
+            "nothing was judged: {path} shows no marker of the job's parts; `andond look {path}` says why, as where the picture is mirrored or a \
+             negative"
         );
     } else if printer.seq == 0 {
         eprintln!("nothing was judged: in {path} no hand was seen to touch an object of the job");
@@ -70,10 +76,11 @@ struct Printer<'a> {
     anomaly: bool,
     not_judged: bool,
     judged: bool,
+    shows_parts: bool,
 }
 
 impl Printer<'_> {
-    fn print(&mut self, verdict: &Verdict, twins: &[Twin]) -> std::io::Result<()> {
+    fn print(&mut self, verdict: &Verdict) -> std::io::Result<()> {
         self.seq += 1;
         self.anomaly |= verdict.outcome == Outcome::Anomaly;
         self.not_judged |= verdict.outcome == Outcome::NotJudged;
@@ -83,9 +90,7 @@ impl Printer<'_> {
             serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names))?;
             writeln!(out)
         } else {
-            let mut line = self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names);
-            line.text += &why_unseen(verdict, twins);
-            line.write(&mut out)
+            self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names).write(&mut out)
         }
     }
 
@@ -96,12 +101,6 @@ impl Printer<'_> {
             (false, false) => 0,
         }
     }
-}
-
-/// What was in view twice while a verdict was made that is none.
-fn why_unseen(verdict: &Verdict, twins: &[Twin]) -> String {
-    let of_it = |twin: &&Twin| verdict.outcome == Outcome::NotJudged && twin.newest_ns >= verdict.began_ns;
-    twins.iter().filter(of_it).map(|twin| format!("; {twin}")).collect()
 }
 
 fn replay(
@@ -119,10 +118,10 @@ fn replay(
         let mut newest: Option<Couples> = None;
         loop {
             let frame = recording.next_frame()?;
+            printer.shows_parts |= frame.as_ref().is_some_and(|frame| !frame.objects.is_empty());
             let verdicts = judge_next(frame.as_ref(), &mut encoder, &mut judge, &mut newest);
             if !verdicts.is_empty() {
-                let twins = recording.twins();
-                bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict, twins)))
+                bar.suspend(|| verdicts.iter().try_for_each(|verdict| printer.print(verdict)))
                     .map_err(ToolError::Print)?;
             }
             if let (Some(annotator), Some(view)) = (annotator.as_mut(), recording.view()) {

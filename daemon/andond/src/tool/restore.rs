@@ -30,7 +30,7 @@ pub fn run(arguments: &Restore) -> Result<Code, ToolError> {
     refuse_while_it_runs(&archive)?;
     let differs = |(entry, bytes): (&Entry, &[u8])| {
         let path = place(entry);
-        let is_same = std::fs::read(&path).is_ok_and(|there| there == bytes);
+        let is_same = andon_learn::file::read(&path).is_ok_and(|there| there == bytes);
         (path.exists() && !is_same).then_some(path)
     };
     let in_the_way: Vec<PathBuf> = archive.files().filter_map(differs).collect();

@@ -96,7 +96,7 @@ twins!(Outcome as VerdictOutcome, outcome, outcome_of_method: Ok Anomaly NotJudg
 twins!(
     Reason as VerdictReason, reason, reason_of_method:
     None WrongObject WrongOrder Motion TooShort TooLong NotCompleted Unknown Blind Overload HandNotSeen ObjectNotSeen
-    BeginningNotSeen BrokenOff FramesMissing TooFewFrames Passing
+    BeginningNotSeen BrokenOff FramesMissing TooFewFrames Passing MarkerTwice
 );
 
 /// The note as it travels.

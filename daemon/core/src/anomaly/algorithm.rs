@@ -378,22 +378,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
     }
 
-    /// An IU has ended that was seen well. Where a step that was not shown has done with it the work of a step that must come now, but with another
-    /// part, that part is wrong. Only strokes tell such work from a part that is held or put aside.
-    fn compare_but_for_part(&mut self, iu: &Iu, progress: &mut Progress<'a>) {
-        let Some((open, activity)) = self.iu.zip(self.activity.as_mut()) else { return };
-        let (job, number) = (progress.job, usize::from(open.number));
-        activity.compare_but_for_part(job, number, iu.context);
-        let has_done = |nominal: &usize| {
-            let shown = &job.activities[*nominal].ius[number];
-            let strokes = shown.reversals.min;
-            strokes > 0 && iu.measures.reversals >= strokes && iu.frames >= shown.quickest()
-        };
-        if let Some(nominal) = activity.like.iter().find(has_done) {
-            progress.set_done_instead(activity.number, nominal);
-        }
-    }
-
     /// The two parts were shown to rest beside each other but only passed, and no candidate goes on with the next context: it is not known
     /// whether they touched.
     fn conclude_passing(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
@@ -490,12 +474,19 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         // Wherever in it the hand may be, it is too early for all of it while the bench shows that what comes before has not been done.
-        let fault = |nominal| {
-            let fault = progress.order_fault(self.side, nominal);
-            fault.filter(|broken| is_order_certain || progress.is_undone(broken))
+        let side = self.side;
+        let fault_of_all = |progress: &Progress<'a>| {
+            let mut faults = candidates.iter().map(|nominal| {
+                let fault = progress.order_fault(side, nominal);
+                fault.filter(|broken| is_order_certain || progress.is_undone(broken))
+            });
+            faults.try_fold(None, |first, fault| Some(first.or(Some(fault?)))).flatten()
         };
-        let mut faults = candidates.iter().map(fault);
-        if let Some(broken) = faults.try_fold(None, |first, fault| Some(first.or(Some(fault?)))) {
+        let mut broken = fault_of_all(progress);
+        while broken.is_some_and(|broken| progress.blame_part(&broken)) {
+            broken = fault_of_all(progress);
+        }
+        if broken.is_some() {
             activity.broken = broken;
             self.conclude_activity(
                 Outcome::Anomaly,

@@ -198,9 +198,18 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let broken = progress.order_fault(self.side, nominal);
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
+        let is_judged = activity.unjudged.is_none();
+        let is_certain = activity.is_order_certain();
+        let mut broken = progress.order_fault(self.side, nominal);
+        while let Some(fault) = broken
+            && is_judged
+            && (is_certain || progress.is_undone(&fault))
+            && progress.blame_part(&fault)
+        {
+            broken = progress.order_fault(self.side, nominal);
+        }
         activity.broken = activity.broken.or(broken);
         let is_too_early = broken.is_some_and(|broken| progress.is_undone(&broken));
         let unjudged = activity.unjudged;

@@ -17,7 +17,8 @@
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
 //! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)): another one must have begun or ended before it, or
 //!   it must not come again.
-//! - *In place of a step*: one that was not shown has done, with another part, the strokes of one that must come now. The part is wrong.
+//! - *In place of a step*: one that was not shown has done, with another part, the strokes of one that must come now. The part is wrong. Without
+//!   strokes it is once that one is missed: where another one comes that must come behind it, or at the end of the job.
 //! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
 //!   whether it was right. So does another order, a repetition or another hand that was not shown.
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone.
@@ -82,10 +83,12 @@ mod alignment;
 mod comparison;
 mod extent;
 mod hand;
+mod instead;
 mod measure;
 mod missed;
 mod places;
 mod progress;
+mod twice;
 mod watch;
 
 pub use comparison::Memory;
@@ -102,6 +105,7 @@ use crate::verdict::Verdict;
 use hand::HandJudge;
 use missed::Missed;
 use progress::Progress;
+use twice::Twice;
 
 /// Why work cannot be judged against a job.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,6 +216,7 @@ pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
     blind_ns: u64,
     /// The newest couples, unless others follow that do not come from the same frames.
     newest: Option<Couples>,
+    twice: Option<Twice>,
     /// In how many of the next couples it may still not be seen what a hand held when others were missing.
     unsettled: u32,
     segmenter: JobSegmenter,
@@ -253,6 +258,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             period_ns: method.period_ns(),
             blind_ns: u64::from(method.blind_ms) * 1_000_000,
             newest: None,
+            twice: None,
             unsettled: 0,
             segmenter,
             bench: Bench {
@@ -291,6 +297,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
     /// what a hand holds.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
+        self.twice = Twice::follow(self.twice, couples.twice_object, couples.captured_ns);
+        let twice = self.twice;
+        let emit = &mut |event| emit(Twice::named(twice, event));
         if let Some(newest) = self.newest.replace(*couples) {
             let until_ns = couples.captured_ns.saturating_sub(self.period_ns / 2);
             let mut elapsed_ns = self.period_ns;
@@ -401,6 +410,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 
     /// Starts a job on command. The open job, if any, ends first, with its verdicts.
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
+        let twice = self.twice;
+        let emit = &mut |event| emit(Twice::named(twice, event));
         let Self { segmenter, bench, .. } = self;
         self.newest = None;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
@@ -423,6 +434,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
 
     /// Ends the open job on command or at the end of a recording, with its verdicts.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
+        let twice = self.twice;
+        let emit = &mut |event| emit(Twice::named(twice, event));
         let Self { segmenter, bench, .. } = self;
         segmenter.finish(&mut |event| bench.take(&event, None, emit));
         if let Some(began_ns) = segmenter.take_unseen(true) {

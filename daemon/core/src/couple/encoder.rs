@@ -156,6 +156,11 @@ impl Encoder {
         Ok(())
     }
 
+    /// Whether the newest frame that was taken calls each hand by the name of the other one, as a tracker does for some frames.
+    pub fn are_hands_swapped(&self) -> bool {
+        self.scene.are_hands_swapped()
+    }
+
     /// Ends the recording: emits the couples that are still delayed. The next frame starts a new recording.
     pub fn flush(&mut self, emit: &mut impl FnMut(Couples)) {
         let known_ns = self.scene.newest_ns();

@@ -139,8 +139,9 @@ pub enum TeachError {
     NoRun,
     /// No run has an activity, or no step is common to most of them.
     #[error(
-        "the {0} runs have no step in common: check that the hand touches the objects (interaction points, contact distances) \
-         and that all runs show the same job"
+        "{}: check that the hand touches the objects (interaction points, contact distances){}",
+        if *.0 == 1 { "the one run shows no step".to_owned() } else { format!("the {} runs have no step in common", .0) },
+        if *.0 == 1 { "" } else { " and that all runs show the same job" }
     )]
     NothingInCommon(usize),
     /// There are steps that most runs have, and no run that has all of them and nothing else.

@@ -349,15 +349,25 @@ fn gives_way(strictness: Strictness) -> String {
 impl Disagreement {
     /// Where the run differs from the others, in words.
     pub(super) fn sentence(&self, words: &dyn Fn(Context) -> String) -> String {
-        let words = |context: Option<Context>| context.map_or("the end of the step".to_owned(), words);
-        format!(
-            "{}: in step {}, IU {} it has {}, the others have {}",
-            self.name,
-            self.activity + 1,
-            self.iu + 1,
-            words(self.had),
-            words(self.others)
-        )
+        let Self { name, activity, iu, .. } = self;
+        let (step, iu) = (activity + 1, iu + 1);
+        match (self.had.map(words), self.others.map(words)) {
+            (Some(had), Some(others)) => {
+                format!("{name}: in step {step}, IU {iu} it has {had}, the others have {others}")
+            }
+            (Some(had), None) => {
+                format!("{name}: its step {step} goes on with {had}, that of the others has ended before")
+            }
+            (None, Some(others)) if iu == 1 => {
+                format!("{name}: it has no step {step}, which begins with {others} in the others")
+            }
+            (None, Some(others)) => {
+                format!(
+                    "{name}: its step {step} ends before IU {iu}, that of the others goes on with {others}"
+                )
+            }
+            (None, None) => format!("{name}: its step {step} differs from that of the others"),
+        }
     }
 }
 

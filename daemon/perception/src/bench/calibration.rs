@@ -82,11 +82,12 @@ impl Calibration {
     /// # Errors
     /// [`CalibrationError::File`], [`CalibrationError::Content`].
     pub fn load(path: &Path) -> Result<Self, CalibrationError> {
-        let text = std::fs::read_to_string(path).map_err(|source| CalibrationError::File {
-            path: path.into(),
-            verb: "read",
-            source,
-        })?;
+        let unread = |source| CalibrationError::File { path: path.into(), verb: "read", source };
+        // The writer of a pipe would be waited for, and a device has no end.
+        if path.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+            return Err(unread(std::io::Error::other("it is a pipe or a device, and a file is needed")));
+        }
+        let text = std::fs::read_to_string(path).map_err(unread)?;
         let content = |reason: String| CalibrationError::Content { path: path.into(), reason };
         let calibration: Self = toml::from_str(&text).map_err(|error| content(error.to_string()))?;
         if calibration.plane().is_none() {

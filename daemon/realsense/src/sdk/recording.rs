@@ -14,8 +14,13 @@ use super::{Kind, Source};
 use crate::Error;
 
 pub(super) fn open(api: Api, file: &Path, depth: bool) -> Result<Source, Error> {
+    let none = |detail: String| Error::NoRecording { file: file.into(), detail };
+    // The writer of a pipe would be waited for, and a device has no end.
+    if file.metadata().is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        return Err(none("it is a pipe or a device, and a file is needed".to_owned()));
+    }
     // The SDK notices a missing file late and reports it in terms of its own.
-    File::open(file).map_err(|error| Error::NoRecording { file: file.into(), detail: error.to_string() })?;
+    File::open(file).map_err(|error| none(error.to_string()))?;
     let bad = |detail: String| Error::recording(file, depth, detail);
     let player = Player::open(api, file).map_err(bad)?;
     let kinds = [("colour", Rs2StreamKind::Color), ("depth", Rs2StreamKind::Depth)];

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use andon_ipc::{MonotonicTime, Node, Stop, Writer};
-use andon_tests::line::{Line, Modbus, Settings, andond, status};
+use andon_tests::line::{Line, Modbus, Settings, soft_plc, status};
 use andon_tests::measure::{Arguments, percentile, report};
 use serde_json::json;
 use shm_schemas::{RoleId, Verdict, VerdictLevel, VerdictOutcome};
@@ -110,24 +110,7 @@ fn c_reader(
     count: usize,
     judge: &mut Judge,
 ) -> (Child, impl Iterator<Item = String> + use<>) {
-    let plc = Path::new(env!("CARGO_MANIFEST_DIR")).join("../daemon/plc");
-    let library = andond().with_file_name("libandon_plc.so");
-    // Programs ask for the library by the name that it was given when it was linked.
-    std::fs::copy(&library, folder.join("libandon_plc.so.0")).unwrap_or_else(|error| {
-        panic!("{}: {error}: build it first with `cargo build --release -p andon-plc`", library.display())
-    });
-    let program = folder.join("soft_plc");
-    let status = Command::new("cc")
-        .args(["-std=c11", "-O2", "-o"])
-        .arg(&program)
-        .arg(format!("-I{}", plc.join("include").display()))
-        .arg(plc.join("examples/soft_plc.c"))
-        .arg(folder.join("libandon_plc.so.0"))
-        .arg(format!("-Wl,-rpath,{}", folder.display()))
-        .status()
-        .unwrap();
-    assert!(status.success(), "the example does not compile");
-    let mut child = Command::new(program)
+    let mut child = Command::new(soft_plc(folder))
         .args(["line", &count.to_string()])
         .arg(line.station.root())
         .stdout(Stdio::piped())

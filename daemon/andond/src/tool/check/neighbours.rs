@@ -3,14 +3,16 @@
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
+use andon_learn::file;
+
 use crate::atomic::folder_of;
 use crate::config::{Config, Source};
 
 /// What this station shares with one beside it.
 pub(super) fn faults(config: &Config) -> Vec<String> {
     let what_is_shared = |(path, other): (PathBuf, Config)| {
-        let own = config.files.last().and_then(|own| std::fs::read(own).ok());
-        if own.is_some() && own == std::fs::read(&path).ok() {
+        let own = config.files.last().and_then(|own| file::read(own).ok());
+        if own.is_some() && own == file::read(&path).ok() {
             let copy = path.display();
             let said = format!(
                 "station.name: {copy} is a copy of this station's file: move it to another folder, or give it a name, a port, a journal and a \

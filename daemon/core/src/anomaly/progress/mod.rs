@@ -58,6 +58,8 @@ pub(super) struct Progress<'a> {
     unjudged: ActivitySet,
     /// Activities that were tried and done wrong.
     wrong: ActivitySet,
+    /// Activities whose work may have been done with another part. If one of them turns out not to have come, that part was wrong.
+    instead: ActivitySet,
     /// For each hand, the activity that it has matched to its last IU while a longer candidate may still go on.
     waiting: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
@@ -135,6 +137,7 @@ impl<'a> Progress<'a> {
             excused: ActivitySet::EMPTY,
             unjudged: ActivitySet::EMPTY,
             wrong: ActivitySet::EMPTY,
+            instead: ActivitySet::EMPTY,
             waiting: [ActivitySet::EMPTY; HANDS],
             underway: [ActivitySet::EMPTY; HANDS],
             may_be_underway: [ActivitySet::EMPTY; HANDS],

@@ -61,6 +61,26 @@ impl Progress<'_> {
         }
     }
 
+    /// The work of a nominal activity may have been done with another part, which nothing tells from a part that is held or put aside.
+    pub(in crate::anomaly) fn note_instead(&mut self, nominal: usize) {
+        self.instead |= self.activities_of([nominal]);
+    }
+
+    /// An activity has come too early because this one has not come. Where its work may have been done with another part, that part is wrong and not
+    /// the order. Returns whether it is.
+    pub(in crate::anomaly) fn blame_part(&mut self, broken: &BrokenOrder) -> bool {
+        let other = usize::from(broken.activity);
+        let is_instead = broken.fault == OrderFault::NotBegun
+            && self.instead.contains(other)
+            && !self.wrong.contains(other);
+        let mut all = self.job.activities.iter();
+        let nominal = all.position(|nominal| nominal.activity == broken.activity).filter(|_| is_instead);
+        if nominal.is_some() {
+            self.set_wrong(nominal, Reason::WrongObject, None, None);
+        }
+        nominal.is_some()
+    }
+
     /// Whether the bench has shown in this job that what must come before had not been done.
     pub(in crate::anomaly) fn is_undone(&self, broken: &BrokenOrder) -> bool {
         broken.fault == OrderFault::NotBegun && self.undone_first.contains(broken.activity.into())

@@ -56,7 +56,11 @@ impl Progress<'_> {
             let Cause { reason, missing } = cause;
             Fault { reason, missing, nearest, measured: None, broken: None }
         };
-        let not_completed = |lowest: usize| because(Reason::NotCompleted.into(), Some(lowest as u16));
+        let not_completed = |lowest: usize| {
+            let is_instead = self.instead.contains(lowest);
+            let reason = if is_instead { Reason::WrongObject } else { Reason::NotCompleted };
+            because(reason.into(), Some(lowest as u16))
+        };
         let missing = self.required.without(self.done | self.unjudged);
         let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
         let is_end_certain = !self.is_end_assumed;
@@ -81,7 +85,8 @@ impl Progress<'_> {
                         missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());
                     let cause = self.unseen_activity_cause(unseen);
                     let is_of_job = matches!(cause.reason, Reason::BeginningNotSeen | Reason::BrokenOff);
-                    let nearest = unseen.filter(|_| !is_of_job).map(|activity| activity as u16);
+                    let is_named = |activity: &usize| !is_of_job || self.instead.contains(*activity);
+                    let nearest = unseen.filter(is_named).map(|activity| activity as u16);
                     (Outcome::NotJudged, because(cause, nearest))
                 }
             },

@@ -111,6 +111,8 @@ pub(super) struct Scene {
     handless_frames: u32,
     /// For how many frames no hand has acted on anything.
     idle_frames: u32,
+    /// [`Frame::twice_object`] of the newest frame.
+    twice_object: u16,
     hands: [Recent<HandPose>; HANDS],
     leaps: [Leap; HANDS],
     sides: Sides,
@@ -159,6 +161,7 @@ impl Scene {
             bench_hidden: 0,
             handless_frames: 0,
             idle_frames: 0,
+            twice_object: 0,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             leaps: [Leap::default(); HANDS],
             sides: Sides::default(),
@@ -197,6 +200,7 @@ impl Scene {
     pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) {
         self.times_ns.push(captured_ns);
         self.captured = self.captured << 1 | u32::from(frame.is_some());
+        self.twice_object = frame.map_or(0, |frame| frame.twice_object);
         self.push_hands(frame);
         self.push_objects(frame);
         self.move_holding_hands();
@@ -209,6 +213,11 @@ impl Scene {
         self.push_bench_hidden();
         self.push_clear();
         self.push_rivals();
+    }
+
+    /// Whether the newest frame calls each hand by the name of the other one.
+    pub(super) fn are_hands_swapped(&self) -> bool {
+        self.sides.is_swapped
     }
 
     fn push_hands(&mut self, frame: Option<&Frame>) {
@@ -321,6 +330,7 @@ impl Scene {
             undone: self.undone(age),
             out_of_sight: self.out_of_sight(age),
             out_of_sight_object: self.out_of_sight_object(age),
+            twice_object: self.twice_object,
             hands,
         }
     }

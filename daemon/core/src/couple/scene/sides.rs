@@ -14,6 +14,8 @@ const MAX_UNSEEN: u32 = 2;
 pub(super) struct Sides {
     /// In how many frames it was, at most `blind_frames`, less those in which it was called the other one. Another name that lasts is believed.
     known: [u32; HANDS],
+    /// Whether the newest frame calls each hand by the name of the other one.
+    pub(super) is_swapped: bool,
 }
 
 impl Sides {
@@ -38,6 +40,7 @@ impl Sides {
             [Some(_), Some(_)] => is_other(0) && is_other(1),
             _ => is_other(0) || is_other(1),
         };
+        self.is_swapped = is_swapped;
         let seen = if is_swapped { [called[1], called[0]] } else { called };
         for (hand, known) in self.known.iter_mut().enumerate() {
             *known = match seen[hand] {

@@ -1,0 +1,72 @@
+//! A marker that is in view twice is the reason of what is not judged because of it.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use andon_core::anomaly::Judge;
+use andon_core::config::Method;
+use andon_core::couple::Sight;
+use andon_core::input::Frame;
+use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use common::bench::{Bench, encode};
+use common::script::stream;
+use common::work::{measure, polish, polish_and_measure};
+
+const POLISHER: u16 = 5;
+
+/// The verdicts on a piece whose polisher is not seen while it polishes; in these frames its marker is in view twice.
+fn judged(twice: core::ops::Range<usize>, at_start_of_job: bool) -> Vec<Verdict> {
+    let mut couples = stream(&[&polish(6)[..], &measure()].concat(), &[]);
+    for couples in &mut couples[40..110] {
+        let couple = &mut couples.hands[0];
+        couple.sight[1] = Sight::Unseen;
+        (couple.is_clear, couple.is_doubtful, couple.hidden_object) = (false, true, POLISHER);
+    }
+    couples[twice].iter_mut().for_each(|couples| couples.twice_object = POLISHER);
+    let job = polish_and_measure();
+    let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
+    if at_start_of_job {
+        judge = judge.at_start_of_job();
+    }
+    let mut verdicts = Vec::new();
+    for couples in &couples {
+        judge.step(couples, &mut |event| verdicts.extend(event.verdict()));
+    }
+    judge.finish(&mut |event| verdicts.extend(event.verdict()));
+    verdicts
+}
+
+fn reasons(verdicts: &[Verdict]) -> Vec<(Level, Reason, Option<u16>)> {
+    let not_judged = verdicts.iter().filter(|verdict| verdict.outcome == Outcome::NotJudged);
+    not_judged.map(|verdict| (verdict.level, verdict.reason, verdict.missing.object)).collect()
+}
+
+#[test]
+fn what_is_not_judged_because_a_marker_is_in_view_twice_says_so() {
+    let twice = reasons(&judged(40..110, true));
+    assert!(!twice.is_empty(), "{twice:?}");
+    assert!(
+        twice.iter().all(|(_, reason, object)| (*reason, *object) == (Reason::MarkerTwice, Some(POLISHER))),
+        "{twice:?}"
+    );
+}
+
+#[test]
+fn what_is_not_judged_for_another_reason_keeps_it() {
+    for twice in [0..0, 0..5] {
+        let unseen = reasons(&judged(twice.clone(), true));
+        let is_unseen = |one: &(Level, Reason, Option<u16>)| one.1 == Reason::ObjectNotSeen;
+        assert!(unseen.iter().any(is_unseen), "{twice:?}: {unseen:?}");
+        assert!(unseen.iter().all(|one| one.1 != Reason::MarkerTwice), "{twice:?}: {unseen:?}");
+    }
+}
+
+#[test]
+fn a_frame_says_which_marker_it_shows_twice_up_to_the_couples() {
+    let mut bench = Bench::new(&[(POLISHER, [0.0, 0.025])]);
+    bench.rest(30);
+    let frames: Vec<Frame> =
+        bench.frames.iter().map(|frame| Frame { twice_object: POLISHER, ..frame.clone() }).collect();
+    assert!(encode(&bench.ids(), &frames).iter().all(|couples| couples.twice_object == POLISHER));
+    assert!(encode(&bench.ids(), &bench.frames).iter().all(|couples| couples.twice_object == 0));
+}
