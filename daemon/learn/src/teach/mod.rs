@@ -22,6 +22,7 @@ mod report;
 mod sampling;
 mod sequence;
 mod start;
+mod statement;
 mod strength;
 mod threshold;
 mod trust;
@@ -35,6 +36,7 @@ pub use order::OrderReport;
 pub use page::page;
 pub use report::TeachReport;
 pub use sequence::Disagreement;
+pub use statement::Statement;
 pub use trust::{Blind, Doubt, Measure, Outlier};
 
 use crate::barycentre::Barycentres;
