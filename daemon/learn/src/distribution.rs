@@ -16,6 +16,10 @@ const COLUMNS: usize = 36;
 pub const LEGEND: &str =
     "X is this run, | a run that was shown and a digit so many, = a range, [ ] what is right";
 
+/// What a strip on a page shows.
+pub(crate) const STRIP: &str = "How to read a strip: a tick is a run that was shown, with the number of runs where several are alike, the shaded part is \
+     right, and the cross is the run that the sentence is about.";
+
 /// Between the ends of the scale and those of the row there is room for a bound, and for what lies beyond it.
 const MARGIN: usize = 2;
 
@@ -49,8 +53,8 @@ pub struct Distribution {
     pub shown: Vec<f32>,
     /// The minimum and the maximum of that.
     pub range: [f32; 2],
-    /// The bounds in force.
-    pub right: [Option<f32>; 2],
+    /// The bounds in force, each if there is one; `None` where they are not known.
+    pub right: Option<[Option<f32>; 2]>,
     /// Of the length of a path: how much longer than the straight way it may be, which decides instead of a maximum.
     pub max_detour: Option<f32>,
     /// What this execution measured.
@@ -70,8 +74,16 @@ impl Distribution {
             _ => return None,
         };
         let Some(iu) = iu_of(job, verdict, measure.zip(range)) else {
-            let (shown, right) = (Vec::new(), [None; 2]);
-            return Some(Self { measure, runs: 0, shown, range: range?, right, max_detour: None, value });
+            let shown = Vec::new();
+            return Some(Self {
+                measure,
+                runs: 0,
+                shown,
+                range: range?,
+                right: None,
+                max_detour: None,
+                value,
+            });
         };
         let shown = iu.shown.as_ref().map(|shown| values_of(measure, shown, rate_hz)).unwrap_or_default();
         let right = Right::of(iu, rate_hz);
@@ -80,7 +92,7 @@ impl Distribution {
             runs: iu.demonstrations as usize,
             range: shown.first().zip(shown.last()).map(|(min, max)| [*min, *max]).or(range)?,
             shown,
-            right: measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure)),
+            right: Some(measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure))),
             max_detour: right.max_detour(measure),
             value,
         })
@@ -100,7 +112,7 @@ impl Distribution {
             runs: shown.len(),
             range: [min, max],
             shown,
-            right: right.zip(measure).map_or([None; 2], |(right, measure)| right.of_measure(measure)),
+            right: right.zip(measure).map(|(right, measure)| right.of_measure(measure)),
             max_detour: right.and_then(|right| right.max_detour(measure)),
             value: value as f32,
         }
@@ -149,10 +161,10 @@ impl Distribution {
         }
     }
 
-    /// What is right, in words; nothing where anything is.
+    /// What is right, in words, if it is known.
     fn right_words(&self) -> Option<String> {
         let number = |value: f32| format!("{}{}", self.number(value), self.unit().0);
-        let bounds = match self.right {
+        let bounds = match self.right? {
             [Some(min), Some(max)] if min == max => Some(number(min)),
             [Some(min), Some(max)] => Some(format!("{} to {}", self.number(min), number(max))),
             [Some(min), None] => Some(format!("{} or more", number(min))),
@@ -161,7 +173,11 @@ impl Distribution {
         };
         let detour = self.max_detour.map(|max| format!("a detour of up to {}", number(max)));
         let right: Vec<String> = bounds.into_iter().chain(detour).collect();
-        (!right.is_empty()).then(|| format!("right is {}", right.join(" and ")))
+        Some(if right.is_empty() {
+            "any is right".to_owned()
+        } else {
+            format!("right is {}", right.join(" and "))
+        })
     }
 
     /// Where it lies, and what is right.
@@ -192,12 +208,17 @@ impl Distribution {
         format!("{:.decimals$}", factor * value)
     }
 
+    /// The bounds that there are.
+    fn bounds(&self) -> [Option<f32>; 2] {
+        self.right.unwrap_or_default()
+    }
+
     /// The ends of the scale: all that was shown and measured, and the bounds that are near that.
     fn ends(&self) -> [f32; 2] {
         let [min, max] = self.range;
         let (least, most) = (min.min(self.value), max.max(self.value));
         let room = NEAR * (most - least);
-        let [lower, upper] = self.right;
+        let [lower, upper] = self.bounds();
         let lower = lower.filter(|lower| *lower >= least - room).map_or(least, |lower| lower.min(least));
         let upper = upper.filter(|upper| *upper <= most + room).map_or(most, |upper| upper.max(most));
         [lower, upper]
@@ -210,67 +231,80 @@ impl Distribution {
         (0.0..=1.0).contains(&share).then_some(share)
     }
 
-    /// The scale in characters that every font has: `|` is a run, a digit so many of them, `=` what was shown where the runs are not known, `[` and
-    /// `]` are the bounds and `X` is this execution.
+    /// The column of a value in a row.
+    fn column(&self, value: f32) -> Option<usize> {
+        let last = (COLUMNS - 1 - 2 * MARGIN) as f32;
+        self.share(value).map(|share| MARGIN + (share * last).round() as usize)
+    }
+
+    /// What was shown, divided by the columns in which it lies.
+    fn stacks(&self) -> impl Iterator<Item = &[f32]> {
+        self.shown.chunk_by(|one, next| self.column(*one) == self.column(*next))
+    }
+
+    /// The range that was shown, where nothing more is known.
+    fn only_range(&self) -> Option<[f32; 2]> {
+        self.shown.is_empty().then_some(self.range)
+    }
+
+    /// The scale in characters that every font has, see [`LEGEND`].
     fn row(&self) -> String {
-        let last = COLUMNS - 1 - 2 * MARGIN;
-        let column =
-            |value: f32| self.share(value).map(|share| MARGIN + (share * last as f32).round() as usize);
-        let mut row = vec![b'-'; COLUMNS];
-        if let (true, Some(from), Some(to)) =
-            (self.shown.is_empty(), column(self.range[0]), column(self.range[1]))
-        {
-            row[from..=to].fill(b'=');
+        let column = |value: f32| self.column(value);
+        let mut row = vec!['-'; COLUMNS];
+        if let Some([Some(from), Some(to)]) = self.only_range().map(|range| range.map(column)) {
+            row[from..=to].fill('=');
         }
-        for at in self.shown.iter().filter_map(|value| column(*value)) {
-            row[at] = match row[at] {
-                b'-' => b'|',
-                b'|' => b'2',
-                b'9' => b'+',
-                b'+' => b'+',
-                digit => digit + 1,
+        for stack in self.stacks() {
+            let sign = match stack.len() {
+                1 => '|',
+                count => char::from_digit(count as u32, 10).unwrap_or('+'),
             };
+            column(stack[0]).into_iter().for_each(|at| row[at] = sign);
         }
-        let [lower, upper] = self.right.map(|bound| bound.and_then(column));
-        lower.into_iter().for_each(|at| row[at - 1] = b'[');
-        upper.into_iter().for_each(|at| row[at + 1] = b']');
+        let [lower, upper] = self.bounds().map(|bound| bound.and_then(column));
+        lower.into_iter().for_each(|at| row[at - 1] = '[');
+        upper.into_iter().for_each(|at| row[at + 1] = ']');
         // It is on the same side of a bound here as it is in truth.
-        let [is_less, is_more] = [
-            self.right[0].is_some_and(|least| self.value < least),
-            self.right[1].is_some_and(|most| self.value > most),
-        ];
+        let is_less = self.bounds()[0].is_some_and(|least| self.value < least);
+        let is_more = self.bounds()[1].is_some_and(|most| self.value > most);
         let at = column(self.value).unwrap_or(MARGIN);
         let at = match (lower, upper) {
             (Some(bound), _) if is_less => at.min(bound - MARGIN),
             (_, Some(bound)) if is_more => at.max(bound + MARGIN),
             _ => at,
         };
-        row[at] = b'X';
-        row.into_iter().map(char::from).collect()
+        row[at] = 'X';
+        row.into_iter().collect()
     }
 
-    /// The same as a strip for a page: a tick is a run, the shaded part is right, and the cross is this execution. Its words are beneath it.
-    pub(crate) fn html(&self) -> String {
+    /// The same as a strip for a page, with its words beneath, which begin with these.
+    pub(crate) fn html(&self, begin: &str) -> String {
         let [left, right, width] = [60.0, 340.0, 420.0];
         let [top, middle, bottom] = [3.0, 14.0, 25.0];
-        let mut svg = Svg::new(width, 28.0, &self.to_string());
+        let mut svg = Svg::new(width, 38.0, &self.to_string());
         let at = |value: f32| self.share(value).map(|share| left + f64::from(share) * (right - left));
-        let [lower, upper] = self.right.map(|bound| bound.and_then(at));
-        let [from, to] = [lower.unwrap_or(left), upper.unwrap_or(right)];
+        let bounds = self.bounds().map(|bound| bound.and_then(at));
+        let [from, to] = [bounds[0].unwrap_or(left), bounds[1].unwrap_or(right)];
+        let shade = if self.right.is_some() { 0.25 } else { 0.0 };
         svg.add(format_args!(
-            "<rect class=\"h\" opacity=\".25\" x=\"{from:.1}\" y=\"{top}\" width=\"{:.1}\" height=\"{:.1}\"/>",
+            "<rect class=\"h\" opacity=\"{shade}\" x=\"{from:.1}\" y=\"{top}\" width=\"{:.1}\" height=\"{:.1}\"/>",
             to - from,
             bottom - top
         ));
         svg.line("a", [left, middle], [right, middle]);
-        for bound in [lower, upper].into_iter().flatten() {
-            svg.line("a", [bound, top], [bound, bottom]);
-        }
-        if let (true, Some(from), Some(to)) = (self.shown.is_empty(), at(self.range[0]), at(self.range[1])) {
+        bounds.into_iter().flatten().for_each(|at| svg.line("a", [at, top], [at, bottom]));
+        if let Some([Some(from), Some(to)]) = self.only_range().map(|range| range.map(at)) {
             svg.line("b", [from, middle], [to, middle]);
         }
-        for tick in self.shown.iter().filter_map(|value| at(*value)) {
-            svg.line("b", [tick, top + 4.0], [tick, bottom - 4.0]);
+        for stack in self.stacks() {
+            stack
+                .iter()
+                .copied()
+                .filter_map(at)
+                .for_each(|at| svg.line("b", [at, top + 4.0], [at, bottom - 4.0]));
+            if let (2.., Some(at)) = (stack.len(), at(stack[stack.len() / 2])) {
+                svg.text(at, 36.0, "s m", &stack.len().to_string());
+            }
         }
         let x = at(self.value).unwrap_or(left);
         for rise in [-6.0, 6.0] {
@@ -279,12 +313,8 @@ impl Distribution {
         let [least, most] = self.ends().map(|end| self.number(end));
         svg.text(left - 10.0, middle + 4.0, "e", &least);
         svg.text(right + 10.0, middle + 4.0, "", &format!("{most}{}", self.unit().0));
-        let name = Self::name(self.measure);
-        format!(
-            "<figure>{}<figcaption>{name}: {}</figcaption></figure>",
-            svg.finish(),
-            escaped(&self.words())
-        )
+        let words = escaped(&format!("{begin}{}: {}", Self::name(self.measure), self.words()));
+        format!("<figure>{}<figcaption>{words}</figcaption></figure>", svg.finish())
     }
 }
 
@@ -323,7 +353,8 @@ impl<'a> Right<'a> {
         }
     }
 
-    fn max_detour(&self, measure: Option<Measure>) -> Option<f32> {
+    /// How much longer than the straight way a path may be; `None` of other measures.
+    pub(crate) fn max_detour(&self, measure: Option<Measure>) -> Option<f32> {
         Some(self.measures.max_detour_m).filter(|max| measure == Some(Measure::Path) && max.is_finite())
     }
 }
@@ -383,4 +414,96 @@ fn values_of(measure: Option<Measure>, shown: &ShownValues, rate_hz: f32) -> Vec
 /// The angle of a path to another one, from the distance of their axes: that is the chord of twice the angle.
 pub(crate) fn degrees(distance: f32) -> f32 {
     (distance / 2.0).min(1.0).asin().to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use andon_core::bounds::Range;
+
+    /// Strokes of nine runs of which eight are alike, beside these.
+    fn strokes(value: f64, right: Bounds) -> Distribution {
+        let measures = MeasureBounds::ANY;
+        let right = Right { frames: right, reversals: right, measures: &measures, rate_hz: 30.0 };
+        let others = [4.5, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0, 6.0];
+        Distribution::among(Some(Measure::Strokes), others.into_iter(), value, Some(right))
+    }
+
+    #[test]
+    fn a_line_has_each_run_the_bounds_and_this_run_on_a_scale_and_says_its_place() {
+        let line = strokes(3.0, Bounds { min: 9, max: 13 }).to_string();
+        let expected =
+            "strokes: 3 --X-----------[|-------------8----]- 6.5; less than all 9 shown; right is 4.5 to 6.5";
+        assert_eq!(line, expected);
+    }
+
+    #[test]
+    fn what_is_out_of_a_bound_stands_beyond_it_however_near_it_is() {
+        let right = Bounds { min: 0, max: 200 };
+        let row = |value| strokes(value, right).row();
+        assert!(row(100.5).ends_with("]X") && row(100.0).ends_with("X]-"), "{}\n{}", row(100.5), row(100.0));
+        let right = Bounds { min: 8, max: u32::MAX };
+        assert!(strokes(3.99, right).row().starts_with("X["), "{}", strokes(3.99, right).row());
+    }
+
+    #[test]
+    fn a_bound_that_is_far_away_is_told_and_not_drawn() {
+        let far = strokes(3.0, Bounds { min: 9, max: 400 });
+        assert!(!far.row().contains(']') && far.to_string().ends_with("right is 4.5 to 200"), "{far}");
+    }
+
+    #[test]
+    fn its_place_is_said_by_how_many_are_less_and_more() {
+        let place = |value| strokes(value, Bounds { min: 9, max: 13 }).place();
+        assert_eq!(place(7.0), "more than all 9 shown");
+        assert_eq!(place(5.0), "more than 1 and less than 8 of the 9 shown");
+        let one = Distribution { runs: 1, ..strokes(7.0, Bounds { min: 9, max: 13 }) };
+        assert_eq!(one.place(), "more than the one shown");
+        let some_of_many = Distribution { runs: 90, ..strokes(5.0, Bounds { min: 9, max: 13 }) };
+        assert_eq!(some_of_many.place(), "more than about 11 % of the 90 shown");
+        let mut alike = strokes(6.0, Bounds { min: 9, max: 13 });
+        (alike.shown, alike.range, alike.runs) = (vec![6.0; 3], [6.0; 2], 3);
+        assert_eq!(alike.place(), "as all shown");
+        assert_eq!(alike.row().matches(['X', '3']).count(), 1, "{alike}");
+    }
+
+    #[test]
+    fn where_the_runs_are_not_known_their_range_is_shown() {
+        let known = strokes(3.0, Bounds { min: 9, max: 13 });
+        let range = Distribution { shown: Vec::new(), ..known };
+        assert!(range.row().contains("X-----------[===============----]"), "{range}");
+        assert!(range.to_string().contains("; less than all 9 shown; right is 4.5 to 6.5"), "{range}");
+        assert_eq!(Distribution { value: 5.0, ..range }.place(), "within what was shown");
+    }
+
+    #[test]
+    fn a_strip_says_in_words_what_it_shows() {
+        let strip = strokes(3.0, Bounds { min: 9, max: 13 });
+        let html = strip.html("run <1>, ");
+        assert!(html.contains(&format!("<title>{strip}</title>")), "{html}");
+        assert!(
+            html.contains(
+                "<figcaption>run &lt;1&gt;, strokes: less than all 9 shown; right is 4.5 to 6.5</figcaption>"
+            ),
+            "{html}"
+        );
+        // Nine runs, of which eight lie in one place, and the two strokes of the cross.
+        assert_eq!((html.matches("class=\"b\"").count(), html.matches("class=\"o\"").count()), (9, 2));
+        assert!(html.contains("class=\"t s m\">8</text>"), "{html}");
+    }
+
+    #[test]
+    fn a_path_is_told_by_the_detour_where_that_decides_and_lengths_in_centimetres() {
+        let measures =
+            MeasureBounds { path_m: Range { min: 0.2, max: 0.6 }, max_detour_m: 0.095, ..MeasureBounds::ANY };
+        let any = Bounds { min: 0, max: u32::MAX };
+        let right = Right { frames: any, reversals: any, measures: &measures, rate_hz: 30.0 };
+        let lies = Distribution::among(Some(Measure::Path), [0.31, 0.42].into_iter(), 0.5, Some(right));
+        assert_eq!(
+            lies.words(),
+            "more than all 2 shown; right is 20.0 cm or more and a detour of up to 9.5 cm"
+        );
+        assert_eq!(right.of_measure(Measure::Duration), [None, None]);
+    }
 }

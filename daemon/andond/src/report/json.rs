@@ -77,8 +77,8 @@ struct DistributionLine {
     /// What they measured, sorted; of many runs some, and nothing where only the range is known.
     shown: Vec<Option<f64>>,
     range: [Option<f64>; 2],
-    /// The minimum and the maximum that are right, where there is one.
-    right: [Option<f64>; 2],
+    /// The minimum and the maximum that are right, where there is one; none where that is not known.
+    right: Option<[Option<f64>; 2]>,
     /// How much longer than the straight way a path may be, which decides instead of its maximum.
     #[serde(skip_serializing_if = "Option::is_none")]
     max_detour: Option<f64>,
@@ -95,7 +95,7 @@ impl DistributionLine {
             runs: of.runs,
             shown: of.shown.iter().copied().map(some).collect(),
             range: of.range.map(some),
-            right: of.right.map(number),
+            right: of.right.map(|right| right.map(number)),
             max_detour: number(of.max_detour),
             place: of.place(),
         }
@@ -340,6 +340,22 @@ mod tests {
         let expected =
             serde_json::json!({"measure": "Duration", "unit": "s", "value": 2.1, "shown": [4.8, 5.4]});
         assert_eq!(line["measures"], expected);
+    }
+
+    #[test]
+    fn where_an_iu_lies_among_the_runs_is_told_by_all_of_them_and_the_bounds() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+        let job = JobFile::parse(path, &std::fs::read(path).unwrap()).unwrap();
+        let measured = Measured { measure: Measure::Strokes, value: 3.0, shown_min: 6.0, shown_max: 6.0 };
+        let verdict = Verdict { nearest: Some(0), iu: Some(1), measured: Some(measured), ..verdict() };
+        let line =
+            |job| serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names(), job)).unwrap();
+        let expected = serde_json::json!({
+            "measure": "Strokes", "unit": "strokes", "value": 3.0, "runs": 5, "shown": [], "range": [6.0, 6.0],
+            "right": [6.0, 6.5], "place": "less than all 5 shown"
+        });
+        assert_eq!(line(Some(&job))["distribution"], expected);
+        assert!(line(None).get("distribution").is_none());
     }
 
     #[test]

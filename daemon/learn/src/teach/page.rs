@@ -3,6 +3,7 @@
 use super::iu_report::IuReport;
 use super::report::{TeachReport, range};
 use super::statement::Statement;
+use crate::distribution::STRIP;
 use crate::html::{document, escaped};
 use crate::job_file::JobFile;
 
@@ -33,9 +34,11 @@ pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
 /// The one sentence, what to do about each doubt, and the notes.
 fn summary(report: &TeachReport) -> String {
     let class = if report.is_trusted() { "say" } else { "say no" };
-    let lines: Vec<String> = report.summary().iter().map(Statement::html).collect();
+    let lines: String = report.summary().iter().map(|line| format!("<div>{}</div>", line.html())).collect();
     let notes = list("ul", report.warnings().iter().map(Statement::html));
-    format!("<div class=\"{class}\">{}</div>{notes}", lines.join("<br>"))
+    let strip =
+        if report.has_distributions() { format!("<figcaption>{STRIP}</figcaption>") } else { String::new() };
+    format!("<div class=\"{class}\">{lines}</div>{strip}{notes}")
 }
 
 fn step(name: &str, sentences: &[String]) -> String {

@@ -12,7 +12,7 @@ use super::statement::Statement;
 use super::threshold::min_false_alarms;
 use super::trust::{Blind, Doubt, Outlier, summary};
 use super::widened;
-use crate::distribution::{Distribution, LEGEND, Right};
+use crate::distribution::{Distribution, LEGEND};
 use crate::job_file::{JobFile, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
@@ -159,12 +159,7 @@ impl TeachReport {
     fn lies(&self, outlier: &Outlier) -> Distribution {
         let mut ius = self.ius.iter();
         let iu = ius.find(|iu| (iu.activity, iu.iu) == (outlier.activity, outlier.iu));
-        outlier.distribution(iu.map(|iu| self.right(iu)))
-    }
-
-    /// What is right of an IU.
-    pub(super) fn right<'a>(&self, iu: &'a IuReport) -> Right<'a> {
-        Right { frames: iu.frames, reversals: iu.reversals, measures: &iu.measures, rate_hz: self.rate_hz }
+        outlier.distribution(iu.map(|iu| self.noticed().right(iu)))
     }
 
     fn one_person(&self) -> Option<String> {
@@ -264,11 +259,7 @@ impl fmt::Display for TeachReport {
         for line in self.findings() {
             writeln!(f, "{line}")?;
         }
-        if [self.summary(), self.warnings(), self.findings()]
-            .iter()
-            .flatten()
-            .any(|line| !line.shown.is_empty())
-        {
+        if self.has_distributions() {
             writeln!(f, "  ({LEGEND})")?;
         }
         self.write_table(f)?;
@@ -298,6 +289,12 @@ impl TeachReport {
             ))
         });
         self.left_out.iter().cloned().chain(rate).collect()
+    }
+
+    /// Whether a sentence says where a run lies among the others.
+    pub(super) fn has_distributions(&self) -> bool {
+        let all = [self.summary(), self.warnings(), self.findings()];
+        all.iter().flatten().any(|statement| !statement.shown.is_empty())
     }
 
     /// Whether what was measured in metres and seconds has bounds.

@@ -4,7 +4,7 @@ use crate::distribution::Distribution;
 use crate::html::escaped;
 use std::fmt;
 
-/// A sentence for people. `Display` is its text, and [`Statement::html`] its part of a page.
+/// A sentence for people. `Display` prints both.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
     /// The sentence.
@@ -25,10 +25,10 @@ impl Statement {
         Self { text, shown: shown.map(|shown| (None, shown)).into_iter().collect() }
     }
 
+    /// Its part of a page.
     pub(super) fn html(&self) -> String {
         let strip = |(run, shown): &(Option<String>, Distribution)| {
-            let run = run.iter().map(|run| format!("<figcaption>{}</figcaption>", escaped(run)));
-            run.chain([shown.html()]).collect::<String>()
+            shown.html(&run.as_ref().map(|run| format!("{run}, ")).unwrap_or_default())
         };
         escaped(self.text.trim()) + &self.shown.iter().map(strip).collect::<String>()
     }
