@@ -87,14 +87,15 @@ impl Distribution {
         };
         let shown = iu.shown.as_ref().map(|shown| values_of(measure, shown, rate_hz)).unwrap_or_default();
         let right = Right::of(iu, rate_hz);
+        let bounds = measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure));
         Some(Self {
             measure,
             runs: iu.demonstrations as usize,
             range: shown.first().zip(shown.last()).map(|(min, max)| [*min, *max]).or(range)?,
             shown,
-            right: Some(measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure))),
+            right: Some(bounds),
             max_detour: right.max_detour(measure),
-            value,
+            value: if measure == Some(Measure::Strokes) { with_half(value, bounds) } else { value },
         })
     }
 
@@ -382,6 +383,17 @@ fn iu_of<'a>(
     ius.filter(|(_, iu)| is_it(iu)).min_by_key(|(index, _)| is_elsewhere(*index)).map(|(_, iu)| iu)
 }
 
+/// The strokes of an IU that has too few or too many of them. A verdict does not tell a half that makes no difference to what was shown, but to what
+/// is right it may.
+fn with_half(strokes: f32, right: [Option<f32>; 2]) -> f32 {
+    let half = 1.0 / PER_STROKE;
+    match right {
+        [Some(least), _] if strokes < least => strokes,
+        [_, Some(most)] if strokes <= most => most + half,
+        _ => strokes,
+    }
+}
+
 /// From the minimum to the maximum that was shown.
 pub(crate) fn range_of(measure: Measure, shown: Shown, rate_hz: f32) -> [f32; 2] {
     let Shown { frames, reversals, stroke_m, path_m, bow_m, axis, place_m, .. } = shown;
@@ -491,6 +503,13 @@ mod tests {
         // Nine runs, of which eight lie in one place, and the two strokes of the cross.
         assert_eq!((html.matches("class=\"b\"").count(), html.matches("class=\"o\"").count()), (9, 2));
         assert!(html.contains("class=\"t s m\">8</text>"), "{html}");
+    }
+
+    #[test]
+    fn half_a_stroke_that_is_too_much_is_told() {
+        let right = [Some(2.0), Some(6.0)];
+        assert_eq!([1.0, 6.0, 6.5, 7.0].map(|strokes| with_half(strokes, right)), [1.0, 6.5, 6.5, 7.0]);
+        assert_eq!(with_half(1.0, [None, Some(1.0)]), 1.5);
     }
 
     #[test]

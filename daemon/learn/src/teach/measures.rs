@@ -114,9 +114,7 @@ impl Rates {
     ) -> (Bounds, MeasureBounds) {
         let any = MeasureBounds::ANY;
         let is_law = |measure| strength(measure) != Strength::None;
-        if !context.is_touch() {
-            return (UNBOUNDED, any);
-        } else if self.path <= 0.0 {
+        if !context.is_touch() || self.path <= 0.0 {
             return (UNBOUNDED, any);
         }
         let bounds = MeasureBounds {
