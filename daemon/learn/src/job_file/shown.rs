@@ -88,7 +88,7 @@ impl ShownValues {
         let is_kept = |values: &[f32]| {
             values.len() <= KEPT
                 && values.is_sorted()
-                && values.iter().all(|value| (0.0..1e9).contains(value))
+                && values.iter().all(|value| value.is_sign_positive() && *value < 1e9)
         };
         self.by_key().into_iter().find(|(_, values)| !is_kept(values)).map(|(key, _)| key)
     }
