@@ -4,6 +4,7 @@
 use andon_core::config::Method;
 use andon_core::input::Frame;
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Reason, Verdict};
+use andon_learn::distribution::Distribution;
 use andon_learn::job_file::{JobFault, JobFile};
 use andon_learn::rule::ThresholdRule;
 use andon_learn::run::Run;
@@ -227,7 +228,8 @@ fn a_run_that_disagrees_is_named_with_the_iu_where_it_does() {
     let mut runs = correct(4);
     runs.insert(2, run(7, 1, Flaw::J2));
     let (job, report) = taught(&runs);
-    let warning = report.warnings().into_iter().find(|warning| warning.contains("p7_r1")).unwrap();
+    let mut warnings = report.warnings().into_iter().map(|warning| warning.text);
+    let warning = warnings.find(|warning| warning.contains("p7_r1")).unwrap();
     assert!(warning.contains("its step 2 ends before IU 2"), "{warning}");
     assert!(warning.contains("meter"), "{warning}");
     let left_out: Vec<bool> = job.provenance.sources.iter().map(|source| source.left_out).collect();
@@ -327,6 +329,57 @@ fn a_job_states_the_rate_at_which_its_own_runs_are_still_right_and_below_it_noth
         assert!(few.iter().any(|verdict| verdict.reason == Reason::TooFewFrames), "person {person}");
         assert!(!job_is(Outcome::Ok, &said(Flaw::J1, every + 2)), "person {person}");
     }
+}
+
+#[test]
+fn what_each_run_measured_is_kept_sorted_with_the_job_and_verdicts_name_its_range() {
+    let (job, _) = taught(&correct(4));
+    let read = JobFile::parse("job.toml", job.to_toml().as_bytes()).unwrap();
+    assert_eq!((&read, read.model_hash()), (&job, job.model_hash()));
+    let polishing = &read.activities[0].ius[1];
+    let (values, shown) = (polishing.shown.clone().unwrap(), polishing.measures.shown.unwrap());
+    for of in
+        [&values.frames, &values.reversals, &values.path_m, &values.bow_m, &values.place_m, &values.distance]
+    {
+        assert!(of.len() == 4 && of.is_sorted(), "{values:?}");
+    }
+    assert_eq!([values.frames[0], values.frames[3]], [shown.frames.min as f32, shown.frames.max as f32]);
+    let mut unsorted = job;
+    unsorted.activities[0].ius[1].shown.as_mut().unwrap().frames.reverse();
+    let refused = JobFile::parse("job.toml", unsorted.to_toml().as_bytes()).unwrap_err().to_string();
+    assert!(refused.contains("activity[0].iu[1].runs.frames: the values must be sorted"), "{refused}");
+}
+
+#[test]
+fn an_accusation_says_where_the_execution_lies_among_the_runs_also_of_a_job_that_has_only_their_range() {
+    let (mut job, _) = taught(&correct(4));
+    let half = run(5, 1, Flaw::J1);
+    let lies = |job: &JobFile| -> Vec<Distribution> {
+        judged(job, &half).iter().filter_map(|verdict| Distribution::of_verdict(job, verdict)).collect()
+    };
+    let [known] = &lies(&job)[..] else { unreachable!("one IU is wrong") };
+    assert_eq!((known.measure, known.runs, known.shown.len()), (Some(Measure::Strokes), 4, 4));
+    assert!(known.right.unwrap()[0].is_some_and(|least| known.value < least), "{known}");
+    for iu in job.activities.iter_mut().flat_map(|taught| &mut taught.ius) {
+        iu.shown = None;
+    }
+    let old = JobFile::parse("old.toml", job.to_toml().as_bytes()).unwrap();
+    let [range] = &lies(&old)[..] else { unreachable!("one IU is wrong") };
+    assert_eq!((&range.shown[..], range.runs, range.right), (&[][..], 4, known.right));
+    assert_eq!([range.place(), known.place()], ["less than all 4 shown"; 2]);
+}
+
+#[test]
+fn a_motion_that_differs_says_how_far_the_motions_of_the_runs_are_from_each_other() {
+    let (mut job, _) = taught(&correct(4));
+    for iu in job.activities.iter_mut().flat_map(|taught| &mut taught.ius) {
+        iu.threshold /= 100.0;
+    }
+    let verdicts = judged(&job, &run(5, 1, Flaw::None));
+    let lies = verdicts.iter().find_map(|verdict| Distribution::of_verdict(&job, verdict)).unwrap();
+    let [least, most] = lies.right.unwrap();
+    assert_eq!((lies.measure, lies.shown.len(), least), (None, 4, None));
+    assert!(most.is_some_and(|most| lies.value > most), "{lies}");
 }
 
 #[test]

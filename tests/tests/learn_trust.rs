@@ -6,7 +6,7 @@ use andon_core::couple::Context;
 use andon_core::input::Frame;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
-use andon_learn::teach::{Doubt, Measure, TeachError, TeachOptions, TeachReport, teach};
+use andon_learn::teach::{Doubt, Measure, Statement, TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::environment;
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
 
@@ -66,7 +66,7 @@ fn correct_runs_are_usable_in_one_sentence_and_the_table_has_a_legend() {
     let text = report.to_string();
     assert!(text.starts_with("usable, because the 5 runs agree in all their steps"), "{text}");
     assert!(text.contains("\n  shown: number of demonstrations\n"), "{text}");
-    assert_eq!(report.warnings(), Vec::<String>::new());
+    assert_eq!(report.warnings(), []);
 }
 
 #[test]
@@ -84,6 +84,24 @@ fn a_run_with_half_of_the_strokes_among_four_correct_ones_is_named_with_the_iu_a
         report.to_string().contains("What to do: look at p5: leave it out if it is not correct"),
         "{report}"
     );
+    let lies = report.to_string().lines().nth(1).unwrap().to_owned();
+    assert!(lies.starts_with("    strokes: ") && lies.contains("X---"), "{lies}");
+    assert!(lies.ends_with("; less than all 4 shown; any is right"), "{lies}");
+    assert!(report.to_string().contains("\n  (X is this run, "), "{report}");
+}
+
+#[test]
+fn a_rule_that_gives_way_says_where_the_run_lies_that_it_had_rejected() {
+    let report = taught(&with(Flaw::J1));
+    let is_of_strokes = |line: &&Statement| line.text.contains("polisher at brick): strokes, ");
+    let line = report.left_out.iter().find(is_of_strokes).unwrap();
+    let [(Some(run), lies)] = &line.shown[..] else { panic!("{line}") };
+    assert_eq!((run.as_str(), lies.runs), ("p5", 4), "{line}");
+    assert!(
+        lies.right.unwrap()[0].is_some_and(|least| lies.value < least),
+        "by the bounds that were in force: {line}"
+    );
+    assert!(line.to_string().contains("\n    p5, strokes: "), "{line}");
 }
 
 #[test]

@@ -162,11 +162,26 @@ fn the_report_is_one_sentence_then_a_table_with_a_legend_and_a_page() {
     }
     let page = std::fs::read_to_string(desk.path("page.html")).unwrap();
     for words in [
-        "<h1>Job 1 “job”</h1><p class=\"say\">usable, because",
+        "<h1>Job 1 “job”</h1><div class=\"say\"><div>usable, because",
         "<svg",
         "How to read it",
         "<li>polisher at brick<ul>",
         "run5.tracks.jsonl",
+    ] {
+        assert!(page.contains(words), "{words}: {page}");
+    }
+    assert!(!page.contains("How to read a strip"), "{page}");
+    // Where half of the strokes lie among those of the others.
+    let half = desk.record("half.tracks.jsonl", 6, Flaw::J1);
+    let (code, said) =
+        desk.teach(&[&runs[..], &[half]].concat(), &["--out", "not.toml", "--report", "half.html"]);
+    assert_eq!(code, Some(1), "{said}");
+    let page = std::fs::read_to_string(desk.path("half.html")).unwrap();
+    for words in [
+        "<title>strokes: 3",
+        "<figcaption>strokes: less than all 5 shown; any is right</figcaption>",
+        "<figcaption>half.tracks.jsonl, strokes: less than all 5 shown; right is ",
+        "How to read a strip: a tick is a run",
     ] {
         assert!(page.contains(words), "{words}: {page}");
     }

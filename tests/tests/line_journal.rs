@@ -108,7 +108,8 @@ fn lines_of(stdout: ChildStdout) -> Receiver<String> {
 
 /// Returns false, and has compared nothing, where the recorder lost frames.
 fn tail_and_recording_agree_with_replay() -> bool {
-    let mut line = Line::new(Settings { flaw: Flaw::WrongObject, ..Settings::default() });
+    let mut line = Line::new(Settings::default());
+    line.work_in_turn(&[Flaw::WrongObject, Flaw::J1], 2.0);
     line.start("steward");
     let mut watcher = Watcher::join(&line.station);
     let recording = line.path("recorded.tracks.jsonl");
@@ -144,6 +145,7 @@ fn tail_and_recording_agree_with_replay() -> bool {
     said.extend(printed.iter());
     assert_eq!(said.len() as u64, sent, "nothing is printed twice");
     let printed = said.concat();
+    assert!(printed.contains("\"distribution\":{\"measure\":\"Strokes\""), "{printed}");
     assert_eq!(printed, replayed(&line, line.tracks().to_str().unwrap()));
     assert_eq!(printed, replayed(&line, recording.to_str().unwrap()));
     true

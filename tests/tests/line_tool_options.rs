@@ -243,6 +243,34 @@ fn replay_says_how_many_strokes_there_were_and_how_many_were_shown() {
     );
 }
 
+#[test]
+fn replay_shows_beneath_an_accusation_where_the_run_lies_among_those_shown_and_so_does_its_json() {
+    let line = Line::new(Settings { flaw: Flaw::J1, ..Settings::default() });
+    let (job, tracks) = (line.path("job.toml"), line.tracks());
+    let replay = |options: &[&str]| {
+        let output = line.command("replay", &[options, &["--job", text(&job), text(&tracks)]].concat());
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = replay(&[]);
+    let rows: Vec<&str> = said.lines().skip_while(|row| !row.contains("3 strokes, shown 6")).collect();
+    assert!(rows[1].starts_with("           strokes: 3 --X---"), "{said}");
+    assert!(rows[1].contains("; less than all 6 shown; right is "), "{said}");
+    assert!(rows[2].starts_with("           (X is this run, "), "{said}");
+    assert_eq!((said.matches("strokes: ").count(), said.matches("(X is ").count()), (1, 1), "{said}");
+    assert!(said.is_ascii(), "{said}");
+    let lines = replay(&["--json"]);
+    let lines = lines.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+    let distributions: Vec<_> = lines.filter_map(|line| line.get("distribution").cloned()).collect();
+    let [of] = &distributions[..] else { panic!("{distributions:?}") };
+    assert_eq!(
+        (&of["measure"], &of["unit"], &of["value"]),
+        (&"Strokes".into(), &"strokes".into(), &3.0.into())
+    );
+    assert_eq!((&of["runs"], &of["place"]), (&6.into(), &"less than all 6 shown".into()), "{of}");
+    assert_eq!(of["shown"].as_array().unwrap().len(), 6, "{of}");
+    assert!(of["right"][0].as_f64().unwrap() > 3.0, "{of}");
+}
+
 /// The worker has not come to the end there: without the cut this would be an anomaly.
 #[test]
 fn a_track_file_that_was_cut_is_judged_up_to_there_and_not_at_its_end() {

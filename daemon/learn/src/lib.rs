@@ -5,6 +5,7 @@
 //! [`recording`] reads a track file → [`run`] finds its activities and IUs with the code that runs live → [`teach`] derives nominal
 //! activities, barycentres, thresholds and bounds, the latter two by a [`rule`] → [`job_file`] keeps the job.
 //!
+//! A [`distribution`] shows people where an execution lies among the runs.
 //! [`file`] opens what people and other programs made. [`seen`] says what a run shows before anything is learned from it. [`folder`], [`analysis`] and [`experiment`] repeat what the paper did with its recordings.
 #![forbid(unsafe_code)]
 
@@ -12,6 +13,7 @@ pub mod analysis;
 mod barycentre;
 pub mod cluster;
 pub mod digest;
+pub mod distribution;
 pub mod experiment;
 pub mod file;
 pub mod folder;

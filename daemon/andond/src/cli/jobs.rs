@@ -38,7 +38,7 @@ pub struct Teach {
     /// [default: 3, or that of the job]
     #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u8).range(1..=5))]
     pub strictness: Option<u8>,
-    /// Write the report as a page, with the steps and their order as a picture
+    /// Write the report as a page, with pictures of the steps and their order, and of where runs that stand out lie among the others
     #[arg(long, value_name = "FILE.html")]
     pub report: Option<PathBuf>,
     /// Draw the steps of the job and their order into this file
@@ -110,7 +110,7 @@ pub struct Replay {
     pub job: PathBuf,
     /// A film, a folder of pictures or a track file
     pub recording: PathBuf,
-    /// Print one JSON object per verdict
+    /// Print one JSON object per verdict; `distribution` in it is where an IU that is not right lies among the runs that were shown
     #[arg(long)]
     pub json: bool,
     /// Write a copy of the film, with what was seen and judged drawn on it

@@ -2,6 +2,8 @@
 
 use andon_core::input::Side;
 use andon_core::verdict::{BrokenOrder, Level, Measure, Measured, Missing, Verdict};
+use andon_learn::distribution::Distribution;
+use andon_learn::job_file::JobFile;
 use serde::Serialize;
 use shm_schemas::{PartId, verdict_kind};
 
@@ -47,14 +49,55 @@ impl MeasureLine {
     fn new(measured: Measured) -> Self {
         Self {
             measure: measure(measured.measure).name(),
-            unit: match measured.measure {
-                Measure::Duration => "s",
-                Measure::Strokes => "strokes",
-                Measure::StrokeLength | Measure::Path | Measure::Bow | Measure::Place => "m",
-                Measure::Direction => "degrees",
-            },
+            unit: unit(measured.measure),
             value: number(Some(measured.value)),
             shown: [measured.shown_min, measured.shown_max].map(|value| number(Some(value))),
+        }
+    }
+}
+
+const fn unit(measure: Measure) -> &'static str {
+    match measure {
+        Measure::Duration => "s",
+        Measure::Strokes => "strokes",
+        Measure::StrokeLength | Measure::Path | Measure::Bow | Measure::Place => "m",
+        Measure::Direction => "degrees",
+    }
+}
+
+/// Where an IU that is not right lies among the runs that were shown.
+#[derive(Debug, Serialize)]
+struct DistributionLine {
+    /// `Motion` is the DTW distance, which has no unit.
+    measure: &'static str,
+    unit: &'static str,
+    value: Option<f64>,
+    /// The number of runs.
+    runs: usize,
+    /// What they measured, sorted; of many runs some, and nothing where only the range is known.
+    shown: Vec<Option<f64>>,
+    range: [Option<f64>; 2],
+    /// The minimum and the maximum that are right, where there is one; none where that is not known.
+    right: Option<[Option<f64>; 2]>,
+    /// How much longer than the straight way a path may be, which decides instead of its maximum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_detour: Option<f64>,
+    place: String,
+}
+
+impl DistributionLine {
+    fn new(of: Distribution) -> Self {
+        let some = |value: f32| number(Some(value));
+        Self {
+            measure: of.measure.map_or("Motion", |of| measure(of).name()),
+            unit: of.measure.map_or("", unit),
+            value: some(of.value),
+            runs: of.runs,
+            shown: of.shown.iter().copied().map(some).collect(),
+            range: of.range.map(some),
+            right: of.right.map(|right| right.map(number)),
+            max_detour: number(of.max_detour),
+            place: of.place(),
         }
     }
 }
@@ -122,6 +165,8 @@ pub struct VerdictLine {
     expected: Option<String>,
     got: Option<String>,
     measures: Option<MeasureLine>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    distribution: Option<DistributionLine>,
     broken: Option<BrokenLine>,
     note: Option<&'static str>,
     early: bool,
@@ -132,8 +177,8 @@ pub struct VerdictLine {
 }
 
 impl VerdictLine {
-    /// The line of verdict number `seq` on this part.
-    pub fn new(seq: u64, verdict: &Verdict, part: &PartId, names: &Names) -> Self {
+    /// The line of verdict number `seq` on this part. `job` is the one that it was judged by, where that is known.
+    pub fn new(seq: u64, verdict: &Verdict, part: &PartId, names: &Names, job: Option<&JobFile>) -> Self {
         let (level, outcome) = (level(verdict.level), outcome(verdict.outcome));
         let of_job = verdict.level == Level::Job;
         let (expected, got) = names.expected_and_got(verdict);
@@ -160,6 +205,9 @@ impl VerdictLine {
             expected,
             got,
             measures: verdict.measured.map(MeasureLine::new),
+            distribution: job
+                .and_then(|job| Distribution::of_verdict(job, verdict))
+                .map(DistributionLine::new),
             broken: verdict.broken.map(BrokenLine::new),
             note: verdict.note.map(|word| note(word).name()),
             early: verdict.early,
@@ -259,9 +307,14 @@ mod tests {
 
     #[test]
     fn a_verdict_is_one_object_with_the_names_that_programs_read() {
-        let line =
-            serde_json::to_string(&VerdictLine::new(7, &verdict(), &PartId::new(b"A-17").unwrap(), &names()))
-                .unwrap();
+        let line = serde_json::to_string(&VerdictLine::new(
+            7,
+            &verdict(),
+            &PartId::new(b"A-17").unwrap(),
+            &names(),
+            None,
+        ))
+        .unwrap();
         assert_eq!(
             line,
             r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"captured_percent":98,"seen_percent":90,"nearest":1,"step":"polish","expected":"polisher at brick","got":"polisher at brick, in another motion","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
@@ -273,7 +326,7 @@ mod tests {
         let broken = BrokenOrder { fault: OrderFault::NotEnded, activity: 2, runs: 6 };
         let verdict = Verdict { broken: Some(broken), note: Some(Note::OtherHand), ..verdict() };
         let line: serde_json::Value =
-            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names())).unwrap();
+            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names(), None)).unwrap();
         assert_eq!(line["broken"], serde_json::json!({"fault": "NotEnded", "activity": 2, "runs": 6}));
         assert_eq!(line["note"], "OtherHand");
     }
@@ -283,10 +336,26 @@ mod tests {
         let measured = Measured { measure: Measure::Duration, value: 2.1, shown_min: 4.8, shown_max: 5.4 };
         let verdict = Verdict { measured: Some(measured), ..verdict() };
         let line: serde_json::Value =
-            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names())).unwrap();
+            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names(), None)).unwrap();
         let expected =
             serde_json::json!({"measure": "Duration", "unit": "s", "value": 2.1, "shown": [4.8, 5.4]});
         assert_eq!(line["measures"], expected);
+    }
+
+    #[test]
+    fn where_an_iu_lies_among_the_runs_is_told_by_all_of_them_and_the_bounds() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../config/jobs/polish-and-measure.toml");
+        let job = JobFile::parse(path, &std::fs::read(path).unwrap()).unwrap();
+        let measured = Measured { measure: Measure::Strokes, value: 3.0, shown_min: 6.0, shown_max: 6.0 };
+        let verdict = Verdict { nearest: Some(0), iu: Some(1), measured: Some(measured), ..verdict() };
+        let line =
+            |job| serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names(), job)).unwrap();
+        let expected = serde_json::json!({
+            "measure": "Strokes", "unit": "strokes", "value": 3.0, "runs": 5, "shown": [], "range": [6.0, 6.0],
+            "right": [6.0, 6.5], "place": "less than all 5 shown"
+        });
+        assert_eq!(line(Some(&job))["distribution"], expected);
+        assert!(line(None).get("distribution").is_none());
     }
 
     #[test]
@@ -294,7 +363,8 @@ mod tests {
         let missing = Missing { object: Some(6), seconds: Some(1.4), ..Missing::default() };
         let (outcome, reason) = (Outcome::NotJudged, Reason::ObjectNotSeen);
         let verdict = Verdict { outcome, reason, missing, ..verdict() };
-        let line = serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names())).unwrap();
+        let line =
+            serde_json::to_value(VerdictLine::new(1, &verdict, &PartId::NONE, &names(), None)).unwrap();
         assert_eq!(line["reason"], "ObjectNotSeen");
         assert_eq!(line["missing"], serde_json::json!({"object": 6, "name": "brick", "seconds": 1.4}));
     }
@@ -303,7 +373,7 @@ mod tests {
     fn a_job_verdict_has_no_hand_no_place_and_no_context() {
         let job = Verdict { level: Level::Job, outcome: Outcome::Ok, side: None, iu: None, ..verdict() };
         let line: serde_json::Value =
-            serde_json::to_value(VerdictLine::new(1, &job, &PartId::NONE, &names())).unwrap();
+            serde_json::to_value(VerdictLine::new(1, &job, &PartId::NONE, &names(), None)).unwrap();
         for key in ["hand", "activity", "iu", "context", "threshold", "part"] {
             assert!(line[key].is_null(), "{key}");
         }

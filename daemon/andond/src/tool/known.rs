@@ -1,5 +1,7 @@
 //! The job files that a station has, for what they call the parts and the steps.
 
+use andon_learn::job_file::JobFile;
+
 use super::jobs::{self, FoundJob};
 use crate::config::Config;
 use crate::report::Names;
@@ -12,9 +14,8 @@ pub(super) struct KnownJobs {
 
 /// A job that the station has a file of.
 pub(super) struct KnownJob {
-    pub(super) id: u32,
     pub(super) hash: u64,
-    pub(super) name: String,
+    pub(super) file: JobFile,
     names: Names,
 }
 
@@ -24,7 +25,7 @@ impl KnownJobs {
     pub(super) fn of(config: &Config) -> Self {
         let found = jobs::of_station(config).unwrap_or_default().jobs;
         let objects = config.objects.iter().map(|object| (object.id, object.name.clone()));
-        Self { jobs: found.iter().map(KnownJob::new).collect(), objects: Names::new(objects) }
+        Self { jobs: found.into_iter().map(KnownJob::new).collect(), objects: Names::new(objects) }
     }
 
     /// The job with this hash.
@@ -39,14 +40,14 @@ impl KnownJobs {
 
     /// What a job is called, also one of which only another version is there.
     pub(super) fn name(&self, id: u32, hash: u64) -> String {
-        let same_number = || self.jobs.iter().find(|job| job.id == id);
+        let same_number = || self.jobs.iter().find(|job| job.file.id == id);
         let job = self.of_hash(hash).or_else(same_number);
-        job.map_or_else(|| format!("number {id}"), |job| job.name.clone())
+        job.map_or_else(|| format!("number {id}"), |job| job.file.name.clone())
     }
 }
 
 impl KnownJob {
-    fn new(FoundJob { file, hash, .. }: &FoundJob) -> Self {
-        Self { id: file.id, hash: *hash, name: file.name.clone(), names: Names::of_job(file) }
+    fn new(FoundJob { file, hash, .. }: FoundJob) -> Self {
+        Self { hash, names: Names::of_job(&file), file }
     }
 }

@@ -10,6 +10,7 @@ use andon_core::dtw::OnlineDtw;
 use andon_core::input::Frame;
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_learn::distribution::{Distribution, LEGEND};
 use andon_learn::job_file::JobFile;
 use shm_schemas::PartId;
 
@@ -41,10 +42,12 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     compatibility::recording(&file, recording.header()).map_err(misfit)?;
     let names = Names::of_job(&file);
     let mut printer = Printer {
+        file: &file,
         names: &names,
         json: arguments.json,
         seq: 0,
         teller: Teller::default(),
+        has_legend: false,
         anomaly: false,
         not_judged: false,
         judged: false,
@@ -69,10 +72,13 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
 }
 
 struct Printer<'a> {
+    file: &'a JobFile,
     names: &'a Names,
     json: bool,
     seq: u64,
     teller: Teller,
+    /// Whether the signs of a distribution have been explained.
+    has_legend: bool,
     anomaly: bool,
     not_judged: bool,
     judged: bool,
@@ -87,11 +93,25 @@ impl Printer<'_> {
         self.judged |= verdict.level == Level::Job && verdict.outcome == Outcome::Ok;
         let mut out = anstream::stdout().lock();
         if self.json {
-            serde_json::to_writer(&mut out, &VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names))?;
+            let line = VerdictLine::new(self.seq, verdict, &PartId::NONE, self.names, Some(self.file));
+            serde_json::to_writer(&mut out, &line)?;
             writeln!(out)
         } else {
-            self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names).write(&mut out)
+            let mut line = self.teller.tell(&on_recording(verdict.decided_ns), verdict, self.names);
+            line.text += &self.shown(verdict);
+            line.write(&mut out)
         }
+    }
+
+    /// Where what is not right lies among the runs that were shown, beneath its verdict; the first time with what the signs mean.
+    fn shown(&mut self, verdict: &Verdict) -> String {
+        let Some(shown) = Distribution::of_verdict(self.file, verdict) else { return String::new() };
+        let mut rows = vec![shown.to_string()];
+        if !std::mem::replace(&mut self.has_legend, true) {
+            rows.push(format!("({LEGEND})"));
+        }
+        let beneath = on_recording(0).len() + 2;
+        rows.into_iter().map(|row| format!("\n{:beneath$}{row}", "")).collect()
     }
 
     fn exit_code(&self) -> u8 {

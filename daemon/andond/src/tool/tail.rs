@@ -90,9 +90,10 @@ impl Printer<'_> {
         if self.known.of_hash(message.model_hash).is_none() {
             self.known = KnownJobs::of(&self.config);
         }
+        let job = self.known.of_hash(message.model_hash).map(|known| &known.file);
         let names = self.known.names(message.model_hash);
         if self.arguments.json {
-            let line = VerdictLine::new(message.stamp.seq, &verdict, &message.part, names);
+            let line = VerdictLine::new(message.stamp.seq, &verdict, &message.part, names, job);
             return print_json(&line);
         }
         let when = self.clock.time(message.decided_utc_ns);

@@ -370,14 +370,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.iu = None;
     }
 
-    /// The hand has touched an object, moved nothing and let go: it corrects its grip, or has not begun. What it does next is another activity.
-    fn give_up(&mut self, progress: &mut Progress<'a>) {
-        let Some(activity) = &mut self.activity else { return };
-        activity.give_up();
-        progress.set_no_step(activity.number);
-        progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
-    }
-
     /// The two parts were shown to rest beside each other but only passed, and no candidate goes on with the next context: it is not known
     /// whether they touched.
     fn conclude_passing(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
@@ -460,16 +452,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
     pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        let accuses_nobody = self.accuses_nobody();
+        let (accuses_nobody, may_give_up) = (self.accuses_nobody(), self.has_moved_nothing_yet());
         let Some(activity) = &mut self.activity else { return };
         let Against::Candidates(candidates) = activity.against else { return };
         let is_order_certain = activity.is_order_certain();
         let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
         // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
         let has_no_place = accuses_nobody && !activity.may_differ;
-        // Who has moved nothing yet may only correct a grip.
-        let may_give_up =
-            self.iu.is_some_and(|iu| iu.number == 0 && self.comparisons.has_moved_nothing(iu.extent));
         if activity.is_concluded || has_no_place || !is_certain || may_give_up {
             return;
         }

@@ -82,6 +82,7 @@ mod algorithm;
 mod alignment;
 mod comparison;
 mod extent;
+mod grip;
 mod hand;
 mod instead;
 mod measure;

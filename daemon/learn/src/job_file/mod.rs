@@ -8,10 +8,13 @@ mod error;
 mod names;
 mod parse;
 mod runs;
+mod shown;
 mod text;
 mod validate;
 
 pub use error::{JobFault, JobFileError};
+pub use shown::ShownValues;
+pub(crate) use shown::of_runs;
 pub(crate) use text::{context_words, sequence_words};
 
 use crate::recording::{NamedObject, object_name};
@@ -43,6 +46,8 @@ pub struct TaughtIu {
     pub reversals: Bounds,
     /// Bounds of what it measures in metres.
     pub measures: MeasureBounds,
+    /// What each of the runs measured, of which the measures have the ranges; `None` of a job that was taught before it was kept.
+    pub shown: Option<ShownValues>,
     /// The barycentre, one motion per frame of the grid.
     pub reference: Vec<Motion>,
     /// The number of demonstrations that the threshold is derived from.

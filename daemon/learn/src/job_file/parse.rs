@@ -1,8 +1,8 @@
 //! From text to a job: first the version, then the checksum, then every key.
 
 use super::{
-    FORMAT, JobFault, JobFile, JobFileError, Provenance, Relation, RelationKind, Source, TaughtActivity,
-    TaughtIu, TaughtStep, VERSION, checksum, runs, validate,
+    FORMAT, JobFault, JobFile, JobFileError, Provenance, Relation, RelationKind, ShownValues, Source,
+    TaughtActivity, TaughtIu, TaughtStep, VERSION, checksum, runs, validate,
 };
 use crate::file;
 use crate::recording::NamedObject;
@@ -216,8 +216,9 @@ struct IuText {
     max_bow_m: Option<f32>,
     axis: Option<[f32; 3]>,
     place_m: Option<[f32; 4]>,
-    /// A file without this key was taught before verdicts named it.
+    /// A file with this key was taught before the values of the runs were kept, and one without it before verdicts named it.
     shown: Option<ShownText>,
+    runs: Option<ShownValues>,
     reference: Vec<String>,
 }
 
@@ -430,6 +431,7 @@ fn activity_of(index: usize, text: ActivityText) -> Result<TaughtActivity, JobFa
             frames: bounds_of(iu.frames),
             reversals: bounds_of(iu.reversals),
             measures,
+            shown: iu.runs,
             reference,
             demonstrations: iu.demonstrations,
         })
@@ -448,7 +450,7 @@ fn measures_of(iu: &IuText) -> MeasureBounds {
         max_bow_m: iu.max_bow_m.unwrap_or(any.max_bow_m),
         axis: iu.axis.map_or(any.axis, |[x, y, max]| Around { centre: [x, y], max }),
         place_m: iu.place_m.map_or(any.place_m, |[x, y, z, max]| Around { centre: [x, y, z], max }),
-        shown: iu.shown.as_ref().map(shown_of),
+        shown: iu.runs.as_ref().map(ShownValues::ranges).or(iu.shown.as_ref().map(shown_of)),
     }
 }
 

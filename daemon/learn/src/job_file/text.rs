@@ -83,6 +83,17 @@ impl JobFile {
             text,
             "# of frames, and the motion in these frames: a_h theta_hj phi_hj jm_hj theta_jl phi_jl jm_jl."
         );
+        // Without them, an older file has its own text again.
+        if self.activities.iter().flat_map(|activity| &activity.ius).any(|iu| iu.shown.is_some()) {
+            line!(
+                text,
+                "# `runs` is what the runs measured, each measure sorted, in the units of the bounds, and `distance` their DTW distances from"
+            );
+            line!(
+                text,
+                "# each other. It takes the place of `shown`: people see by it where an execution lies."
+            );
+        }
         self.activities.iter().for_each(|activity| self.activity_text(&mut text, activity));
         let mut text = checksum::seal(&text);
         names::append(&mut text, &self.step_names);
@@ -182,12 +193,16 @@ impl JobFile {
         line!(text, "frames = {}", bounds_text(iu.frames));
         line!(text, "reversals = {}", bounds_text(iu.reversals));
         measures_text(text, &iu.measures);
-        iu.measures.shown.iter().for_each(|shown| shown_text(text, shown));
+        // The values have the ranges in them.
+        if iu.shown.is_none() {
+            iu.measures.shown.iter().for_each(|shown| shown_text(text, shown));
+        }
         line!(text, "reference = [");
         for row in runs::rows(&iu.reference) {
             line!(text, "  {row:?},");
         }
         line!(text, "]");
+        iu.shown.iter().for_each(|shown| shown.write(text));
     }
 
     /// A context in words, on one line.

@@ -1,6 +1,6 @@
 //! The rules of the method that a job file must obey.
 
-use super::{JobFault, JobFile, TaughtActivity, TaughtIu};
+use super::{JobFault, JobFile, ShownValues, TaughtActivity, TaughtIu};
 use crate::recording::NamedObject;
 use andon_core::bounds::{Bounds, Range};
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
@@ -134,6 +134,10 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
         values.into_iter().all(f32::is_finite)
     };
     rule(shown.is_none_or(is_finite), &key_of("shown"), || "a value is not a number".to_owned())?;
+    let misfit = iu.shown.as_ref().and_then(ShownValues::misfit);
+    rule(misfit.is_none(), &key_of(&format!("runs.{}", misfit.unwrap_or_default())), || {
+        "the values must be sorted numbers of at least 0, and no more than are kept".to_owned()
+    })?;
     rule(!iu.reference.is_empty(), &key_of("reference"), || "it has no rows".to_owned())?;
     let bins = job.method.bins as i8;
     let is_possible = |Motion([a, t1, p1, j1, t2, p2, j2]): &Motion| {

@@ -44,7 +44,7 @@ impl IuReport {
         shown: &[Measures],
         taught: &TaughtIu,
     ) -> Self {
-        let distances = if learned.left_out.is_empty() { &learned.own } else { &learned.left_out };
+        let distances = learned.distances();
         Self {
             activity,
             iu,

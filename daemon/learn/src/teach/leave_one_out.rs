@@ -9,10 +9,11 @@
 use super::strength::{Rule, Strengths};
 use super::threshold::Memory;
 use super::{Demonstrations, TeachOptions, learn};
+use crate::distribution::Distribution;
 use crate::run::Run;
-use andon_core::verdict::Outcome;
+use andon_core::verdict::{Outcome, Verdict};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// With fewer runs, the others would be one, which shows neither an order nor a spread.
 pub(super) const MIN_RUNS: usize = 3;
@@ -26,6 +27,8 @@ pub(super) struct LeftOut {
     pub(super) rejected_before: Vec<String>,
     /// The names of those that they reject although nothing more can be made weaker.
     pub(super) rejected: Vec<String>,
+    /// Where a run that was left out lay among the others in what it was rejected for at first, by the rule and its name.
+    pub(super) shown: BTreeMap<(Rule, String), Distribution>,
 }
 
 /// One run, and what the others show.
@@ -38,8 +41,8 @@ struct Fold<'a> {
 /// What rejects a run that was left out.
 struct Rejection {
     name: String,
-    /// The rules that it breaks; empty if the others teach no job, or it does something else that they do not know.
-    rules: BTreeSet<Rule>,
+    /// The rules that it breaks, with where it lies; empty if the others teach no job, or it does something else that they do not know.
+    rules: Vec<(Rule, Option<Distribution>)>,
 }
 
 /// Tries each of these runs with the job that the others teach; `None` of fewer than [`MIN_RUNS`].
@@ -54,6 +57,7 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
     let mut folds: Vec<Fold<'_>> = made.into_iter().flatten().collect();
     let mut strengths = Strengths::default();
     let mut rejected_before = None;
+    let mut shown = BTreeMap::new();
     loop {
         let rejections: Vec<Rejection> =
             folds.par_iter_mut().filter_map(|fold| fold.rejection(options, &strengths)).collect();
@@ -64,8 +68,13 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
             .collect();
         rejected_before.get_or_insert_with(|| names.clone());
         let mut contradicted: BTreeMap<Rule, usize> = BTreeMap::new();
-        for rule in rejections.into_iter().flat_map(|rejection| rejection.rules) {
-            *contradicted.entry(rule).or_default() += 1;
+        for Rejection { name, rules } in rejections {
+            for (rule, lies) in rules {
+                *contradicted.entry(rule).or_default() += 1;
+                if let Some(lies) = lies {
+                    shown.entry((rule, name.clone())).or_insert(lies);
+                }
+            }
         }
         contradicted.retain(|_, runs| *runs >= options.strictness.contradictions());
         let weaker = contradicted.into_keys().filter(|rule| strengths.weaken(*rule)).count();
@@ -74,6 +83,7 @@ pub(super) fn tried(runs: &[&Run], options: &TeachOptions) -> Option<LeftOut> {
                 strengths,
                 rejected_before: rejected_before.unwrap_or_default(),
                 rejected: names,
+                shown,
             });
         }
     }
@@ -99,10 +109,14 @@ impl<'a> Fold<'a> {
             self.memory = Memory::default();
         }
         let Ok(learnt) = learn(&self.others, options, strengths, &mut self.memory) else {
-            return Some(Rejection { name, rules: BTreeSet::new() });
+            return Some(Rejection { name, rules: Vec::new() });
         };
         let verdicts = self.left_out.judge(&learnt.job).unwrap_or_default();
-        let rules = verdicts.iter().filter_map(|verdict| Rule::broken_by(verdict, &learnt.job)).collect();
+        let broken = |verdict: &Verdict| {
+            let rule = Rule::broken_by(verdict, &learnt.job)?;
+            Some((rule, Distribution::of_verdict(&learnt.job, verdict)))
+        };
+        let rules = verdicts.iter().filter_map(broken).collect();
         let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
         is_accused.then_some(Rejection { name, rules })
     }

@@ -7,10 +7,11 @@ use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
 use super::strength::Strength;
+use crate::job_file::{ShownValues, of_runs};
 use crate::statistics::{deviation, mean, median, pooled_freedom, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
-use andon_core::job::{MeasureBounds, Shown};
+use andon_core::job::MeasureBounds;
 use andon_core::segment::{MOVED_M, Measures};
 use andon_core::verdict::Measure;
 
@@ -97,27 +98,21 @@ impl Rates {
         }
     }
 
-    /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations and their lengths in frames. `met_within_m` is
+    /// The bounds of reversals and of the measures in metres of one IU, from its demonstrations. `met_within_m` is
     /// how near the runs show its two parts to come, 0 where the station says it; `way` is what they measured at the end of the way that the IU is
     /// a part of.
     pub(super) fn bounds(
         &self,
         context: Context,
         shown: &[Measures],
-        frames: &[u32],
         way: Option<&[Measures]>,
         met_within_m: f32,
         strength: &dyn Fn(Measure) -> Strength,
     ) -> (Bounds, MeasureBounds) {
         let any = MeasureBounds::ANY;
         let is_law = |measure| strength(measure) != Strength::None;
-        if !context.is_touch() {
+        if !context.is_touch() || self.path <= 0.0 {
             return (UNBOUNDED, any);
-        } else if self.path <= 0.0 {
-            return (
-                UNBOUNDED,
-                MeasureBounds { shown: Some(what_was_shown(shown, shown, frames, &any)), ..any },
-            );
         }
         let bounds = MeasureBounds {
             stroke_m: if is_repeated(shown) && is_law(Measure::StrokeLength) {
@@ -150,13 +145,7 @@ impl Rates {
             },
             shown: None,
         };
-        (
-            self.reversals(shown, strength(Measure::Strokes)),
-            MeasureBounds {
-                shown: Some(what_was_shown(shown, way.unwrap_or(shown), frames, &bounds)),
-                ..bounds
-            },
-        )
+        (self.reversals(shown, strength(Measure::Strokes)), bounds)
     }
 
     /// How long an IU at another part may last, in frames, from its demonstrations and their durations; `None` for other IUs: somebody may be
@@ -308,18 +297,28 @@ impl Rates {
     }
 }
 
-/// What the demonstrations measured, from minimum to maximum.
-fn what_was_shown(shown: &[Measures], way: &[Measures], frames: &[u32], bounds: &MeasureBounds) -> Shown {
-    let most = |distances: &mut dyn Iterator<Item = f32>| distances.fold(0.0, f32::max);
-    Shown {
-        frames: counts(frames.iter().copied()),
-        reversals: counts(likely_reversals(shown)),
-        stroke_m: lengths(shown.iter().filter_map(|measures| measures.stroke_m)),
-        path_m: lengths(shown.iter().map(|measures| measures.path_m)),
-        detour_m: most(&mut shown.iter().map(|measures| measures.detour_m)),
-        bow_m: most(&mut way.iter().map(|measures| measures.bow_m)),
-        axis: most(&mut shown.iter().map(|measures| bounds.axis.distance(measures.axis))),
-        place_m: most(&mut shown.iter().map(|measures| bounds.place_m.distance(measures.place_m))),
+/// What the demonstrations measured, at the end of their way and of their motion as well.
+pub(super) fn what_was_shown(
+    shown: &[Measures],
+    way: &[Measures],
+    frames: &[u32],
+    distances: &[f64],
+    bounds: &MeasureBounds,
+) -> ShownValues {
+    let each = |of: &dyn Fn(&Measures) -> f32| of_runs(shown.iter().map(|measures| of(measures).into()));
+    // Where any direction or place is right there is no centre.
+    let from = |max: f32, of: &dyn Fn(&Measures) -> f32| if max.is_finite() { each(of) } else { Vec::new() };
+    let MeasureBounds { axis, place_m, .. } = bounds;
+    ShownValues {
+        frames: of_runs(frames.iter().copied().map(f64::from)),
+        reversals: of_runs(likely_reversals(shown).map(f64::from)),
+        stroke_m: of_runs(shown.iter().filter_map(|measures| measures.stroke_m).map(f64::from)),
+        path_m: each(&|measures| measures.path_m),
+        detour_m: each(&|measures| measures.detour_m),
+        bow_m: of_runs(way.iter().map(|measures| measures.bow_m.into())),
+        axis: from(axis.max, &|measures| axis.distance(measures.axis)),
+        place_m: from(place_m.max, &|measures| place_m.distance(measures.place_m)),
+        distance: of_runs(distances.iter().copied()),
     }
 }
 
@@ -364,11 +363,6 @@ fn beyond(usual: Bounds, count: u32) -> f64 {
 
 fn counts(values: impl Iterator<Item = u32> + Clone) -> Bounds {
     Bounds { min: values.clone().min().unwrap_or_default(), max: values.max().unwrap_or_default() }
-}
-
-fn lengths(values: impl Iterator<Item = f32> + Clone) -> Range {
-    let min = values.clone().min_by(f32::total_cmp).unwrap_or_default();
-    Range { min, max: values.max_by(f32::total_cmp).unwrap_or_default() }
 }
 
 /// The share by which the bounds of `runs` runs would be narrower with `more` of them, if these differ as the first ones do.

@@ -22,6 +22,7 @@ mod report;
 mod sampling;
 mod sequence;
 mod start;
+mod statement;
 mod strength;
 mod threshold;
 mod trust;
@@ -35,10 +36,11 @@ pub use order::OrderReport;
 pub use page::page;
 pub use report::TeachReport;
 pub use sequence::Disagreement;
+pub use statement::Statement;
 pub use trust::{Blind, Doubt, Measure, Outlier};
 
 use crate::barycentre::Barycentres;
-use crate::job_file::{JobFile, Provenance, Source, TaughtActivity, TaughtIu, context_words};
+use crate::job_file::{JobFile, Provenance, ShownValues, Source, TaughtActivity, TaughtIu, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
 use crate::run::{Iu, Run};
@@ -47,12 +49,13 @@ use andon_core::bounds::Bounds;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
+use andon_core::job::MeasureBounds;
 use andon_core::object::Meeting;
 use andon_core::segment::Measures;
 use andon_core::verdict;
 use bounds::UNBOUNDED;
 use kind::{is_repeated, is_taking, way_of};
-use measures::Rates;
+use measures::{Rates, what_was_shown};
 use people::People;
 use report::Found;
 use sampling::needed_rate_hz;
@@ -375,18 +378,18 @@ impl Teacher<'_> {
         step: StepKey,
     ) -> Result<TaughtIu, TeachError> {
         self.blind.extend(sequence.blind(self.runs, index));
-        let shown: Vec<(usize, &Iu)> = sequence.well_shown(self.runs, index).collect();
-        if shown.is_empty() {
+        let demonstrations: Vec<(usize, &Iu)> = sequence.well_shown(self.runs, index).collect();
+        if demonstrations.is_empty() {
             return Err(self.never_seen(sequence, index));
         }
-        self.check_lengths(sequence, index, &shown)?;
-        let shown: Vec<&Iu> = shown.into_iter().map(|(_, iu)| iu).collect();
+        self.check_lengths(sequence, index, &demonstrations)?;
+        let demonstrations: Vec<&Iu> = demonstrations.into_iter().map(|(_, iu)| iu).collect();
         let TeachOptions { rule, max_slowdown, method, .. } = self.options;
         let leave_out = !matches!(rule, ThresholdRule::Paper { .. });
         let learned = self
             .memory
             .recall((number, index), || {
-                let motions: Vec<_> = shown.iter().map(|iu| compared(iu, self.options)).collect();
+                let motions: Vec<_> = demonstrations.iter().map(|iu| compared(iu, self.options)).collect();
                 let motions: Vec<&[Motion]> = motions.iter().map(AsRef::as_ref).collect();
                 threshold::learn(&mut self.warp, &self.tables, &motions)
             })
@@ -401,17 +404,17 @@ impl Teacher<'_> {
         let strength =
             |measure| of(Rule::Measure(step, context, measure), measure != verdict::Measure::Duration);
         let of_motion = of(Rule::Motion(step, context), true);
-        let frames: Vec<u32> = shown.iter().map(|iu| iu.worked_frames()).collect();
+        let frames: Vec<u32> = demonstrations.iter().map(|iu| iu.worked_frames()).collect();
         let measured = measures_of(self.runs, sequence, index);
         let way = self.way(sequence, index);
-        let (reversals, measures) = self.rates.bounds(
-            context,
-            &measured,
-            &frames,
-            way.as_deref(),
-            self.met_within_m(context),
-            &strength,
-        );
+        let met_within_m = self.met_within_m(context);
+        let (reversals, measures) =
+            self.rates.bounds(context, &measured, way.as_deref(), met_within_m, &strength);
+        let way = way.as_deref().unwrap_or(&measured);
+        let shown = context
+            .is_touch()
+            .then(|| what_was_shown(&measured, way, &frames, learned.distances(), &measures));
+        let measures = MeasureBounds { shown: shown.as_ref().map(ShownValues::ranges), ..measures };
         let taught = TaughtIu {
             context,
             threshold: learned.threshold(*rule, f64::from(method.rate_hz), &self.people, of_motion) as f32,
@@ -424,7 +427,8 @@ impl Teacher<'_> {
             reversals,
             measures,
             reference: learned.reference.clone(),
-            demonstrations: shown.len() as u32,
+            demonstrations: demonstrations.len() as u32,
+            shown,
         };
         self.ius.push(IuReport::new(sequence.activity, index, &learned, &measured, &taught));
         Ok(taught)

@@ -2,12 +2,15 @@
 
 use super::iu_report::IuReport;
 use super::measures::narrower_with_more;
-use andon_core::bounds::{Bounds, Range};
-use andon_core::job::Shown;
+use crate::distribution::{Right, range_of};
+use andon_core::verdict::Measure;
 use std::fmt;
 
 /// How many more runs are offered as a measure of what they bring.
 const MORE_RUNS: usize = 5;
+
+/// In a metre.
+const CENTIMETRES: f32 = 100.0;
 
 /// By how much less and by how much more than what was shown is noticed; `None` where nothing is.
 type LessAndMore = [Option<f32>; 2];
@@ -46,23 +49,33 @@ impl Noticed<'_> {
     /// straight line it leads, the length of strokes, place and axis. `None` where nothing was
     /// measured.
     pub(super) fn cells(&self, iu: &IuReport) -> Option<[String; 7]> {
-        let bounds = &iu.measures;
-        let Shown { frames, reversals, stroke_m, path_m, detour_m, bow_m, .. } = bounds.shown?;
-        let strokes = counts(reversals, iu.reversals).map(|count| count.map(|count| count / 2.0));
-        let seconds = counts(frames, iu.frames).map(|count| count.map(|count| count / self.rate_hz));
-        let off = |bound: f32| bound.is_finite().then_some(bound);
-        let [path_less, _] = lengths(path_m, bounds.path_m);
-        // An axis is that of twice the angle.
-        let degrees = off(bounds.axis.max).map(|max| (max / 2.0).min(1.0).asin().to_degrees());
+        let shown = iu.measures.shown?;
+        let right = self.right(iu);
+        let differs = |measure, per: f32, step: f32| {
+            let [least, most] = range_of(measure, shown, self.rate_hz);
+            let [min, max] = right.of_measure(measure);
+            let differences = [min.map(|min| least - min), max.map(|max| max - most)];
+            differences.map(|difference| difference.map(|value| per * (value + step).max(0.0)))
+        };
+        let most = |measure, per: f32| right.of_measure(measure)[1].map(|most| per * most);
+        // The first count that is not right is noticed.
+        let (stroke, frame) = (0.5, 1.0 / self.rate_hz);
+        let [path_less, path_more] = differs(Measure::Path, CENTIMETRES, 0.0);
+        let detour = right.max_detour(Some(Measure::Path)).map(|max| CENTIMETRES * (max - shown.detour_m));
         Some([
-            both(strokes, 1),
-            both(seconds, 1),
-            both([path_less, off(bounds.max_detour_m - detour_m).map(centimetres)], 0),
-            both([None, off(bounds.max_bow_m - bow_m).map(centimetres)], 0),
-            both(lengths(stroke_m, bounds.stroke_m), 1),
-            one(off(bounds.place_m.max).map(centimetres), 1),
-            one(degrees, 0),
+            both(differs(Measure::Strokes, 1.0, stroke), 1),
+            both(differs(Measure::Duration, 1.0, frame), 1),
+            both([path_less, detour.or(path_more)], 0),
+            both(differs(Measure::Bow, CENTIMETRES, 0.0), 0),
+            both(differs(Measure::StrokeLength, CENTIMETRES, 0.0), 1),
+            one(most(Measure::Place, CENTIMETRES), 1),
+            one(most(Measure::Direction, 1.0), 0),
         ])
+    }
+
+    /// What is right of an IU.
+    pub(super) fn right<'a>(&self, iu: &'a IuReport) -> Right<'a> {
+        Right { frames: iu.frames, reversals: iu.reversals, measures: &iu.measures, rate_hz: self.rate_hz }
     }
 }
 
@@ -74,23 +87,6 @@ pub(super) fn what_more_would_bring(runs: usize, false_alarms: f64) -> String {
          people differ",
         100.0 * share
     )
-}
-
-fn counts(shown: Bounds, right: Bounds) -> LessAndMore {
-    let less = (right.min > 0).then(|| (shown.min + 1).saturating_sub(right.min));
-    let more = (right.max < u32::MAX).then(|| (right.max + 1).saturating_sub(shown.max));
-    [less, more].map(|count| count.map(|count| count as f32))
-}
-
-/// In centimetres.
-fn lengths(shown: Range, right: Range) -> LessAndMore {
-    let less = (right.min > 0.0).then(|| (shown.min - right.min).max(0.0));
-    let more = right.max.is_finite().then(|| (right.max - shown.max).max(0.0));
-    [less, more].map(|metres| metres.map(centimetres))
-}
-
-fn centimetres(metres: f32) -> f32 {
-    100.0 * metres
 }
 
 fn both([less, more]: LessAndMore, decimals: usize) -> String {
@@ -106,20 +102,39 @@ fn one(value: Option<f32>, decimals: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use andon_core::bounds::{Bounds, Range};
+    use andon_core::couple::Context;
+    use andon_core::job::{MeasureBounds, Shown};
 
     #[test]
-    fn the_smallest_difference_is_the_first_count_that_is_not_right() {
-        let bounds = |min, max| Bounds { min, max };
-        assert_eq!(counts(bounds(12, 13), bounds(11, 14)), [Some(2.0), Some(2.0)]);
-        assert_eq!(counts(bounds(0, 1), bounds(0, 3)), [None, Some(3.0)]);
-        assert_eq!(counts(bounds(0, 1), bounds(0, u32::MAX)), [None, None]);
-    }
-
-    #[test]
-    fn a_length_is_told_in_centimetres_less_and_more() {
-        let range = |min, max| Range { min, max };
-        let text = both(lengths(range(0.5, 0.6), range(0.25, 1.0)), 0);
-        assert_eq!(text, "-25 +40");
-        assert_eq!(both(lengths(range(0.5, 0.6), range(0.0, f32::INFINITY)), 0), "any");
+    fn the_first_count_that_is_not_right_is_noticed_and_lengths_are_told_in_centimetres() {
+        let shown = Shown {
+            frames: Bounds { min: 30, max: 60 },
+            reversals: Bounds { min: 12, max: 13 },
+            stroke_m: Range { min: 0.05, max: 0.06 },
+            path_m: Range { min: 0.5, max: 0.6 },
+            detour_m: 0.1,
+            bow_m: 0.05,
+            axis: 0.0,
+            place_m: 0.01,
+        };
+        let path_m = Range { min: 0.25, max: f32::INFINITY };
+        let measures = MeasureBounds { path_m, max_detour_m: 0.5, shown: Some(shown), ..MeasureBounds::ANY };
+        let iu = IuReport {
+            activity: 0,
+            iu: 1,
+            context: Context([1, 5, 5, 6]),
+            demonstrations: 5,
+            mean_distance: 0.0,
+            distance_deviation: 0.0,
+            threshold: 0.0,
+            frames: Bounds { min: 0, max: 90 },
+            reversals: Bounds { min: 11, max: 14 },
+            is_by_feel: false,
+            measures,
+        };
+        let cells = Noticed { ius: &[], rate_hz: 30.0 }.cells(&iu);
+        let expected = ["-1.0 +1.0", "+1.0", "-25 +40", "any", "any", "any", "any"];
+        assert_eq!(cells, Some(expected.map(str::to_owned)));
     }
 }

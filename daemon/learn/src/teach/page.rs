@@ -2,6 +2,8 @@
 
 use super::iu_report::IuReport;
 use super::report::{TeachReport, range};
+use super::statement::Statement;
+use crate::distribution::STRIP;
 use crate::html::{document, escaped};
 use crate::job_file::JobFile;
 
@@ -17,7 +19,7 @@ pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
          the evidence is enough; otherwise another order is only noted.",
     );
     body += &list("ol", report.order.steps.iter().map(|(name, sentences)| step(name, sentences)));
-    body += &list("ul", report.findings().iter().map(|line| escaped(line)));
+    body += &list("ul", report.findings().iter().map(Statement::html));
     body += "<h2>What was learned of each IU</h2>";
     body += &learned(job, report);
     if report.has_measures() {
@@ -32,9 +34,11 @@ pub fn page(job: &JobFile, report: &TeachReport, picture: &str) -> String {
 /// The one sentence, what to do about each doubt, and the notes.
 fn summary(report: &TeachReport) -> String {
     let class = if report.is_trusted() { "say" } else { "say no" };
-    let lines: Vec<String> = report.summary().iter().map(|line| escaped(line.trim())).collect();
-    let notes = list("ul", report.warnings().iter().map(|note| escaped(note)));
-    format!("<p class=\"{class}\">{}</p>{notes}", lines.join("<br>"))
+    let lines: String = report.summary().iter().map(|line| format!("<div>{}</div>", line.html())).collect();
+    let notes = list("ul", report.warnings().iter().map(Statement::html));
+    let strip =
+        if report.has_distributions() { format!("<figcaption>{STRIP}</figcaption>") } else { String::new() };
+    format!("<div class=\"{class}\">{lines}</div>{strip}{notes}")
 }
 
 fn step(name: &str, sentences: &[String]) -> String {

@@ -8,9 +8,11 @@ use super::noticed::{Noticed, what_more_would_bring};
 use super::options::TeachOptions;
 use super::order::OrderReport;
 use super::sequence::Disagreement;
+use super::statement::Statement;
 use super::threshold::min_false_alarms;
 use super::trust::{Blind, Doubt, Outlier, summary};
 use super::widened;
+use crate::distribution::{Distribution, LEGEND};
 use crate::job_file::{JobFile, context_words};
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
@@ -55,7 +57,7 @@ pub struct TeachReport {
     /// The names of the runs that a job taught with the others rejects; `None` if it was not tried.
     pub rejected: Option<Vec<String>>,
     /// What leaving one run out has shown, a sentence each; empty if it was not asked for.
-    pub left_out: Vec<String>,
+    pub left_out: Vec<Statement>,
     /// What they do not show for sure of where hands and objects meet.
     pub unsure: Vec<Unsure>,
     /// How probable it is that one person showed all of them.
@@ -122,17 +124,20 @@ impl TeachReport {
     }
 
     /// What people should know of a job that can be used, one sentence each; empty if there is nothing.
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<Statement> {
         let words = |context| self.words(context);
         let left_out =
-            self.disagreements.iter().map(|found| format!("left out was {}", found.sentence(&words)));
-        let unsure = self.unsure.iter().map(ToString::to_string);
+            self.disagreements.iter().map(|found| format!("left out was {}", found.sentence(&words)).into());
+        let unsure = self.unsure.iter().map(|unsure| unsure.to_string().into());
         let pauses = self.pauses.iter().map(|pause| {
-            format!("{} is slow: {}; so short a pause is right", pause.run, pause.figures(&words))
+            let text = format!("{} is slow: {}; so short a pause is right", pause.run, pause.figures(&words));
+            Statement::of_run(text, Some(self.lies(pause)))
         });
         let questions = self.questions.iter().map(|odd| {
             let figures = odd.figures(&words);
-            format!("{} stands out: {figures}: kept; if it was a fault, teach --without {}", odd.run, odd.run)
+            let run = &odd.run;
+            let text = format!("{run} stands out: {figures}: kept; if it was a fault, teach --without {run}");
+            Statement::of_run(text, Some(self.lies(odd)))
         });
         let others = [
             self.few_demonstrations(),
@@ -142,7 +147,19 @@ impl TeachReport {
             self.by_feel(),
             self.false_alarms(),
         ];
-        left_out.chain(pauses).chain(questions).chain(unsure).chain(others.into_iter().flatten()).collect()
+        left_out
+            .chain(pauses)
+            .chain(questions)
+            .chain(unsure)
+            .chain(others.into_iter().flatten().map(Statement::from))
+            .collect()
+    }
+
+    /// Where a demonstration lies among the others.
+    fn lies(&self, outlier: &Outlier) -> Distribution {
+        let mut ius = self.ius.iter();
+        let iu = ius.find(|iu| (iu.activity, iu.iu) == (outlier.activity, outlier.iu));
+        outlier.distribution(iu.map(|iu| self.noticed().right(iu)))
     }
 
     fn one_person(&self) -> Option<String> {
@@ -247,6 +264,9 @@ impl fmt::Display for TeachReport {
         for line in self.findings() {
             writeln!(f, "{line}")?;
         }
+        if self.has_distributions() {
+            writeln!(f, "  ({LEGEND})")?;
+        }
         self.write_table(f)?;
         if self.has_measures() {
             write!(f, "{}", self.noticed())?;
@@ -260,19 +280,26 @@ impl fmt::Display for TeachReport {
 
 impl TeachReport {
     /// Whether the job can be used and why, in one sentence; then, for each doubt, what to do about it.
-    pub(super) fn summary(&self) -> Vec<String> {
-        summary(self.used(), self.runs, &self.doubts, &|context| self.words(context))
+    pub(super) fn summary(&self) -> Vec<Statement> {
+        let (words, lies) = (|context| self.words(context), |outlier: &Outlier| self.lies(outlier));
+        summary(self.used(), self.runs, &self.doubts, &words, &lies)
     }
 
     /// Which runs the others would have rejected, and how many frames the job needs.
-    pub(super) fn findings(&self) -> Vec<String> {
+    pub(super) fn findings(&self) -> Vec<Statement> {
         let rate = (self.min_rate_hz > 0.0).then(|| {
-            format!(
+            Statement::from(format!(
                 "the job needs {:.1} of {:.1} frames per second; a step with fewer is not judged (overload)",
                 self.min_rate_hz, self.rate_hz
-            )
+            ))
         });
         self.left_out.iter().cloned().chain(rate).collect()
+    }
+
+    /// Whether a sentence says where a run lies among the others.
+    pub(super) fn has_distributions(&self) -> bool {
+        let all = [self.summary(), self.warnings(), self.findings()];
+        all.iter().flatten().any(|statement| !statement.shown.is_empty())
     }
 
     /// Whether what was measured in metres and seconds has bounds.

@@ -130,6 +130,11 @@ impl Learned {
         Self { own: slow(&self.own), left_out, ..self.clone() }
     }
 
+    /// The distances that the threshold is derived from.
+    pub(super) fn distances(&self) -> &[f64] {
+        if self.left_out.is_empty() { &self.own } else { &self.left_out }
+    }
+
     /// The threshold by a rule, as a DTW distance. `rate_hz` is the frame rate of the grid, `people` what the runs tell of those
     /// who showed them.
     pub(super) fn threshold(

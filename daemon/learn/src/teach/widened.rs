@@ -1,11 +1,12 @@
 //! What leaving one run out has changed, in words.
 
 use super::leave_one_out::{LeftOut, MIN_RUNS};
+use super::statement::Statement;
 use super::strength::{Rule, StepKey, Strength};
+use crate::distribution::Distribution;
 use crate::job_file::JobFile;
 use crate::statistics::at_most;
 use andon_core::couple::Context;
-use andon_core::verdict::Measure;
 
 /// How sure the stated maximum of the rate of false alarms is.
 const CONFIDENCE: f64 = 0.95;
@@ -16,26 +17,34 @@ pub(super) fn sentences(
     left_out: Option<&LeftOut>,
     job: &JobFile,
     words: &dyn Fn(Context) -> String,
-) -> Vec<String> {
-    let Some(LeftOut { strengths, rejected_before, rejected }) = left_out else {
+) -> Vec<Statement> {
+    let Some(LeftOut { strengths, rejected_before, rejected, shown }) = left_out else {
         return vec![format!(
             "{used} run{} cannot show what another right run would be rejected for: from {MIN_RUNS} runs on each is judged by what the others teach; \
              until then whatever differs more than people in general is an anomaly, and any order of the steps is right",
             if used == 1 { "" } else { "s" }
-        )];
+        )
+        .into()];
     };
-    let mut sentences = vec![rate(used, rejected)];
+    let mut sentences: Vec<Statement> = vec![rate(used, rejected).into()];
     let changed = rejected_before.iter().filter(|run| !rejected.contains(run)).count();
     if changed > 0 {
         sentences.push(format!(
             "{changed} of them would have been, had every rule been as strict as people in general allow ({}); so these rules give way:",
             rejected_before.join(", ")
-        ));
+        ).into());
     }
     let steps: Vec<(StepKey, usize)> =
         (0..job.steps.len()).filter_map(|number| Some((StepKey::of(job, number)?, number))).collect();
     let number = |step: StepKey| steps.iter().find(|(key, _)| *key == step).map(|(_, number)| number + 1);
-    let line = |(rule, strength)| rule_words(rule, strength, &number, words).map(|line| format!("  {line}"));
+    let line = |(rule, strength)| {
+        let text = format!("  {}", rule_words(rule, strength, &number, words)?);
+        let of_rule = shown.iter().filter(|((broken, _), _)| *broken == rule);
+        Some(Statement {
+            text,
+            shown: of_rule.map(|((_, run), lies)| (Some(run.clone()), lies.clone())).collect(),
+        })
+    };
     sentences.extend(strengths.weakened().filter_map(line));
     sentences
 }
@@ -77,19 +86,12 @@ fn rule_words(
             format!("step {} ({}): motion, {extent}", number(step)?, words(context))
         }
         Rule::Measure(step, context, measure) => {
-            format!("step {} ({}): {}, {extent}", number(step)?, words(context), measure_words(measure))
+            format!(
+                "step {} ({}): {}, {extent}",
+                number(step)?,
+                words(context),
+                Distribution::name(Some(measure))
+            )
         }
     })
-}
-
-fn measure_words(measure: Measure) -> &'static str {
-    match measure {
-        Measure::Duration => "duration",
-        Measure::Strokes => "number of strokes",
-        Measure::StrokeLength => "length of a stroke",
-        Measure::Path => "length of the path",
-        Measure::Bow => "bow of the way",
-        Measure::Direction => "direction",
-        Measure::Place => "place",
-    }
 }

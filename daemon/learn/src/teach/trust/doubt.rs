@@ -1,7 +1,9 @@
 //! What speaks against learning from the runs, in words.
 
 use super::outlier::{Measure, Outlier};
+use crate::distribution::{Distribution, Right};
 use andon_core::couple::Context;
+use andon_core::verdict;
 
 /// What speaks against learning from the runs. Each is a sentence, and says what to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,9 +99,21 @@ impl Doubt {
 }
 
 impl Outlier {
+    /// Where it lies among the others, beside what the job that was taught says is right of the IU.
+    pub(in crate::teach) fn distribution(&self, right: Option<Right<'_>>) -> Distribution {
+        let (measure, per) = match self.measure {
+            Measure::Duration => (Some(verdict::Measure::Duration), 1.0),
+            Measure::Reversals => (Some(verdict::Measure::Strokes), 2.0),
+            Measure::Path => (Some(verdict::Measure::Path), 1.0),
+            Measure::Distance => (None, 1.0),
+        };
+        Distribution::among(measure, self.others.iter().map(|other| other / per), self.value / per, right)
+    }
+
     /// Where and how far it stands out, for a sentence about its run.
     pub(in crate::teach) fn figures(&self, words: &dyn Fn(Context) -> String) -> String {
-        let [least, most] = self.others;
+        let [least, most] =
+            [self.others.first(), self.others.last()].map(|end| end.copied().unwrap_or_default());
         let figures = match self.measure {
             Measure::Duration => format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value),
             Measure::Reversals => {

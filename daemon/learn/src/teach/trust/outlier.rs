@@ -166,8 +166,8 @@ pub struct Outlier {
     pub measure: Measure,
     /// Its value, in the unit of the measure.
     pub value: f64,
-    /// The minimum and the maximum of the others.
-    pub others: [f64; 2],
+    /// Those of the others, sorted.
+    pub others: Vec<f64>,
     /// It only lasts longer than most, and longer than all others by no more than a pause that is no anomaly.
     pub is_pause: bool,
     /// The others make a law of it, which would be another one with it: strokes and time at another part.
@@ -216,11 +216,11 @@ fn of_iu(
     for measure in Measure::ALL.into_iter().filter(|measure| shown.len() >= measure.min_runs()) {
         let values = values(measure, options.method.rate_hz, &shown);
         for (at, &(run, iu)) in shown.iter().enumerate() {
-            let (value, others) = left_out(measure, &values, &distances, at);
+            let (value, mut others) = left_out(measure, &values, &distances, at);
             let share = measure.exceeds(iu, value, &others, in_and_out_m);
             if share > 1.0 {
-                let min = others.iter().copied().fold(f64::INFINITY, f64::min);
-                let max = others.iter().copied().fold(0.0, f64::max);
+                others.sort_by(f64::total_cmp);
+                let [min, max] = [others.first(), others.last()].map(|end| end.copied().unwrap_or_default());
                 let outlier = Outlier {
                     run: runs[run].name.clone(),
                     activity: sequence.activity,
@@ -228,9 +228,9 @@ fn of_iu(
                     context: iu.context,
                     measure,
                     value,
-                    others: [min, max],
                     is_pause: measure == Measure::Duration
                         && (median(&others)..=max + options.bounds.pause_s).contains(&value),
+                    others,
                     // What the runs have only in part in common is in pieces, and what lies between others contradicts none of them.
                     is_law_of_others: is_at_another(iu.context)
                         && !sequence.allows_insertions

@@ -1,23 +1,29 @@
 //! The first lines of the report: whether the job can be used, why, and what to do.
 
-use super::Doubt;
+use super::{Doubt, Outlier};
+use crate::distribution::Distribution;
+use crate::teach::statement::Statement;
 use andon_core::couple::Context;
 
-/// One sentence, then, for each doubt, what to do about it. `used` of `runs` runs were learnt from; `words` puts a context into words.
+/// One sentence, then, for each doubt, what to do about it. `used` of `runs` runs were learnt from; `words` puts a context into words, and `lies` says
+/// where a demonstration lies among the others.
 pub(in crate::teach) fn summary(
     used: usize,
     runs: usize,
     doubts: &[Doubt],
     words: &dyn Fn(Context) -> String,
-) -> Vec<String> {
-    let Some((first, others)) = doubts.split_first() else { return vec![usable(used, runs)] };
-    let mut lines = vec![format!("not usable, because {}.", first.sentence(words))];
-    lines.push(format!("  What to do: {}.", first.remedy()));
-    for doubt in others {
-        lines.push(format!("  And {}.", doubt.sentence(words)));
-        lines.push(format!("  What to do: {}.", doubt.remedy()));
+    lies: &dyn Fn(&Outlier) -> Distribution,
+) -> Vec<Statement> {
+    if doubts.is_empty() {
+        return vec![usable(used, runs).into()];
     }
-    lines
+    let begins = ["not usable, because"].into_iter().chain(std::iter::repeat("  And"));
+    let lines = |(begins, doubt): (&str, &Doubt)| {
+        let lies = if let Doubt::Outlier(outlier) = doubt { Some(lies(outlier)) } else { None };
+        let sentence = Statement::of_run(format!("{begins} {}.", doubt.sentence(words)), lies);
+        [sentence, format!("  What to do: {}.", doubt.remedy()).into()]
+    };
+    begins.zip(doubts).flat_map(lines).collect()
 }
 
 fn usable(used: usize, runs: usize) -> String {
