@@ -253,7 +253,7 @@ fn where_several_runs_do_a_step_in_other_ways_the_report_says_what_is_not_judged
 fn where_a_run_differs_from_the_others_the_difference_is_named() {
     let report = taught(&[run(1, Flaw::J2), run(2, Flaw::ActivityLeftOut)]);
     refused(&report);
-    assert!(report.to_string().contains("left out was p1: in step"), "{report}");
+    assert!(report.to_string().contains("left out was p1: its step"), "{report}");
 }
 
 #[test]
@@ -267,7 +267,7 @@ fn where_each_run_does_another_step_otherwise_each_difference_is_named() {
     let error = teach(&[run(1, Flaw::J2), named("p2", &unseen)], &options()).unwrap_err();
     let TeachError::NoneAgrees { runs: 2, differences } = &error else { panic!("{error}") };
     assert!(error.is_of_runs());
-    for name in ["p1: in step", "p2: in step"] {
+    for name in ["p1: its step", "p2: its step"] {
         assert!(differences.iter().any(|found| found.starts_with(name)), "{error}");
     }
     let nothing = error.to_string();

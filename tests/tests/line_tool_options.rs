@@ -1,6 +1,8 @@
 //! Every option of a command does what the help says, and every command that gives a verdict ends with its exit code.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_learn::analysis::draw_order;
+use andon_learn::job_file::JobFile;
 use andon_learn::recording::write;
 use andon_tests::line::{Line, Settings, andond};
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
@@ -304,6 +306,22 @@ fn segment_draws_its_plot() {
     for words in ["what was seen", "polisher: seen", "legend", "no hand was seen to move it"] {
         assert!(drawn.contains(words), "{words}: {drawn}");
     }
+}
+
+#[test]
+fn a_pair_that_is_not_counted_is_named_by_segment_and_in_the_picture_of_the_job() {
+    let line = Line::new(Settings::default());
+    let path = line.path("job.toml");
+    let mut job = JobFile::parse("job.toml", &std::fs::read(&path).unwrap()).unwrap();
+    let (one, other) = (job.objects[0].name.clone(), job.objects[1].clone());
+    job.objects[0].shape.incidental.push(other.shape.id).unwrap();
+    std::fs::write(&path, job.to_toml()).unwrap();
+    let segmented = line.command("segment", &["--job", text(&path), text(&line.tracks())]);
+    let said = String::from_utf8(segmented.stderr).unwrap();
+    let pair = format!("{one} and {}", other.name);
+    assert!(said.contains(&format!("not counted: {pair} come near each other by chance only")), "{said}");
+    let drawn = draw_order(&job, None);
+    assert!(drawn.contains(&format!("Near each other by chance only, so not counted: {pair}")), "{drawn}");
 }
 
 /// How `replay` ends on the line's recording.

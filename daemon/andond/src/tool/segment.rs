@@ -8,6 +8,7 @@ use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
 use andon_learn::job_file::JobFile;
+use andon_learn::recording::incidental_pairs;
 
 use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_for};
 use crate::atomic;
@@ -38,6 +39,9 @@ pub fn run(arguments: &Segment) -> Result<Code, ToolError> {
     let segmented = segment(&mut recording, &config, job.as_ref(), arguments)?;
     if segmented.lines.is_empty() {
         eprintln!("{}: {}", arguments.recording.display(), nothing(&segmented, job.as_ref()));
+    }
+    for [one, other] in job.iter().flat_map(|job| incidental_pairs(&job.objects)) {
+        eprintln!("not counted: {one} and {other} come near each other by chance only, as the job says");
     }
     let printed =
         if arguments.json { print_json(&segmented.lines) } else { print_text(&segmented.lines, &names) };

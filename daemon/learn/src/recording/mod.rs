@@ -55,6 +55,15 @@ pub fn object_name(objects: &[NamedObject], id: u16) -> String {
         .map_or_else(|| format!("object {id}"), |object| object.name.clone())
 }
 
+/// The names of the pairs of these objects that come near each other by chance only, so that a contact between them does not count.
+pub fn incidental_pairs(objects: &[NamedObject]) -> Vec<[String; 2]> {
+    let of = |object: &NamedObject| -> Vec<[String; 2]> {
+        let others = object.shape.incidental.iter();
+        others.map(|other| [object.name.clone(), object_name(objects, *other)]).collect()
+    };
+    objects.iter().flat_map(of).collect()
+}
+
 /// The first line of a track file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {

@@ -2,6 +2,7 @@
 
 use super::svg::Svg;
 use crate::job_file::{JobFile, Relation, RelationKind};
+use crate::recording::incidental_pairs;
 use andon_core::input::Side;
 
 /// Width and height of a step, and the room beside and below it, in pixels.
@@ -10,7 +11,7 @@ const ROOM: [f64; 2] = [26.0, 60.0];
 
 /// Above the steps are the names of the hands, below them is the legend, and between the hands run the arrows that pass other steps.
 const HEAD: f64 = 44.0;
-const LEGEND: f64 = 104.0;
+const LEGEND: f64 = 122.0;
 const MARGIN: f64 = 20.0;
 
 /// The distance of two arrows that run side by side.
@@ -200,6 +201,11 @@ fn legend(svg: &mut Svg, y: f64, job: &JobFile, rejected: Option<&[String]>) {
             rejected.len()
         );
         svg.text(MARGIN, y + 66.0, "", &words);
+    }
+    let pairs: Vec<String> = incidental_pairs(&job.objects).iter().map(|pair| pair.join(" and ")).collect();
+    if !pairs.is_empty() {
+        let words = format!("Near each other by chance only, so not counted: {}", pairs.join(", "));
+        svg.text(MARGIN, y + 84.0, "s", &words);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::trajectory::Trajectories;
 use super::{in_order, is_given, joining};
-use crate::recording::{NamedObject, object_name};
+use crate::recording::{NamedObject, incidental_pairs};
 use crate::run::Run;
 use std::fmt;
 
@@ -90,12 +90,7 @@ impl fmt::Display for Unsure {
 impl Unsure {
     /// The pairs of these objects that do not count.
     pub(in crate::teach) fn incidental(objects: &[NamedObject]) -> Vec<Self> {
-        let name = |id: u16| object_name(objects, id);
-        let of = |object: &NamedObject| -> Vec<Self> {
-            let others = object.shape.incidental.iter();
-            others.map(|other| Self::Incidental { objects: [object.name.clone(), name(*other)] }).collect()
-        };
-        objects.iter().flat_map(of).collect()
+        incidental_pairs(objects).into_iter().map(|objects| Self::Incidental { objects }).collect()
     }
 }
 
