@@ -37,7 +37,7 @@ const MAX_ALONG: f64 = 0.5;
 
 /// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance as often as
 /// who counts them makes a mistake.
-const COUNTED: (usize, usize) = (5, 6);
+pub(super) const COUNTED: (usize, usize) = (5, 6);
 
 /// Nobody notices a path that is longer by this, in metres.
 const STRAY_PATH_M: f64 = 0.05;

@@ -7,7 +7,7 @@ use super::MIN_RUNS;
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
 use crate::teach::kind::{is_at_another, is_timed};
-use crate::teach::measures::{PRIOR_NUMBER, do_agree, likely_reversals};
+use crate::teach::measures::{COUNTED, PRIOR_NUMBER, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
 use crate::teach::threshold::compared;
@@ -151,6 +151,13 @@ fn do_most_agree(count: f64, others: &[f64]) -> bool {
     do_agree(&counts, MOST)
 }
 
+/// Whether a count of reversals contradicts what the others prove: the number that they make, or that half of it is too few, whatever people make
+/// by feel.
+fn contradicts_number(count: f64, others: &[f64]) -> bool {
+    let counts: Vec<u32> = others.iter().map(|count| *count as u32).collect();
+    do_agree(&counts, COUNTED) || count <= median(others) / 2.0 + 1.0
+}
+
 /// A demonstration of one IU that stands out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outlier {
@@ -221,6 +228,7 @@ fn of_iu(
             if share > 1.0 {
                 others.sort_by(f64::total_cmp);
                 let [min, max] = [others.first(), others.last()].map(|end| end.copied().unwrap_or_default());
+                let is_number = measure != Measure::Reversals || contradicts_number(value, &others);
                 let outlier = Outlier {
                     run: runs[run].name.clone(),
                     activity: sequence.activity,
@@ -234,7 +242,8 @@ fn of_iu(
                     // What the runs have only in part in common is in pieces, and what lies between others contradicts none of them.
                     is_law_of_others: is_at_another(iu.context)
                         && !sequence.allows_insertions
-                        && !(min < value && value < max),
+                        && !(min < value && value < max)
+                        && is_number,
                 };
                 found.push((run, share, outlier));
             }
