@@ -39,7 +39,7 @@
 //! DTW row, and with free ends the distances in its last five frames, are above the thresholds of all comparisons, because that minimum never
 //! falls; lengths and reversals have taught bounds, because DTW forgives a repeated motion that is cut short; and how long the hand rests at
 //! either end of an IU is not compared as motion ([`Job::has_free_ends`]), because DTW, which pairs ends with ends, would pair such a rest
-//! with motion in a run that has none.
+//! with motion in a run that has none. A hand that touches what an activity moves first, moves nothing and lets go has not begun it: no IU.
 //!
 //! # Doubt
 //!
