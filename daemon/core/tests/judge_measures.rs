@@ -216,3 +216,23 @@ fn a_hand_that_lets_go_of_what_it_has_not_moved_has_not_begun() {
     assert_eq!(said(&[&touch(5, Still), &measure]), "JobAnomaly WrongOrder", "nothing was polished");
     assert_eq!(said(&[&polish, &touch(6, Still)]), "JobAnomaly NotCompleted", "nothing was measured");
 }
+
+#[test]
+fn a_touch_of_which_a_frame_is_missing_accuses_nobody() {
+    let touch = |part: u16, hidden: usize| {
+        let still = |frames| common::script::part([1, part, 0, 0], frames, Still);
+        [still(8), Part { seen: false, ..still(hidden) }, still(12 - hidden), idle(10)]
+    };
+    let (polish, measure) = (polish(6), measure());
+    for hidden in [1, 2, 3, 6, 10] {
+        for parts in [
+            [&touch(5, hidden)[..], &polish, &measure].concat(),
+            [&touch(6, hidden)[..], &polish, &measure].concat(),
+            [&polish[..], &touch(5, hidden), &measure].concat(),
+        ] {
+            let verdicts = judged(&moving(), &stream(&parts, &[]));
+            let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
+            assert!(!is_accused, "{hidden}: {:?}", verdicts.iter().map(short).collect::<Vec<_>>());
+        }
+    }
+}

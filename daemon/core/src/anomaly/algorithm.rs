@@ -308,6 +308,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let is_lost = self.comparisons.all_lost(extent);
         is_lost
             && is_place_certain
+            && !self.has_moved_nothing_yet()
             && !self.may_pass(extent)
             && self.comparisons.nearest(extent).is_none_or(|nearest| !nearest.is_doubtful)
     }
@@ -335,7 +336,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 activity.doubt_newest_iu();
             }
         }
-        if let Some(open) = self.iu.filter(|open| !open.is_concluded) {
+        if let Some(open) = self.iu {
             let extent = Extent {
                 frames: iu.frames,
                 measured: iu.measured,
@@ -348,14 +349,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                     || self.watch.is_doubtful(),
                 ..open.extent
             };
-            if extent.gap_after > 0 {
+            if extent.gap_after > 0 && !open.is_concluded {
                 self.comparisons.append_unknown();
             }
             let activity = self.activity.as_ref();
             let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
             let may_pass = self.may_pass(extent) && next.is_some_and(|next| !goes_on(next));
-            if next == Some(Context::IDLE) && open.number == 0 && self.comparisons.has_moved_nothing(extent) {
-                self.give_up(progress);
+            if self.gives_up(extent, next, progress, emit) || open.is_concluded {
+                // It was no IU, or has its verdict.
             } else if self.comparisons.end().is_err() {
                 self.conclude_unjudged(Reason::Overload.into(), progress, emit);
             } else if may_pass {

@@ -123,14 +123,10 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         !self.comparisons.is_empty() && self.comparisons.iter().all(rests)
     }
 
-    /// Whether all of the open IU was seen, and it has not moved what everything that it can be was shown to move.
+    /// Whether the open IU is not seen to have moved what everything that it can be was shown to move.
     pub(super) fn has_moved_nothing(&self, extent: Extent) -> bool {
-        let is_seen = extent.assumed == 0 && extent.hidden() == 0.0 && !extent.may_be_part;
         let moves = |comparison: &Comparison<'_>| comparison.iu.measures.path_m.min > 0.0;
-        is_seen
-            && extent.measures.path_m == 0.0
-            && !self.comparisons.is_empty()
-            && self.comparisons.iter().all(moves)
+        extent.measures.path_m == 0.0 && !self.comparisons.is_empty() && self.comparisons.iter().all(moves)
     }
 
     /// Adds a nominal IU that has the context of the open one. There is room for one of each nominal activity.

@@ -1,21 +1,48 @@
 //! A hand that touches what a step moves, moves nothing and lets go has not begun that step: it corrects its grip, or has thought better of it.
 
 use super::comparison::Memory;
+use super::extent::Extent;
 use super::hand::HandJudge;
 use super::progress::Progress;
+use crate::couple::Context;
 use crate::set::ActivitySet;
+use crate::verdict::{Outcome, Verdict};
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
-    /// Whether the hand is at the first IU of an activity, and has certainly not moved yet what that moves.
+    /// Whether the hand is at the first IU of an activity, and is not seen to have moved yet what that moves.
     pub(super) fn has_moved_nothing_yet(&self) -> bool {
         self.iu.is_some_and(|iu| iu.number == 0 && self.comparisons.has_moved_nothing(iu.extent))
     }
 
-    /// The hand has let go of what it has not moved: that was no IU, and what it does next is another activity.
-    pub(super) fn give_up(&mut self, progress: &mut Progress<'a>) {
-        let Some(activity) = &mut self.activity else { return };
+    /// The first IU has ended, and the hand goes on in the `next` context, if any comes. Whether that was no IU, or may have been none because not
+    /// all of it was seen; then the activity is not judged. What the hand does next is another activity.
+    pub(super) fn gives_up(
+        &mut self,
+        extent: Extent,
+        next: Option<Context>,
+        progress: &mut Progress<'a>,
+        emit: &mut impl FnMut(Verdict),
+    ) -> bool {
+        let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
+        let is_whole = extent.assumed == 0 && extent.hidden() == 0.0 && !extent.may_be_part;
+        let is_seen = is_whole && !open.is_concluded;
+        let is_first = open.number == 0 && !activity.is_concluded;
+        let has_moved = !self.comparisons.has_moved_nothing(extent);
+        if !is_first || has_moved || is_seen && next != Some(Context::IDLE) {
+            return false;
+        }
+        if !is_seen {
+            self.conclude_unseen(progress, emit);
+            let cause = self.unseen_cause(progress);
+            let nearest = self.activity.as_ref().and_then(|activity| activity.nearest);
+            self.watch.may_be_rest = true;
+            progress.set_doubtful();
+            self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
+        }
+        let Some(activity) = &mut self.activity else { return true };
         activity.give_up();
         progress.set_no_step(activity.number);
         progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
+        true
     }
 }
