@@ -65,9 +65,8 @@ impl Progress<'_> {
             Side::ALL.iter().fold(ActivitySet::EMPTY, |all, side| all | self.opening(context.by_hand(*side)));
         let is_none = opening.is_empty() && self.has_parts_of(context);
         // Without an order, what the job can do without may come more than once.
-        let own = self.opening(context);
         let is_optional = !self.has_order() && !opening.is_empty() && !opening.intersects(self.required);
-        !is_disturbed && (is_none || is_optional || own.intersects(self.may_follow()))
+        !is_disturbed && (is_none || is_optional || self.opening(context).intersects(self.may_follow()))
     }
 
     /// The optional activities that may still come.

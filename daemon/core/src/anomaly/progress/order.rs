@@ -29,14 +29,16 @@ impl Progress<'_> {
         let not_begun = (law.after() & self.required).without(came).iter().find(is_certain);
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
-        // Otherwise the other one was accused.
-        let is_late = self.is_start_seen && !law.is_required;
-        let is_behind = |other: &usize| self.job.law(*other).after().contains(activity);
-        let came_before = (self.tried() | underway).without(ActivitySet::of(activity));
-        let too_late = came_before.iter().filter(|_| is_late).find(is_behind).or_else(|| {
-            let came_before = self.tried() & self.begun_before[side.index()];
-            came_before.iter().filter(|_| self.is_late_or_repeated(activity)).find(is_behind)
-        });
+        let others = (self.tried() | underway).without(ActivitySet::of(activity));
+        // Where this one is required and the start was seen, the other one was accused.
+        let came_before = if self.is_start_seen && !law.is_required {
+            others
+        } else if self.is_late_or_repeated(activity) {
+            self.tried() & self.begun_before[side.index()]
+        } else {
+            ActivitySet::EMPTY
+        };
+        let too_late = came_before.iter().find(|other| self.job.law(*other).after().contains(activity));
         not_begun
             .map(|other| broken(OrderFault::NotBegun, other))
             .or_else(|| not_ended.map(|other| broken(OrderFault::NotEnded, other)))

@@ -25,8 +25,8 @@ const BACK_M: f32 = 0.05;
 /// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres.
 const BESIDE_M: f32 = 0.005;
 
-/// In fewer runs than this, two parts come to the same place beside each other by chance.
-const SAME_RUNS: usize = 3;
+/// In fewer runs than this, two parts come to the same place beside each other by chance, or a hand to the same place at a part.
+pub(super) const SAME_RUNS: usize = 3;
 
 /// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
 const WIDE_M: f32 = 0.1;

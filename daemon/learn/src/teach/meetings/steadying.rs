@@ -3,17 +3,15 @@
 //! Nothing that moves shows such a contact. It is one where the hand comes to the same place at the part in all runs, rests there and leaves
 //! again, and holds nothing meanwhile. Where the hand rests in the beginning or at the end is no place at a part.
 
+use super::joining::{self, SAME_RUNS};
+use super::median;
 use super::trajectory::{Tips, Trajectories, centre};
-use super::{joining, median};
 use andon_core::capacity::HANDS;
 use nalgebra::Point3;
 
-/// In fewer runs than this, a hand rests at the same place by chance.
-const MIN_RUNS: usize = 3;
-
 /// The finger tips of the hands that rest at an object, in its frame of reference; none where not all runs show one hand at one place there.
 pub(super) fn of(object: usize, shown: &[Trajectories]) -> Vec<Tips> {
-    if shown.len() < MIN_RUNS || shown.iter().any(|run| run.carried_frames(object) > 0) {
+    if shown.len() < SAME_RUNS || shown.iter().any(|run| run.carried_frames(object) > 0) {
         return Vec::new();
     }
     (0..HANDS).flat_map(|hand| common(&of_hand(hand, object, shown))).collect()
