@@ -63,7 +63,7 @@ fn check(state: &State) {
 }
 
 /// A row in which a role does not run for some seconds: only the line can know it.
-fn check_down(role: &'static str, goes_down: fn(&mut Line), comes_back: fn(&mut Line)) {
+fn check_down(role: &'static str, goes_down: impl Fn(&mut Line), comes_back: impl Fn(&mut Line)) {
     let filter = ["-i", RUN, "-vf", NOISE];
     let mut line = Line::with_film("speed = \"file\"", "", &filter);
     let mut unseen_s = [0.0; 2];
@@ -353,42 +353,42 @@ fn nothing_rests_on_parts_that_move_while_no_hand_is_found() {
     check(&film("drawbox=x=382:y=100:w=258:h=380:c=0x504f4b:t=fill:HERE"));
 }
 
+/// A role that is stopped for a while, and goes on.
+fn check_stopped(role: &'static str) {
+    check_down(
+        role,
+        |line| line.role(role).signal(Signal::STOP),
+        |line| line.role(role).signal(Signal::CONT),
+    );
+}
+
+/// A role that is killed, and starts again after a while.
+fn check_killed(role: &'static str) {
+    check_down(
+        role,
+        |line| line.role(role).kill(),
+        |line| {
+            line.start(role);
+        },
+    );
+}
+
 #[test]
 fn nothing_rests_on_a_time_in_which_perceive_is_stopped() {
-    check_down(
-        "perceive",
-        |line| line.role("perceive").signal(Signal::STOP),
-        |line| line.role("perceive").signal(Signal::CONT),
-    );
+    check_stopped("perceive");
 }
 
 #[test]
 fn nothing_rests_on_a_time_in_which_perceive_is_killed() {
-    check_down(
-        "perceive",
-        |line| line.role("perceive").kill(),
-        |line| {
-            line.start("perceive");
-        },
-    );
+    check_killed("perceive");
 }
 
 #[test]
 fn nothing_rests_on_a_time_in_which_encode_is_stopped() {
-    check_down(
-        "encode",
-        |line| line.role("encode").signal(Signal::STOP),
-        |line| line.role("encode").signal(Signal::CONT),
-    );
+    check_stopped("encode");
 }
 
 #[test]
 fn nothing_rests_on_a_time_in_which_encode_is_killed() {
-    check_down(
-        "encode",
-        |line| line.role("encode").kill(),
-        |line| {
-            line.start("encode");
-        },
-    );
+    check_killed("encode");
 }
