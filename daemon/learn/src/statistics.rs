@@ -1,6 +1,6 @@
 //! Statistics of small samples.
 
-use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, StudentsT};
 
 /// The mean; 0 if there are no values.
 pub(crate) fn mean(values: &[f64]) -> f64 {
@@ -72,11 +72,6 @@ pub(crate) fn noise_m(places: &[Option<[f32; 3]>]) -> f32 {
     };
     let known: Vec<f64> = places.chunks(NOISE_FRAMES).map(of).filter(|noise_m| *noise_m > 0.0).collect();
     median(&known) as f32
-}
-
-/// How often a normal distribution exceeds its mean by more than this many deviations.
-pub(crate) fn normal_tail(deviations: f64) -> f64 {
-    Normal::new(0.0, 1.0).map_or(0.0, |normal| normal.sf(deviations))
 }
 
 /// The value that chi-squared with `freedom` degrees of freedom stays below with this probability; infinite for 0.

@@ -8,7 +8,7 @@ use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_tim
 use super::people::{IN_GENERAL, OF_ONE_PERSON, PRIOR_DURATION, People, beyond_border, border_frames};
 use super::strength::Strength;
 use crate::job_file::{ShownValues, of_runs};
-use crate::statistics::{deviation, mean, median, pooled_freedom, student_t, variance_of_one_more};
+use crate::statistics::{mean, median, pooled_freedom, student_t, variance_of_one_more};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::couple::Context;
 use andon_core::job::MeasureBounds;
@@ -183,7 +183,7 @@ impl Rates {
             // Where not all runs go to and fro, it means nothing that one does.
             _ if !is_repeated(shown) => return UNBOUNDED,
             // Who makes strokes by feel contradicts a number.
-            Strength::OwnSpread => return self.by_feel(&likely, strength),
+            Strength::Widened(_) => return self.by_feel(&likely, strength),
             Strength::General if is_by_feel(shown) => return self.by_feel(&likely, strength),
             Strength::General => {}
         }
@@ -374,8 +374,8 @@ pub(super) fn narrower_with_more(runs: usize, more: usize, false_alarms: f64) ->
     1.0 - width(runs + more) / width(runs)
 }
 
-/// The centre of these values, and how far from it one more may lie at this rate of false alarms. `prior` is the spread of people in general, and
-/// the least one where a run that was left out has shown that these people differ more.
+/// The centre of these values, and how far from it one more may lie at this rate of false alarms, or farther where a run that was left out has shown
+/// that. `prior` is the spread of people in general.
 pub(super) fn interval(
     values: &[f64],
     prior: f64,
@@ -392,22 +392,7 @@ pub(super) fn interval(
     // How much more than others these people differ is as uncertain again.
     let known = 1.0 / (1.0 / pooled_freedom(values.len()) + 1.0 / of_variety);
     // Half of them on each side.
-    let in_general = student_t(known, false_alarms / 2.0) * spread;
-    let apart = match strength {
-        Strength::General => in_general,
-        Strength::OwnSpread => in_general.max(apart_alone(values, false_alarms)),
-        Strength::None => f64::INFINITY,
-    };
-    (mean(values), apart)
-}
-
-/// How far from the centre of these values one more may lie, as these alone tell (the prediction interval of Student's t).
-pub(super) fn apart_alone(values: &[f64], false_alarms: f64) -> f64 {
-    let count = values.len() as f64;
-    if values.len() < 2 {
-        return f64::INFINITY;
-    }
-    student_t(count - 1.0, false_alarms / 2.0) * deviation(values, 1) * (1.0 + 1.0 / count).sqrt()
+    (mean(values), strength.wider() * student_t(known, false_alarms / 2.0) * spread)
 }
 
 #[cfg(test)]

@@ -37,10 +37,36 @@ pub(super) enum Strength {
     /// As strong as what is known of people in general and these runs make it.
     #[default]
     General,
-    /// As strong as the runs alone make it, where they differ more than people in general.
-    OwnSpread,
+    /// As strong as that, but wider by [`WIDER`] so many times.
+    Widened(u8),
     /// It is no law.
     None,
+}
+
+/// What a bound is widened by each time that a run that was left out still lies beyond it.
+const WIDER: f64 = 1.25;
+
+/// A bound that is twice as wide as the runs make it, and still rejects one of them, means nothing.
+const MAX_WIDER: f64 = 2.5;
+
+impl Strength {
+    /// How much wider a bound is than the runs make it.
+    pub(super) fn wider(self) -> f64 {
+        match self {
+            Self::General => 1.0,
+            Self::Widened(times) => WIDER.powi(times.into()),
+            Self::None => f64::INFINITY,
+        }
+    }
+
+    /// The next weaker one of a bound.
+    fn weaker(self) -> Self {
+        match self {
+            Self::General => Self::Widened(1),
+            Self::Widened(times) if Self::Widened(times + 1).wider() <= MAX_WIDER => Self::Widened(times + 1),
+            _ => Self::None,
+        }
+    }
 }
 
 /// The strength of each rule of a job.
@@ -60,8 +86,8 @@ impl Strengths {
     /// A run that was left out breaks the rule. Whether that makes it any weaker.
     pub(super) fn weaken(&mut self, rule: Rule) -> bool {
         let before = self.of(rule);
-        let after = match (rule, before) {
-            (Rule::Motion(..) | Rule::Measure(..), Strength::General) => Strength::OwnSpread,
+        let after = match rule {
+            Rule::Motion(..) | Rule::Measure(..) => before.weaker(),
             _ => Strength::None,
         };
         self.0.insert(rule, after);

@@ -1,13 +1,12 @@
 //! From the demonstrations of an IU to its barycentre and threshold.
 
-use super::measures::apart_alone;
 use super::options::TeachOptions;
 use super::people::People;
 use super::strength::Strength;
 use crate::barycentre::Barycentres;
 use crate::rule::ThresholdRule;
 use crate::run::Iu;
-use crate::statistics::{deviation, mean, normal_tail, variance_of_one_more};
+use crate::statistics::{deviation, mean, variance_of_one_more};
 use crate::warp::Warp;
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
@@ -155,10 +154,7 @@ impl Learned {
             ThresholdRule::LeaveOneOut { sigmas, border_s } => {
                 let centre = mean(&self.left_out);
                 let spread = variance_of_one_more(&self.left_out, (PRIOR_SPREAD * centre).powi(2)).sqrt();
-                let apart = match strength {
-                    Strength::General => sigmas * spread,
-                    _ => (sigmas * spread).max(apart_alone(&self.left_out, 2.0 * normal_tail(sigmas))),
-                };
+                let apart = strength.wider() * sigmas * spread;
                 // Costs add up under the root.
                 let of_others = people.variety * (1.0 + people.one_person * (OTHER_PEOPLE - 1.0));
                 (of_others * (centre + apart)).hypot((border_s * rate_hz * OPPOSITE).sqrt())

@@ -74,7 +74,7 @@ fn rule_words(
 ) -> Option<String> {
     let extent = match strength {
         Strength::General => return None,
-        Strength::OwnSpread => "as wide as these runs differ",
+        Strength::Widened(_) => &format!("{:.1} times as wide", strength.wider()),
         Strength::None => "no law, because the runs contradict it",
     };
     Some(match rule {

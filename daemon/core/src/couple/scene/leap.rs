@@ -37,6 +37,11 @@ impl Leap {
 
 /// Whether what had these poses may be seen here now, if it has been pushed for as many frames.
 pub(super) fn is_reached<P: Pose + Copy>(poses: &Recent<P>, seen: &P, pushed: u32, method: &Method) -> bool {
+    off_course_m(poses, seen) <= reach_m(pushed, method)
+}
+
+/// How far in metres what had these poses is from where it would be if it rested, or went on as it moved, whichever is nearer.
+pub(super) fn off_course_m<P: Pose + Copy>(poses: &Recent<P>, seen: &P) -> f32 {
     let [newest, before] = [0, 1].map(|age| poses.ago(age));
     let (from, frames) = (newest.place(), newest.unseen().saturating_add(1));
     // What was not seen before the newest frame is held where it was seen last, and has come from there since.
@@ -48,12 +53,20 @@ pub(super) fn is_reached<P: Pose + Copy>(poses: &Recent<P>, seen: &P, pushed: u3
     } else {
         [0.0; 3]
     };
-    // It rests or goes on as it moved, and was pushed meanwhile.
     let ahead = [from, add(from, step.map(|step| step * frames as f32))];
-    ahead.iter().any(|ahead| is_within_reach(*ahead, seen.place(), pushed, method))
+    ahead.iter().map(|ahead| apart_m(*ahead, seen.place())).fold(f32::INFINITY, f32::min)
 }
 
 fn is_within_reach(from: Point, to: Point, frames: u32, method: &Method) -> bool {
+    apart_m(from, to) <= reach_m(frames, method)
+}
+
+fn apart_m(from: Point, to: Point) -> f32 {
+    norm(subtract(to, from))
+}
+
+/// How far what is pushed for as many frames comes off its course, in metres.
+fn reach_m(frames: u32, method: &Method) -> f32 {
     let elapsed_s = frames as f32 / method.rate_hz;
-    norm(subtract(to, from)) <= f32::max(NOISE_M, MAX_ACCELERATION_M_S2 * elapsed_s * elapsed_s)
+    f32::max(NOISE_M, MAX_ACCELERATION_M_S2 * elapsed_s * elapsed_s)
 }

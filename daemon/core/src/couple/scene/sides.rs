@@ -1,13 +1,16 @@
 //! Whose hand is seen. A tracker may take a hand for the other one for some frames, but a hand that is where a hand has just been, and where the
-//! one that it is called was not, is that hand.
+//! one that it is called was not, is that hand. One that may be either is not seen.
 
-use super::leap::is_reached;
+use super::leap::{is_reached, off_course_m};
 use crate::capacity::HANDS;
 use crate::config::Method;
 use crate::couple::poses::{HandPose, Recent, Source};
 
 /// A frame now and then is missing between two that show the same hand.
 const MAX_UNSEEN: u32 = 2;
+
+/// There is no room for another hand as near to the middle knuckle of one, in metres: half of the breadth of a small hand.
+const HAND_M: f32 = 0.035;
 
 /// For how long each hand has been called what it is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,19 +30,26 @@ impl Sides {
         blind_frames: u32,
         method: &Method,
     ) -> [Option<HandPose>; HANDS] {
-        let is_at = |of: usize, called: &HandPose| {
+        let is_recent = |of: usize| {
             let before = hands[of].ago(0);
-            let is_recent = before.source != Source::Never && before.unseen <= MAX_UNSEEN;
-            is_recent && is_reached(&hands[of], called, 1, method)
+            before.source != Source::Never && before.unseen <= MAX_UNSEEN
+        };
+        let is_reached =
+            |of: usize, called: &HandPose| is_recent(of) && is_reached(&hands[of], called, 1, method);
+        let may_be_other = |name: usize| {
+            let (seen, other) = (called[name].as_ref(), 1 - name);
+            seen.filter(|seen| self.known[other] > 0 && is_reached(other, seen) && !is_reached(name, seen))
         };
         let is_other = |name: usize| {
-            let (seen, other) = (called[name].as_ref(), 1 - name);
-            self.known[other] > 0 && seen.is_some_and(|seen| is_at(other, seen) && !is_at(name, seen))
+            may_be_other(name).is_some_and(|seen| off_course_m(&hands[1 - name], seen) <= HAND_M)
         };
         let is_swapped = match called {
             [Some(_), Some(_)] => is_other(0) && is_other(1),
             _ => is_other(0) || is_other(1),
         };
+        let is_either =
+            |name: usize| !is_swapped && called[1 - name].is_none() && may_be_other(name).is_some();
+        let called = [0, 1].map(|name| called[name].filter(|_| !is_either(name)));
         self.is_swapped = is_swapped;
         let seen = if is_swapped { [called[1], called[0]] } else { called };
         for (hand, known) in self.known.iter_mut().enumerate() {
