@@ -7,7 +7,7 @@ use super::MIN_RUNS;
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
 use crate::teach::kind::{is_at_another, is_timed};
-use crate::teach::measures::{COUNTED, PRIOR_NUMBER, do_agree, likely_reversals};
+use crate::teach::measures::{COUNTED, PRIOR_PATH, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
 use crate::teach::threshold::compared;
@@ -120,7 +120,7 @@ impl Measure {
         let centre = median(&logs);
         let spread = match self {
             // Where most do not make the same number of strokes, how they differ shows how people do who make them by feel.
-            Self::Reversals if !do_most_agree(value, others) => deviation(&logs, 1).hypot(PRIOR_NUMBER),
+            Self::Reversals if !do_most_agree(value, others) => deviation(&logs, 1).hypot(PRIOR_PATH),
             _ => {
                 let deviations: Vec<f64> = logs.iter().map(|log| (log - centre).abs()).collect();
                 (DEVIATIONS_PER_MEDIAN * median(&deviations)).hypot(self.min_spread())
