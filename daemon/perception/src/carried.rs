@@ -12,6 +12,9 @@
 //!
 //! The criterion is common motion, not nearness: a hand that passes over a part at rest hides its marker, too, and must not
 //! take it along.
+//!
+//! The pose of a carried object goes on the channel with the flag `HELD`, for people and recorders. The method counts it as not seen, and
+//! carries hidden objects by contact itself. So a replay has the same information as the running line.
 
 use heapless::{Deque, Vec};
 
