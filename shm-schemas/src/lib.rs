@@ -66,6 +66,7 @@ pub const OBJECTS: usize = 32;
 /// Bits of the `flags` of a message.
 pub mod flag {
     /// The recording has ended and nothing follows from this source. The message may carry no data.
+    /// It travels from the frame to the couples, so that a replay ends on the same frame as the running line.
     pub const END_OF_STREAM: u32 = 1;
     /// The source waits for its readers so that nothing is lost, and so does every role that sends what follows from it.
     pub const PACED: u32 = 1 << 1;

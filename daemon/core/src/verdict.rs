@@ -193,5 +193,6 @@ pub struct Verdict {
     /// When it ended; for an early verdict, the time of the newest couples, in nanoseconds.
     pub ended_ns: u64,
     /// The time of the newest frame that the verdict rests on, in nanoseconds: `persist_frames` after the newest couples.
+    /// A verdict that needs more frames to be believed says so.
     pub decided_ns: u64,
 }

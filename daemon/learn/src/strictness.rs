@@ -1,4 +1,7 @@
 //! How strict a job is: one number for what a right job may be accused of, and for what is law.
+//!
+//! A rate to be chosen freely asks a person for a figure that nobody has. With five levels of known rates, each about twice as strict, two
+//! tries find the right one.
 
 use crate::statistics::student_t;
 use serde::Deserialize;

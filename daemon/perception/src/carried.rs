@@ -12,6 +12,12 @@
 //!
 //! The criterion is common motion, not nearness: a hand that passes over a part at rest hides its marker, too, and must not
 //! take it along.
+//!
+//! The pose of a carried object goes on the channel with the flag `HELD`, for people and recorders. The method counts it as not seen, and
+//! carries hidden objects by contact itself. So a replay has the same information as the running line.
+//!
+//! On two clips a part that a hand holds is 2 to 4 mm off in the median for up to a second, and 13 to 74 mm if it stayed. A part at rest is
+//! taken along in 1 of 915 cases.
 
 use heapless::{Deque, Vec};
 

@@ -1,4 +1,7 @@
 //! How the bytes of a picture are ordered.
+//!
+//! YUYV and NV12 stay as the camera sends them. Brightness is computed for the whole picture, colours only around the hands, because nobody
+//! looks at the rest.
 
 /// How the bytes of a picture are ordered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

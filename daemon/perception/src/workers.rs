@@ -1,4 +1,7 @@
 //! The threads that look at a picture side by side. They are made once, and a frame waits for all of them: nothing is queued.
+//!
+//! The caller's own thread looks at the hands. A fixed one beside it looks at the markers, then at the second hand. A third one searches
+//! for a hand that is missing. The next frame takes what the search has found. So the result does not depend on which thread is faster.
 
 use crate::config::ThreadsConfig;
 use crate::error::{PerceptionError, while_doing};

@@ -4,6 +4,9 @@
 //! `andond-video run capture` is the role, into which `andond run capture` turns itself. `andond-video decode FILE RATE_HZ` (the rate is that of
 //! a folder of pictures), `andond-video watch --config FILE...`, `andond-video encode FILE` and `andond-video stills ENDING` serve the tools over
 //! a pipe, see [`andond::video`].
+//!
+//! It is a second binary because OpenCV's `videoio` loads 248 libraries, 65 MB. Only the process that decodes pays for them, and systemd
+//! sees one process.
 #![forbid(unsafe_code)]
 
 use std::ffi::OsString;

@@ -1,4 +1,7 @@
 //! What a role tells the journal of what people and programs have done.
+//!
+//! Only the role `plc` knows the clients, only the judge what became of a job, and only the journal may write. So every role sends, and the
+//! journal keeps.
 
 use andon_ipc::{Error, Node, Port, UtcTime, Writer};
 use shm_schemas::{Audit, AuditKind, RoleId};

@@ -1,4 +1,7 @@
 //! The open activity of a hand, and what its IUs are judged against.
+//!
+//! A part of an optional step may be touched in other ways as well, because runs without that step were shown as right. What begins like
+//! the step and is not like it gets a note. It is an anomaly only with a part that the job does not know, or out of order.
 
 use super::alignment::Alignment;
 use super::missed::Cause;

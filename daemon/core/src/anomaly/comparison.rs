@@ -1,4 +1,12 @@
 //! The comparisons of an open IU with nominal IUs.
+//!
+//! With free ends a rest stands before and after each motion and each reference. Half a second of rest at a part would else differ in 15
+//! frames, as much as a motion in the wrong direction. Of 15 runs at half the speed, judged by another person's job, 12 were right without
+//! it and 14 are.
+//!
+//! An IU of two parts may have ended in one of the five frames before its last: the nearest of these six counts. Where the other hand ends
+//! the contact, this one may go on before the parts are far enough apart. Of 144 jobs of `learn_two_hands.rs` (`Workshop`) 139 are right
+//! without this and 141 with it.
 
 use super::extent::{Extent, GIVES_WAY};
 use crate::capacity::ACTIVITIES;

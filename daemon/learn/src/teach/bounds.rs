@@ -1,4 +1,8 @@
 //! The maximum of the duration. DTW stretches time, so by distance alone it forgives a motion that never ends.
+//!
+//! At another part without strokes the duration has a prediction interval, and 3 s above it for a pause. With strokes it has a minimum that
+//! only three times the speed falls short of. On the way it has no minimum: what was taken was taken. Of 15 runs in which a real person
+//! stops for 8 s none was found without the maximum, and all are with it.
 
 use crate::rule::BoundsRule;
 use andon_core::bounds::Bounds;

@@ -1,4 +1,7 @@
 //! What of an IU its demonstrations show to matter.
+//!
+//! The number of strokes is law where five of six runs make as many, but for one reversal at the border. Else they are made by feel, and
+//! their number has bounds. Of 80 right jobs of people who stir by feel 39 were accepted while the number was law, and 74 are.
 
 use andon_core::couple::Context;
 use andon_core::segment::Measures;

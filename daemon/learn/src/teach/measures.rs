@@ -2,6 +2,12 @@
 //!
 //! A bound is a prediction interval of Student's t: what one more execution will measure, from the mean of those shown and their spread, pooled
 //! with that of people in general. Lengths are compared by their ratios, because people differ by them.
+//!
+//! DTW stretches time and forgets size: without measures 4 of 6 strokes were found in 36 %, half the length never. The length of a path
+//! depends on where its part lay. So a detour is told by how much longer the path is than the straight way. It was found in 1 of 15 runs of
+//! motion capture by the path, and in 15 of 15 by the detour.
+//!
+//! The spread of the bow that people are given in general was chosen knowing the runs of motion capture, so these do not test it.
 
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};

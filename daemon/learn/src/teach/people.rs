@@ -1,5 +1,12 @@
 //! Whether one person showed all the runs, and how much people differ here. They differ from each other more than each does from time to
 //! time, so what one person does is less than what is right.
+//!
+//! Where names say who showed a run (`p3_...`), they count; else pace and lengths of strokes are compared. With five runs of one simulated
+//! person 23 of 198 right jobs of others were accused without this room, and 1 with it.
+//!
+//! People who differ more than chance explains (1 %) count as varied as they may be at most (90 %). Runs that stand out are not learnt
+//! from, so the spread is underestimated. With people who differ two and three times as much as usual 3 of 812 and 3 of 616 right jobs are
+//! accused.
 
 use super::kind::{is_repeated, is_timed};
 use super::measures_of;

@@ -1,4 +1,7 @@
 //! How many frames per second the job needs: the lowest rate at which the runs themselves are still judged as they were shown.
+//!
+//! The runs are thinned to every n-th frame, from every first frame, and must be segmented and judged as with all frames. This measures the
+//! verdicts themselves. It says when correct work is recognised; a fault may need more frames.
 
 use crate::job_file::JobFile;
 use crate::run::Run;

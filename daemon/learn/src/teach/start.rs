@@ -1,5 +1,8 @@
 //! Where parts lie before the job moves them for good. A part that still lies there shows that the activities which move it have not been
 //! done, whatever was not seen of the hands.
+//!
+//! A part counts only if the runs put it down far enough away. It may come to lie at its first place again in one of 200 jobs at most.
+//! Before, 8 of 140 right jobs ended in their middle, because a tool was put down 3 cm from its first place.
 
 use super::measures::interval;
 use super::people::People;

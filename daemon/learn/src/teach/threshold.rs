@@ -1,4 +1,10 @@
 //! From the demonstrations of an IU to its barycentre and threshold.
+//!
+//! The threshold is the mean distance and four standard deviations, and as much as the borders of an IU may shift. Three to five runs show
+//! their deviation badly, so it is pooled with what it is in general, 0.3 of the mean. Of 327 and 330 right runs of motion capture 7 and 8
+//! were accused with their own deviation. With the pooled one 4 and 1 are.
+//!
+//! The slack at the borders is in seconds, because where a contact begins has to do with time, whatever the rate of the camera.
 
 use super::options::TeachOptions;
 use super::people::People;

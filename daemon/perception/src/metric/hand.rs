@@ -4,6 +4,9 @@
 //! that grips lie some 4 cm under its knuckles. So the shape that the hand model guesses is laid upon the measured palm, and
 //! gives the expected depth of the other landmarks. A landmark whose measured depth is in front of that is hidden and takes
 //! the expected depth; any other has its skin in view and keeps the measured depth.
+//!
+//! Seen from above, depth shows the back of the hand over the tips. With the measured depth alone the tips were 33 mm off, with the shape
+//! 17 mm.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 

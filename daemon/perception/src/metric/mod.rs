@@ -4,6 +4,9 @@
 //! camera's frame → the frame of the `bench`. [`Metric`] puts them together, frame by frame.
 //!
 //! Nothing here knows where the pictures come from: optics are plain numbers, and depth is a slice.
+//!
+//! On one clip with computed depth, markers are 0.2 mm off in the median, the knuckle 9 mm and fingertips 17 mm; fingertips 25 mm after
+//! half a second without depth.
 
 mod bench;
 mod depth;

@@ -4,6 +4,9 @@
 //! Parts are moved, too, and sometimes several at once. So the markers must have moved at one time, nothing that is seen may have stayed
 //! from where the picture's movement would have taken it, and at least one of them lay where no hand was. A tray that carries all parts away
 //! looks the same from above.
+//!
+//! The fault clears when the markers lie where they lay before. Without a calibration it also clears after ten seconds, because every scale
+//! then comes from the picture itself. With one, nothing in the picture says that the calibration is right again.
 
 use super::look::{Corners, Look, SeenMarker, centre, distance, side};
 use std::vec::Vec;

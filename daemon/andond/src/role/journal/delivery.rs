@@ -1,4 +1,7 @@
 //! What the journal owes the role `plc`: it keeps the PLC's account on disk, and sends the rows that it is asked for.
+//!
+//! The role `plc` never opens the database. So a result that is not on disk cannot be offered, and a restart goes on where the last start
+//! ended.
 
 use andon_ipc::{Error, Node, Port, Reader, Writer};
 use andon_journal::{Journal, JournalError};

@@ -1,6 +1,9 @@
 //! As much of HTTP as a monitoring system needs: one request, one answer, and the connection ends.
 //!
 //! It is served in the role's own loop, so a client may take its time only for so long.
+//!
+//! The parser is a library's (`httparse`), the server is not. For one answer a second an async server would be another thread and a dozen
+//! crates.
 
 use std::io::{self, ErrorKind, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};

@@ -1,6 +1,8 @@
 //! `metrics`: what the line does, in numbers that a monitoring system fetches over HTTP (OpenMetrics).
 //!
 //! It only reads, and nothing waits for it: the line goes on without it as before.
+//!
+//! It is a role of its own because a fault or a slow scrape in `plc` could cost the handshake. Here it costs a scrape.
 
 mod counts;
 mod http;

@@ -2,6 +2,8 @@
 //!
 //! They are looked for by name among the recordings that are given on the command line, then beside those, beside the job file and in the
 //! current folder. A file counts only if its bytes have the hash that the job file has.
+//!
+//! A path would make other bytes of the same job on another machine. A name alone would take a new recording for the old one.
 
 use std::path::{Path, PathBuf};
 

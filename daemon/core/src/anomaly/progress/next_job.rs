@@ -1,4 +1,13 @@
 //! Where one job ends and the next one begins.
+//!
+//! A part that was moved while it was hidden was put there by a hand: as the next piece, or as the first half of the next job. So what a
+//! hand begins with it may be the remainder of something unseen, also after a job that was right.
+//!
+//! A job that breaks off, as where `enable` is switched off or a source starts again, accuses nobody of what is missing. Nobody said that
+//! the piece will not be completed.
+//!
+//! In a job without any order a repeated activity begins the next job. If it were a fault, the next correct piece would be accused after
+//! one that was not completed.
 
 use super::Progress;
 use crate::couple::Context;

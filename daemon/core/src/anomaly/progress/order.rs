@@ -1,4 +1,7 @@
 //! The order of the job: what an activity breaks, and what it may break unseen.
+//!
+//! In an ordered job a wrong activity takes the place of the one that must come next. One fault is reported once: what follows in order is
+//! not accused as well.
 
 use super::Progress;
 use crate::input::Side;

@@ -1,4 +1,7 @@
 //! What of a job was not seen, and why too little is known of it.
+//!
+//! A station may have objects that lie on its bench for other jobs only. Waiting for them would leave every job in doubt, so a part that
+//! was never seen is not expected. A step whose part is out of sight looks like another step, or like none: it accuses nobody.
 
 use super::super::missed::{Cause, Missed};
 use super::Progress;

@@ -1,5 +1,9 @@
 //! The edges of the scene graph: where and how near hands and objects meet (paper III-A.1, III-A.2). Two objects meet at their interaction
 //! points, or where the runs of a job have shown them to.
+//!
+//! A part that is carried past another moves farther than the contact is long while a change is believed: it does not touch. One that a
+//! hand brings to rest within the distance at which a contact ends does. Of 252 right executions by simulated people 6 were accused for a
+//! part in passing without this rule.
 
 use super::super::geometry::{Cloud, norm, subtract};
 use super::super::poses::{ObjectPose, Source};

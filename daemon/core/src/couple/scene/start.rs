@@ -1,4 +1,7 @@
 //! What of a job has not been done, as the bench shows it: a part that an activity moves for good still lies where it did at the beginning.
+//!
+//! A judge that starts in the middle of a job did not see its beginning. Parts that lie where the job begins still tell what has not been
+//! done.
 
 use super::Scene;
 use crate::couple::geometry::{norm, subtract};

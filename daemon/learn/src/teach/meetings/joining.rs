@@ -1,4 +1,7 @@
 //! Where and how near one object comes to another.
+//!
+//! Two parts that are both put back meet only if that is the same place in all runs, to a centimetre: tools that lay side by side met in
+//! some runs. A tool that makes strokes meets a part in their middle.
 
 use super::trajectory::{Dwell, Trajectories};
 use super::{apart_m, centres, contact_of, in_proportion, is_given, median, meeting, points_of, widened};
