@@ -5,12 +5,10 @@ use super::leap::{is_reached, off_course_m};
 use crate::capacity::HANDS;
 use crate::config::Method;
 use crate::couple::poses::{HandPose, Recent, Source};
+use crate::couple::scatter::MOVED_M;
 
 /// A frame now and then is missing between two that show the same hand.
 const MAX_UNSEEN: u32 = 2;
-
-/// There is no room for another hand as near to the middle knuckle of one, in metres: half of the breadth of a small hand.
-const HAND_M: f32 = 0.035;
 
 /// For how long each hand has been called what it is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,18 +28,24 @@ impl Sides {
         blind_frames: u32,
         method: &Method,
     ) -> [Option<HandPose>; HANDS] {
-        let is_recent = |of: usize| {
+        let is_there = |of: usize, called: &HandPose, max_unseen: u32, pushed: u32| {
             let before = hands[of].ago(0);
-            before.source != Source::Never && before.unseen <= MAX_UNSEEN
+            let is_recent = before.source != Source::Never && before.unseen <= max_unseen;
+            is_recent && is_reached(&hands[of], called, pushed, method)
         };
-        let is_reached =
-            |of: usize, called: &HandPose| is_recent(of) && is_reached(&hands[of], called, 1, method);
         let may_be_other = |name: usize| {
+            let is_there = |of, seen: &HandPose| is_there(of, seen, MAX_UNSEEN, 1);
             let (seen, other) = (called[name].as_ref(), 1 - name);
-            seen.filter(|seen| self.known[other] > 0 && is_reached(other, seen) && !is_reached(name, seen))
+            seen.filter(|seen| self.known[other] > 0 && is_there(other, seen) && !is_there(name, seen))
+        };
+        // A hand that was not seen for a while may have come to where the other one was.
+        let may_have_come = |name: usize, seen: &HandPose| {
+            is_there(name, seen, blind_frames, hands[name].ago(0).unseen.saturating_add(1))
         };
         let is_other = |name: usize| {
-            may_be_other(name).is_some_and(|seen| off_course_m(&hands[1 - name], seen) <= HAND_M)
+            may_be_other(name).is_some_and(|seen| {
+                off_course_m(&hands[1 - name], seen) <= MOVED_M && !may_have_come(name, seen)
+            })
         };
         let is_swapped = match called {
             [Some(_), Some(_)] => is_other(0) && is_other(1),
