@@ -4,6 +4,8 @@
 //!
 //! To be near is only the opportunity. A hand that flies over an object or brushes it is never at rest relative to it. What a hand
 //! holds rests relative to it, wherever both move; if it turns with the hand, then in its own frame of reference.
+//!
+//! Where nobody has shown how an object is held, nearness says nothing of it: it is in the hand that leads it.
 
 use super::super::geometry::{dot, norm, subtract};
 use super::super::poses::Source;
