@@ -112,7 +112,6 @@ pub struct Frame {
     /// Whatever sees was not watching when it was captured, as where the picture is black or stands still: it counts as a frame that never came,
     /// and what it holds is no observation.
     pub is_unseen: bool,
-    /// An object that is not among the objects because its marker is in view twice, so that nobody knows which of the two lies on it; 0 where there is
-    /// none.
-    pub twice_object: u16,
+    /// The ids of what is not among the objects because its marker is in view twice, so that nobody knows which of the two lies on it.
+    pub twice: Vec<u16, OBJECTS>,
 }

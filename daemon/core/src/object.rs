@@ -7,6 +7,9 @@ use crate::input::Point;
 use crate::set::ActivitySet;
 use heapless::Vec;
 
+/// No finger tip is farther from the middle of what it carries, in metres.
+pub const REACH_M: f32 = 0.3;
+
 /// What is known of an object before it is seen: its id and where it can be touched.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectShape {
@@ -26,6 +29,13 @@ pub struct ObjectShape {
     pub start: Option<StartPlace>,
     /// The activities of the job in which a hand acts on it or on something that touches it, by their numbers.
     pub used_by: ActivitySet,
+}
+
+impl ObjectShape {
+    /// Whether it is known where it is touched: it has an interaction point beside its origin.
+    pub fn has_points(&self) -> bool {
+        self.interaction_points.iter().any(|point| *point != [0.0; 3])
+    }
 }
 
 /// Where an object lies until the job moves it for good.

@@ -498,7 +498,7 @@ fn a_hand_and_an_object_meet_an_object_where_the_runs_of_a_job_have_shown() {
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL);
     bench.go([0.3, 0.1], 30).rest(20);
     let given = shapes(&[TOOL, BOX]);
-    assert!(just_contexts(&encode_shapes(&given, &bench.frames), Side::Right).is_empty());
+    assert_eq!(just_contexts(&encode_shapes(&given, &bench.frames), Side::Right), [[1, TOOL, 0, 0]]);
     let [mut tool, mut whole] = [given[0].clone(), given[1].clone()];
     let _ = tool.meetings.push(met(Meeting::HAND, [0.0, -0.12, 0.0], 0.03));
     let _ = whole.meetings.push(met(TOOL, [-0.1, 0.0, 0.0], 0.03));
@@ -506,6 +506,28 @@ fn a_hand_and_an_object_meet_an_object_where_the_runs_of_a_job_have_shown() {
     assert_eq!(just_contexts(&couples, Side::Right), [[1, TOOL, 0, 0], [1, TOOL, TOOL, BOX]]);
     tool.meetings[0].points[0][0] = f32::NAN;
     assert_eq!(Encoder::new(Method::default(), &[tool]).err(), Some(Unusable::ObjectShape { id: TOOL }));
+}
+
+#[test]
+fn what_moves_with_a_hand_is_in_it_where_nobody_has_shown_how_it_is_held() {
+    let held_at = |metres: f32, rest: &[(u16, [f32; 2])]| {
+        let mut bench = Bench::new(&[&[(TOOL, [0.0, metres])][..], rest].concat());
+        bench.hand(Side::Right, [0.0, 0.0]).rest(30).hold(Side::Right, TOOL).go([0.3, 0.1], 30).rest(30);
+        bench.let_go(Side::Right).go([0.1, -0.3], 20).rest(20);
+        bench
+    };
+    let right = |bench: &Bench| contexts(&encode(&bench.ids(), &bench.frames), Side::Right);
+    let led = right(&held_at(0.12, &[]));
+    // It begins to move in frame 30 and lies in frame 60; the hand leaves it after frame 90.
+    assert!(matches!(led[..], [([1, TOOL, 0, 0], 55..=62)]), "{led:?}");
+    assert_eq!(right(&held_at(0.35, &[])), [], "nobody reaches as far");
+    let beside = right(&held_at(0.12, &[(BOX, [0.0, 0.0])]));
+    let is_box_first = matches!(beside[..], [([1, BOX, 0, 0], 25..=40), ([1, TOOL, 0, 0], _)]);
+    assert!(is_box_first, "what a hand is at is what it acts on: {beside:?}");
+    let mut shown = shapes(&[TOOL]);
+    let _ = shown[0].meetings.push(met(Meeting::HAND, [0.0, 0.0, 0.0], 0.03));
+    let couples = encode_shapes(&shown, &held_at(0.12, &[]).frames);
+    assert_eq!(just_contexts(&couples, Side::Right), [[0; 4]; 0], "the runs have shown where it is held");
 }
 
 #[test]

@@ -6,6 +6,7 @@ mod common;
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::job::Job;
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Verdict};
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
 use common::work::{IN_ORDER, judged, measure};
@@ -76,4 +77,46 @@ fn what_may_have_come_before_a_recording_is_not_judged_but_the_step_is_named_tha
     }
     judge.finish(&mut |event| verdicts.extend(event.verdict()));
     assert_eq!(job_of(&verdicts), ("NotJudged BeginningNotSeen".to_owned(), Some(0)));
+}
+
+/// A part is carried about for so many frames, at nothing that the runs show it to meet, and put back.
+fn carry(id: u16, frames: usize) -> [Part; 2] {
+    [part([1, id, 0, 0], frames, Toward(3)), idle(20)]
+}
+
+#[test]
+fn a_part_that_no_run_shows_at_the_other_one_is_used_instead_if_it_is_in_hand_for_as_long_as_the_step_takes()
+{
+    let reasons = [(120, ["WrongObject", "WrongObject"]), (40, ["WrongOrder", "NotCompleted"])];
+    for (frames, reasons) in reasons {
+        let parts = [&carry(9, frames)[..], &measure()].concat();
+        for (job, reason) in [in_order(), press_and_measure()].into_iter().zip(reasons) {
+            // The part belongs to the job, which only has it rest.
+            let job = Job { rests: &[9], ..job };
+            let word = job_of(&judged(&job, &stream(&parts, &[])));
+            assert_eq!(
+                word,
+                (format!("JobAnomaly {reason}"), Some(if reason == "WrongOrder" { 1 } else { 0 }))
+            );
+        }
+    }
+}
+
+#[test]
+fn what_a_step_works_at_is_not_used_instead_of_its_part() {
+    let parts = [&press(SHOWN, 60)[..], &carry(OTHER, 200)].concat();
+    // The other part is the one to which the second step brings the brick.
+    assert_eq!(job_of(&judged(&press_and_measure(), &stream(&parts, &[]))).0, "JobAnomaly NotCompleted");
+}
+
+#[test]
+fn a_step_of_which_an_object_was_never_seen_blames_no_part() {
+    let parts = [&press(OTHER, 60)[..], &measure()].concat();
+    let mut couples = stream(&parts, &[]);
+    let taken = couples.len() - measure().iter().map(|part| part.frames).sum::<usize>();
+    for couples in &mut couples[..taken + 20] {
+        (couples.out_of_sight, couples.out_of_sight_object) = (ActivitySet::of(1), OTHER);
+    }
+    let verdicts: Vec<String> = judged(&in_order(), &couples).iter().map(short).collect();
+    assert!(verdicts.iter().all(|verdict| !verdict.contains("Anomaly")), "{verdicts:?}");
 }

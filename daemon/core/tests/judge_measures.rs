@@ -9,6 +9,7 @@ use andon_core::couple::Waiting;
 use andon_core::input::Side;
 use andon_core::job::{Job, MeasureBounds, NominalActivity, NominalIu};
 use andon_core::segment::Segmenter;
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Measure, Measured, Outcome, Verdict};
 use common::bench::PERIOD_NS;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
@@ -215,6 +216,18 @@ fn a_hand_that_lets_go_of_what_it_has_not_moved_has_not_begun() {
     assert_eq!(said(&[&touch(6, Toward(5)), &polish, &measure]), "JobAnomaly WrongOrder", "that was moved");
     assert_eq!(said(&[&touch(5, Still), &measure]), "JobAnomaly WrongOrder", "nothing was polished");
     assert_eq!(said(&[&polish, &touch(6, Still)]), "JobAnomaly NotCompleted", "nothing was measured");
+}
+
+#[test]
+fn a_touch_that_begins_no_step_accuses_no_job_although_the_bench_shows_that_nothing_was_done() {
+    for part in [5, 6] {
+        let touch = [common::script::part([1, part, 0, 0], 20, Still), idle(300)];
+        let mut couples = stream(&touch, &[]);
+        couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
+        let verdicts = judged(&moving(), &couples);
+        let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
+        assert!(!is_accused, "{:?}", verdicts.iter().map(short).collect::<Vec<_>>());
+    }
 }
 
 #[test]

@@ -7,12 +7,15 @@ use andon_core::anomaly::Judge;
 use andon_core::config::Method;
 use andon_core::couple::Sight;
 use andon_core::input::Frame;
+use andon_core::object::ObjectShape;
+use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
-use common::bench::{Bench, encode};
+use common::bench::{Bench, encode_shapes, shapes};
 use common::script::stream;
 use common::work::{measure, polish, polish_and_measure};
 
 const POLISHER: u16 = 5;
+const SPARE: u16 = 4;
 
 /// The verdicts on a piece whose polisher is not seen while it polishes; in these frames its marker is in view twice.
 fn judged(twice: core::ops::Range<usize>, at_start_of_job: bool) -> Vec<Verdict> {
@@ -62,11 +65,23 @@ fn what_is_not_judged_for_another_reason_keeps_it() {
 }
 
 #[test]
-fn a_frame_says_which_marker_it_shows_twice_up_to_the_couples() {
-    let mut bench = Bench::new(&[(POLISHER, [0.0, 0.025])]);
+fn a_frame_says_up_to_the_couples_which_marker_of_the_job_it_shows_twice() {
+    let mut bench = Bench::new(&[(POLISHER, [0.0, 0.025]), (SPARE, [0.3, 0.0])]);
     bench.rest(30);
-    let frames: Vec<Frame> =
-        bench.frames.iter().map(|frame| Frame { twice_object: POLISHER, ..frame.clone() }).collect();
-    assert!(encode(&bench.ids(), &frames).iter().all(|couples| couples.twice_object == POLISHER));
-    assert!(encode(&bench.ids(), &bench.frames).iter().all(|couples| couples.twice_object == 0));
+    let shapes: Vec<ObjectShape> = shapes(&bench.ids())
+        .into_iter()
+        .map(|shape| ObjectShape { used_by: ActivitySet::first((shape.id == POLISHER).into()), ..shape })
+        .collect();
+    let twice_in = |ids: &[u16]| {
+        let show = |frame: &Frame| Frame { twice: ids.iter().copied().collect(), ..frame.clone() };
+        let frames: Vec<Frame> = bench.frames.iter().map(show).collect();
+        let mut objects = encode_shapes(&shapes, &frames).into_iter().map(|couples| couples.twice_object);
+        let first = objects.next().unwrap();
+        assert!(objects.all(|object| object == first));
+        first
+    };
+    assert_eq!(twice_in(&[]), 0);
+    assert_eq!(twice_in(&[POLISHER]), POLISHER);
+    assert_eq!(twice_in(&[SPARE]), 0, "the job does not use it");
+    assert_eq!(twice_in(&[SPARE, POLISHER]), POLISHER);
 }

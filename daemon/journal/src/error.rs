@@ -64,6 +64,12 @@ pub enum JournalError {
         /// The cause that SQLite gives.
         source: rusqlite::Error,
     },
+    /// There is something else in its place.
+    #[error("{path} is a pipe, a device or a folder, and no journal: give `journal.path` the path of a file")]
+    NotFile {
+        /// What is there.
+        path: PathBuf,
+    },
     /// The file is damaged, or is no journal.
     #[error("{path} is damaged or no journal: {source}; `sqlite3 .recover` may repair a copy of it")]
     Damaged {
@@ -98,6 +104,12 @@ pub enum JournalError {
 }
 
 impl JournalError {
+    /// [`JournalError::NotFile`] where the path leads to something else than a file; nothing may be there.
+    pub(crate) fn unless_file(path: &Path) -> Result<(), Self> {
+        let is_other = std::fs::metadata(path).is_ok_and(|there| !there.is_file());
+        if is_other { Err(Self::NotFile { path: path.into() }) } else { Ok(()) }
+    }
+
     pub(super) fn of(path: &Path, waiting: usize, source: rusqlite::Error) -> Self {
         let path = path.to_path_buf();
         match source.sqlite_error_code() {

@@ -62,6 +62,7 @@ impl History {
     /// # Errors
     /// [`JournalError`] when there is no journal at `path`, or it cannot be read.
     pub fn open(path: &Path) -> Result<Self, JournalError> {
+        JournalError::unless_file(path)?;
         // Read and write: the first reader after a crash must be able to recover the WAL. Without CREATE, a mistyped path makes no empty journal.
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
         let connection =

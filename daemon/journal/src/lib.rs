@@ -79,6 +79,7 @@ impl Journal {
     /// # Errors
     /// [`JournalError`] when the file cannot be opened or written, is no journal, or was written by a newer Andon.
     pub fn open(path: &Path, retention: Retention) -> Result<Self, JournalError> {
+        JournalError::unless_file(path)?;
         let failed = |source| JournalError::of(path, 0, source);
         let mut connection = Connection::open(path).map_err(failed)?;
         connection.busy_timeout(LOCK_TIMEOUT).map_err(failed)?;

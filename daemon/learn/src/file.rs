@@ -78,7 +78,8 @@ pub fn text(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
         let before = &bytes[..error.valid_up_to()];
         NotText::Encoding(1 + before.iter().filter(|byte| **byte == b'\n').count())
     })?;
-    Ok(if text.contains("\r\n") { Cow::Owned(text.replace("\r\n", "\n")) } else { Cow::Borrowed(text) })
+    let unified = || text.replace("\r\n", "\n").replace('\r', "\n");
+    Ok(if text.contains('\r') { Cow::Owned(unified()) } else { Cow::Borrowed(text) })
 }
 
 /// Whether a text has two bytes for each character: by its mark, or because every other one of its first bytes is zero.
@@ -97,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_text_is_the_same_whichever_editor_has_saved_it() {
-        for saved in ["a = 1\nb = 2\n", "a = 1\r\nb = 2\r\n", "\u{feff}a = 1\r\nb = 2\n"] {
+        for saved in ["a = 1\nb = 2\n", "a = 1\r\nb = 2\r\n", "a = 1\rb = 2\r", "\u{feff}a = 1\r\nb = 2\n"] {
             assert_eq!(text(saved.as_bytes()).unwrap(), "a = 1\nb = 2\n");
         }
     }

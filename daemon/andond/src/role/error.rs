@@ -215,7 +215,7 @@ fn classify_journal(error: &JournalError) -> (&'static Code, Remedy, Exit) {
         JournalError::Damaged { .. } | JournalError::Newer { .. } => {
             (&code::JOURNAL_DAMAGED, InMessage, Configuration)
         }
-        JournalError::Open { .. } | JournalError::PutAside { .. } => {
+        JournalError::Open { .. } | JournalError::NotFile { .. } | JournalError::PutAside { .. } => {
             (&code::JOURNAL_NOT_OPENED, InMessage, Fault)
         }
         JournalError::Removed { .. } => (&code::JOURNAL_REMOVED, OfCode, Fault),

@@ -124,8 +124,12 @@ pub fn twice(message: &Detections) -> impl Iterator<Item = u16> {
 /// is held: the method itself carries hidden objects by contact, and counts how long it was blind.
 pub fn to_core(message: &Detections) -> Frame {
     let is_unseen = message.flags & flag::UNSEEN != 0;
-    let twice_object = twice(message).next().unwrap_or_default();
-    let mut frame = Frame { captured_ns: message.source_ns, is_unseen, twice_object, ..Frame::default() };
+    let mut frame = Frame {
+        captured_ns: message.source_ns,
+        is_unseen,
+        twice: twice(message).collect(),
+        ..Frame::default()
+    };
     if is_unseen {
         return frame;
     }

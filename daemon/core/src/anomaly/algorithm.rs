@@ -473,7 +473,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             faults.try_fold(None, |first, fault| Some(first.or(Some(fault?)))).flatten()
         };
         let mut broken = fault_of_all(progress);
-        while broken.is_some_and(|broken| progress.blame_part(&broken)) {
+        // What is not judged blames nothing.
+        while activity.never_seen.is_none() && broken.is_some_and(|broken| progress.blame_part(&broken)) {
             broken = fault_of_all(progress);
         }
         if broken.is_some() {

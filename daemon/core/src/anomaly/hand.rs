@@ -200,7 +200,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
-        let is_judged = activity.unjudged.is_none();
+        let is_judged = activity.unjudged.is_none() && activity.never_seen.is_none();
         let is_certain = activity.is_order_certain();
         let mut broken = progress.order_fault(self.side, nominal);
         while let Some(fault) = broken

@@ -2,7 +2,7 @@
 
 use super::comparison::Memory;
 use super::hand::HandJudge;
-use super::progress::Progress;
+use super::progress::{Progress, quickest};
 use crate::segment::Iu;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
@@ -13,7 +13,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (job, number) = (progress.job, usize::from(open.number));
         activity.compare_but_for_part(job, number, iu.context);
         let shown = |nominal: usize| &job.activities[nominal].ius[number];
-        let has_worked = |nominal: &usize| iu.context.is_pair() && iu.frames >= shown(*nominal).quickest();
+        let has_worked = |nominal: &usize| {
+            let ius = job.activities[*nominal].ius;
+            // The runs do not show how the other part would meet what the step's own one meets.
+            let is_all = !iu.context.is_pair() && number == 0;
+            let is_partner = ius.iter().any(|shown| shown.context.involves(iu.context.0[1]));
+            let frames = if is_all { quickest(ius) } else { ius[number].quickest() };
+            (iu.context.is_pair() || is_all && !is_partner) && iu.frames >= frames
+        };
         for nominal in activity.like.iter().filter(has_worked) {
             progress.note_instead(nominal);
         }

@@ -227,7 +227,7 @@ pub struct Couples {
     pub out_of_sight: ActivitySet,
     /// The id of one such object, 0 where there is none.
     pub out_of_sight_object: u16,
-    /// The id of an object whose marker the newest frame shows twice, 0 where there is none.
+    /// The id of an object that the job uses and whose marker the newest frame shows twice, 0 where there is none.
     pub twice_object: u16,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],

@@ -163,3 +163,14 @@ fn a_copy_that_is_made_while_the_journal_is_written_is_a_whole_journal() {
         (bench.journal.identity(), Some(MessageId { epoch: 1, seq: 5 }))
     );
 }
+
+#[test]
+fn what_is_no_file_is_called_so_and_not_waited_for() {
+    let bench = Bench::new();
+    let pipe = bench.dir.path().join("pipe");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [pipe.as_path(), bench.dir.path()] {
+        assert!(matches!(History::open(path), Err(JournalError::NotFile { .. })), "{}", path.display());
+        assert!(matches!(Journal::open(path, KEEP), Err(JournalError::NotFile { .. })), "{}", path.display());
+    }
+}

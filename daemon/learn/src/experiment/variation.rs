@@ -2,7 +2,7 @@
 
 use crate::folder::Labelled;
 use crate::rule::{BoundsRule, ThresholdRule};
-use crate::teach::{TeachOptions, is_given};
+use crate::teach::TeachOptions;
 use andon_core::job::LocalCost;
 
 /// A combination of rules.
@@ -95,7 +95,7 @@ impl Variation {
     #[must_use]
     pub fn for_recordings(mut variations: Vec<Self>, all: &[Labelled]) -> Vec<Self> {
         let mut objects = all.iter().flat_map(|one| &one.run.objects);
-        let is_any_given = objects.any(|object| is_given(&object.shape));
+        let is_any_given = objects.any(|object| object.shape.has_points());
         variations.iter_mut().for_each(|one| one.finds_meetings |= !is_any_given);
         variations
     }

@@ -30,7 +30,6 @@ mod widened;
 
 pub use iu_report::IuReport;
 pub use meetings::Unsure;
-pub(crate) use meetings::is_given;
 pub use options::{TeachError, TeachOptions};
 pub use order::OrderReport;
 pub use page::page;

@@ -98,6 +98,6 @@ impl Progress<'_> {
 }
 
 /// In how few frames these IUs may have come.
-pub(super) fn quickest(ius: &[NominalIu<'_>]) -> u32 {
+pub(in crate::anomaly) fn quickest(ius: &[NominalIu<'_>]) -> u32 {
     ius.iter().map(NominalIu::quickest).fold(0, u32::saturating_add)
 }

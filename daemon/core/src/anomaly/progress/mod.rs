@@ -13,7 +13,8 @@ use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
-use another_piece::{Unwatched, quickest};
+use another_piece::Unwatched;
+pub(super) use another_piece::quickest;
 
 /// Two unrelated steps come in one order in as many runs by chance in 3 of 100 jobs (2^-5).
 const MIN_USUAL_RUNS: u16 = 6;

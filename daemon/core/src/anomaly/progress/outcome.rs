@@ -66,7 +66,9 @@ impl Progress<'_> {
         let is_end_certain = !self.is_end_assumed;
         let certainly_missing =
             missing.lowest().filter(|_| is_end_certain && !missing.iter().any(may_be_unseen));
-        let undone = (missing & self.undone).lowest().filter(|_| is_end_certain);
+        // A hand that has touched something and begun no step has not begun the job.
+        let is_begun = self.first_step.is_some() || !self.instead.is_empty();
+        let undone = (missing & self.undone).lowest().filter(|_| is_end_certain && is_begun);
         match (self.fault.or(undone.map(not_completed)), self.first_unjudged) {
             (Some(fault), _) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.

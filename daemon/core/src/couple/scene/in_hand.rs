@@ -10,12 +10,15 @@
 //!
 //! After it has let go, a hand that rests there again makes no new contact until the part moves with it. A tracker with errors of 1 or 2 mm
 //! would else see the step begin once more.
+//!
+//! Where nobody has shown how an object is held, nearness says nothing of it: it is in the hand that leads it.
 
 use super::super::geometry::{dot, norm, subtract};
 use super::super::poses::Source;
 use super::Scene;
 use crate::capacity::{HANDS, OBJECTS};
 use crate::input::Point;
+use crate::object::REACH_M;
 use core::f32::consts::SQRT_2;
 
 /// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
@@ -76,6 +79,10 @@ impl Scene {
 
     fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
         let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
+        if !edge.is_believed() && self.objects[object].shape.is_held_anywhere {
+            let stays = before == InHand::Yes && self.stays_anywhere(hand, object, age);
+            return if stays || self.is_led(hand, object, age) { InHand::Yes } else { InHand::No };
+        }
         if before == InHand::Yes {
             let stays =
                 (edge.is_believed() || self.follows(hand, object, age)) && !self.leaves(hand, object, age);
@@ -99,6 +106,36 @@ impl Scene {
             _ if before == InHand::No && edge.was_known(age, self.method.persist_frames) => InHand::No,
             _ => InHand::Unknown,
         }
+    }
+
+    /// Whether the object moves with this hand within its reach, by more than errors, and with nothing else: the hand is at no other object, and the
+    /// other hand not at this one.
+    fn is_led(&self, hand: usize, object: usize, age: usize) -> bool {
+        let is_free = |other: usize| other == object || !self.touches[hand][other].is_believed();
+        self.objects[object].shape.is_held_anywhere
+            && self.is_within_reach(hand, object, age)
+            && (0..self.objects.len()).all(is_free)
+            && self.in_hand[1 - hand][object] != InHand::Yes
+            && self.follows(hand, object, age)
+            && self.goes_away(object, age)
+    }
+
+    /// Whether an object has gone farther than a contact is long when a change would be believed: errors that last do not.
+    fn goes_away(&self, object: usize, age: usize) -> bool {
+        let seen = |age: usize| self.seen_object(object, age);
+        let way = seen(age).zip(self.newest_known(age, seen));
+        way.is_some_and(|(from, (_, to))| norm(subtract(to, from)) > self.hand_contact(object).on_m)
+    }
+
+    /// Whether a hand that has led an object may still hold it: it has not been seen to move along it or away from it.
+    fn stays_anywhere(&self, hand: usize, object: usize, age: usize) -> bool {
+        self.relative_path(hand, object, age).is_some()
+            && self.is_within_reach(hand, object, age)
+            && self.slips_until(hand, object, age).is_none()
+    }
+
+    fn is_within_reach(&self, hand: usize, object: usize, age: usize) -> bool {
+        self.distance_from_hand(hand, object, age) <= REACH_M
     }
 
     /// What errors of some millimetres show of a hand that has opened at a part is no touch.
@@ -209,9 +246,10 @@ impl Scene {
         if is_shown { Some(true) } else { rests }
     }
 
-    /// Whether the hand is as near to the object as a contact begins.
+    /// Whether the hand is as near to the object as a contact begins, or leads it.
     fn is_at(&self, hand: usize, object: usize, age: usize) -> bool {
         self.distance_from_hand(hand, object, age) <= self.hand_contact(object).on_m
+            || self.is_led(hand, object, age)
     }
 
     /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it: its finger tips rest, or its knuckle does while

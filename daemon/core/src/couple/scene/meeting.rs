@@ -35,6 +35,8 @@ pub(super) struct Shape {
     pub(super) radius_m: f32,
     /// The ids of the objects with which it has no contact ([`ObjectShape::incidental`]).
     incidental: Vec<u16, OBJECTS>,
+    /// It is not known where a hand holds it: no run shows it, and no interaction point was given beside its origin.
+    pub(super) is_held_anywhere: bool,
     pub(super) is_position_only: bool,
     pub(super) used_by: ActivitySet,
 }
@@ -59,6 +61,7 @@ impl Shape {
             others: places.filter(|(with, _)| *with != Meeting::HAND).collect(),
             radius_m: shape.meetings.iter().map(is_met_within).fold(points.radius(), f32::max),
             incidental: shape.incidental.clone(),
+            is_held_anywhere: of_hand.is_none() && !shape.has_points(),
             is_position_only: shape.is_position_only,
             used_by: shape.used_by,
         })

@@ -111,7 +111,7 @@ pub(super) struct Scene {
     handless_frames: u32,
     /// For how many frames no hand has acted on anything.
     idle_frames: u32,
-    /// [`Frame::twice_object`] of the newest frame.
+    /// [`Couples::twice_object`] of the newest frame.
     twice_object: u16,
     hands: [Recent<HandPose>; HANDS],
     leaps: [Leap; HANDS],
@@ -200,7 +200,10 @@ impl Scene {
     pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) {
         self.times_ns.push(captured_ns);
         self.captured = self.captured << 1 | u32::from(frame.is_some());
-        self.twice_object = frame.map_or(0, |frame| frame.twice_object);
+        let is_used =
+            |id: &u16| self.objects.iter().any(|node| node.shape.id == *id && !node.shape.used_by.is_empty());
+        let twice = frame.and_then(|frame| frame.twice.iter().copied().find(is_used));
+        self.twice_object = twice.unwrap_or_default();
         self.push_hands(frame);
         self.push_objects(frame);
         self.move_holding_hands();

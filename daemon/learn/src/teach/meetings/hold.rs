@@ -5,7 +5,7 @@
 
 use super::steadying;
 use super::trajectory::{Tips, Trajectories};
-use super::{apart_m, centres, contact_of, is_given, median, meeting, points_of};
+use super::{apart_m, centres, contact_of, median, meeting, points_of};
 use andon_core::config::Contact;
 use andon_core::object::{Meeting, ObjectShape};
 
@@ -27,12 +27,12 @@ pub(super) fn of(
         return None;
     }
     let held_at = |hold: &Vec<Tips>| [0, 1, 2].map(|tip| median(hold.iter().map(|tips| tips[tip])));
-    let learnt = if is_given(shape) {
+    let learnt = if shape.has_points() {
         Vec::new()
     } else {
         centres(&holds.iter().flat_map(held_at).collect::<Vec<_>>(), TIPS_M)
     };
-    let points = if is_given(shape) { points_of(shape) } else { learnt.clone() };
+    let points = if shape.has_points() { points_of(shape) } else { learnt.clone() };
     // All but the farthest tenth: markers jump.
     let farthest = |hold: &Vec<Tips>| {
         let mut distances: Vec<f32> = hold.iter().map(|tips| apart_m(tips, &points)).collect();

@@ -4,7 +4,7 @@
 //! some runs. A tool that makes strokes meets a part in their middle.
 
 use super::trajectory::{Dwell, Trajectories};
-use super::{apart_m, centres, contact_of, in_proportion, is_given, median, meeting, points_of, widened};
+use super::{apart_m, centres, contact_of, in_proportion, median, meeting, points_of, widened};
 use andon_core::config::Contact;
 use andon_core::object::{Meeting, ObjectShape};
 use nalgebra::Point3;
@@ -47,7 +47,7 @@ pub(super) fn of(
     let dwells = dwells([with, at], shown);
     let places: Vec<Place> = dwells.iter().map(|(_, place)| *place).collect();
     let id = shapes[with].id;
-    if is_given(&shapes[with]) || is_given(&shapes[at]) {
+    if shapes[with].has_points() || shapes[at].has_points() {
         let may_meet = may_meet(&places);
         let met: Vec<&(Dwell, Place)> = dwells.iter().filter(|(_, place)| may_meet(place)).collect();
         let elsewhere = || if met.len() < dwells.len() { in_proportion(default, BESIDE_M) } else { default };

@@ -45,7 +45,7 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Uns
     let mut shown: Vec<Trajectories> =
         runs.iter().map(|run| Trajectories::new(run.frames(), &shapes, method.space)).collect();
     for (index, object) in objects.iter_mut().enumerate() {
-        if !is_given(&object.shape) && orientation::means_nothing(index, &shown) {
+        if !object.shape.has_points() && orientation::means_nothing(index, &shown) {
             object.shape.is_position_only = true;
             shown.iter_mut().for_each(|run| run.forget_orientation(index));
         }
@@ -71,11 +71,6 @@ pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Uns
 fn in_order([with, at]: [usize; 2], shown: &[Trajectories]) -> [usize; 2] {
     let carried = |object: usize| shown.iter().map(|run| run.carried_frames(object)).sum::<usize>();
     if carried(with) >= carried(at) { [with, at] } else { [at, with] }
-}
-
-/// Whether the station says where the object is touched.
-pub(crate) fn is_given(shape: &ObjectShape) -> bool {
-    shape.interaction_points.iter().any(|point| *point != [0.0; 3])
 }
 
 fn points_of(shape: &ObjectShape) -> Vec<Point3<f32>> {

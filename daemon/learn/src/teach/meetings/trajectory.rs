@@ -5,7 +5,7 @@ use super::median;
 use crate::statistics;
 use andon_core::capacity::HANDS;
 use andon_core::input::{Frame, Hand, Point, Space};
-use andon_core::object::ObjectShape;
+use andon_core::object::{ObjectShape, REACH_M};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 /// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`CHANGE_S`], in metres. Where markers are
@@ -14,9 +14,6 @@ const MIN_WAY_M: f32 = 0.015;
 
 /// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default.
 const CHANGE_S: f64 = 1.0 / 6.0;
-
-/// No finger tip is farther from the middle of what it carries, in metres.
-const REACH_M: f32 = 0.3;
 
 /// An object dwells where it goes no farther than this in this time, in metres and seconds.
 const DWELL_M: f32 = 0.05;

@@ -1,7 +1,7 @@
 //! What the runs do not show for sure of where hands and objects meet.
 
 use super::trajectory::Trajectories;
-use super::{in_order, is_given, joining};
+use super::{in_order, joining};
 use crate::recording::{NamedObject, incidental_pairs};
 use crate::run::Run;
 use std::fmt;
@@ -108,7 +108,7 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
             unsure.push(Unsure::PositionOnly { object: object.name.clone() });
         }
         unsure.extend(brought_beside(index, objects, shown));
-        let is_learnt = |object: usize| !is_given(&objects[object].shape);
+        let is_learnt = |object: usize| !objects[object].shape.has_points();
         for other in (0..index).filter(|other| is_learnt(index) && is_learnt(*other)) {
             let count = joining::shown_by(in_order([other, index], shown), shown);
             if (1..shown.len()).contains(&count) {
@@ -124,7 +124,7 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
 fn brought_beside(index: usize, objects: &[NamedObject], shown: &[Trajectories]) -> Vec<Unsure> {
     let others = (0..objects.len()).filter(|other| *other != index);
     let learnt =
-        others.filter(|other| [index, *other].iter().all(|object| !is_given(&objects[*object].shape)));
+        others.filter(|other| [index, *other].iter().all(|object| !objects[*object].shape.has_points()));
     let beside = learnt.filter_map(|other| {
         // What lies there anyway was not brought.
         let is_brought =
