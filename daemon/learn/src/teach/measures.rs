@@ -248,7 +248,8 @@ impl Rates {
     fn path_m(&self, context: Context, shown: &[Measures], met_within_m: f32, strength: Strength) -> Range {
         let lengths: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.path_m) + STRAY_PATH_M).ln()).collect();
-        let (centre, apart) = self.interval(&lengths, by_feel(context, shown, PRIOR_PATH), self.path, strength);
+        let (centre, apart) =
+            self.interval(&lengths, by_feel(context, shown, PRIOR_PATH), self.path, strength);
         let length = |logarithm: f64| (logarithm.exp() - STRAY_PATH_M) as f32;
         let in_and_out_m = if is_repeated(shown) { 0.0 } else { 2.0 * met_within_m };
         let [min, max] = [centre - apart, centre + apart].map(length);
@@ -259,7 +260,8 @@ impl Rates {
     fn max_detour_m(&self, context: Context, shown: &[Measures], strength: Strength) -> f32 {
         let detours: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.detour_m) + STRAY_DETOUR_M).ln()).collect();
-        let (centre, apart) = self.interval(&detours, by_feel(context, shown, PRIOR_DETOUR), 2.0 * self.path, strength);
+        let (centre, apart) =
+            self.interval(&detours, by_feel(context, shown, PRIOR_DETOUR), 2.0 * self.path, strength);
         ((centre + apart).exp() - STRAY_DETOUR_M) as f32
     }
 
