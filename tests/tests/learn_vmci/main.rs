@@ -84,7 +84,7 @@ fn without_points_and_distances_the_runs_show_where_hand_and_parts_meet() {
     let method = Method { space: Space::Metric, ..Method::default() };
     let run = |capture: Capture| Run::new("run", "", &without_points(capture.recording()), &method).unwrap();
     let runs: Vec<Run> = RUNS.map(|number| run(Capture::read(number))).collect();
-    assert!(runs.iter().all(|run| run.activities.is_empty()), "by default the hand touches nothing");
+    assert!(runs.iter().all(|run| !run.activities.is_empty()), "a box is in the hand that leads it");
     for (left_out, number) in RUNS.enumerate() {
         let (job, report) = taught_by_others(&runs, left_out, &TeachOptions::new("shelf", "", method));
         assert!(report.unsure.is_empty(), "{report}");
@@ -230,7 +230,7 @@ fn without_points_the_ladder_of_rules_begins_with_meetings_from_the_runs() {
     let rules = Variation::ladder_with_meetings(method.bins);
     let outcomes = experiment_2(&all, &method, &rules, &[Split::Random], 1, &mut |_| {}).unwrap();
     let untaught: Vec<u32> = outcomes.iter().map(|outcome| outcome.untaught).collect();
-    assert_eq!(untaught, [[10; 2].as_slice(), &[0; 10]].concat());
+    assert_eq!(untaught, [0; 12]);
     let default = outcomes.last().unwrap();
     assert!(default.correct_jobs_ok >= 27, "{} of 30", default.correct_jobs_ok);
     assert_eq!(default.flawed_jobs_found, 180);
@@ -242,7 +242,7 @@ fn without_points_the_ladder_of_rules_begins_with_meetings_from_the_runs() {
     assert!(without < 110, "DTW stretches time: of 90 stops of 8 s it finds few, not {}", without - 90);
     assert_eq!(found_with("+ bounds of duration"), 180);
     let table = Ladder(vec![("motion capture".to_owned(), outcomes)]).to_string();
-    assert_eq!(table.matches(" | nothing").count(), 2, "{table}");
+    assert!(!table.contains(" | nothing"), "{table}");
 }
 
 #[test]

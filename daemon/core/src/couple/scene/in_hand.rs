@@ -69,6 +69,9 @@ impl Scene {
         for hand in 0..HANDS {
             for object in 0..self.objects.len() {
                 self.in_hand[hand][object] = self.next_in_hand(hand, object, age);
+                let is_held = self.in_hand[hand][object] == InHand::Yes;
+                self.is_led[hand][object] =
+                    is_held && (self.is_led[hand][object] || self.leads(hand, object, age));
                 if self.in_hand[hand][object] == InHand::Unknown {
                     // The frame does not show what the hand acts on.
                     self.clear[hand] &= !(1 << age);
@@ -80,8 +83,8 @@ impl Scene {
     fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
         let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
         if !edge.is_believed() && self.objects[object].shape.is_held_anywhere {
-            let stays = before == InHand::Yes && self.stays_anywhere(hand, object, age);
-            return if stays || self.is_led(hand, object, age) { InHand::Yes } else { InHand::No };
+            let stays = self.is_led[hand][object] && self.stays_anywhere(hand, object, age);
+            return if stays || self.leads(hand, object, age) { InHand::Yes } else { InHand::No };
         }
         if before == InHand::Yes {
             let stays =
@@ -110,7 +113,7 @@ impl Scene {
 
     /// Whether the object moves with this hand within its reach, by more than errors, and with nothing else: the hand is at no other object, and the
     /// other hand not at this one.
-    fn is_led(&self, hand: usize, object: usize, age: usize) -> bool {
+    fn leads(&self, hand: usize, object: usize, age: usize) -> bool {
         let is_free = |other: usize| other == object || !self.touches[hand][other].is_believed();
         self.objects[object].shape.is_held_anywhere
             && self.is_within_reach(hand, object, age)
@@ -249,7 +252,7 @@ impl Scene {
     /// Whether the hand is as near to the object as a contact begins, or leads it.
     fn is_at(&self, hand: usize, object: usize, age: usize) -> bool {
         self.distance_from_hand(hand, object, age) <= self.hand_contact(object).on_m
-            || self.is_led(hand, object, age)
+            || self.leads(hand, object, age)
     }
 
     /// As [`rests`](Self::rests), of a hand that is at the object, as far as these two show it: its finger tips rest, or its knuckle does while

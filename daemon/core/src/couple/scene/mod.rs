@@ -122,6 +122,8 @@ pub(super) struct Scene {
     touches: [[Edge; OBJECTS]; HANDS],
     /// For each hand, whether it acts on the object.
     in_hand: [[InHand; OBJECTS]; HANDS],
+    /// For each hand, whether it has led the object since it has acted on that.
+    is_led: [[bool; OBJECTS]; HANDS],
     /// Between each two objects, the lower index first.
     adjacent: [[Edge; OBJECTS]; OBJECTS],
     /// Whether the two touch, rather than pass each other.
@@ -168,6 +170,7 @@ impl Scene {
             objects,
             touches: [[Edge::default(); OBJECTS]; HANDS],
             in_hand: [[InHand::No; OBJECTS]; HANDS],
+            is_led: [[false; OBJECTS]; HANDS],
             adjacent: [[Edge::default(); OBJECTS]; OBJECTS],
             meets: [[Meets::No; OBJECTS]; OBJECTS],
             interactions: [Interaction::Idle; HANDS],
