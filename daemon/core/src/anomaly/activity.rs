@@ -6,6 +6,7 @@
 use super::alignment::Alignment;
 use super::missed::Cause;
 use super::places::{Junction, Places};
+use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
 use crate::input::Side;
@@ -152,11 +153,17 @@ impl OpenActivity {
     }
 
     /// Takes the context of the next IU and returns the number of that IU. Whether it is certain that it has happened; something may have come
-    /// and gone in some `hidden` frames before it.
-    pub(super) fn next_iu(&mut self, job: &Job<'_>, context: Context, is_certain: bool, hidden: u32) -> u16 {
+    /// and gone in some `hidden` frames before it; with `has_been_idle` the hand was certainly idle since the IU before it.
+    pub(super) fn next_iu(
+        &mut self,
+        job: &Job<'_>,
+        context: Context,
+        is_certain: bool,
+        (hidden, has_been_idle): (u32, bool),
+    ) -> u16 {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
-        if self.ius > 0 && self.junction.hidden > self.min_idle_frames {
+        if self.ius > 0 && (has_been_idle || self.junction.hidden > self.min_idle_frames) {
             self.note_possible_end(job);
         }
         self.places_before = self.places;
@@ -215,7 +222,8 @@ impl OpenActivity {
 
     /// What was not seen for a while is seen again in this context.
     pub(super) fn resume(&mut self, job: &Job<'_>, context: Context) {
-        if self.junction.hidden > 0 {
+        let is_same = context == Context::IDLE || context == self.newest.0;
+        if self.junction.hidden > 0 && is_same {
             // The hand may have let go meanwhile; that it began again with the same object as well is only thought of what was not judged.
             let may_have_let_go = context == Context::IDLE || self.unjudged.is_some();
             if may_have_let_go && self.junction.hidden > self.min_idle_frames {
@@ -244,6 +252,11 @@ impl OpenActivity {
         let hidden = self.junction.hidden;
         let mut all = self.places.iter().zip(job.activities);
         all.any(|(places, nominal)| places.may_be_complete(nominal.ius, hidden))
+    }
+
+    /// Whether it must have ended unseen: what has come since then is no part of it.
+    pub(super) fn must_have_ended(&self) -> bool {
+        self.may_have_ended && self.places.iter().all(|places| places.is_empty())
     }
 
     /// Whether all of it has come, some of it unseen, if the hand is idle now.
@@ -369,14 +382,19 @@ impl OpenActivity {
         }
     }
 
-    /// The candidate whose last IU has been reached, but for a release state, which leaves nothing to do. Of several, the nearest.
-    pub(super) fn matched(&self, job: &Job<'_>) -> Option<usize> {
+    /// The candidate whose last IU has been reached, but for a release state, which leaves nothing to do. Of several, one that is not out
+    /// of order comes first, then the nearest.
+    pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
         let has_ended = |nominal: &usize| {
-            let ius = job.activities[*nominal].ius;
+            let ius = progress.job.activities[*nominal].ius;
             ius.get(self.index..).is_some_and(|rest| rest.iter().all(|iu| iu.context.is_release()))
         };
-        let ended = self.candidates().iter().filter(has_ended);
-        ended.min_by(|one, other| self.ratios[*one].total_cmp(&self.ratios[*other]))
+        self.candidates().iter().filter(has_ended).min_by(|one, other| {
+            let is_out_of_order = |nominal: &usize| progress.order_fault(side, *nominal).is_some();
+            is_out_of_order(one)
+                .cmp(&is_out_of_order(other))
+                .then(self.ratios[*one].total_cmp(&self.ratios[*other]))
+        })
     }
 
     /// An IU with this number and context has ended. Keeps the nominal activities that have it there, with another part in place of the one that

@@ -15,6 +15,9 @@ use heapless::Vec;
 
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn begin_activity(&mut self, context: Context, began_ns: u64, progress: &mut Progress<'a>) {
+        if progress.begins_undone(context) {
+            self.watch.forget_rest();
+        }
         let (hidden, was_idle) = (self.watch.begin_activity(context), self.watch.was_idle());
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
@@ -74,9 +77,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.comparisons.clear();
         activity.may_differ &= progress.has_parts_of(context);
         let is_certain = !self.watch.is_doubtful();
-        let before = self.watch.hidden_before();
+        let was_idle = self.watch.was_idle();
+        let before = (self.watch.hidden_before(), self.watch.begin_iu());
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
-        let may_be_rest = number == 0 && self.watch.may_be_rest;
+        let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
         self.watch.may_be_rest &= activity.step == Step::NotShown;
         self.watch.is_begun_late &= self.watch.may_be_rest;
@@ -260,7 +264,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        self.missed.count(couple, is_captured);
+        let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_rest;
+        if is_forgotten {
+            self.missed.forget();
+        } else {
+            self.missed.count(couple, is_captured);
+        }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
         match couple.waiting {
@@ -385,7 +394,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         let Some(nearest) = self.comparisons.nearest(extent) else {
-            self.conclude_unseen(progress, emit);
+            let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
+            let cause = if is_certain { Reason::Unknown.into() } else { self.unseen_cause(progress) };
+            self.conclude_unjudged(cause, progress, emit);
             return;
         };
         if let Some(iu) = &mut self.iu {
@@ -512,7 +523,12 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let has_certainly_ended = activity.is_astray() && activity.has_certainly_ended(job);
         if has_certainly_ended || activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
-            let continuations = activity.possible_continuations(job);
+            let mut continuations = activity.possible_continuations(job);
+            // The job has its verdict, so a touch begins another activity, which may be the rest of this one.
+            if progress.is_concluded() {
+                self.watch.may_be_rest |= !continuations.is_empty();
+                continuations.clear();
+            }
             segmenter.activity_matched(&self.by_this_hand(continuations));
             if activity.is_astray() {
                 let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
@@ -521,9 +537,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 return;
             }
         }
-        let Some(nominal) = activity.matched(progress.job) else {
+        let Some(nominal) = activity.matched(self.side, progress) else {
             // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
-            if self.watch.was_idle() && activity.has_ended_if_idle(job) {
+            if self.watch.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
                 segmenter.activity_matched(&[]);
             }
             return;
@@ -562,7 +578,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             || activity.may_be_complete(progress.job)
             || activity.is_astray() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
-        match activity.matched(progress.job) {
+        match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {

@@ -200,8 +200,18 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
-        let broken = progress.order_fault(self.side, nominal);
+        let is_judged = activity.unjudged.is_none() && activity.never_seen.is_none();
+        let is_certain = activity.is_order_certain();
+        let mut broken = progress.order_fault(self.side, nominal);
+        while let Some(fault) = broken
+            && is_judged
+            && (is_certain || progress.is_undone(&fault))
+            && progress.blame_part(&fault)
+        {
+            broken = progress.order_fault(self.side, nominal);
+        }
         activity.broken = activity.broken.or(broken);
+        let is_too_early = broken.is_some_and(|broken| progress.is_undone(&broken));
         let unjudged = activity.unjudged;
         let (is_order_certain, number) = (activity.is_order_certain(), activity.number);
         let (outcome, cause, early) = match unjudged {
@@ -211,7 +221,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             }
             None if broken.is_none() => (Outcome::Ok, Reason::None.into(), early),
             // If it has no such verdict yet, it was not certain before: a longer candidate would not have been out of order.
-            None if is_order_certain => (Outcome::Anomaly, Reason::WrongOrder.into(), false),
+            None if is_order_certain || is_too_early => (Outcome::Anomaly, Reason::WrongOrder.into(), false),
             None => (Outcome::NotJudged, unseen, early),
         };
         self.conclude_activity(outcome, cause, Some(nominal), early, progress, emit);

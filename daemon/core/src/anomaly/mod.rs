@@ -98,7 +98,7 @@ pub use comparison::Memory;
 use crate::bounds::Bounds;
 use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couples, Sight};
+use crate::couple::{Context, Couple, Couples, Sight};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
@@ -325,7 +325,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     }
 
     fn take(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
-        self.observe(couples);
+        self.observe(couples, emit);
         let ends_job = self.ends_job(couples, emit);
         let Self { segmenter, bench, .. } = self;
         segmenter.job_matched(ends_job);
@@ -352,7 +352,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     }
 
     /// Takes note of how much the next couples show, and of what has happened without a hand.
-    fn observe(&mut self, couples: &Couples) {
+    fn observe(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
         let Self { segmenter, bench, .. } = self;
         bench.progress.watch(couples, self.period_ns);
         bench.progress.now_ns = couples.captured_ns;
@@ -377,6 +377,11 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                     segmenter.hand(couple.side).activity_matched(&[]);
                 }
             }
+        }
+        // What a hand does with the same part afterwards is not the rest of what it did before.
+        let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.is_doubtful;
+        if bench.progress.is_set_anew() && couples.hands.iter().all(is_idle) {
+            segmenter.finish(&mut |event| bench.take(&event, None, emit));
         }
     }
 

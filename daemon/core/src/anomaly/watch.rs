@@ -30,6 +30,8 @@ pub(super) struct Watch {
     since_certain: u32,
     /// In how many frames without a doubtful one between them, up to the couple before the newest, the hand was certainly idle.
     idle_frames: u32,
+    /// It was so for long enough since it last acted.
+    has_been_idle: bool,
     /// `o_j`, or 0, and whether the hand touches it.
     held: u16,
     is_touch: bool,
@@ -70,6 +72,7 @@ impl Watch {
             certain: None,
             since_certain: 0,
             idle_frames: 0,
+            has_been_idle: false,
             held: 0,
             is_touch: false,
             is_held_doubtful: false,
@@ -111,6 +114,7 @@ impl Watch {
         // A frame in which nothing can have come and gone interrupts nothing.
         let goes_on = is_idle && !self.is_doubtful();
         self.idle_frames = if goes_on { self.idle_frames.saturating_add(is_certain.into()) } else { 0 };
+        self.has_been_idle = (is_idle || !is_certain) && (self.has_been_idle || self.is_idle_for_long());
         // Of a long gap, not all frames of the grid have a couple.
         let frames = couple.captured_ns.saturating_sub(self.newest_ns).saturating_add(self.period_ns / 2);
         let frames = u32::try_from(frames / self.period_ns).unwrap_or(u32::MAX).max(1);
@@ -191,6 +195,11 @@ impl Watch {
         self.is_idle_for_long() && !self.is_doubtful() && !self.is_object_new
     }
 
+    /// An IU begins with the newest couple, in doubt or not. Whether the hand was certainly idle for as long at some time since the one before it.
+    pub(super) fn begin_iu(&mut self) -> bool {
+        core::mem::take(&mut self.has_been_idle)
+    }
+
     /// It takes less to see that a hand holds something.
     pub(super) fn min_idle_frames(&self) -> u32 {
         IDLE_CHANGES * self.persist_frames
@@ -235,6 +244,12 @@ impl Watch {
         self.may_be_rest |= hidden == u32::MAX;
         self.unjudged = 0;
         hidden
+    }
+
+    /// What begins now is not the rest of anything.
+    pub(super) fn forget_rest(&mut self) {
+        (self.may_be_rest, self.is_object_new, self.unjudged) = (false, false, 0);
+        self.is_begun_late = false;
     }
 
     /// An activity with this object was not judged.

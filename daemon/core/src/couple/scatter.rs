@@ -106,15 +106,15 @@ impl Wandering {
 
     /// Takes where it seems to be `now`, and where it seemed to be `before`, by as many frames as it takes to believe a change; and whether a hand
     /// has been seen by then, so that it rests.
-    pub(super) fn push(&mut self, now: Point, before: Point) {
+    pub(super) fn push(&mut self, now: Point, before: Point, has_seen_hand: bool) {
         let lay = *self.lay.get_or_insert(before);
         let max_apart_m = self.known.max_apart_m();
         let is_away = |at: Point| squared_distance(at, lay) > max_apart_m * max_apart_m;
         if !self.is_moved {
             self.known.push(squared_distance(now, before));
         }
-        // One position that is misread says nothing.
-        if is_away(now) && is_away(before) {
+        // One position that is misread says nothing. Hands that nobody has seen may make strokes about where it lay.
+        if is_away(now) && is_away(before) || !has_seen_hand && self.known.is_motion() {
             // A hand moves it that is not seen, and did so perhaps from the beginning.
             (self.known, self.is_moved) = (self.before, true);
         }
@@ -135,6 +135,11 @@ impl MeanSquare {
     fn apart_by_chance_m(self) -> Option<f32> {
         let is_known = self.count >= MIN_WANDERING;
         is_known.then(|| self.apart_m(self.uncertainty()).min(MAX_WANDER_M))
+    }
+
+    /// Whether it is more than anything wanders.
+    fn is_motion(self) -> bool {
+        self.count >= MIN_WANDERING && self.apart_m(1.0 / self.uncertainty()) > MAX_WANDER_M
     }
 
     /// How far apart two positions are if the variance is such a multiple of what it seems.
@@ -200,27 +205,31 @@ mod tests {
         let lie = |wandering: &mut Wandering, frames: usize| {
             (0..frames).for_each(|frame| {
                 let [now, before] = [frame, frame + 1].map(|frame| [(frame % 2) as f32 * 0.002, 0.0, 0.0]);
-                wandering.push(now, before);
+                wandering.push(now, before, true);
             });
         };
-        // Strokes of 4.5 cm at 10 cm from where it was first seen: nothing in them lies still.
-        let stroke = |wandering: &mut Wandering| {
-            for frame in 0..300u16 {
-                let way_m = (f32::from(frame) / 100.0).min(0.1);
+        // Strokes of 4.5 cm about where it was first seen, and at 10 cm from there: nothing in them lies still.
+        let stroke = |brought_m: f32, frames: u16, wandering: &mut Wandering| {
+            for frame in 0..frames {
+                let way_m = (f32::from(frame) / 100.0).min(brought_m);
                 let at = |frame: u16| [way_m + 0.0225 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
-                wandering.push(at(frame + 5), at(frame));
+                wandering.push(at(frame + 5), at(frame), false);
             }
         };
-        stroke(&mut wandering);
-        lie(&mut wandering, 20);
-        assert_eq!(wandering.apart_by_chance_m(), None);
+        stroke(0.0, 9, &mut wandering);
+        for brought_m in [0.0, 0.1] {
+            wandering.begin();
+            stroke(brought_m, 300, &mut wandering);
+            lie(&mut wandering, 20);
+            assert_eq!(wandering.apart_by_chance_m(), None);
+        }
         wandering.begin();
         lie(&mut wandering, 9);
         assert_eq!(wandering.apart_by_chance_m(), None, "too little to tell");
         lie(&mut wandering, 291);
         assert!(is_about(&wandering, 1.1), "{wandering:?}");
         wandering.begin();
-        wandering.push([0.3, 0.0, 0.0], [0.0; 3]);
+        wandering.push([0.3, 0.0, 0.0], [0.0; 3], true);
         lie(&mut wandering, 10);
         assert!(is_about(&wandering, 1.1), "{wandering:?}");
     }

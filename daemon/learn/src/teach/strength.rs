@@ -43,10 +43,11 @@ pub(super) enum Strength {
     None,
 }
 
-/// What a bound is widened by each time that a run that was left out still lies beyond it.
+/// What a bound is widened by each time that a run that was left out still lies beyond it. In smaller steps each run costs more judgements; where one
+/// run of seven made strokes of 8.7 cm against a bound of 8.4 cm, one step was enough.
 const WIDER: f64 = 1.25;
 
-/// A bound that is twice as wide as the runs make it, and still rejects one of them, means nothing.
+/// A bound that is widened by more than this means nothing: with it, half or twice as much as the runs show is right.
 const MAX_WIDER: f64 = 2.5;
 
 impl Strength {

@@ -55,6 +55,13 @@ impl Progress<'_> {
         }
     }
 
+    /// Whether nobody watched for as long as a step takes with which a job may begin.
+    pub(super) fn may_have_begun_unwatched(&self) -> bool {
+        let first = self.first().iter().filter_map(|activity| self.quickest(activity));
+        let quickest = first.map(|(_, frames)| frames.max(2 * self.persist_frames)).min();
+        quickest.is_some_and(|frames| self.unwatched.frames >= frames)
+    }
+
     /// The minimum number of frames in which this piece is ended and another one begun, up to an IU of a nominal activity. Both hands may work at
     /// once, and what the other hand is in the middle of may be about to end.
     fn exchange(&self, side: Side, nominal: &NominalActivity<'_>, ius: usize) -> u32 {

@@ -82,6 +82,8 @@ pub(super) struct Progress<'a> {
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
     undone: ActivitySet,
+    /// The activities whose part has been away from where the job begins in some frame of this job.
+    left: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
     never_seen: Option<ActivitySet>,
     /// The activities that use an object which is out of sight in the newest couples.
@@ -148,6 +150,7 @@ impl<'a> Progress<'a> {
             seen_undone: ActivitySet::EMPTY,
             undone_first: ActivitySet::EMPTY,
             undone: ActivitySet::EMPTY,
+            left: ActivitySet::EMPTY,
             never_seen: None,
             out_of_sight: ActivitySet::EMPTY,
             never_seen_object: 0,
@@ -176,7 +179,7 @@ impl<'a> Progress<'a> {
         }
         let (undone_first, undone) = (self.undone_first | self.seen_undone, self.seen_undone);
         let may_precede = self.all.without(undone_first | self.behind(undone_first));
-        let is_expected = self.is_start_expected;
+        let is_expected = self.is_start_expected && !self.may_have_begun_unwatched();
         let is_start_seen = is_start_seen || is_expected || may_precede.is_empty();
         *self = Self {
             began_ns,
@@ -187,6 +190,7 @@ impl<'a> Progress<'a> {
             seen_undone: undone,
             undone_first,
             undone,
+            left: self.all.without(undone | self.out_of_sight),
             never_seen: self.never_seen,
             out_of_sight: self.out_of_sight,
             never_seen_object: self.never_seen_object,
@@ -201,12 +205,28 @@ impl<'a> Progress<'a> {
 
     /// The bench shows that these activities have not been done. What has been away from there meanwhile may have been brought back.
     pub(super) fn set_undone(&mut self, undone: ActivitySet) {
+        self.left |= self.seen_undone.without(undone);
         self.seen_undone = undone;
         self.undone = self.undone & undone;
         self.overlooked = self.overlooked.without(undone);
         if !self.is_open {
             self.undone_first |= undone;
         }
+    }
+
+    /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began again,
+    /// after it had been away, with all that lay there then.
+    pub(super) fn is_set_anew(&self) -> bool {
+        let is_back = self.seen_undone & self.left;
+        self.is_open
+            && is_back.intersects(self.done | self.wrong)
+            && self.undone_first.without(self.seen_undone).is_empty()
+    }
+
+    /// Whether no activity that begins with this context has been done since the job began.
+    pub(super) fn begins_undone(&self, context: Context) -> bool {
+        let opening = self.opening(context);
+        !opening.is_empty() && opening.without(self.undone).is_empty()
     }
 
     /// The next touch is the first one of a job.
@@ -452,5 +472,10 @@ impl<'a> Progress<'a> {
     pub(super) fn is_matched_with(&self, wrong: ActivitySet) -> bool {
         let waiting = self.waiting.iter().fold(ActivitySet::EMPTY, |set, hand| set | *hand);
         self.required.without(self.done | self.unjudged | wrong | waiting).is_empty()
+    }
+
+    /// Whether the job has its verdict.
+    pub(super) fn is_concluded(&self) -> bool {
+        !self.is_open
     }
 }

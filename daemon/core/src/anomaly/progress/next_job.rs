@@ -34,6 +34,10 @@ impl Progress<'_> {
         if is_disturbed && self.fault.is_some() {
             return true;
         }
+        if self.is_set_anew() {
+            self.is_end_assumed = may_go_on;
+            return true;
+        }
         let (opening, came, first) = (self.opening(context), self.done | self.unjudged, self.first());
         let is_left = !opening.without(self.tried()).is_empty();
         let (begins, may_begin) = if self.has_order() {

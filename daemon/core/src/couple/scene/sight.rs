@@ -48,7 +48,11 @@ impl Scene {
             if pose.source != Source::Seen {
                 continue;
             }
-            let holds = |hand: usize| self.touches[hand][index].is_near();
+            let holds = |hand: usize| {
+                let is_recent = self.hands[hand].ago(0).unseen <= self.blind_frames;
+                self.touches[hand][index].is_near()
+                    && (is_recent || self.interactions[hand].held() == Some(index))
+            };
             let is_held = (0..HANDS).any(holds);
             let lay = *node.attended.get_or_insert(pose.position);
             let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;

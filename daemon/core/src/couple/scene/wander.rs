@@ -23,10 +23,11 @@ impl Scene {
         if self.idle_frames <= persist.into() {
             return;
         }
+        let has_seen_hand = self.hands.iter().any(|hand| hand.ago(age).source != Source::Never);
         for object in 0..self.objects.len() {
             let before = self.seen_object(object, age + usize::from(persist));
             if let Some((now, before)) = self.seen_object(object, age).zip(before) {
-                self.objects[object].wandering.push(now, before);
+                self.objects[object].wandering.push(now, before, has_seen_hand);
             }
         }
     }
