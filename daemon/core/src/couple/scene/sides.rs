@@ -38,9 +38,9 @@ impl Sides {
             let (seen, other) = (called[name].as_ref(), 1 - name);
             seen.filter(|seen| self.known[other] > 0 && is_there(other, seen) && !is_there(name, seen))
         };
-        // A hand that was not seen for a while may have come to where the other one was.
+        // A hand that has been seen before may have come to where the other one was.
         let may_have_come = |name: usize, seen: &HandPose| {
-            is_there(name, seen, blind_frames, hands[name].ago(0).unseen.saturating_add(1))
+            is_there(name, seen, u32::MAX, hands[name].ago(0).unseen.saturating_add(1))
         };
         let is_other = |name: usize| {
             may_be_other(name).is_some_and(|seen| {
