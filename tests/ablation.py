@@ -10,7 +10,8 @@ and of learning is also tried with the simulated people: what is deleted, two ha
 
 The columns: condition, constant, what breaks, number of tests that fail, their names. What breaks is "nothing", "its own" if
 only tests of its module fail or a single one, or "others". Where a constant breaks no more than "its own", the condition is a
-candidate to go: what is measured has not spoken yet.
+candidate to go: what is measured has not spoken yet. Fifteen of the judge that broke nothing, one by one and together, accused four right
+jobs when observations were deleted (three seeds of 600 cases): a condition goes only if deletions do not miss it, either.
 """
 
 import collections
