@@ -249,7 +249,7 @@ impl Rates {
         let lengths: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.path_m) + STRAY_PATH_M).ln()).collect();
         let (centre, apart) =
-            self.interval(&lengths, by_feel(context, shown, PRIOR_PATH), self.path, strength);
+            self.interval(&lengths, prior_at(context, shown, PRIOR_PATH), self.path, strength);
         let length = |logarithm: f64| (logarithm.exp() - STRAY_PATH_M) as f32;
         let in_and_out_m = if is_repeated(shown) { 0.0 } else { 2.0 * met_within_m };
         let [min, max] = [centre - apart, centre + apart].map(length);
@@ -261,7 +261,7 @@ impl Rates {
         let detours: Vec<f64> =
             shown.iter().map(|measures| (f64::from(measures.detour_m) + STRAY_DETOUR_M).ln()).collect();
         let (centre, apart) =
-            self.interval(&detours, by_feel(context, shown, PRIOR_DETOUR), 2.0 * self.path, strength);
+            self.interval(&detours, prior_at(context, shown, PRIOR_DETOUR), 2.0 * self.path, strength);
         ((centre + apart).exp() - STRAY_DETOUR_M) as f32
     }
 
@@ -360,7 +360,7 @@ pub(super) fn is_by_feel(shown: &[Measures]) -> bool {
 }
 
 /// This spread of people in general, or how they differ at another part where they count no strokes.
-fn by_feel(context: Context, shown: &[Measures], prior: f64) -> f64 {
+fn prior_at(context: Context, shown: &[Measures], prior: f64) -> f64 {
     let is_counted = is_repeated(shown) && !is_by_feel(shown);
     if is_at_another(context) && !is_counted { PRIOR_BY_FEEL } else { prior }
 }

@@ -28,19 +28,18 @@ impl Sides {
         blind_frames: u32,
         method: &Method,
     ) -> [Option<HandPose>; HANDS] {
-        let is_there = |of: usize, called: &HandPose, max_unseen: u32, pushed: u32| {
-            let before = hands[of].ago(0);
-            let is_recent = before.source != Source::Never && before.unseen <= max_unseen;
-            is_recent && is_reached(&hands[of], called, pushed, method)
+        // Whether a hand that was seen before may be here, if it has been pushed for as many frames.
+        let reaches = |of: usize, seen: &HandPose, pushed: u32| {
+            hands[of].ago(0).source != Source::Never && is_reached(&hands[of], seen, pushed, method)
         };
+        let is_there =
+            |of: usize, seen: &HandPose| hands[of].ago(0).unseen <= MAX_UNSEEN && reaches(of, seen, 1);
+        // A hand that has been seen before may have come to where the other one was.
+        let may_have_come =
+            |name: usize, seen: &HandPose| reaches(name, seen, hands[name].ago(0).unseen.saturating_add(1));
         let may_be_other = |name: usize| {
-            let is_there = |of, seen: &HandPose| is_there(of, seen, MAX_UNSEEN, 1);
             let (seen, other) = (called[name].as_ref(), 1 - name);
             seen.filter(|seen| self.known[other] > 0 && is_there(other, seen) && !is_there(name, seen))
-        };
-        // A hand that has been seen before may have come to where the other one was.
-        let may_have_come = |name: usize, seen: &HandPose| {
-            is_there(name, seen, u32::MAX, hands[name].ago(0).unseen.saturating_add(1))
         };
         let is_other = |name: usize| {
             may_be_other(name).is_some_and(|seen| {
