@@ -226,7 +226,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         self.conclude_activity(outcome, cause, Some(nominal), early, progress, emit);
         if outcome != Outcome::NotJudged {
-            progress.set_done(self.side, number, nominal);
+            progress.set_done(number, nominal);
         }
     }
 

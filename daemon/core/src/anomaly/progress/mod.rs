@@ -53,8 +53,8 @@ pub(super) struct Progress<'a> {
     first_step: Option<u16>,
     /// Activities that were done right.
     done: ActivitySet,
-    /// Activities that had not come when another one was right that must come behind them, because they may have come unseen.
-    excused: ActivitySet,
+    /// The activities that may have come unseen since the last job ended.
+    unseen: ActivitySet,
     /// Activities that were done but not judged.
     unjudged: ActivitySet,
     /// Activities that were tried and done wrong.
@@ -77,11 +77,10 @@ pub(super) struct Progress<'a> {
     is_start_seen: bool,
     /// The activities that may have come before the first one that was seen.
     may_precede: ActivitySet,
-    /// The activities that the newest frame shows not to have been done, those that some frame has shown so between the last job and the first
-    /// touch of this one, and those that all frames since have shown so.
+    /// The activities that the newest frame shows not to have been done, and those that some frame has shown so between the last job and the
+    /// first touch of this one.
     seen_undone: ActivitySet,
     undone_first: ActivitySet,
-    undone: ActivitySet,
     /// The activities whose part has been away from where the job begins in some frame of this job.
     left: ActivitySet,
     /// The activities that use an object which has not been seen since the last job ended or the encoder started; `None` before the first frame.
@@ -90,22 +89,14 @@ pub(super) struct Progress<'a> {
     out_of_sight: ActivitySet,
     /// The id of that object, or 0 where none is known.
     never_seen_object: u16,
-    /// The activities that may have been done while that object had not been seen.
-    overlooked: ActivitySet,
-    /// The id of such an object, or 0.
+    /// The id of such an object while activities may have been done with it unseen, or 0.
     overlooked_object: u16,
     /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
     is_start_expected: bool,
-    /// For how many frames a hand has been hidden at most since the last job ended.
-    hidden_frames: u32,
     unwatched: Unwatched,
     /// For each hand, what has been missed since then.
     missed: [Missed; HANDS],
-    /// An activity was not seen well enough to say which one it is.
-    is_doubtful: bool,
-    /// The activities that a hand may have gone on with when the job before ended.
-    carried_on: ActivitySet,
-    /// Why that was not judged.
+    /// Why what a hand goes on with from the job before was not judged.
     carried_on_cause: Option<Cause>,
     fault: Option<Fault>,
     /// Why something was not judged first, and the number of the activity that is nearest to it.
@@ -135,7 +126,7 @@ impl<'a> Progress<'a> {
             activities: 0,
             first_step: None,
             done: ActivitySet::EMPTY,
-            excused: ActivitySet::EMPTY,
+            unseen: ActivitySet::EMPTY,
             unjudged: ActivitySet::EMPTY,
             wrong: ActivitySet::EMPTY,
             instead: ActivitySet::EMPTY,
@@ -149,19 +140,14 @@ impl<'a> Progress<'a> {
             may_precede: ActivitySet::EMPTY,
             seen_undone: ActivitySet::EMPTY,
             undone_first: ActivitySet::EMPTY,
-            undone: ActivitySet::EMPTY,
             left: ActivitySet::EMPTY,
             never_seen: None,
             out_of_sight: ActivitySet::EMPTY,
             never_seen_object: 0,
-            overlooked: ActivitySet::EMPTY,
             overlooked_object: 0,
             is_start_expected: false,
-            hidden_frames: 0,
             unwatched: Unwatched::new(),
             missed,
-            is_doubtful: false,
-            carried_on: ActivitySet::EMPTY,
             carried_on_cause: None,
             fault: None,
             first_unjudged: None,
@@ -177,26 +163,25 @@ impl<'a> Progress<'a> {
         if is_start_seen {
             self.forget_hidden();
         }
-        let (undone_first, undone) = (self.undone_first | self.seen_undone, self.seen_undone);
+        let (undone, undone_first) = (self.seen_undone, self.undone_first | self.seen_undone);
         let may_precede = self.all.without(undone_first | self.behind(undone_first));
         let is_expected = self.is_start_expected && !self.may_have_begun_unwatched();
         let is_start_seen = is_start_seen || is_expected || may_precede.is_empty();
+        let may_precede = if is_start_seen { ActivitySet::EMPTY } else { may_precede };
         *self = Self {
             began_ns,
             now_ns: self.now_ns,
             known_ns: self.known_ns,
             is_start_seen,
-            may_precede: if is_start_seen { ActivitySet::EMPTY } else { may_precede },
+            may_precede,
+            unseen: self.unseen.without(undone),
             seen_undone: undone,
             undone_first,
-            undone,
             left: self.all.without(undone | self.out_of_sight),
             never_seen: self.never_seen,
             out_of_sight: self.out_of_sight,
             never_seen_object: self.never_seen_object,
-            overlooked: self.overlooked,
             overlooked_object: self.overlooked_object,
-            hidden_frames: self.hidden_frames,
             unwatched: self.unwatched,
             is_open: true,
             ..Self::new(self.job, self.persist_frames, self.missed)
@@ -207,11 +192,16 @@ impl<'a> Progress<'a> {
     pub(super) fn set_undone(&mut self, undone: ActivitySet) {
         self.left |= self.seen_undone.without(undone);
         self.seen_undone = undone;
-        self.undone = self.undone & undone;
-        self.overlooked = self.overlooked.without(undone);
+        let undone = self.undone();
+        (self.unseen, self.may_precede) = (self.unseen.without(undone), self.may_precede.without(undone));
         if !self.is_open {
             self.undone_first |= undone;
         }
+    }
+
+    /// The activities that the bench shows not to have come in this job: what they move for good lies where it lay, and has not been away.
+    fn undone(&self) -> ActivitySet {
+        self.seen_undone.without(self.left)
     }
 
     /// Whether the bench has been set for the next piece: what an activity that was judged moves for good lies where the job began again,
@@ -226,7 +216,7 @@ impl<'a> Progress<'a> {
     /// Whether no activity that begins with this context has been done since the job began.
     pub(super) fn begins_undone(&self, context: Context) -> bool {
         let opening = self.opening(context);
-        !opening.is_empty() && opening.without(self.undone).is_empty()
+        !opening.is_empty() && opening.without(self.undone()).is_empty()
     }
 
     /// The next touch is the first one of a job.
@@ -236,7 +226,9 @@ impl<'a> Progress<'a> {
 
     /// A hand is hidden or not, and has been for this long up to now.
     pub(super) fn set_hidden(&mut self, side: Side, frames: u32, is_hidden: bool) {
-        self.hidden_frames = self.hidden_frames.max(frames);
+        if frames > 0 {
+            self.unseen |= self.overlooked_in(frames);
+        }
         self.is_hidden[side.index()] = is_hidden;
     }
 
@@ -251,20 +243,20 @@ impl<'a> Progress<'a> {
 
     /// What was hidden up to now does not matter any more.
     fn forget_hidden(&mut self) {
-        (self.hidden_frames, self.overlooked) = (0, ActivitySet::EMPTY);
+        (self.unseen, self.overlooked_object) = (ActivitySet::EMPTY, 0);
         self.unwatched.forget();
         self.missed.iter_mut().for_each(Missed::forget);
     }
 
     /// An activity came that was not seen well enough to say which one it is.
     pub(super) fn set_doubtful(&mut self) {
-        self.is_doubtful = true;
+        self.unseen = self.all.without(self.undone());
     }
 
     /// A hand goes on with this object, with which it began in the job before; why that was not judged.
     pub(super) fn set_carried_on(&mut self, object: u16, cause: Option<Cause>) {
         self.carried_on_cause = self.carried_on_cause.or(cause);
-        self.carried_on |= self.activities_with(|ius| ius.iter().any(|iu| iu.context.0[1] == object));
+        self.unseen |= self.activities_with(|ius| ius.iter().any(|iu| iu.context.0[1] == object));
     }
 
     /// An activity was seen to begin with this context, or from there to its end. The job has begun with it if it is one of the job's first.
@@ -275,9 +267,9 @@ impl<'a> Progress<'a> {
     /// The activity with this number is one of these. If it is the first that came, and one with which a job begins, the start was seen.
     fn begin_seen_with(&mut self, number: u16, activities: ActivitySet) {
         if self.first_step == Some(number) && activities.intersects(self.first()) && !self.is_start_seen {
+            let behind = activities | self.behind(activities) | self.usually_behind(activities);
             self.is_start_seen = true;
-            self.may_precede =
-                self.all.without(activities | self.behind(activities) | self.usually_behind(activities));
+            self.may_precede = self.may_precede.without(behind);
         }
     }
 
@@ -355,16 +347,15 @@ impl<'a> Progress<'a> {
         self.first() != self.all
     }
 
-    /// Whether this activity may have happened without being seen.
-    fn may_be_unseen(&self, activity: usize) -> bool {
-        // What shows less than half of itself may have been taken for another activity.
-        let mut variants =
-            self.job.activities.iter().filter(|nominal| usize::from(nominal.activity) == activity);
-        let is_before = !self.is_start_seen && self.may_precede.contains(activity);
-        let is_hidden = variants.any(|nominal| self.hidden_frames >= quickest(nominal.ius) / 2);
-        let unknown = self.carried_on | self.overlooked;
-        let is_doubtful = self.is_doubtful || unknown.contains(activity);
-        !self.undone.contains(activity) && (is_before || is_doubtful || is_hidden)
+    /// The activities that may have come although nobody has seen them. Less that is observed makes it larger, never smaller.
+    fn possibly(&self) -> ActivitySet {
+        self.unseen | self.may_precede
+    }
+
+    /// The activities that may have come in as many hidden frames. What shows less than half of itself may have been taken for another one.
+    fn overlooked_in(&self, frames: u32) -> ActivitySet {
+        let all = self.job.activities.iter().filter(|nominal| frames >= quickest(nominal.ius) / 2);
+        all.map(|nominal| usize::from(nominal.activity)).collect()
     }
 
     /// The number in this job of an activity that this hand begins; whether it is a step of the job.
@@ -418,15 +409,14 @@ impl<'a> Progress<'a> {
         self.may_be_underway[side.index()] = self.activities_of(may_be.iter());
     }
 
-    /// A hand has done a nominal activity; what must come before it and has not come is excused.
-    pub(super) fn set_done(&mut self, side: Side, number: u16, nominal: usize) {
+    /// A hand has done a nominal activity.
+    pub(super) fn set_done(&mut self, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
-        let came = self.tried() | self.underway[side.other().index()];
-        let before = activity.iter().fold(ActivitySet::EMPTY, |all, one| all | self.job.law(one).after());
-        if !activity.intersects(self.wrong) {
-            self.excused |= (before & self.required).without(came);
-        }
         self.done |= activity;
+        if activity.iter().any(|activity| self.job.law(activity).is_once) {
+            // What must come behind it has not come before what was seen.
+            self.may_precede = self.may_precede.without(activity | self.behind(activity));
+        }
         self.require_rest_of(nominal);
         self.begin_seen_with(number, activity);
     }

@@ -45,7 +45,7 @@ impl Progress<'_> {
             let first = opening & first;
             let first_came = first.intersects(came) && (others_came || is_disturbed)
                 || first.intersects(self.wrong) && others_came;
-            let may_have_come = !self.is_start_seen && !first.intersects(self.undone);
+            let may_have_come = !self.is_start_seen && !first.intersects(self.undone());
             (first_came && !is_left, !first.is_empty() && may_have_come)
         } else {
             // What the job can do without may come more than once.

@@ -28,18 +28,15 @@ impl Progress<'_> {
             return Some(broken(OrderFault::Again, activity));
         }
         let came = self.begun(side.other());
-        let is_certain = |other: &usize| !self.may_precede.contains(*other) && !self.may_be_unseen(*other);
-        let not_begun = (law.after() & self.required).without(came).iter().find(is_certain);
+        let not_begun = (law.after() & self.required).without(came | self.possibly()).lowest();
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
         let others = (self.tried() | underway).without(ActivitySet::of(activity));
-        // Where this one is required and the start was seen, the other one was accused.
-        let came_before = if self.is_start_seen && !law.is_required {
-            others
-        } else if self.is_late_or_repeated(activity) {
-            self.tried() & self.begun_before[side.index()]
-        } else {
-            ActivitySet::EMPTY
+        // Where this one is required and had certainly not come, the other one was accused.
+        let came_before = match self.possibly().contains(activity) {
+            false if !law.is_required => others,
+            true if self.is_late_or_repeated(activity) => self.tried() & self.begun_before[side.index()],
+            _ => ActivitySet::EMPTY,
         };
         let too_late = came_before.iter().find(|other| self.job.law(*other).after().contains(activity));
         not_begun
@@ -59,9 +56,7 @@ impl Progress<'_> {
             let must_come = self.required.contains(*activity) && !came.contains(*activity);
             must_come && self.job.law(*activity).after().without(self.tried()).is_empty()
         };
-        let is_certain =
-            |activity: usize| !self.may_precede.contains(activity) && !self.may_be_unseen(activity);
-        if activities.iter().filter(is_next).any(is_certain) {
+        if activities.without(self.possibly()).iter().any(|activity| is_next(&activity)) {
             self.set_wrong(Some(nominal), Reason::WrongObject, None, None);
         }
     }
@@ -92,20 +87,19 @@ impl Progress<'_> {
     }
 
     /// Whether a nominal activity of this hand that is in order may belong to another job than the open one: it must not come again and comes
-    /// again, or one that must come behind it was right although this one had not begun, or not ended, in time, because it may have come unseen. If
-    /// it was not the other job's, the order was wrong.
+    /// again, or one that must come behind it was right, because this one may have come unseen. If it was not the other job's, the order was wrong.
     pub(in crate::anomaly) fn may_be_of_another_job(&self, side: Side, nominal: usize) -> bool {
         self.number(nominal).map(usize::from).is_some_and(|activity| {
             let comes_again = self.job.law(activity).is_once && self.done.contains(activity);
             let mut right = self.done.without(self.wrong).iter();
-            let may_precede = self.may_precede.contains(activity);
+            let is_new = !self.tried().contains(activity);
             // A law that asks only for the beginning is kept by what began after it.
             let came_too_early = |other: usize| {
                 let law = self.job.law(other);
                 law.after_end.contains(activity)
                     || law.after_begin.contains(activity) && self.begun_before[side.index()].contains(other)
             };
-            comes_again || self.excused.contains(activity) || may_precede && right.any(came_too_early)
+            comes_again || is_new && right.any(came_too_early)
         })
     }
 
@@ -133,14 +127,13 @@ impl Progress<'_> {
 
     /// Whether an activity that comes no second time may have come before what was seen: then it comes again now, else it comes too late.
     fn is_late_or_repeated(&self, activity: usize) -> bool {
-        let may_have_come = self.may_precede.contains(activity) && !self.done.contains(activity);
-        self.job.law(activity).is_once && may_have_come && !self.may_be_next_job(activity)
+        let law = self.job.law(activity);
+        law.is_once && !self.done.contains(activity) && !self.may_be_next_job(activity)
     }
 
-    /// Whether another activity may have come unseen, so that an activity that was done comes again in the next job.
+    /// Whether all others may have come, so that one that comes again, or late, belongs to the next job.
     fn may_be_next_job(&self, activity: usize) -> bool {
-        let mut others = self.required.without(ActivitySet::of(activity)).iter();
-        others.any(|other| self.may_be_unseen(other))
+        self.required.without(self.tried() | self.possibly() | ActivitySet::of(activity)).is_empty()
     }
 
     /// What was not shown before in that a nominal activity comes now.
@@ -148,7 +141,7 @@ impl Progress<'_> {
         let activity = usize::from(self.number(nominal)?);
         let came = self.begun(side.other());
         let usual = self.job.law(activity).usually_after & self.required;
-        let is_early = usual.without(came | self.may_precede).iter().any(|other| !self.may_be_unseen(other));
+        let is_early = !usual.without(came | self.possibly()).is_empty();
         if self.is_repeated(activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
     }
 }

@@ -62,13 +62,12 @@ impl Progress<'_> {
             because(reason.into(), Some(lowest as u16))
         };
         let missing = self.required.without(self.done | self.unjudged);
-        let may_be_unseen = |activity| self.may_be_unseen(activity) || self.may_precede.contains(activity);
         let is_end_certain = !self.is_end_assumed;
         let certainly_missing =
-            missing.lowest().filter(|_| is_end_certain && !missing.iter().any(may_be_unseen));
+            missing.lowest().filter(|_| is_end_certain && !missing.intersects(self.possibly()));
         // A hand that has touched something and begun no step has not begun the job.
         let is_begun = self.first_step.is_some() || !self.instead.is_empty();
-        let undone = (missing & self.undone).lowest().filter(|_| is_end_certain && is_begun);
+        let undone = (missing & self.undone()).lowest().filter(|_| is_end_certain && is_begun);
         match (self.fault.or(undone.map(not_completed)), self.first_unjudged) {
             (Some(fault), _) => (Outcome::Anomaly, fault),
             // The missing activity may have been done while it could not be judged.
@@ -83,8 +82,7 @@ impl Progress<'_> {
                     None => (Outcome::Ok, because(Reason::None.into(), None)),
                 },
                 None => {
-                    let unseen =
-                        missing.iter().find(|activity| may_be_unseen(*activity)).or(missing.lowest());
+                    let unseen = (missing & self.possibly()).lowest().or(missing.lowest());
                     let cause = self.unseen_activity_cause(unseen);
                     let is_of_job = matches!(cause.reason, Reason::BeginningNotSeen | Reason::BrokenOff);
                     let is_named = |activity: &usize| !is_of_job || self.instead.contains(*activity);

@@ -17,6 +17,7 @@ impl Progress<'_> {
                 self.first_unjudged = self.first_unjudged.or(Some((self.moved_unseen_cause(), None)));
             } else {
                 (self.is_start_seen, self.may_precede) = (false, self.all);
+                self.set_doubtful();
             }
         }
     }
@@ -31,7 +32,7 @@ impl Progress<'_> {
         let never_seen = self.never_seen.map_or(activities, |before| before & activities);
         (self.never_seen, self.out_of_sight) = (Some(never_seen), activities);
         self.never_seen_object = object;
-        self.overlooked |= never_seen;
+        self.unseen |= never_seen;
         if !never_seen.is_empty() {
             self.overlooked_object = object;
         }
@@ -44,13 +45,13 @@ impl Progress<'_> {
 
     /// All that was done in the job was done by a hand that was not seen, or was not seen to act.
     pub(in crate::anomaly) fn set_unseen(&mut self) {
-        self.undone = ActivitySet::EMPTY;
+        self.left = self.all;
         self.set_unjudged(None, self.moved_unseen_cause());
     }
 
     /// The couples break off: the job may go on unseen, and what has not been done is not missing.
     pub(in crate::anomaly) fn break_off(&mut self) {
-        (self.is_doubtful, self.is_broken_off, self.undone) = (true, true, ActivitySet::EMPTY);
+        (self.is_broken_off, self.left, self.unseen) = (true, self.all, self.all);
     }
 
     /// The object that was never seen in this job and that an activity uses which may be what a hand does with this `object`; 0 where it is not
@@ -79,8 +80,8 @@ impl Progress<'_> {
     pub(super) fn unseen_activity_cause(&self, activity: Option<usize>) -> Cause {
         match activity {
             _ if self.is_broken_off => Reason::BrokenOff.into(),
-            Some(activity) if self.overlooked.contains(activity) => {
-                Cause::object_not_seen(self.used_by(self.overlooked_object, ActivitySet::of(activity)))
+            Some(activity) if self.used_by(self.overlooked_object, ActivitySet::of(activity)) != 0 => {
+                Cause::object_not_seen(self.overlooked_object)
             }
             Some(activity) if !self.may_precede.contains(activity) => self.unseen_cause(),
             _ => Reason::BeginningNotSeen.into(),
