@@ -277,5 +277,8 @@ fn what_comes_once_and_behind_what_it_must_come_before_is_wrong_whatever_came_be
     let behind = Law { after_begin: ActivitySet::of(1), ..Law::FREE };
     assert_eq!(said_with(true, behind), "JobAnomaly WrongOrder", "it comes too late or a second time");
     assert!(said_with(false, behind).starts_with("NotJudged"), "it may have come before as well");
-    assert!(said_with(true, Law::FREE).starts_with("NotJudged"), "all may have come, and the next piece begins");
+    assert!(
+        said_with(true, Law::FREE).starts_with("NotJudged"),
+        "all may have come, and the next piece begins"
+    );
 }

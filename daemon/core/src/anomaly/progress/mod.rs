@@ -177,7 +177,7 @@ impl<'a> Progress<'a> {
             unseen: self.unseen.without(undone),
             seen_undone: undone,
             undone_first,
-            left: self.all.without(undone | self.out_of_sight),
+            left: self.all.without(undone),
             never_seen: self.never_seen,
             out_of_sight: self.out_of_sight,
             never_seen_object: self.never_seen_object,
@@ -322,6 +322,11 @@ impl<'a> Progress<'a> {
         self.all.iter().filter(|activity| self.job.law(*activity).after().is_empty()).collect()
     }
 
+    /// The activities that must not come a second time.
+    fn once(&self) -> ActivitySet {
+        self.all.iter().filter(|activity| self.job.law(*activity).is_once).collect()
+    }
+
     /// The activities that laws put behind one of these, directly or by others between them.
     fn behind(&self, activities: ActivitySet) -> ActivitySet {
         let all = self.all;
@@ -413,7 +418,7 @@ impl<'a> Progress<'a> {
     pub(super) fn set_done(&mut self, number: u16, nominal: usize) {
         let activity = self.activities_of([nominal]);
         self.done |= activity;
-        if activity.iter().any(|activity| self.job.law(activity).is_once) {
+        if activity.intersects(self.once()) {
             // What must come behind it has not come before what was seen.
             self.may_precede = self.may_precede.without(activity | self.behind(activity));
         }

@@ -24,7 +24,7 @@ impl Progress<'_> {
         let activity = usize::from(self.number(nominal)?);
         let law = self.job.law(activity);
         let broken = |fault, other| self.broken(fault, activity, other);
-        if law.is_once && self.is_repeated(activity) {
+        if law.is_once && self.is_repeated(side, activity) {
             return Some(broken(OrderFault::Again, activity));
         }
         let came = self.begun(side.other());
@@ -33,10 +33,12 @@ impl Progress<'_> {
         let not_ended = (law.after_end & underway).lowest();
         let others = (self.tried() | underway).without(ActivitySet::of(activity));
         // Where this one is required and had certainly not come, the other one was accused.
-        let came_before = match self.possibly().contains(activity) {
-            false if !law.is_required => others,
-            true if self.is_late_or_repeated(activity) => self.tried() & self.begun_before[side.index()],
-            _ => ActivitySet::EMPTY,
+        let came_before = if self.is_late_or_repeated(side, activity) {
+            self.tried().without(self.wrong) & self.begun_before[side.index()]
+        } else if law.is_required || self.possibly().contains(activity) {
+            ActivitySet::EMPTY
+        } else {
+            others
         };
         let too_late = came_before.iter().find(|other| self.job.law(*other).after().contains(activity));
         not_begun
@@ -121,19 +123,22 @@ impl Progress<'_> {
     }
 
     /// Whether an activity comes a second time.
-    fn is_repeated(&self, activity: usize) -> bool {
-        self.done.contains(activity) && !self.may_be_next_job(activity)
+    fn is_repeated(&self, side: Side, activity: usize) -> bool {
+        self.done.contains(activity) && !self.may_be_next_job(side, activity)
     }
 
-    /// Whether an activity that comes no second time may have come before what was seen: then it comes again now, else it comes too late.
-    fn is_late_or_repeated(&self, activity: usize) -> bool {
+    /// Whether what must come before an activity that comes no second time must come before it in this job: it comes too late, or again.
+    fn is_late_or_repeated(&self, side: Side, activity: usize) -> bool {
         let law = self.job.law(activity);
-        law.is_once && !self.done.contains(activity) && !self.may_be_next_job(activity)
+        law.is_once && !self.done.contains(activity) && !self.may_be_next_job(side, activity)
     }
 
-    /// Whether all others may have come, so that one that comes again, or late, belongs to the next job.
-    fn may_be_next_job(&self, activity: usize) -> bool {
-        self.required.without(self.tried() | self.possibly() | ActivitySet::of(activity)).is_empty()
+    /// Whether all others may have come, some of them unseen, so that one that comes again, or late, belongs to the next job. What comes once and
+    /// is what the other hand is in the middle of has not come: both hands are at the same piece.
+    fn may_be_next_job(&self, side: Side, activity: usize) -> bool {
+        let others = self.required.without(ActivitySet::of(activity));
+        let possibly = self.possibly().without(self.underway[side.other().index()] & self.once());
+        others.intersects(possibly) && others.without(self.tried() | possibly).is_empty()
     }
 
     /// What was not shown before in that a nominal activity comes now.
@@ -142,6 +147,6 @@ impl Progress<'_> {
         let came = self.begun(side.other());
         let usual = self.job.law(activity).usually_after & self.required;
         let is_early = !usual.without(came | self.possibly()).is_empty();
-        if self.is_repeated(activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
+        if self.is_repeated(side, activity) { Some(Note::Again) } else { is_early.then_some(Note::Order) }
     }
 }
