@@ -10,7 +10,7 @@ use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::Context;
 use crate::input::Side;
-use crate::job::{Job, NominalActivity};
+use crate::job::Job;
 use crate::set::ActivitySet;
 use crate::verdict::{BrokenOrder, Measured, Note, Reason};
 use heapless::Vec;
@@ -18,12 +18,12 @@ use heapless::Vec;
 /// What the IUs of an activity are judged against.
 ///
 /// ```text
-///   Candidates --- no candidate is left, or unseen IUs may have been skipped ---> Following
+///   Candidates --- no candidate is left ---> Following
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Against {
-    /// `J \ L`: the nominal activities with which all IUs so far agree, index by index.
-    Candidates(ActivitySet),
+    /// `J \ L`: the nominal activities with which all IUs so far agree, where unseen ones may have been.
+    Candidates,
     /// After a fault: the nearest nominal activity, aligned by context.
     Following(Option<usize>),
 }
@@ -63,8 +63,8 @@ pub(super) struct OpenActivity {
     /// When the last IU with a touch ended.
     pub(super) ended_ns: u64,
     pub(super) against: Against,
-    /// `i`: how many IUs agree with every candidate.
-    pub(super) index: usize,
+    /// The nominal activities with which all IUs agree as they were seen, index by index.
+    agreeing: ActivitySet,
     /// How many IUs have begun.
     pub(super) ius: u16,
     /// How many of them came between those of every candidate, which allows that.
@@ -78,7 +78,7 @@ pub(super) struct OpenActivity {
     pub(super) aligned: [Option<usize>; ACTIVITIES],
     /// Why one of its IUs was not judged.
     pub(super) unjudged: Option<Cause>,
-    /// For each nominal activity, where in it the activity may be.
+    /// For each nominal activity, where in it the activity may be: `i` of Algorithm 1, or several where not all was seen.
     places: [Places; ACTIVITIES],
     /// The same before the newest IU.
     places_before: [Places; ACTIVITIES],
@@ -113,12 +113,13 @@ impl OpenActivity {
         min_idle_frames: u32,
         job: &Job<'_>,
     ) -> Self {
-        let places_in = |nominal: &NominalActivity<'_>| {
-            let places = Places::new(hidden, nominal.ius);
-            if was_idle { places.after_idle(nominal.ius) } else { places }
-        };
-        let places =
-            core::array::from_fn(|nominal| job.activities.get(nominal).map_or(Places::NONE, places_in));
+        let places = core::array::from_fn(|index| match job.activities.get(index) {
+            None => Places::NONE,
+            Some(nominal) if was_idle && !job.allows_insertions(index) => {
+                Places::new(hidden, nominal.ius).after_idle(nominal.ius)
+            }
+            Some(nominal) => Places::new(hidden, nominal.ius),
+        });
         Self {
             number,
             step,
@@ -130,8 +131,8 @@ impl OpenActivity {
             context,
             began_ns,
             ended_ns: began_ns,
-            against: Against::Candidates(ActivitySet::first(job.activities.len())),
-            index: 0,
+            against: Against::Candidates,
+            agreeing: ActivitySet::first(job.activities.len()),
             ius: 0,
             inserted: 0,
             nearest: None,
@@ -182,6 +183,33 @@ impl OpenActivity {
         number
     }
 
+    /// For each nominal activity, where in it the activity may be if the newest IU has happened.
+    fn places_with_newest(&self, job: &Job<'_>) -> [Places; ACTIVITIES] {
+        let (context, junction) = self.newest;
+        if !junction.is_doubtful {
+            return self.places;
+        }
+        let junction = Junction { is_doubtful: false, ..junction };
+        let mut places = self.places_before;
+        for (index, (places, nominal)) in places.iter_mut().zip(job.activities).enumerate() {
+            *places = places.step(nominal.ius, job.allows_insertions(index), context, junction);
+        }
+        places
+    }
+
+    /// The nominal IUs that the newest one may be, if it has happened: the indices of the nominal activity and of the IU in it.
+    pub(super) fn newest_ius<'b>(
+        &self,
+        job: &'b Job<'b>,
+        context: Context,
+    ) -> impl Iterator<Item = (usize, usize)> + use<'b> {
+        let places = self.places_with_newest(job);
+        let all = job.activities.iter().enumerate();
+        all.flat_map(move |(nominal, activity)| {
+            places[nominal].newest(activity.ius, context).map(move |index| (nominal, index))
+        })
+    }
+
     /// The newest IU began in doubt, and it is certain now that it has happened.
     pub(super) fn confirm_iu(&mut self, job: &Job<'_>) {
         let (context, junction) = self.newest;
@@ -210,9 +238,22 @@ impl OpenActivity {
     /// `J \ L`; empty after a fault.
     pub(super) fn candidates(&self) -> ActivitySet {
         match self.against {
-            Against::Candidates(candidates) => candidates,
+            Against::Candidates => candidates_at(&self.places),
             Against::Following(_) => ActivitySet::EMPTY,
         }
+    }
+
+    /// The candidates as the activity was seen, or all of them if it agrees with none so.
+    pub(super) fn candidates_as_seen(&self) -> ActivitySet {
+        match self.candidates() & self.agreeing {
+            ActivitySet::EMPTY => self.candidates(),
+            agreeing => agreeing,
+        }
+    }
+
+    /// The candidates before the newest IU.
+    pub(super) fn candidates_before(&self) -> ActivitySet {
+        candidates_at(&self.places_before)
     }
 
     /// Something may have happened unseen in as many more frames since the newest IU began.
@@ -262,9 +303,13 @@ impl OpenActivity {
     /// Whether all of it has come, some of it unseen, if the hand is idle now.
     pub(super) fn has_ended_if_idle(&self, job: &Job<'_>) -> bool {
         let hidden = self.junction.hidden;
-        let all = self.places.iter().zip(job.activities).filter(|(places, _)| !places.is_empty());
-        let ended = all.map(|(places, nominal)| places.has_ended_if_idle(nominal.ius, hidden));
-        ended.reduce(|one, other| one && other) == Some(true)
+        let mut all = candidates_at(&self.places).iter().peekable();
+        let has_ended = |nominal: usize| {
+            // Where other IUs may come, the hand may let go and take the part again.
+            let ius = job.activities[nominal].ius;
+            !job.allows_insertions(nominal) && self.places[nominal].has_ended_if_idle(ius, hidden)
+        };
+        all.peek().is_some() && all.all(has_ended)
     }
 
     /// Whether it is certain that all of it has come, as whichever nominal activity it may be: nothing that comes next belongs to it.
@@ -277,9 +322,9 @@ impl OpenActivity {
     }
 
     /// The contexts with which a nominal activity would go on that it may be.
-    pub(super) fn possible_continuations(&self, job: &Job<'_>) -> Vec<Context, ACTIVITIES> {
-        let all = self.places.iter().zip(job.activities);
-        all.flat_map(|(places, nominal)| places.next_ius(nominal.ius))
+    pub(super) fn continuations(&self, job: &Job<'_>) -> Vec<Context, ACTIVITIES> {
+        let all = job.activities.iter().enumerate();
+        all.flat_map(|(index, nominal)| self.place_in(index).next_ius(nominal.ius))
             .map(|iu| iu.context)
             .take(ACTIVITIES)
             .collect()
@@ -293,14 +338,30 @@ impl OpenActivity {
 
     /// Whether it is certain which IUs of its candidates have come; after a fault, whether all before was judged.
     pub(super) fn is_place_certain(&self) -> bool {
-        let ius = usize::from(self.ius - self.inserted);
         let is_certain = match self.against {
-            Against::Candidates(candidates) => {
-                candidates.iter().all(|nominal| self.places[nominal].is_certainly(ius))
-            }
+            Against::Candidates => self.places.iter().all(|places| places.is_certain()),
             Against::Following(_) => self.unjudged.is_none(),
         };
         is_certain && !self.may_have_ended
+    }
+
+    /// How many nominal IUs have come if each was seen, and each that was seen has happened.
+    fn as_seen(&self) -> usize {
+        usize::from(self.ius - self.inserted)
+    }
+
+    /// Whether the IUs equal those of a nominal activity as they were seen.
+    pub(super) fn is_whole(&self, nominal: usize) -> bool {
+        self.agreeing.contains(nominal)
+    }
+
+    /// Where it is in a nominal activity: as it was seen, unless it agrees with none so.
+    fn place_in(&self, nominal: usize) -> Places {
+        match self.candidates_as_seen() {
+            as_seen if !as_seen.contains(nominal) => Places::NONE,
+            _ if self.is_whole(nominal) => Places::at(self.as_seen()),
+            _ => self.places[nominal],
+        }
     }
 
     /// Whether it is also certain that all of it comes now, and not only the rest.
@@ -324,28 +385,52 @@ impl OpenActivity {
         matches!(self.against, Against::Following(_)) && !self.is_concluded
     }
 
-    /// The nominal activities that it may be, until it has its verdict, although not all of it fitted what was seen.
-    pub(super) fn may_be(&self) -> ActivitySet {
-        if self.is_concluded {
-            return ActivitySet::EMPTY;
+    /// The context of the newest IU, which has parts of the job or not, agrees with these nominal activities, and with no other if it is certain
+    /// that it has happened. Returns whether it came between those of nominal activities that allow that, as it was seen.
+    pub(super) fn agree(
+        &mut self,
+        job: &Job<'_>,
+        context: Context,
+        candidates: ActivitySet,
+        has_parts: bool,
+        is_certain: bool,
+    ) -> bool {
+        let newest = self.as_seen().wrapping_sub(1);
+        let is_newest = |nominal: &usize| {
+            job.activities[*nominal].ius.get(newest).is_some_and(|iu| iu.context == context)
+        };
+        let agreeing: ActivitySet = self.agreeing.iter().filter(is_newest).collect();
+        let allows = |nominal: &usize| has_parts && job.allows_insertions(*nominal);
+        let allowing = self.agreeing.iter().filter(allows).collect();
+        let is_inserted = agreeing.is_empty() && allowing != ActivitySet::EMPTY;
+        if is_inserted {
+            self.inserted = self.inserted.saturating_add(1);
         }
-        let all = self.places.iter().enumerate().filter(|(_, places)| !places.is_empty());
-        all.map(|(nominal, _)| nominal).collect()
+        self.agreeing = if is_inserted { allowing } else { agreeing };
+        if is_certain {
+            self.keep(candidates | self.agreeing);
+        }
+        is_inserted
     }
 
-    /// The newest IU agrees with these candidates.
-    pub(super) fn agree(&mut self, candidates: ActivitySet) {
-        if let Against::Candidates(before) = self.against {
-            before.without(candidates).iter().for_each(|nominal| self.places[nominal] = Places::NONE);
-            self.against = Against::Candidates(candidates);
-            self.index += 1;
+    /// The newest IU is not this one of a nominal activity as it was seen, or certainly not.
+    pub(super) fn exclude(&mut self, nominal: usize, index: usize, is_certain: bool) {
+        if index + 1 == self.as_seen() {
+            self.agreeing = self.agreeing.without(ActivitySet::of(nominal));
+        }
+        if is_certain {
+            self.places[nominal] = self.places[nominal].without(index);
         }
     }
 
-    /// The newest IU came between those of these candidates.
-    pub(super) fn insert(&mut self, candidates: ActivitySet) {
-        self.against = Against::Candidates(candidates);
-        self.inserted = self.inserted.saturating_add(1);
+    /// It is no nominal activity.
+    pub(super) fn leave_all(&mut self) {
+        (self.places, self.places_before) = ([Places::NONE; ACTIVITIES], [Places::NONE; ACTIVITIES]);
+    }
+
+    fn keep(&mut self, candidates: ActivitySet) {
+        let others = self.places.iter_mut().enumerate().filter(|(nominal, _)| !candidates.contains(*nominal));
+        others.for_each(|(_, places)| *places = Places::NONE);
     }
 
     /// From now on its IUs are judged against this nominal activity, if any is near.
@@ -385,10 +470,8 @@ impl OpenActivity {
     /// The candidate whose last IU has been reached, but for a release state, which leaves nothing to do. Of several, one that is not out
     /// of order comes first, then the nearest.
     pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
-        let has_ended = |nominal: &usize| {
-            let ius = progress.job.activities[*nominal].ius;
-            ius.get(self.index..).is_some_and(|rest| rest.iter().all(|iu| iu.context.is_release()))
-        };
+        let has_ended =
+            |nominal: &usize| self.place_in(*nominal).is_at_end(progress.job.activities[*nominal].ius);
         self.candidates().iter().filter(has_ended).min_by(|one, other| {
             let is_out_of_order = |nominal: &usize| progress.order_fault(side, *nominal).is_some();
             is_out_of_order(one)
@@ -409,20 +492,9 @@ impl OpenActivity {
         self.like = self.like.iter().filter(is_like).collect();
     }
 
-    /// The candidates whose IU at the current index has this context.
-    pub(super) fn agreeing(&self, job: &Job<'_>, context: Context) -> ActivitySet {
-        self.agreeing_at(self.index, job, context)
-    }
-
-    /// Whether a candidate has this context after the IU at the current index.
+    /// Whether a candidate has this context after the newest IU.
     pub(super) fn goes_on_with(&self, job: &Job<'_>, context: Context) -> bool {
-        !self.agreeing_at(self.index + 1, job, self.as_shown(context)).is_empty()
-    }
-
-    fn agreeing_at(&self, index: usize, job: &Job<'_>, context: Context) -> ActivitySet {
-        let agrees =
-            |nominal: &usize| job.activities[*nominal].ius.get(index).is_some_and(|iu| iu.context == context);
-        self.candidates().iter().filter(agrees).collect()
+        self.continuations(job).contains(&self.as_shown(context))
     }
 
     /// After a fault: whether the newest IU is the last one of the nominal activity that is followed.
@@ -435,15 +507,16 @@ impl OpenActivity {
         }
     }
 
-    /// If no candidate has `context` at the current index: the candidate that has it soonest after that index, or else any before it,
-    /// or else the nearest so far.
+    /// If no candidate has `context` where it was before the newest IU: the candidate that has it soonest after that, or else any before it, or
+    /// else the nearest so far.
     pub(super) fn nearest_elsewhere(&self, job: &Job<'_>, context: Context) -> Option<usize> {
         let indices = |nominal: usize| {
             let ius = job.activities[nominal].ius.iter().enumerate();
             ius.filter(|(_, iu)| iu.context == context).map(|(index, _)| index)
         };
-        let candidates = self.candidates();
-        let after = |nominal| Some((indices(nominal).find(|index| *index > self.index)?, nominal));
+        let candidates = self.candidates_before();
+        let come = |nominal: usize| self.places_before[nominal].lowest().unwrap_or(0);
+        let after = |nominal| Some((indices(nominal).find(|index| *index > come(nominal))?, nominal));
         let before = || candidates.iter().find(|nominal| indices(*nominal).next().is_some());
         let soonest = candidates.iter().filter_map(after).min().map(|(_, nominal)| nominal);
         soonest.or_else(before).or(self.nearest)
@@ -462,6 +535,12 @@ impl OpenActivity {
             (before, best) => before.or(best),
         }
     }
+}
+
+/// The nominal activities that have a place.
+fn candidates_at(places: &[Places; ACTIVITIES]) -> ActivitySet {
+    let all = places.iter().enumerate().filter(|(_, places)| !places.is_empty());
+    all.map(|(nominal, _)| nominal).collect()
 }
 
 /// Why a context is wrong here: whether any of these nominal activities has it.

@@ -36,6 +36,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
         if step == Step::NotShown {
             activity.like = ActivitySet::first(progress.job.activities.len());
+            activity.leave_all();
         }
         self.activity = Some(activity);
         self.note_never_seen(progress);
@@ -107,7 +108,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (Some(iu), Some(activity)) = (&mut self.iu, &mut self.activity) else { return };
         iu.is_certain = true;
         activity.confirm_iu(progress.job);
-        if self.comparisons.is_empty() && iu.context.is_touch() {
+        if self.comparisons.is_empty() && iu.context.is_touch() && !iu.is_concluded {
             self.judge_context(couple, progress, emit);
         }
     }
@@ -125,11 +126,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 self.conclude_not_shown(couple, progress, emit);
                 return;
             }
-            Against::Candidates(_) => self.begin_with_candidates(couple, progress, emit),
+            Against::Candidates => self.begin_with_candidates(couple, progress, emit),
             Against::Following(nominal) => self.begin_following(nominal, couple, progress, emit),
         }
         if let Some(activity) = &self.activity {
-            progress.set_underway(self.side, activity.candidates(), activity.may_be());
+            progress.set_underway(self.side, activity.candidates_as_seen(), activity.candidates());
         }
     }
 
@@ -155,27 +156,26 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
-        let agreeing = activity.agreeing(job, context);
-        let allowing =
-            activity.candidates().iter().filter(|nominal| job.allows_insertions(*nominal)).collect();
-        if agreeing.is_empty() && allowing != ActivitySet::EMPTY && progress.has_parts_of(context) {
-            activity.insert(allowing);
+        let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
+        let agreeing: ActivitySet = activity.newest_ius(job, context).map(|(nominal, _)| nominal).collect();
+        let has_parts = progress.has_parts_of(context);
+        if activity.agree(job, context, agreeing, has_parts, is_certain) {
+            let nominal = activity.candidates().lowest();
             let right = Finding::of(Outcome::Ok, Reason::None.into());
-            self.conclude_iu(Finding { nominal: allowing.lowest(), ..right }, progress, emit);
+            self.conclude_iu(Finding { nominal, ..right }, progress, emit);
             return;
         }
         if agreeing.is_empty() {
             let nominal = activity.nearest_elsewhere(job, context);
-            let reason = context_reason(job, activity.candidates(), context);
-            activity.follow(nominal);
+            let reason = context_reason(job, activity.candidates_before(), context);
             self.conclude_context(couple, reason, nominal, progress, emit);
             return;
         }
-        activity.against = Against::Candidates(agreeing);
-        progress.note_another_piece(self.side, agreeing, activity.index);
+        let come = activity.newest_ius(job, context).map(|(_, index)| index).min().unwrap_or(0);
+        progress.note_another_piece(self.side, agreeing, come);
         if context.is_touch() {
-            for nominal in agreeing.iter() {
-                self.comparisons.add(job, nominal, activity.index);
+            for (nominal, index) in activity.newest_ius(job, context) {
+                self.comparisons.add(job, nominal, index);
             }
             if self.watch.gap() > 0 {
                 self.comparisons.append_unknown();
@@ -222,16 +222,20 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
+        let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
+        let Some(activity) = &mut self.activity else { return };
         // What else lies there has not been seen for long enough either.
-        let may_be_right =
-            self.watch.is_object_new() || self.activity.as_ref().is_some_and(OpenActivity::may_be_right);
+        let may_be_right = self.watch.is_object_new() || activity.may_be_right();
+        if is_certain || !couple.is_in_sight() {
+            activity.follow(nominal);
+        }
         if couple.is_in_sight() && !may_be_right {
             self.conclude_iu(
                 Finding { nominal, ..Finding::of(Outcome::Anomaly, reason.into()) },
                 progress,
                 emit,
             );
-        } else if !couple.is_in_sight() || self.iu.is_some_and(|iu| iu.is_certain) {
+        } else if is_certain || !couple.is_in_sight() {
             self.conclude_unseen(progress, emit);
         }
     }
@@ -270,6 +274,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else {
             self.missed.count(couple, is_captured);
         }
+        if !self.watch.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
+            self.confirm_iu(couple, progress, emit);
+        }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
         iu.extent.frames = iu.extent.frames.saturating_add(1);
         match couple.waiting {
@@ -287,16 +294,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         iu.extent.is_doubtful |= couple.is_doubtful;
         // While the hand is hidden, the IU may have ended already.
         iu.extent.gap_after = if couple.is_clear { 0 } else { self.watch.gap() };
-        if !iu.is_certain && !self.watch.is_doubtful() {
-            self.confirm_iu(couple, progress, emit);
-        }
-        let Some(iu) = self.iu.filter(|iu| !iu.is_concluded) else { return };
+        let Some(iu) = self.iu else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
             self.conclude_unseen(progress, emit);
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
-            self.conclude_right(candidates, None, true, progress, emit);
+            self.conclude_right(None, true, progress, emit);
         } else if iu.is_certain && !self.watch.is_doubtful() && self.is_certainly_wrong(iu.extent) {
             self.decide_by_motion(iu.extent, progress, emit);
         }
@@ -408,15 +412,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if is_right && !extent.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
             self.conclude_unseen(progress, emit);
         } else if is_right {
-            let right = self.comparisons.results(extent).filter(|result| result.reason == Reason::None);
-            let mut survivors = ActivitySet::EMPTY;
-            for result in right {
-                survivors |= ActivitySet::of(result.nominal);
-                if let Some(activity) = &mut self.activity {
-                    activity.ratios[result.nominal] += result.ratio();
-                }
-            }
-            self.conclude_right(survivors, Some(nearest), early, progress, emit);
+            self.keep_right(extent);
+            self.conclude_right(Some(nearest), early, progress, emit);
         } else {
             let nominal = Some(nearest.nominal);
             if let Some(activity) = &mut self.activity {
@@ -425,6 +422,22 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             let wrong = Finding::of(Outcome::Anomaly, nearest.reason.into());
             let finding = Finding { nominal, result: Some(nearest), early, ..wrong };
             self.conclude_iu(finding, progress, emit);
+        }
+    }
+
+    /// The open IU is right: the nominal IUs that it is not are no candidates any more.
+    fn keep_right(&mut self, extent: Extent) {
+        let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
+        let Some(activity) = self.activity.as_mut().filter(|activity| !activity.candidates().is_empty())
+        else {
+            return;
+        };
+        for result in self.comparisons.results(extent) {
+            if result.reason == Reason::None {
+                activity.ratios[result.nominal] += result.ratio();
+            } else {
+                activity.exclude(result.nominal, result.index, is_certain && !result.is_doubtful);
+            }
         }
     }
 
@@ -455,11 +468,11 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
         let (accuses_nobody, may_give_up) = (self.accuses_nobody(), self.has_moved_nothing_yet());
         let Some(activity) = &mut self.activity else { return };
-        let Against::Candidates(candidates) = activity.against else { return };
+        let candidates = activity.candidates();
         let is_order_certain = activity.is_order_certain();
         let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
         // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
-        let has_no_place = accuses_nobody && !activity.may_differ;
+        let has_no_place = accuses_nobody && !activity.may_differ || candidates.is_empty();
         if activity.is_concluded || has_no_place || !is_certain || may_give_up {
             return;
         }
@@ -520,10 +533,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         let job = progress.job;
-        let has_certainly_ended = activity.is_astray() && activity.has_certainly_ended(job);
-        if has_certainly_ended || activity.is_followed_to_its_end(job) {
+        if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
-            let mut continuations = activity.possible_continuations(job);
+            let mut continuations = activity.continuations(job);
             // The job has its verdict, so a touch begins another activity, which may be the rest of this one.
             if progress.is_concluded() {
                 self.watch.may_be_rest |= !continuations.is_empty();
@@ -549,12 +561,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             progress.set_waiting(self.side, Some(nominal).filter(|_| !activity.is_concluded));
             return;
         }
-        let continuations: Vec<Context, ACTIVITIES> = activity
-            .candidates()
-            .iter()
-            .filter_map(|nominal| job.activities[nominal].ius.get(activity.index))
-            .map(|iu| iu.context)
-            .collect();
+        let continuations = activity.continuations(job);
         segmenter.activity_matched(&self.by_this_hand(continuations.clone()));
         if continuations.is_empty() {
             self.conclude_matched(nominal, true, progress, emit);

@@ -12,7 +12,7 @@ use super::extent::{Extent, GIVES_WAY};
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
-use crate::job::{Job, NominalActivity, NominalIu, slowdown_factor};
+use crate::job::{Job, NominalIu, slowdown_factor};
 use crate::verdict::{Measure, Measured, Reason};
 use heapless::Vec;
 
@@ -25,6 +25,8 @@ const BORDER_FRAMES: usize = 5;
 struct Comparison<'a> {
     /// Index of the nominal activity in the job.
     nominal: usize,
+    /// Index of the IU in it.
+    index: usize,
     iu: &'a NominalIu<'a>,
     /// No other IU of the nominal activity has the same context.
     is_unique: bool,
@@ -39,6 +41,8 @@ struct Comparison<'a> {
 pub(super) struct ComparisonResult {
     /// Index of the nominal activity in the job.
     pub(super) nominal: usize,
+    /// Index of the IU in it.
+    pub(super) index: usize,
     /// The rule that is broken, or [`Reason::None`].
     pub(super) reason: Reason,
     /// The DTW distance, or a lower bound of it while the IU is open.
@@ -70,16 +74,13 @@ impl<'a, M> Memory<'a> for M where
 {
 }
 
-/// The maximum number of comparisons of a hand at the same time: how many nominal activities of the job have an IU in the same
-/// context. Either hand may do what the other one was shown to do.
+/// The maximum number of comparisons of a hand at the same time: how many nominal IUs of the job have the same context. Either hand may do
+/// what the other one was shown to do.
 pub(super) fn needed(job: &Job<'_>) -> usize {
-    let contexts = job.activities.iter().flat_map(|nominal| nominal.ius).map(|iu| iu.context);
-    let touches = contexts.filter(|context| context.is_touch());
-    let sharing = |context: Context| {
-        let has = |nominal: &&NominalActivity<'_>| nominal.ius.iter().any(|iu| iu.context == context);
-        job.activities.iter().filter(has).count()
-    };
-    touches.map(sharing).max().unwrap_or(0)
+    let contexts = || job.activities.iter().flat_map(|nominal| nominal.ius).map(|iu| iu.context);
+    let touches = contexts().filter(|context| context.is_touch());
+    let sharing = |context: Context| contexts().filter(|other| *other == context).count();
+    touches.map(sharing).max().unwrap_or(0).min(ACTIVITIES)
 }
 
 /// The comparisons of the open IU with all nominal IUs that it can be.
@@ -137,7 +138,7 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         extent.measures.path_m == 0.0 && !self.comparisons.is_empty() && self.comparisons.iter().all(moves)
     }
 
-    /// Adds a nominal IU that has the context of the open one. There is room for one of each nominal activity.
+    /// Adds a nominal IU that has the context of the open one. There is room for all.
     pub(super) fn add(&mut self, job: &'a Job<'a>, nominal: usize, index: usize) {
         let ius = job.activities[nominal].ius;
         let iu = &ius[index];
@@ -150,7 +151,14 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
                     let _ = distance.append(&Motion::at_rest(iu.context));
                 }
                 let newest = [f64::INFINITY; 1 + BORDER_FRAMES];
-                let _ = self.comparisons.push(Comparison { nominal, iu, is_unique, is_lost: false, newest });
+                let _ = self.comparisons.push(Comparison {
+                    nominal,
+                    index,
+                    iu,
+                    is_unique,
+                    is_lost: false,
+                    newest,
+                });
             }
         }
     }
@@ -251,5 +259,6 @@ fn result(
     let reason = reason_of(broken, max);
     let is_doubtful = !is_certain && reason != Reason::None || extent.explains(reason, comparison.is_unique);
     let measured = broken.and_then(|broken| extent.measured(comparison.iu, broken, rules.rate_hz));
-    ComparisonResult { nominal: comparison.nominal, reason, distance, threshold, measured, is_doubtful }
+    let Comparison { nominal, index, .. } = *comparison;
+    ComparisonResult { nominal, index, reason, distance, threshold, measured, is_doubtful }
 }

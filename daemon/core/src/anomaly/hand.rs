@@ -10,7 +10,6 @@ use crate::config::Method;
 use crate::couple::{Context, Couple};
 use crate::input::Side;
 use crate::job::Job;
-use crate::set::ActivitySet;
 use crate::verdict::{Level, Measured, Missing, Outcome, Reason, Verdict};
 
 /// An open IU.
@@ -149,19 +148,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         self.is_resting() && self.activity.as_ref().is_none_or(|activity| activity.is_concluded)
     }
 
-    /// The IU is right; `survivors` are the candidates that agree with it.
+    /// The IU is right.
     pub(super) fn conclude_right(
         &mut self,
-        survivors: ActivitySet,
         result: Option<ComparisonResult>,
         early: bool,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let nominal = result.map(|result| result.nominal).or_else(|| survivors.lowest());
         let Some(activity) = &mut self.activity else { return };
-        let nominal = nominal.or(activity.nearest);
-        activity.agree(survivors);
+        let nearest = result.map(|result| result.nominal);
+        let nominal = nearest.or_else(|| activity.candidates().lowest()).or(activity.nearest);
         activity.nearest = nominal;
         self.conclude_iu(
             Finding { nominal, result, early, ..Finding::of(Outcome::Ok, Reason::None.into()) },
@@ -178,10 +175,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let Some(activity) = &mut self.activity else { return };
-        let agreeing = activity.candidates();
-        activity.agree(agreeing);
         activity.unjudged = activity.unjudged.or(Some(cause));
-        let nominal = agreeing.lowest().or(activity.nearest);
+        let nominal = activity.candidates().lowest().or(activity.nearest);
         self.conclude_iu(Finding { nominal, ..Finding::of(Outcome::NotJudged, cause) }, progress, emit);
     }
 
@@ -200,6 +195,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let unseen = self.unseen_cause(progress);
         let Some(activity) = &mut self.activity else { return };
+        if !activity.is_whole(nominal) {
+            activity.unjudged = activity.unjudged.or(Some(unseen));
+        }
         let is_judged = activity.unjudged.is_none() && activity.never_seen.is_none();
         let is_certain = activity.is_order_certain();
         let mut broken = progress.order_fault(self.side, nominal);

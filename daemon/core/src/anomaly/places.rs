@@ -56,7 +56,8 @@ impl Places {
     ) -> Self {
         let before = self.or_later(junction.hidden, nominal);
         if junction.is_doubtful {
-            return before;
+            let happened = Junction { is_doubtful: false, ..junction };
+            return before.or(self.step(nominal, allows_insertions, context, happened));
         }
         let has_context = |index: usize| nominal[index].context == context;
         let next = (0..nominal.len()).filter(|index| before.contains(*index) && has_context(*index));
@@ -76,13 +77,16 @@ impl Places {
         Self(ius.fold(0, |places, ius| places | 1 << ius))
     }
 
-    /// The places after as many hidden frames in an IU with this context, or between two IUs.
+    /// The places after as many hidden frames in an IU with this context, or between two IUs. Another IU with this context may have begun.
     pub(super) fn resume(self, hidden: u32, nominal: &[NominalIu<'_>], context: Context) -> Self {
         let places = self.or_later(hidden, nominal);
         let has_context = |ius: usize| ius > 0 && nominal[ius - 1].context == context;
-        let stay = (0..=nominal.len()).filter(|ius| places.contains(*ius));
-        let stay = stay.filter(|ius| context == Context::IDLE || self.contains(*ius) || has_context(*ius));
-        Self(stay.fold(0, |places, ius| places | 1 << ius))
+        let may_be_at = |ius: &usize| {
+            let stays = places.contains(*ius) && (context == Context::IDLE || self.contains(*ius));
+            let has_begun = has_context(*ius) && (places.contains(*ius) || places.contains(*ius - 1));
+            stays || hidden > 0 && has_begun
+        };
+        Self((0..=nominal.len()).filter(may_be_at).fold(0, |places, ius| places | 1 << ius))
     }
 
     /// These places, and any after them that IUs may have led to in as many hidden frames. An IU of which more than half is seen is not
@@ -128,6 +132,38 @@ impl Places {
         self.0 == 1 << ius
     }
 
+    /// Whether it is certain how many IUs have come, if it is a part of the nominal activity at all.
+    pub(super) fn is_certain(self) -> bool {
+        self.0.count_ones() <= 1
+    }
+
+    /// The minimum number of IUs that may have come.
+    pub(super) fn lowest(self) -> Option<usize> {
+        (self.0 != 0).then(|| self.0.trailing_zeros() as usize)
+    }
+
+    /// The indices of the IUs that have this context and may be the newest one.
+    pub(super) fn newest(self, nominal: &[NominalIu<'_>], context: Context) -> impl Iterator<Item = usize> {
+        let is_newest = move |index: &usize| self.contains(index + 1) && nominal[*index].context == context;
+        (0..nominal.len()).filter(is_newest)
+    }
+
+    /// Without the place of this IU as the newest one.
+    pub(super) fn without(self, index: usize) -> Self {
+        Self(self.0 & !(1 << (index + 1)))
+    }
+
+    /// Exactly this number of IUs has come.
+    pub(super) const fn at(ius: usize) -> Self {
+        Self(1 << ius)
+    }
+
+    /// Whether all IUs have certainly come but for release states, which leave nothing to do.
+    pub(super) fn is_at_end(self, nominal: &[NominalIu<'_>]) -> bool {
+        let is_over = |ius: usize| nominal[ius..].iter().all(|iu| iu.context.is_release());
+        !self.is_empty() && (0..=nominal.len()).filter(|ius| self.contains(*ius)).all(is_over)
+    }
+
     /// Whether all IUs may have come, if some may have in as many frames that were hidden since the newest began.
     pub(super) fn may_be_complete(self, nominal: &[NominalIu<'_>], hidden: u32) -> bool {
         self.or_later(hidden, nominal).contains(nominal.len())
@@ -139,6 +175,8 @@ mod tests {
     use super::*;
     use crate::bounds::Bounds;
     use crate::job::MeasureBounds;
+    use proptest::prelude::*;
+    use std::string::String;
     use std::vec::Vec;
 
     const SEEN: Junction = Junction { hidden: 0, was_doubtful: false, is_doubtful: false };
@@ -225,5 +263,53 @@ mod tests {
         assert!(!Places(1 << 2).may_be_complete(&nominal, 0));
         assert!(Places(1 << 2).may_be_complete(&nominal, u32::MAX));
         assert!(!Places(0).may_be_complete(&nominal, u32::MAX));
+    }
+
+    impl Places {
+        fn is_within(self, wider: Self) -> bool {
+            self.0 & !wider.0 == 0
+        }
+    }
+
+    /// What an observation may leave of a place: fewer frames hidden, or less doubt.
+    fn observed() -> impl Strategy<Value = (Junction, Junction)> {
+        (0..200u32, 0..200u32, any::<[bool; 4]>()).prop_map(|(hidden, more, [was, is, adds_was, adds_is])| {
+            let less = Junction { hidden, was_doubtful: was, is_doubtful: is };
+            let hidden = hidden.saturating_add(more);
+            (less, Junction { hidden, was_doubtful: was || adds_was, is_doubtful: is || adds_is })
+        })
+    }
+
+    fn taught() -> impl Strategy<Value = Vec<NominalIu<'static>>> {
+        prop::collection::vec((0..4u16, 1..60u32), 1..8).prop_map(|ius| {
+            let letters: String = ius.iter().map(|(letter, _)| char::from(b'g' + *letter as u8)).collect();
+            let all = nominal(&letters).into_iter().zip(ius);
+            all.map(|(iu, (_, min))| NominalIu { frames: Bounds { min, ..iu.frames }, ..iu }).collect()
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(10_000) })]
+
+        /// Less observed is a superset of places, whatever comes.
+        #[test]
+        fn whoever_sees_less_loses_no_place(
+            nominal in taught(),
+            (places, others) in any::<(u64, u64)>(),
+            (less, more) in observed(),
+            letter in 0..5u16,
+            allows_insertions: bool,
+        ) {
+            let context = if letter == 4 { Context::IDLE } else { context(char::from(b'g' + letter as u8)) };
+            let all = (1 << (nominal.len() + 1)) - 1;
+            let (narrow, wide) = (Places(places & all), Places((places | others) & all));
+            let step = |places: Places, junction| places.step(&nominal, allows_insertions, context, junction);
+            prop_assert!(step(narrow, less).is_within(step(wide, more)));
+            let resume = |places: Places, hidden| places.resume(hidden, &nominal, context);
+            prop_assert!(resume(narrow, less.hidden).is_within(resume(wide, more.hidden)));
+            prop_assert!(narrow.after_idle(&nominal).is_within(wide.after_idle(&nominal)));
+            prop_assert!(Places::new(less.hidden, &nominal).is_within(Places::new(more.hidden, &nominal)));
+            prop_assert!(!narrow.may_be_complete(&nominal, less.hidden) || wide.may_be_complete(&nominal, more.hidden));
+        }
     }
 }

@@ -65,7 +65,7 @@ pub(super) struct Progress<'a> {
     waiting: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
     underway: [ActivitySet; HANDS],
-    /// For each hand, what its open activity may be, as far as it was seen.
+    /// For each hand, what its open activity may be, with what was not seen of it.
     may_be_underway: [ActivitySet; HANDS],
     /// For each hand, when its newest activity began.
     newest_ns: [u64; HANDS],
@@ -91,8 +91,8 @@ pub(super) struct Progress<'a> {
     never_seen_object: u16,
     /// The id of such an object while activities may have been done with it unseen, or 0.
     overlooked_object: u16,
-    /// The next touch is the first one of a job: the last job was right, or the recording begins with one.
-    is_start_expected: bool,
+    /// What came, or may have, and may belong to the next job: nothing after a job that was right.
+    carried_over: ActivitySet,
     unwatched: Unwatched,
     /// For each hand, what has been missed since then.
     missed: [Missed; HANDS],
@@ -145,7 +145,7 @@ impl<'a> Progress<'a> {
             out_of_sight: ActivitySet::EMPTY,
             never_seen_object: 0,
             overlooked_object: 0,
-            is_start_expected: false,
+            carried_over: all,
             unwatched: Unwatched::new(),
             missed,
             carried_on_cause: None,
@@ -164,15 +164,17 @@ impl<'a> Progress<'a> {
             self.forget_hidden();
         }
         let (undone, undone_first) = (self.seen_undone, self.undone_first | self.seen_undone);
-        let may_precede = self.all.without(undone_first | self.behind(undone_first));
-        let is_expected = self.is_start_expected && !self.may_have_begun_unwatched();
-        let is_start_seen = is_start_seen || is_expected || may_precede.is_empty();
-        let may_precede = if is_start_seen { ActivitySet::EMPTY } else { may_precede };
+        let may_precede = match self.may_have_begun_unwatched() {
+            _ if is_start_seen => ActivitySet::EMPTY,
+            true => self.all,
+            false => self.carried_over,
+        };
+        let may_precede = may_precede.without(undone_first | self.behind(undone_first));
         *self = Self {
             began_ns,
             now_ns: self.now_ns,
             known_ns: self.known_ns,
-            is_start_seen,
+            is_start_seen: may_precede.is_empty(),
             may_precede,
             unseen: self.unseen.without(undone),
             seen_undone: undone,
@@ -221,7 +223,7 @@ impl<'a> Progress<'a> {
 
     /// The next touch is the first one of a job.
     pub(super) fn expect_start(&mut self) {
-        self.is_start_expected = true;
+        self.carried_over = ActivitySet::EMPTY;
     }
 
     /// A hand is hidden or not, and has been for this long up to now.
@@ -408,9 +410,9 @@ impl<'a> Progress<'a> {
         self.tried() | self.underway[side.index()] | self.may_be_underway[side.index()]
     }
 
-    /// Sets the candidates of the open activity of a hand, and what it may be otherwise.
-    pub(super) fn set_underway(&mut self, side: Side, candidates: ActivitySet, may_be: ActivitySet) {
-        self.underway[side.index()] = self.activities_of(candidates.iter());
+    /// Sets what the open activity of a hand is as it was seen, and what it may be.
+    pub(super) fn set_underway(&mut self, side: Side, as_seen: ActivitySet, may_be: ActivitySet) {
+        self.underway[side.index()] = self.activities_of(as_seen.iter());
         self.may_be_underway[side.index()] = self.activities_of(may_be.iter());
     }
 

@@ -124,21 +124,23 @@ impl Progress<'_> {
 
     /// Whether an activity comes a second time.
     fn is_repeated(&self, side: Side, activity: usize) -> bool {
-        self.done.contains(activity) && !self.may_be_next_job(side, activity)
+        self.done.contains(activity) && !self.may_be_next_job(side)
     }
 
     /// Whether what must come before an activity that comes no second time must come before it in this job: it comes too late, or again.
     fn is_late_or_repeated(&self, side: Side, activity: usize) -> bool {
         let law = self.job.law(activity);
-        law.is_once && !self.done.contains(activity) && !self.may_be_next_job(side, activity)
+        law.is_once && !self.done.contains(activity) && !self.may_be_next_job(side)
     }
 
-    /// Whether all others may have come, some of them unseen, so that one that comes again, or late, belongs to the next job. What comes once and
-    /// is what the other hand is in the middle of has not come: both hands are at the same piece.
-    fn may_be_next_job(&self, side: Side, activity: usize) -> bool {
-        let others = self.required.without(ActivitySet::of(activity));
-        let possibly = self.possibly().without(self.underway[side.other().index()] & self.once());
-        others.intersects(possibly) && others.without(self.tried() | possibly).is_empty()
+    /// Whether all that is left may have come unseen, so that what comes again, or late, belongs to the next job. Two things are assumed: a job
+    /// began with the first activity that was seen, if it is one with which a job begins; and what comes once and is what the other hand is in the
+    /// middle of has not come, as both hands are at the same piece. Without them 15 of 19 faults of real people are found, and with them 17.
+    fn may_be_next_job(&self, side: Side) -> bool {
+        let left = self.required.without(self.tried());
+        let possibly = if self.is_start_seen { self.unseen } else { self.possibly() };
+        let possibly = possibly.without(self.underway[side.other().index()] & self.once());
+        !left.is_empty() && left.without(possibly).is_empty()
     }
 
     /// What was not shown before in that a nominal activity comes now.

@@ -16,7 +16,8 @@ impl Progress<'_> {
         self.is_open = false;
         let (outcome, fault) = self.outcome();
         self.undone_first = ActivitySet::EMPTY;
-        self.is_start_expected = outcome == Outcome::Ok;
+        let may_go_on = self.tried() | self.possibly();
+        self.carried_over = if outcome == Outcome::Ok { ActivitySet::EMPTY } else { may_go_on };
         self.forget_hidden();
         self.never_seen = Some(self.out_of_sight);
         let verdict = Verdict {

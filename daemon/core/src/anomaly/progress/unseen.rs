@@ -24,7 +24,9 @@ impl Progress<'_> {
 
     /// The next job may have begun before the first touch that was seen.
     pub(in crate::anomaly) fn doubt_start(&mut self) {
-        self.is_start_expected &= self.is_open;
+        if !self.is_open {
+            self.carried_over = self.all;
+        }
     }
 
     /// These activities use an object that is out of sight; the id of one of them, or 0.
