@@ -3,7 +3,6 @@
 //! A part of an optional step may be touched in other ways as well, because runs without that step were shown as right. What begins like
 //! the step and is not like it gets a note. It is an anomaly only with a part that the job does not know, or out of order.
 
-use super::alignment::Alignment;
 use super::missed::Cause;
 use super::places::{Junction, Places};
 use super::progress::Progress;
@@ -24,8 +23,8 @@ use heapless::Vec;
 pub(super) enum Against {
     /// `J \ L`: the nominal activities with which all IUs so far agree, where unseen ones may have been.
     Candidates,
-    /// After a fault: the nearest nominal activity, aligned by context.
-    Following(Option<usize>),
+    /// After a fault: the nearest nominal activity, and the index of the IU in it that comes next.
+    Following(Option<usize>, usize),
 }
 
 /// Whose work an activity is, as far as its first IU shows.
@@ -73,9 +72,6 @@ pub(super) struct OpenActivity {
     pub(super) nearest: Option<usize>,
     /// For each nominal activity, the sum of its distances as multiples of the thresholds.
     pub(super) ratios: [f64; ACTIVITIES],
-    alignments: [Alignment; ACTIVITIES],
-    /// For each nominal activity, the index of the IU with which the newest one is aligned.
-    pub(super) aligned: [Option<usize>; ACTIVITIES],
     /// Why one of its IUs was not judged.
     pub(super) unjudged: Option<Cause>,
     /// For each nominal activity, where in it the activity may be: `i` of Algorithm 1, or several where not all was seen.
@@ -137,8 +133,6 @@ impl OpenActivity {
             inserted: 0,
             nearest: None,
             ratios: [0.0; ACTIVITIES],
-            alignments: [Alignment::new(); ACTIVITIES],
-            aligned: [None; ACTIVITIES],
             unjudged: None,
             places,
             places_before: places,
@@ -173,11 +167,6 @@ impl OpenActivity {
             *places = places.step(nominal.ius, job.allows_insertions(index), context, junction);
         }
         self.junction = Junction { was_doubtful: is_doubtful, ..Junction::default() };
-        for ((aligned, alignment), nominal) in
-            self.aligned.iter_mut().zip(&mut self.alignments).zip(job.activities)
-        {
-            *aligned = alignment.step(nominal.ius, context);
-        }
         let number = self.ius;
         self.ius = number.saturating_add(1);
         number
@@ -239,7 +228,7 @@ impl OpenActivity {
     pub(super) fn candidates(&self) -> ActivitySet {
         match self.against {
             Against::Candidates => candidates_at(&self.places),
-            Against::Following(_) => ActivitySet::EMPTY,
+            Against::Following(..) => ActivitySet::EMPTY,
         }
     }
 
@@ -340,7 +329,7 @@ impl OpenActivity {
     pub(super) fn is_place_certain(&self) -> bool {
         let is_certain = match self.against {
             Against::Candidates => self.places.iter().all(|places| places.is_certain()),
-            Against::Following(_) => self.unjudged.is_none(),
+            Against::Following(..) => self.unjudged.is_none(),
         };
         is_certain && !self.may_have_ended
     }
@@ -382,7 +371,7 @@ impl OpenActivity {
 
     /// Something did not fit, and was not judged because something else may have happened unseen.
     pub(super) fn is_astray(&self) -> bool {
-        matches!(self.against, Against::Following(_)) && !self.is_concluded
+        matches!(self.against, Against::Following(..)) && !self.is_concluded
     }
 
     /// The context of the newest IU, which has parts of the job or not, agrees with these nominal activities, and with no other if it is certain
@@ -433,10 +422,21 @@ impl OpenActivity {
         others.for_each(|(_, places)| *places = Places::NONE);
     }
 
-    /// From now on its IUs are judged against this nominal activity, if any is near.
-    pub(super) fn follow(&mut self, nominal: Option<usize>) {
-        self.against = Against::Following(nominal);
+    /// From now on its IUs are judged against this nominal activity, if any is near, from the IU with this index on.
+    pub(super) fn follow(&mut self, nominal: Option<usize>, next: usize) {
+        self.against = Against::Following(nominal, next);
         self.nearest = nominal.or(self.nearest);
+    }
+
+    /// After a fault: the nominal IU with this context that comes next, or else any before it, in the nominal activity that is followed, or else
+    /// in another one, which is followed then. Returns the indices of the nominal activity and of the IU in it.
+    pub(super) fn follow_on(&mut self, job: &Job<'_>, context: Context) -> Option<(usize, usize)> {
+        let Against::Following(nominal, next) = self.against else { return None };
+        let index = |nominal: usize, next| Some((nominal, index_from(job, nominal, next, context)?));
+        let others = || (0..job.activities.len()).find_map(|nominal| index(nominal, 0));
+        let (nominal, index) = nominal.and_then(|nominal| index(nominal, next)).or_else(others)?;
+        self.follow(Some(nominal), index + 1);
+        Some((nominal, index))
     }
 
     /// Whether the hand only rests or steadies, where it was shown to.
@@ -500,41 +500,33 @@ impl OpenActivity {
     /// After a fault: whether the newest IU is the last one of the nominal activity that is followed.
     pub(super) fn is_followed_to_its_end(&self, job: &Job<'_>) -> bool {
         match self.against {
-            Against::Following(Some(nominal)) => {
-                self.aligned[nominal].is_some_and(|index| index + 1 == job.activities[nominal].ius.len())
-            }
+            Against::Following(Some(nominal), next) => next == job.activities[nominal].ius.len(),
             _ => false,
         }
     }
 
-    /// If no candidate has `context` where it was before the newest IU: the candidate that has it soonest after that, or else any before it, or
-    /// else the nearest so far.
-    pub(super) fn nearest_elsewhere(&self, job: &Job<'_>, context: Context) -> Option<usize> {
-        let indices = |nominal: usize| {
-            let ius = job.activities[nominal].ius.iter().enumerate();
-            ius.filter(|(_, iu)| iu.context == context).map(|(index, _)| index)
-        };
+    /// If no candidate has `context` where it was before the newest IU: follows the candidate that has it soonest after that, or else any before
+    /// it, or else the nearest so far.
+    pub(super) fn follow_nearest(&mut self, job: &Job<'_>, context: Context) {
         let candidates = self.candidates_before();
         let come = |nominal: usize| self.places_before[nominal].lowest().unwrap_or(0);
-        let after = |nominal| Some((indices(nominal).find(|index| *index > come(nominal))?, nominal));
-        let before = || candidates.iter().find(|nominal| indices(*nominal).next().is_some());
-        let soonest = candidates.iter().filter_map(after).min().map(|(_, nominal)| nominal);
-        soonest.or_else(before).or(self.nearest)
+        let found = candidates.iter().filter_map(|nominal| {
+            let index = index_from(job, nominal, come(nominal), context)?;
+            Some((index < come(nominal), index, nominal))
+        });
+        let (nominal, next) = match found.min() {
+            Some((_, index, nominal)) => (Some(nominal), index + 1),
+            None => (self.nearest, self.nearest.map_or(0, come)),
+        };
+        self.follow(nominal, next);
     }
+}
 
-    /// The nominal activity whose alignment needs the fewest edits, of those with which the newest IU is aligned; `before`, unless
-    /// another one needs fewer.
-    pub(super) fn nearest_by_context(&self, job: &Job<'_>, before: Option<usize>) -> Option<usize> {
-        let edits = |nominal: usize| self.alignments[nominal].min_edits(job.activities[nominal].ius);
-        let best = ActivitySet::first(job.activities.len())
-            .iter()
-            .filter(|nominal| self.aligned[*nominal].is_some())
-            .min_by_key(|nominal| edits(*nominal));
-        match (before, best) {
-            (Some(before), Some(best)) if edits(best) < edits(before) => Some(best),
-            (before, best) => before.or(best),
-        }
-    }
+/// The first index of this context in a nominal activity from `next` on, or else before that.
+fn index_from(job: &Job<'_>, nominal: usize, next: usize, context: Context) -> Option<usize> {
+    let ius = job.activities[nominal].ius;
+    let has_context = |index: &usize| ius[*index].context == context;
+    (next..ius.len()).find(has_context).or_else(|| (0..ius.len()).find(has_context))
 }
 
 /// The nominal activities that have a place.

@@ -127,7 +127,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
                 return;
             }
             Against::Candidates => self.begin_with_candidates(couple, progress, emit),
-            Against::Following(nominal) => self.begin_following(nominal, couple, progress, emit),
+            Against::Following(nominal, _) => self.begin_following(nominal, couple, progress, emit),
         }
         if let Some(activity) = &self.activity {
             progress.set_underway(self.side, activity.candidates_as_seen(), activity.candidates());
@@ -166,9 +166,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             return;
         }
         if agreeing.is_empty() {
-            let nominal = activity.nearest_elsewhere(job, context);
             let reason = context_reason(job, activity.candidates_before(), context);
-            self.conclude_context(couple, reason, nominal, progress, emit);
+            self.conclude_context(couple, reason, progress, emit);
             return;
         }
         let come = activity.newest_ius(job, context).map(|(_, index)| index).min().unwrap_or(0);
@@ -192,14 +191,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
-        let nominal = activity.nearest_by_context(job, nominal);
-        activity.follow(nominal);
-        if activity.is_astray() && activity.may_be_right() {
-            let reason = context_reason(job, ActivitySet::first(ACTIVITIES), context);
-            self.conclude_context(couple, reason, nominal, progress, emit);
-            return;
-        }
-        match nominal.and_then(|nominal| Some((nominal, activity.aligned[nominal]?))) {
+        let found =
+            activity.follow_on(job, context).filter(|_| !(activity.is_astray() && activity.may_be_right()));
+        match found {
             Some((nominal, index)) if context.is_touch() => {
                 self.comparisons.add(job, nominal, index);
             }
@@ -208,7 +202,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None => {
                 let among = nominal.map_or(ActivitySet::first(ACTIVITIES), ActivitySet::of);
                 let reason = context_reason(job, among, context);
-                self.conclude_context(couple, reason, nominal, progress, emit);
+                self.conclude_context(couple, reason, progress, emit);
             }
         }
     }
@@ -218,7 +212,6 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         &mut self,
         couple: &Couple,
         reason: Reason,
-        nominal: Option<usize>,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
@@ -226,9 +219,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         // What else lies there has not been seen for long enough either.
         let may_be_right = self.watch.is_object_new() || activity.may_be_right();
-        if is_certain || !couple.is_in_sight() {
-            activity.follow(nominal);
+        if (is_certain || !couple.is_in_sight()) && activity.against == Against::Candidates {
+            activity.follow_nearest(progress.job, activity.as_shown(couple.context));
         }
+        let nominal = activity.nearest;
         if couple.is_in_sight() && !may_be_right {
             self.conclude_iu(
                 Finding { nominal, ..Finding::of(Outcome::Anomaly, reason.into()) },
@@ -417,7 +411,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else {
             let nominal = Some(nearest.nominal);
             if let Some(activity) = &mut self.activity {
-                activity.follow(nominal);
+                activity.follow(nominal, nearest.index + 1);
             }
             let wrong = Finding::of(Outcome::Anomaly, nearest.reason.into());
             let finding = Finding { nominal, result: Some(nearest), early, ..wrong };

@@ -80,7 +80,6 @@
 
 mod activity;
 mod algorithm;
-mod alignment;
 mod comparison;
 mod extent;
 mod grip;
