@@ -4,16 +4,14 @@
 //!
 //! - *Nominal activity*: a taught sequence of nominal IUs, an element of the list `J`. A *nominal IU* has a context, a reference
 //!   motion, a threshold and bounds of its length and reversals. Several nominal activities may be variants of one activity.
-//! - *Candidate*: a nominal activity with which all IUs of the open activity agree so far, index by index: an element of `J \ L`.
-//!   `i` is the index of the next IU.
-//! - *Comparison*: the open IU against the nominal IU of one candidate: the DTW distance so far, the length and the reversals. It is
-//!   *lost* when it cannot come out right any more. The IU is wrong when all its comparisons are lost.
+//! - *Places*: for each nominal activity, the numbers of its IUs that may have come: `i` of Algorithm 1, or several where not all was seen.
+//! - *Candidate*: a nominal activity in which the open activity has a place: an element of `J \ L`.
+//! - *Comparison*: the open IU against a nominal IU that it may be: the DTW distance so far, the length and the reversals. It is *lost*
+//!   when it cannot come out right any more. The IU is wrong when all its comparisons are lost.
 //! - *Following*: once no candidate is left, the other IUs of the activity are still judged, each on its own, against the nearest
 //!   nominal activity. That does not change the verdict on the activity.
-//! - *Alignment*: the pairing of the IUs of the activity with those of a nominal activity, by their contexts and with the fewest
-//!   edits. It says against which nominal IU an IU is judged while following; a missing or an extra IU shifts it.
-//! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold, or, where motions say nothing, with the
-//!   fewest edits.
+//! - *Nearest*: the nominal activity with the smallest ratio of distance to threshold, or, where motions say nothing, the one that has the
+//!   context soonest.
 //! - *Matched*: the activity has reached the last IU of a candidate. It *waits* for its verdict while a longer candidate may go on.
 //! - *Out of order*: an activity that breaks a law of the job ([`Law`](crate::job::Law)): another one must have begun or ended before it, or
 //!   it must not come again.
@@ -24,14 +22,11 @@
 //! - *Release state*: the hand has let go of an object that still touches another. Such an IU is judged by its context alone,
 //!   at its beginning: it lasts until the next touch, which says nothing about the work.
 //! - *Settle*: to decide on an activity once all events of one frame have been taken for both hands.
-//! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]). What may be explained
-//!   by something unseen is not judged.
+//! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]).
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
 //!   context has been shown without doubt; what was hidden before lies before it.
 //! - *Rival*: another object that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
 //!   ([`Couple::is_rivalled`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
-//! - *Places*: the numbers of IUs of a nominal activity that may have come, with what may have happened unseen. An activity is *astray*
-//!   when it fits no candidate as it was seen, but may fit one with what was not.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
 //!   before the end.
@@ -44,36 +39,30 @@
 //!
 //! # Doubt
 //!
-//! A verdict accuses only what was seen. Whatever observations are deleted from a recording, its verdicts stay or become not judged:
+//! One law: **a verdict is what all completions of the unseen agree on; anything else is not judged.** Whatever observations are deleted from a
+//! recording, its verdicts stay or become not judged. It rests on four quantities, each of which less observation only makes wider:
 //!
-//! - A frame whose motion was not measured costs nothing in the alignment, whatever it is paired with, so a distance over a gap is the least
-//!   that any motion there could have led to. An IU of which less than half was measured is never right.
-//! - An IU of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
-//! - An IU that may have begun or ended unseen may be a part of one: it is not too short. What would be right only with what was not seen
-//!   is not judged. But only as much fits into a gap as it is long: an IU that lasts at least twice as long was not overlooked in it.
-//! - An IU is not too long because the hand waits for the other one, or may have waited: it rests while that moves.
-//! - Strokes that were not seen are assumed at the pace of those that were, but only where at most a quarter of the IU was hidden.
-//! - An order that is excused because an activity may have come unseen is not right if that activity comes later.
-//! - A job of which not all was seen is not right where the bench shows at its end that something of it is undone again: what came last may
-//!   belong to the next piece.
-//! - Frames that were not seen make measures less exact, even where what was hidden is assumed: the ends of an IU may shift, a stroke may not
-//!   show that it is one, and the distance may grow.
-//! - Nor is it where nobody watched for as long as the quickest of those who taught it need to end this piece and to begin another one up to
-//!   what is seen next: that may be another piece, whatever lies where it lay.
-//! - Where objects move in the middle of a job and no hand is seen, something was done that nobody judged: the job is not right.
-//! - A missing activity accuses only where no hand was hidden for as long as half of it takes, and the start of the job was seen, and no hand
-//!   goes on with what was not judged in the job before and belongs to it.
-//! - An activity may be the rest of one if it begins soon after a doubt, or with the object of the hand's last activity where that was not
-//!   judged, unless the hand was certainly idle before it. So may an activity or an IU with an object that was first seen when it began,
-//!   where the start of the job was not seen.
-//! - An IU in which a part only passes another one, at which it was shown to rest, is not judged if no candidate goes on with the next
-//!   context.
-//! - What the bench shows to be undone is not missing from a job whose end is only assumed, from a touch that may have begun the next one
-//!   or may go on with what was not judged.
-//! - What is not judged says what was missing, and for how long ([`Missing`](crate::verdict::Missing)): that of which most was missing in what it
-//!   rests on and in the doubt before it. An activity and a job have the first such thing in them.
-//! - An activity that was done wrong is used up. The first activity of a job that comes again begins the next job; so does the touch after
-//!   all activities have come. A judge that starts in the middle of a job says of it that it was not judged, once.
+//! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it. An IU
+//!   that may not have happened leaves the places before it and those after it.
+//! - *What has come of a job* lies between what was judged and that with what may have come unseen (`progress`): what was hidden for half as
+//!   long as the quickest person needs, what may have come before the first frame, what a part that was never seen is used for. A law is broken,
+//!   and a step is missing, only if it is so at the wider end; the job is right only if it is so at the narrower one. The bench takes away: what
+//!   lies where the job begins has not come.
+//! - *A measure* lies between what was seen and that with what fits into the gaps (`extent`): strokes, path and frames that were hidden, ends
+//!   that may have shifted, the time in which the hand may have waited. It is wrong if all of it is out of its bounds.
+//! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right,
+//!   and one of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
+//!
+//! Two things widen the doubt beyond a gap. An activity that was not judged may go on with the same part, unless the hand was certainly idle
+//! (`watch`). And where nobody watched for as long as the quickest person needs to end this piece and to begin another one up to what is seen
+//! next, that may be another piece: no job is right that spans it.
+//!
+//! What is not judged says what was missing, and for how long ([`Missing`](crate::verdict::Missing)): that of which most was missing in what it
+//! rests on and in the doubt before it. An activity and a job have the first such thing in them.
+//!
+//! What is assumed, so that more is judged, is said where it is: hidden strokes go on at the pace of those that were seen, in at most a quarter of an
+//! IU (`extent`); the first step that is seen begins its piece, and both hands are at the same piece
+//! (`progress::order`); what was not seen keeps the order of six runs or more (`progress`).
 //!
 //! [`Couple::is_doubtful`]: crate::couple::Couple::is_doubtful
 //! [`Couple::is_rivalled`]: crate::couple::Couple::is_rivalled
