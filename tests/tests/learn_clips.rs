@@ -1,6 +1,7 @@
 //! What a camera saw of real clips: a film is processed once and judged often, with and without what may not have been seen.
 #![allow(clippy::unwrap_used)]
 
+use andon_core::input::Side;
 use andon_core::verdict::{Level, Outcome, Reason};
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{Recording, read};
@@ -63,5 +64,45 @@ fn a_piece_of_which_too_few_frames_came_is_not_judged_and_says_so() {
             let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
             assert!(!is_accused || clip != "p1_none_r1", "{clip}, 1 of {every}: {verdicts:?}");
         }
+    }
+}
+
+/// The clip in which the right hand is called the left one in some frames.
+fn misnamed(whole: &Recording, from: usize, frames: usize) -> Recording {
+    let mut wrong = whole.clone();
+    wrong.header.hands = vec![Side::Right, Side::Left];
+    let hands = wrong.frames[from..from + frames].iter_mut().flat_map(|frame| &mut frame.hands);
+    hands.for_each(|hand| hand.side = Side::Left);
+    wrong
+}
+
+/// A name that is wrong for less than `blind_ms` changes nothing. One that lasts is believed, and then it is said that the other hand worked, or
+/// not judged: a right piece is not accused for it, and one with strokes left out is not right.
+#[test]
+fn a_hand_that_is_called_the_other_one_is_the_same_hand_until_the_name_has_lasted() {
+    let path = root().join("config/jobs/polish-and-measure.toml");
+    let job = JobFile::parse("the shipped job", &std::fs::read(path).unwrap()).unwrap();
+    for (clip, is_right) in [("p1_none_r1", true), ("p2_J1_r1", false)] {
+        let whole = seen(clip);
+        let known = judged(&job, &whole);
+        let mut said = 0;
+        for frames in [5, 12, 30] {
+            let places = (10..whole.frames.len() - frames).step_by(20);
+            for from in places {
+                let verdicts = judged(&job, &misnamed(&whole, from, frames));
+                let place = format!("{clip}: {frames} frames from {from}");
+                if frames < 21 {
+                    assert_eq!(verdicts, known, "{place}");
+                    continue;
+                }
+                assert!(is_right || !jobs(&verdicts).contains(&Outcome::Ok), "{place}: {verdicts:?}");
+                let is_accused = verdicts.iter().any(|verdict| verdict.outcome == Outcome::Anomaly);
+                assert!(!(is_right && is_accused), "{place}: {verdicts:?}");
+                said += u32::from(
+                    verdicts.iter().any(|verdict| verdict.note.is_some() || verdict.side == Some(Side::Left)),
+                );
+            }
+        }
+        assert!(said > 0, "{clip}: nowhere is it said that the left hand worked");
     }
 }

@@ -121,7 +121,7 @@ impl Recording {
 
     /// Whether this is the name of a track file.
     pub fn is_tracks(path: &Path) -> bool {
-        path.extension().is_some_and(|ending| ending == "jsonl")
+        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"))
     }
 
     fn tracks(path: &Path, blind_ms: u32) -> Result<Self, RecordingError> {

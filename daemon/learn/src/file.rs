@@ -91,6 +91,27 @@ pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
     has_mark || bytes.len() >= ENOUGH && (zeros(0) && none(1) || zeros(1) && none(0))
 }
 
+/// What a file is that no decoder may take for a film: FFmpeg makes pictures of any text, and opens what a playlist names.
+///
+/// # Errors
+/// That it cannot be read.
+pub fn other_than_film(mut file: impl io::Read) -> io::Result<Option<&'static str>> {
+    let mut head = Vec::new();
+    file.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
+    let is_text = str::from_utf8(&head).map_or_else(
+        // A character may be cut off at the end of what was read.
+        |error| error.error_len().is_none() && !head.contains(&0),
+        |text| !text.chars().any(|c| c.is_control() && !c.is_whitespace()),
+    );
+    Ok(match &head[..] {
+        [0x1f, 0x8b, ..] => Some("it is compressed; unpack it with gunzip"),
+        _ if is_text || is_utf16(&head) => {
+            Some("it is text and no film; a track file is read where its name ends in .tracks.jsonl")
+        }
+        _ => None,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -114,6 +135,25 @@ mod tests {
         assert_eq!(text(b"\0\0\0\x20ftypisom\0\0\x02\0isomiso2avc1mp41"), Err(NotText::Binary));
         assert_eq!(text(b"name = 'a'\nname = 'Pr\xfcfer'"), Err(NotText::Encoding(2)));
         assert_eq!(text(b"").unwrap(), "");
+    }
+
+    #[test]
+    fn text_and_what_is_compressed_are_no_films_and_a_film_is_one() {
+        let other = |bytes: &[u8]| other_than_film(bytes).unwrap().unwrap_or_default();
+        let long = "\u{e4}".repeat(3000);
+        for text in ["{\"t\": 0.0}\r\n", "#EXTM3U\nfilm.mp4\n", "<html>404</html>", &long, &long[..4098]] {
+            assert!(other(text.as_bytes()).starts_with("it is text and no film"), "{text:.20}");
+        }
+        assert!(other(b"{\0}\0\n\0{\0}\0\n\0{\0}\0\n\0{\0}\0\n\0{\0}\0\n\0").contains("it is text"));
+        assert!(other(b"\x1f\x8b\x08\0").contains("gunzip"));
+        for film in [
+            &b"\0\0\0\x20ftypisom"[..],
+            b"RIFF\x10\xff\x01\0AVI LIST",
+            b"\x1aE\xdf\xa3\x93",
+            b"GIF89a\x80\x02",
+        ] {
+            assert_eq!(other(film), "");
+        }
     }
 
     #[test]

@@ -102,7 +102,7 @@ impl<R: BufRead> TrackReader<R> {
     fn frame(&mut self) -> Result<Option<Frame>, TrackFault> {
         let Some(is_whole) = self.lines.next_line()? else {
             self.conventions.end()?;
-            return Ok(None);
+            return if self.before_s.is_some() { Ok(None) } else { Err(TrackFault::NoFrames) };
         };
         let line = match frame_line(&self.lines.buffer) {
             Ok(line) => line,
@@ -111,6 +111,7 @@ impl<R: BufRead> TrackReader<R> {
                 self.truncation = Some(Truncation { file: self.lines.file.clone(), line: self.lines.line });
                 return Ok(None);
             }
+            Err(_) if is_header(&self.lines.buffer) => return Err(TrackFault::SecondHeader),
             Err(fault) => return Err(fault),
         };
         self.conventions.time(line.t)?;
@@ -185,6 +186,11 @@ fn frame_line(line: &[u8]) -> Result<FrameLine, TrackFault> {
     })
 }
 
+fn is_header(line: &[u8]) -> bool {
+    let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
+    serde_json::from_slice::<Magic>(line).is_ok_and(|magic| magic.format == FORMAT)
+}
+
 /// That the beginning of a file is no text in UTF-8.
 fn not_text(line: &[u8]) -> Option<TrackFault> {
     if is_utf16(line) {
@@ -198,7 +204,8 @@ fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
         return Err(fault);
     }
     let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
-    let magic: Magic = serde_json::from_slice(line).map_err(|_| TrackFault::NoHeader)?;
+    let magic: Magic = serde_json::from_slice(line)
+        .map_err(|_| convention::other_text(line).map_or(TrackFault::NoHeader, TrackFault::OtherText))?;
     if magic.format != FORMAT {
         return Err(TrackFault::Format(magic.format));
     }
