@@ -92,7 +92,7 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
     assert!(matches!(refused(b"a\xff"), JobFault::NotText(NotText::Encoding(1))));
     assert!(matches!(refused(b"\0\0\0\x20ftypisom"), JobFault::NotText(NotText::Binary)));
     assert!(matches!(refused(b"\r\n"), JobFault::Empty));
-    assert!(matches!(refused(b"format = "), JobFault::Toml(_)));
+    assert!(matches!(refused(b"format = "), JobFault::Toml { .. }));
     assert!(matches!(refused(good.replace("andon.job", "other").as_bytes()), JobFault::Format(_)));
     assert!(matches!(
         refused(good.replacen("version = 2", "version = 99", 1).as_bytes()),
@@ -112,6 +112,12 @@ fn a_job_file_that_any_editor_has_saved_is_the_same_job() {
         let read = JobFile::parse("saved.toml", saved.as_bytes()).unwrap();
         assert_eq!((read.model_hash(), read.to_toml()), (job.model_hash(), good.clone()));
     }
+    // As a word processor saves the names that were changed.
+    let (before, names) = good.split_once("[names]").unwrap();
+    let quoted = names.replacen("\"", "\u{201c}", 1).replacen("\"", "\u{201d}", 1);
+    let said =
+        JobFile::parse("saved.toml", format!("{before}[names]{quoted}").as_bytes()).unwrap_err().to_string();
+    assert!(said.contains("where a straight \" is meant"), "{said}");
     let utf16: Vec<u8> = good.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let said = JobFile::parse("saved.toml", &utf16).unwrap_err().to_string();
     assert!(said.contains("UTF-16") && said.contains("save it as UTF-8"), "{said}");

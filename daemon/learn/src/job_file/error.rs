@@ -24,8 +24,13 @@ pub enum JobFault {
     #[error("{0}; a job file is the .toml that `andond teach` has written")]
     NotText(#[from] NotText),
     /// The text is not TOML, a key is unknown or missing, or a value has the wrong type.
-    #[error("{0}")]
-    Toml(#[from] toml::de::Error),
+    #[error("{}{}", .error.to_string().trim_end(), .remedy)]
+    Toml {
+        /// What the parser says.
+        error: toml::de::Error,
+        /// What to do where the reason can be seen, after what the parser says.
+        remedy: String,
+    },
     /// The file has another format.
     #[error("this is not a job file: format is {0:?}, not \"andon.job\"")]
     Format(String),
