@@ -251,3 +251,16 @@ impl Watched {
         Ok(Some(wire::detections::to_core(&self.seen)))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_track_file_is_known_by_its_name_however_it_is_written() {
+        for (name, is_tracks) in [("a.tracks.jsonl", true), ("A.TRACKS.JSONL", true), ("a.jsonl.mp4", false)]
+        {
+            assert_eq!(Recording::is_tracks(Path::new(name)), is_tracks, "{name}");
+        }
+    }
+}

@@ -102,3 +102,24 @@ pub fn word(sight: Sight) -> &'static str {
         _ => "BLIND",
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages of two starts of a role are in no order between them.
+    #[test]
+    fn what_an_older_start_has_seen_and_is_read_later_changes_nothing() {
+        let mut changes = SightChanges::default();
+        let mut receive = |sight: Sight, sent_ns: u64| {
+            let mut health =
+                Health { role: RoleId::Perceive.code(), sight: sight.code(), ..Health::default() };
+            health.stamp.sent_ns = sent_ns;
+            changes.receive(&health).map(|change| change.now)
+        };
+        assert_eq!(receive(Sight::Frozen, 10), Some(Some(Sight::Frozen)));
+        assert_eq!(receive(Sight::Clear, 30), Some(None));
+        assert_eq!(receive(Sight::Frozen, 20), None);
+        assert_eq!(receive(Sight::Clear, 40), None);
+    }
+}

@@ -252,6 +252,7 @@ fn a_text_that_is_no_track_file_is_called_what_it_is() {
         (good.replace("{\"form", "{\n  \"form"), "an object goes over several lines"),
         (good.replace('"', "'"), "json.dumps"),
         (format!("{},\n", lines.join(",\n")), "a comma stands at the end of a line"),
+        (good.replace("30,", "30,0,"), "key must be a string, at column"),
         (good.replace('\n', "\r"), "carriage return alone"),
         ("t,id,x,y,z\n0,5,0.1,0.2,0\n".to_owned(), "a table (CSV)"),
     ];
@@ -259,6 +260,6 @@ fn a_text_that_is_no_track_file_is_called_what_it_is() {
         let error = recording::read("other", text.as_bytes()).unwrap_err();
         assert!(error.line == 1 && error.to_string().contains(said), "{error}: not {said:?}");
     }
-    let packed = recording::read("other", b"\x1f\x8b\x08 and so on").unwrap_err().to_string();
+    let packed = recording::read("other", b"\x1f\x8b\x08\0 and so on").unwrap_err().to_string();
     assert!(packed.contains("gunzip"), "{packed}");
 }

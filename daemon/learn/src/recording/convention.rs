@@ -191,12 +191,16 @@ fn length(hand: &Hand) -> f64 {
     (x * x + y * y + z * z).sqrt()
 }
 
+/// That a file is compressed.
+pub(super) fn packed(line: &[u8]) -> Option<&'static str> {
+    line.starts_with(&[0x1f, 0x8b]).then_some("it is compressed; unpack it with gunzip")
+}
+
 /// What a first line that is no header says of the file: how another program has written it.
 pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
     let line = line.trim_ascii();
     let lines = line.split(|byte| *byte == b'\r').filter(|line| !line.trim_ascii().is_empty()).count();
     Some(match line {
-        [0x1f, 0x8b, ..] => "it is compressed; unpack it with gunzip",
         _ if lines > 1 => {
             "its lines end with a carriage return alone; save it with the line ends of Unix or Windows"
         }
@@ -210,7 +214,7 @@ pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
         }
         [b'{', ..] | [] => return None,
         _ => {
-            "it is no JSON, as where a table (CSV) has the name of a track file; the page on track files says what its lines hold"
+            "it is no JSON, as where a table (CSV) has the name of a track file, whose lines are one JSON object each: a header, then a frame in each"
         }
     })
 }

@@ -186,6 +186,16 @@ fn frame_line(line: &[u8]) -> Result<FrameLine, TrackFault> {
     })
 }
 
+/// What is wrong with a first line that is no JSON of a header.
+fn no_header(line: &[u8], error: serde_json::Error) -> TrackFault {
+    let is_meant = line.windows(FORMAT.len()).any(|word| word == FORMAT.as_bytes());
+    match convention::other_text(line) {
+        Some(other) => TrackFault::OtherText(other),
+        None if is_meant && error.is_syntax() => error.into(),
+        None => TrackFault::NoHeader,
+    }
+}
+
 fn is_header(line: &[u8]) -> bool {
     let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
     serde_json::from_slice::<Magic>(line).is_ok_and(|magic| magic.format == FORMAT)
@@ -200,12 +210,11 @@ fn not_text(line: &[u8]) -> Option<TrackFault> {
 }
 
 fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
-    if let Some(fault) = not_text(line) {
+    if let Some(fault) = convention::packed(line).map(TrackFault::OtherText).or_else(|| not_text(line)) {
         return Err(fault);
     }
     let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
-    let magic: Magic = serde_json::from_slice(line)
-        .map_err(|_| convention::other_text(line).map_or(TrackFault::NoHeader, TrackFault::OtherText))?;
+    let magic: Magic = serde_json::from_slice(line).map_err(|error| no_header(line, error))?;
     if magic.format != FORMAT {
         return Err(TrackFault::Format(magic.format));
     }
