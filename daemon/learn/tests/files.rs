@@ -92,7 +92,7 @@ fn a_job_file_that_cannot_be_used_is_refused_with_the_reason() {
     assert!(matches!(refused(b"a\xff"), JobFault::NotText(NotText::Encoding(1))));
     assert!(matches!(refused(b"\0\0\0\x20ftypisom"), JobFault::NotText(NotText::Binary)));
     assert!(matches!(refused(b"\r\n"), JobFault::Empty));
-    assert!(matches!(refused(b"format = "), JobFault::Toml { .. }));
+    assert!(matches!(refused(b"format = "), JobFault::Toml(_)));
     assert!(matches!(refused(good.replace("andon.job", "other").as_bytes()), JobFault::Format(_)));
     assert!(matches!(
         refused(good.replacen("version = 2", "version = 99", 1).as_bytes()),

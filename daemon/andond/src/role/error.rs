@@ -157,7 +157,7 @@ impl RoleError {
                 (code, remedy, if is_final { Configuration } else { Fault })
             }
             Self::JobFile(JobFileError { fault, .. }) => match fault {
-                JobFault::Toml { .. } | JobFault::Format(_) | JobFault::Invalid { .. } => {
+                JobFault::Toml(_) | JobFault::Format(_) | JobFault::Invalid { .. } => {
                     (&code::JOB_REFUSED, OfCode, Configuration)
                 }
                 _ => (&code::JOB_REFUSED, InMessage, Configuration),

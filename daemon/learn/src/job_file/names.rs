@@ -117,7 +117,7 @@ mod tests {
         assert_eq!(unnamed.model_hash(), job.model_hash());
         assert!(matches!(
             parse(&renamed.replacen("once", "onze", 1)),
-            Err(JobFault::Checksum { .. } | JobFault::Toml { .. })
+            Err(JobFault::Checksum { .. } | JobFault::Toml(_))
         ));
     }
 

@@ -280,7 +280,7 @@ fn parse(bytes: &[u8]) -> Result<JobFile, JobFault> {
     let no_toml = |error: toml::de::Error| {
         let at = error.span().map_or(0, |span| span.start);
         let remedy = typographic(text, at).map(|remedy| format!("; {remedy}")).unwrap_or_default();
-        JobFault::Toml { error, remedy }
+        JobFault::Toml(error.to_string().trim_end().to_owned() + &remedy)
     };
     let magic: Magic = toml::from_str(text).map_err(no_toml)?;
     if magic.format != FORMAT {
