@@ -32,7 +32,7 @@ wire! { "andon.HandCouple", 60;
     }
 }
 
-wire! { "andon.Couples", 200;
+wire! { "andon.Couples", 208;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -52,8 +52,8 @@ wire! { "andon.Couples", 200;
         out_of_sight: u32,
         /// One such object; 0 where there is none.
         out_of_sight_object: u16,
-        /// An object whose marker the newest frame shows twice; 0 where there is none.
-        twice_object: u16,
+        /// Objects whose markers the newest frame shows twice; then 0.
+        twice_objects: [u16; 5],
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

@@ -56,6 +56,7 @@ impl Bench {
             std::fs::copy(line.tracks(), recordings.join(format!("p1_none_r{repetition}.tracks.jsonl")))
                 .unwrap();
         }
+        std::fs::write(line.path("markers.bmp"), four_markers()).unwrap();
         let text = |path: PathBuf| path.to_str().unwrap().to_owned();
         Self { disk, film: text(film), archive: text(archive), line }
     }
@@ -76,7 +77,7 @@ impl Bench {
         Writer { arguments: words.split_whitespace().map(path).collect(), replaces }
     }
 
-    /// Everything that writes files. `demo --annotate` writes its films as `replay --annotate` does, and `calibrate` its picture as `look` does.
+    /// Everything that writes files. `demo --annotate` writes its films as `replay --annotate` does. `use` and `part` write nothing: the line does.
     fn writers(&self) -> Vec<Writer> {
         vec![
             self.writer(None, "new full --part a=0.03 --camera FILM --out @new.toml"),
@@ -97,6 +98,11 @@ impl Bench {
             self.writer(None, "record LINE --out @r.tracks.jsonl"),
             self.writer(Some("h.svg"), "history LINE --plot @h.svg"),
             self.writer(Some("b.tar"), "backup LINE @b.tar"),
+            self.writer(
+                Some("bench.toml"),
+                "calibrate DEMO $markers.bmp --side 0.084 --marker 0=0,0 --marker 1=0.4,0 --marker 2=0.4,0.24 \
+                 --marker 3=0,0.24 --plot @fit.png --out @bench.toml",
+            ),
             self.writer(None, "analyze $recordings --out @report"),
             self.writer(None, "man @"),
         ]
@@ -128,6 +134,32 @@ impl Bench {
         );
         output
     }
+}
+
+/// A picture of the first four markers of DICT_4X4_50, 400 pixels apart from left to right and 240 from top to bottom, as a BMP.
+fn four_markers() -> Vec<u8> {
+    const WIDTH: u32 = 640;
+    const HEIGHT: u32 = 480;
+    // The inner four by four cells of each, and where its centre is; rows of a BMP go upwards.
+    const MARKERS: [(u16, [u32; 2]); 4] =
+        [(0xb532, [120, 120]), (0x0f9a, [520, 120]), (0x332d, [520, 360]), (0x9946, [120, 360])];
+    let is_white = |x: u32, y: u32| {
+        MARKERS.iter().all(|(cells, [centre_x, centre_y])| {
+            let cell = |at: u32, centre: u32| (at + 42).checked_sub(centre).map(|from| from / 14);
+            match (cell(x, *centre_x), cell(y, *centre_y)) {
+                (Some(column @ 1..=4), Some(row @ 1..=4)) => cells >> (4 * (row - 1) + 4 - column) & 1 == 1,
+                (Some(0..=5), Some(0..=5)) => false,
+                _ => true,
+            }
+        })
+    };
+    let mut file = b"BM".to_vec();
+    for number in [54 + 3 * WIDTH * HEIGHT, 0, 54, 40, WIDTH, HEIGHT, 1 | 24 << 16, 0, 0, 0, 0, 0, 0] {
+        file.extend(number.to_le_bytes());
+    }
+    let pixels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| (x, y)));
+    file.extend(pixels.flat_map(|(x, y)| [if is_white(x, y) { 255 } else { 0 }; 3]));
+    file
 }
 
 /// The files that a command left, with their sizes.
@@ -197,6 +229,13 @@ fn whatever_prints_notices_that_nothing_takes_it() {
         "history LINE",
         "history LINE --csv",
         "history LINE --summary",
+        "history LINE --audit",
+        "look DEMO FILM",
+        "tracks DEMO FILM --force --out $printed.tracks.jsonl",
+        "teach LINE --force $work.tracks.jsonl --out $printed.toml",
+        "markers DEMO --out $recordings",
+        "backup LINE $printed.tar",
+        "analyze $recordings --out $report",
         "segment LINE $work.tracks.jsonl",
         "replay LINE $work.tracks.jsonl --job $job.toml",
         "replay LINE $work.tracks.jsonl --job $job.toml --json",

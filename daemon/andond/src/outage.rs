@@ -65,6 +65,10 @@ impl Outages {
             return None;
         }
         let (start, now) = (health.stamp.epoch, MonotonicTime::sent(&health.stamp));
+        // Messages of two starts are in no order between them: the last words of the old one may come after the first of the new one.
+        if watched.alive.is_some_and(|(_, newest)| now < newest) {
+            return None;
+        }
         let before = watched.alive.replace((start, now));
         let restarted = before.filter(|(known, _)| *known != start).map(|(_, last)| last);
         let began = watched.down_since.take().or(restarted)?;
@@ -125,6 +129,17 @@ mod tests {
         outages.receive(&health(RoleId::Judge, 1, RoleState::Running, 100));
         let over = outages.receive(&health(RoleId::Judge, 2, RoleState::Running, 101)).unwrap();
         assert_eq!((over.began, over.ended), (at(100), Some(at(101))));
+    }
+
+    #[test]
+    fn an_outage_is_told_once_although_words_of_the_old_start_come_after_those_of_the_new_one() {
+        let mut outages = outages();
+        outages.receive(&health(RoleId::Encode, 1, RoleState::Running, 100));
+        assert_eq!(outages.look(at(103)).len(), 1);
+        assert!(outages.receive(&health(RoleId::Encode, 2, RoleState::Running, 105)).is_some());
+        assert_eq!(outages.receive(&health(RoleId::Encode, 1, RoleState::Running, 101)), None);
+        assert_eq!(outages.receive(&health(RoleId::Encode, 2, RoleState::Running, 106)), None);
+        assert_eq!(outages.look(at(106)), []);
     }
 
     #[test]

@@ -121,7 +121,7 @@ impl Recording {
 
     /// Whether this is the name of a track file.
     pub fn is_tracks(path: &Path) -> bool {
-        path.extension().is_some_and(|ending| ending == "jsonl")
+        path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("jsonl"))
     }
 
     fn tracks(path: &Path, blind_ms: u32) -> Result<Self, RecordingError> {
@@ -249,5 +249,18 @@ impl Watched {
         self.seen = Detections { source_ns: pts_ns, flags, ..Detections::default() };
         wire::detections::write(&seen, &mut self.seen);
         Ok(Some(wire::detections::to_core(&self.seen)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_track_file_is_known_by_its_name_however_it_is_written() {
+        for (name, is_tracks) in [("a.tracks.jsonl", true), ("A.TRACKS.JSONL", true), ("a.jsonl.mp4", false)]
+        {
+            assert_eq!(Recording::is_tracks(Path::new(name)), is_tracks, "{name}");
+        }
     }
 }

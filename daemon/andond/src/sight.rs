@@ -41,6 +41,8 @@ pub fn trouble_of(health: &Health) -> Option<Sight> {
 #[derive(Debug, Default)]
 pub struct SightChanges {
     trouble: Option<Sight>,
+    /// When the newest message was sent, in nanoseconds of the monotonic clock.
+    newest_ns: u64,
 }
 
 /// What was wrong before, and what is wrong now.
@@ -55,9 +57,12 @@ pub struct SightChange {
 impl SightChanges {
     /// Takes what a role says of itself.
     pub fn receive(&mut self, health: &Health) -> Option<SightChange> {
-        if health.role != RoleId::Perceive.code() || health.sight == 0 {
+        // Messages of two starts of a role are in no order between them.
+        let is_old = health.stamp.sent_ns < self.newest_ns;
+        if health.role != RoleId::Perceive.code() || health.sight == 0 || is_old {
             return None;
         }
+        self.newest_ns = health.stamp.sent_ns;
         let now = trouble_of(health);
         let before = std::mem::replace(&mut self.trouble, now);
         (before != now).then_some(SightChange { before, now })
@@ -95,5 +100,26 @@ pub fn word(sight: Sight) -> &'static str {
         Sight::Clear => "Clear",
         Sight::TooFewFrames => "SLOW",
         _ => "BLIND",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Messages of two starts of a role are in no order between them.
+    #[test]
+    fn what_an_older_start_has_seen_and_is_read_later_changes_nothing() {
+        let mut changes = SightChanges::default();
+        let mut receive = |sight: Sight, sent_ns: u64| {
+            let mut health =
+                Health { role: RoleId::Perceive.code(), sight: sight.code(), ..Health::default() };
+            health.stamp.sent_ns = sent_ns;
+            changes.receive(&health).map(|change| change.now)
+        };
+        assert_eq!(receive(Sight::Frozen, 10), Some(Some(Sight::Frozen)));
+        assert_eq!(receive(Sight::Clear, 30), Some(None));
+        assert_eq!(receive(Sight::Frozen, 20), None);
+        assert_eq!(receive(Sight::Clear, 40), None);
     }
 }

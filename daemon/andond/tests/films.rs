@@ -50,6 +50,18 @@ fn a_film_that_an_editor_has_cut_at_its_front_is_whole() {
     assert!((23..=25).contains(&shown), "{shown} pictures of 0.8 s");
 }
 
+/// FFmpeg would make pictures of any text whose name ends in .txt, and open what a playlist names.
+#[test]
+fn a_text_is_no_film_whatever_it_is_called() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["notes.txt", "tracks.json", "list.m3u8", "page.mp4"] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, "#EXTM3U\n/etc/hostname\n".repeat(50)).unwrap();
+        let said = refused(&path);
+        assert!(said.contains("it is text and no film") && said.contains(".tracks.jsonl"), "{name}: {said}");
+    }
+}
+
 #[test]
 fn a_film_whose_sound_is_longer_than_its_pictures_is_whole() {
     let folder = tempfile::tempdir().unwrap();

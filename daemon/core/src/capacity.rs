@@ -6,6 +6,9 @@ pub const HANDS: usize = 2;
 /// Objects in one frame: as many as fit on a bench of 1.5 m with a marker each. The paper's largest scene has 6.
 pub const OBJECTS: usize = 32;
 
+/// Objects of which it is said at the same time that their markers are in view twice: more on one bench is a sheet of spare prints.
+pub const TWINS: usize = 5;
+
 /// Interaction points of one object: a few grasp frames and working surfaces (paper III-A.1).
 pub const INTERACTION_POINTS: usize = 8;
 

@@ -16,16 +16,22 @@ use common::work::{measure, polish, polish_and_measure};
 
 const POLISHER: u16 = 5;
 const SPARE: u16 = 4;
+const METER: u16 = 3;
 
 /// The verdicts on a piece whose polisher is not seen while it polishes; in these frames its marker is in view twice.
-fn judged(twice: core::ops::Range<usize>, at_start_of_job: bool) -> Vec<Verdict> {
+fn judged(twice: &[(core::ops::Range<usize>, u16)], at_start_of_job: bool) -> Vec<Verdict> {
     let mut couples = stream(&[&polish(6)[..], &measure()].concat(), &[]);
     for couples in &mut couples[40..110] {
         let couple = &mut couples.hands[0];
         couple.sight[1] = Sight::Unseen;
         (couple.is_clear, couple.is_doubtful, couple.hidden_object) = (false, true, POLISHER);
     }
-    couples[twice].iter_mut().for_each(|couples| couples.twice_object = POLISHER);
+    for (frames, object) in twice {
+        for couples in &mut couples[frames.clone()] {
+            let mut places = couples.twice_objects.iter_mut();
+            *places.find(|place| **place == 0).unwrap() = *object;
+        }
+    }
     let job = polish_and_measure();
     let mut judge = Judge::<Vec<_>>::with_memory(&job, Method::default()).unwrap();
     if at_start_of_job {
@@ -46,7 +52,7 @@ fn reasons(verdicts: &[Verdict]) -> Vec<(Level, Reason, Option<u16>)> {
 
 #[test]
 fn what_is_not_judged_because_a_marker_is_in_view_twice_says_so() {
-    let twice = reasons(&judged(40..110, true));
+    let twice = reasons(&judged(&[(40..110, POLISHER)], true));
     assert!(!twice.is_empty(), "{twice:?}");
     assert!(
         twice.iter().all(|(_, reason, object)| (*reason, *object) == (Reason::MarkerTwice, Some(POLISHER))),
@@ -57,31 +63,45 @@ fn what_is_not_judged_because_a_marker_is_in_view_twice_says_so() {
 #[test]
 fn what_is_not_judged_for_another_reason_keeps_it() {
     for twice in [0..0, 0..5] {
-        let unseen = reasons(&judged(twice.clone(), true));
+        let unseen = reasons(&judged(&[(twice.clone(), POLISHER)], true));
         let is_unseen = |one: &(Level, Reason, Option<u16>)| one.1 == Reason::ObjectNotSeen;
         assert!(unseen.iter().any(is_unseen), "{twice:?}: {unseen:?}");
         assert!(unseen.iter().all(|one| one.1 != Reason::MarkerTwice), "{twice:?}: {unseen:?}");
     }
 }
 
+/// Whichever of them comes first, and although the other one is there for longer.
+#[test]
+fn of_two_markers_that_are_in_view_twice_at_once_the_one_that_was_missing_is_named() {
+    for both in [[(40..110, POLISHER), (40..110, SPARE)], [(0..150, SPARE), (40..110, POLISHER)]] {
+        let twice = reasons(&judged(&both, true));
+        assert!(!twice.is_empty(), "{both:?}");
+        let is_named = |(_, reason, object): &(Level, Reason, Option<u16>)| {
+            (*reason, *object) == (Reason::MarkerTwice, Some(POLISHER))
+        };
+        assert!(twice.iter().all(is_named), "{twice:?}");
+    }
+}
+
 #[test]
 fn a_frame_says_up_to_the_couples_which_marker_of_the_job_it_shows_twice() {
-    let mut bench = Bench::new(&[(POLISHER, [0.0, 0.025]), (SPARE, [0.3, 0.0])]);
+    let mut bench = Bench::new(&[(POLISHER, [0.0, 0.025]), (SPARE, [0.3, 0.0]), (METER, [0.3, 0.3])]);
     bench.rest(30);
     let shapes: Vec<ObjectShape> = shapes(&bench.ids())
         .into_iter()
-        .map(|shape| ObjectShape { used_by: ActivitySet::first((shape.id == POLISHER).into()), ..shape })
+        .map(|shape| ObjectShape { used_by: ActivitySet::first((shape.id != SPARE).into()), ..shape })
         .collect();
     let twice_in = |ids: &[u16]| {
         let show = |frame: &Frame| Frame { twice: ids.iter().copied().collect(), ..frame.clone() };
         let frames: Vec<Frame> = bench.frames.iter().map(show).collect();
-        let mut objects = encode_shapes(&shapes, &frames).into_iter().map(|couples| couples.twice_object);
+        let mut objects = encode_shapes(&shapes, &frames).into_iter().map(|couples| couples.twice_objects);
         let first = objects.next().unwrap();
-        assert!(objects.all(|object| object == first));
+        assert!(objects.all(|objects| objects == first));
         first
     };
-    assert_eq!(twice_in(&[]), 0);
-    assert_eq!(twice_in(&[POLISHER]), POLISHER);
-    assert_eq!(twice_in(&[SPARE]), 0, "the job does not use it");
-    assert_eq!(twice_in(&[SPARE, POLISHER]), POLISHER);
+    assert_eq!(twice_in(&[]), [0; 5]);
+    assert_eq!(twice_in(&[POLISHER]), [POLISHER, 0, 0, 0, 0]);
+    assert_eq!(twice_in(&[SPARE]), [0; 5], "the job does not use it");
+    assert_eq!(twice_in(&[SPARE, POLISHER]), [POLISHER, 0, 0, 0, 0]);
+    assert_eq!(twice_in(&[METER, POLISHER]), [METER, POLISHER, 0, 0, 0]);
 }

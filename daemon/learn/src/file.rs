@@ -91,6 +91,48 @@ pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
     has_mark || bytes.len() >= ENOUGH && (zeros(0) && none(1) || zeros(1) && none(0))
 }
 
+/// What is to be done about the line of a text at this byte, where a word processor has put other characters in place of plain ones: they look
+/// alike, and no parser knows them.
+pub fn typographic(text: &str, at: usize) -> Option<String> {
+    const FOR: [(&[char], &str); 5] = [
+        (&['\u{201c}', '\u{201d}', '\u{201e}', '\u{201f}', '\u{ab}', '\u{bb}'], "a straight \""),
+        (&['\u{2018}', '\u{2019}', '\u{201a}', '\u{201b}'], "a straight '"),
+        (&['\u{2010}', '\u{2011}', '\u{2012}', '\u{2013}', '\u{2014}', '\u{2212}'], "a plain -"),
+        (&['\u{a0}', '\u{2007}', '\u{2009}', '\u{202f}'], "a plain blank"),
+        (&['\u{200b}', '\u{200c}', '\u{200d}', '\u{2060}', '\u{feff}'], "nothing"),
+    ];
+    let before = text.get(..at)?;
+    let begin = before.rfind('\n').map_or(0, |end| end + 1);
+    let line = text[begin..].lines().next()?;
+    let meant = |character: char| FOR.iter().find(|(others, _)| others.contains(&character));
+    let (character, (_, plain)) = line.chars().find_map(|character| Some((character, meant(character)?)))?;
+    Some(format!(
+        "there is U+{:04X} in this line, where {plain} is meant: a word processor does so, an editor for plain text does not",
+        character as u32
+    ))
+}
+
+/// What a file is that no decoder may take for a film: FFmpeg makes pictures of any text, and opens what a playlist names.
+///
+/// # Errors
+/// That it cannot be read.
+pub fn other_than_film(mut file: impl io::Read) -> io::Result<Option<&'static str>> {
+    let mut head = Vec::new();
+    file.by_ref().take(HEAD as u64).read_to_end(&mut head)?;
+    let is_text = str::from_utf8(&head).map_or_else(
+        // A character may be cut off at the end of what was read.
+        |error| error.error_len().is_none() && !head.contains(&0),
+        |text| !text.chars().any(|c| c.is_control() && !c.is_whitespace()),
+    );
+    Ok(match &head[..] {
+        [0x1f, 0x8b, ..] => Some("it is compressed; unpack it with gunzip"),
+        _ if is_text || is_utf16(&head) => {
+            Some("it is text and no film; a track file is read where its name ends in .tracks.jsonl")
+        }
+        _ => None,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -114,6 +156,41 @@ mod tests {
         assert_eq!(text(b"\0\0\0\x20ftypisom\0\0\x02\0isomiso2avc1mp41"), Err(NotText::Binary));
         assert_eq!(text(b"name = 'a'\nname = 'Pr\xfcfer'"), Err(NotText::Encoding(2)));
         assert_eq!(text(b"").unwrap(), "");
+    }
+
+    #[test]
+    fn a_character_that_only_looks_like_a_plain_one_is_named_with_the_plain_one() {
+        let text = "a = \"\u{201c}fine\u{201d}\"\nb = \u{201c}x\u{201d}\nc = \u{2013}1\nd\u{a0}= 2\n\u{200b}[e]\nf = 3\n";
+        let said = |what: &str| typographic(text, text.find(what).unwrap()).unwrap_or_default();
+        for (line, words) in [
+            ("b =", "U+201C in this line, where a straight \" is meant"),
+            ("c =", "U+2013 in this line, where a plain -"),
+            ("= 2", "U+00A0 in this line, where a plain blank"),
+            ("[e]", "U+200B in this line, where nothing"),
+        ] {
+            assert!(said(line).contains(words), "{line}: {}", said(line));
+        }
+        assert_eq!(said("f ="), "");
+        assert_eq!(typographic(text, text.len() + 1), None);
+    }
+
+    #[test]
+    fn text_and_what_is_compressed_are_no_films_and_a_film_is_one() {
+        let other = |bytes: &[u8]| other_than_film(bytes).unwrap().unwrap_or_default();
+        let long = "\u{e4}".repeat(3000);
+        for text in ["{\"t\": 0.0}\r\n", "#EXTM3U\nfilm.mp4\n", "<html>404</html>", &long, &long[..4098]] {
+            assert!(other(text.as_bytes()).starts_with("it is text and no film"), "{text:.20}");
+        }
+        assert!(other(b"{\0}\0\n\0{\0}\0\n\0{\0}\0\n\0{\0}\0\n\0{\0}\0\n\0").contains("it is text"));
+        assert!(other(b"\x1f\x8b\x08\0").contains("gunzip"));
+        for film in [
+            &b"\0\0\0\x20ftypisom"[..],
+            b"RIFF\x10\xff\x01\0AVI LIST",
+            b"\x1aE\xdf\xa3\x93",
+            b"GIF89a\x80\x02",
+        ] {
+            assert_eq!(other(film), "");
+        }
     }
 
     #[test]

@@ -61,9 +61,11 @@ fn a_track_file_that_cannot_be_trusted_is_refused_with_its_line_and_the_reason()
             1,
             "an interaction point of object 5 lies",
         ),
+        (frame(""), 3, "no frame comes after the header"),
+        (frame("{\"t\":0}").repeat(2), 3, "another recording begins here"),
         (frame("{\"t\":0}\n{\"t\":0}"), 3, "t is 0 s after 0 s"),
         (frame("{\"t\":-1}"), 2, "t is -1; it must be in 0 to 1e9 seconds"),
-        (frame("{\"t\":\"now\"}"), 2, "invalid type"),
+        (frame("{\"t\":\"now\"}"), 2, "invalid type: string \"now\", expected f64, at column 10"),
         (frame(&" ".repeat((1 << 20) + 1)), 2, "the line is longer than"),
         (hand(&HAND.replace("right", "left")), 2, "the left hand is not in the header"),
         (hand(&HAND.replace("\"id\"", "\"score\":2,\"id\"")), 2, "score is 2"),
@@ -110,6 +112,12 @@ fn a_job_file_that_any_editor_has_saved_is_the_same_job() {
         let read = JobFile::parse("saved.toml", saved.as_bytes()).unwrap();
         assert_eq!((read.model_hash(), read.to_toml()), (job.model_hash(), good.clone()));
     }
+    // As a word processor saves the names that were changed.
+    let (before, names) = good.split_once("[names]").unwrap();
+    let quoted = names.replacen("\"", "\u{201c}", 1).replacen("\"", "\u{201d}", 1);
+    let said =
+        JobFile::parse("saved.toml", format!("{before}[names]{quoted}").as_bytes()).unwrap_err().to_string();
+    assert!(said.contains("where a straight \" is meant"), "{said}");
     let utf16: Vec<u8> = good.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let said = JobFile::parse("saved.toml", &utf16).unwrap_err().to_string();
     assert!(said.contains("UTF-16") && said.contains("save it as UTF-8"), "{said}");
@@ -202,6 +210,14 @@ fn what_another_tracker_means_by_its_numbers_is_refused_by_its_name() {
             "nanoseconds; divide it by 1000000000",
         ),
         (tracked(|t, p, q| ((1.7e12 + t * 1e3).to_string(), list(p), list(q))), "milliseconds"),
+        (tracked(|t, p, q| ((t * 30.0).round().to_string(), list(p), list(q))), "frames; divide it by 30"),
+        (
+            tracked(|t, [x, ..], q| {
+                let height = if t > 1.0 { 0.2 } else { 0.29 };
+                (t.to_string(), list([x, 0.0, height]), list(q))
+            }),
+            "write [x, z, y]",
+        ),
         (tracked(|t, p, [w, x, y, z]| (t.to_string(), list(p), list([x, y, z, w]))), "x, y, z, w"),
         (
             tracked(|t, p, q| {
@@ -225,4 +241,25 @@ fn what_another_tracker_means_by_its_numbers_is_refused_by_its_name() {
         .collect();
     let error = recording::read("other", &utf16).unwrap_err().to_string();
     assert!(error.contains("UTF-16") && error.contains("save it as UTF-8"), "{error}");
+}
+
+#[test]
+fn a_text_that_is_no_track_file_is_called_what_it_is() {
+    let good = frame("{\"t\":0}");
+    let lines: Vec<&str> = good.lines().collect();
+    let cases = [
+        (format!("[{}]", lines.join(",\n")), "it is one list in JSON"),
+        (good.replace("{\"form", "{\n  \"form"), "an object goes over several lines"),
+        (good.replace('"', "'"), "json.dumps"),
+        (format!("{},\n", lines.join(",\n")), "a comma stands at the end of a line"),
+        (good.replace("30,", "30,0,"), "key must be a string, at column"),
+        (good.replace('\n', "\r"), "carriage return alone"),
+        ("t,id,x,y,z\n0,5,0.1,0.2,0\n".to_owned(), "a table (CSV)"),
+    ];
+    for (text, said) in cases {
+        let error = recording::read("other", text.as_bytes()).unwrap_err();
+        assert!(error.line == 1 && error.to_string().contains(said), "{error}: not {said:?}");
+    }
+    let packed = recording::read("other", b"\x1f\x8b\x08\0 and so on").unwrap_err().to_string();
+    assert!(packed.contains("gunzip"), "{packed}");
 }

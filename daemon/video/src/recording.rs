@@ -30,6 +30,9 @@ pub(crate) fn open(path: &Path, rate_hz: f64) -> Result<Box<dyn Source>, String>
     if film.metadata().is_ok_and(|film| film.len() == 0) {
         return Err("the file is empty: copy the film again".into());
     }
+    if let Some(other) = file::other_than_film(film).map_err(|error| error.to_string())? {
+        return Err(other.into());
+    }
     Ok(Box::new(Film::open(path)?))
 }
 

@@ -227,7 +227,7 @@ impl Line<'_> {
                     undone: ActivitySet::from_bits(u32::from(input.byte())),
                     out_of_sight: ActivitySet::from_bits(u32::from(input.byte())),
                     out_of_sight_object: 0,
-                    twice_object: 0,
+                    twice_objects: [0; 5],
                     hands,
                 });
             }

@@ -1,7 +1,7 @@
 //! One file of the configuration: its text, its tables, and the lines of both.
 
 use super::fault::Fault;
-use andon_learn::file;
+use andon_learn::file::{self, typographic};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -54,10 +54,12 @@ impl<'f> Document<'f> {
         let line = |error: &toml::de::Error| error.span().map(|span| document.line(span.start));
         // One mistake can cause several errors of the parser on the same line.
         let firsts = errors.chunk_by(|a, b| line(a) == line(b)).filter_map(|errors| errors.first());
-        faults.extend(
-            firsts
-                .map(|error| fault(document.path, line(error), format!("is not TOML: {}", error.message()))),
-        );
+        faults.extend(firsts.map(|error| {
+            let at = error.span().map_or(0, |span| span.start);
+            let remedy =
+                typographic(document.text, at).map(|remedy| format!("; {remedy}")).unwrap_or_default();
+            fault(document.path, line(error), format!("is not TOML: {}{remedy}", error.message()))
+        }));
         document
     }
 

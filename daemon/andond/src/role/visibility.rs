@@ -215,7 +215,7 @@ mod tests {
             undone: ActivitySet::EMPTY,
             out_of_sight: ActivitySet::EMPTY,
             out_of_sight_object: 0,
-            twice_object: 0,
+            twice_objects: [0; 5],
             hands: [Couple::idle(Side::Right, at_ns), left],
         }
     }

@@ -12,7 +12,7 @@ pub fn write(couples: &Couples, message: &mut Message) {
     message.undone = couples.undone.bits();
     message.out_of_sight = couples.out_of_sight.bits();
     message.out_of_sight_object = couples.out_of_sight_object;
-    message.twice_object = couples.twice_object;
+    message.twice_objects = couples.twice_objects;
     message.flags |= bit(couples.is_captured, flag::CAPTURED)
         | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN)
         | bit(couples.is_carried_unseen, flag::CARRIED_UNSEEN)
@@ -69,7 +69,7 @@ pub fn read(message: &Message) -> Couples {
         undone: ActivitySet::from_bits(message.undone),
         out_of_sight: ActivitySet::from_bits(message.out_of_sight),
         out_of_sight_object: message.out_of_sight_object,
-        twice_object: message.twice_object,
+        twice_objects: message.twice_objects,
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
 }
@@ -141,7 +141,7 @@ mod tests {
             undone: ActivitySet::first(3),
             out_of_sight: ActivitySet::of(5),
             out_of_sight_object: 8,
-            twice_object: 9,
+            twice_objects: [9, 5, 0, 0, 0],
             hands,
         };
         let mut message = Message::default();

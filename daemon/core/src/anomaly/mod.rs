@@ -206,7 +206,7 @@ pub struct Judge<'a, M = heapless::Vec<OnlineDtw<'a>, COMPARISONS>> {
     blind_ns: u64,
     /// The newest couples, unless others follow that do not come from the same frames.
     newest: Option<Couples>,
-    twice: Option<Twice>,
+    twice: Twice,
     /// In how many of the next couples it may still not be seen what a hand held when others were missing.
     unsettled: u32,
     segmenter: JobSegmenter,
@@ -248,7 +248,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             period_ns: method.period_ns(),
             blind_ns: u64::from(method.blind_ms) * 1_000_000,
             newest: None,
-            twice: None,
+            twice: Twice::default(),
             unsettled: 0,
             segmenter,
             bench: Bench {
@@ -287,9 +287,9 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
     /// what a hand holds.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
-        self.twice = Twice::follow(self.twice, couples.twice_object, couples.captured_ns);
+        self.twice.follow(&couples.twice_objects, couples.captured_ns);
         let twice = self.twice;
-        let emit = &mut |event| emit(Twice::named(twice, event));
+        let emit = &mut |event| emit(twice.named(event));
         if let Some(newest) = self.newest.replace(*couples) {
             let until_ns = couples.captured_ns.saturating_sub(self.period_ns / 2);
             let mut elapsed_ns = self.period_ns;
@@ -401,7 +401,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Starts a job on command. The open job, if any, ends first, with its verdicts.
     pub fn start(&mut self, emit: &mut impl FnMut(Event)) {
         let twice = self.twice;
-        let emit = &mut |event| emit(Twice::named(twice, event));
+        let emit = &mut |event| emit(twice.named(event));
         let Self { segmenter, bench, .. } = self;
         self.newest = None;
         segmenter.start(&mut |event| bench.take(&event, None, emit));
@@ -425,7 +425,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// Ends the open job on command or at the end of a recording, with its verdicts.
     pub fn finish(&mut self, emit: &mut impl FnMut(Event)) {
         let twice = self.twice;
-        let emit = &mut |event| emit(Twice::named(twice, event));
+        let emit = &mut |event| emit(twice.named(event));
         let Self { segmenter, bench, .. } = self;
         segmenter.finish(&mut |event| bench.take(&event, None, emit));
         if let Some(began_ns) = segmenter.take_unseen(true) {

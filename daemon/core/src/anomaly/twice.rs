@@ -1,6 +1,7 @@
-//! A marker that is in view twice: which of the two is its object is not guessed, and what was not judged for that says so.
+//! Markers that are in view twice: which of two is its object is not guessed, and what was not judged for that says so.
 
 use super::Event;
+use crate::capacity::TWINS;
 use crate::verdict::{Missing, Outcome, Reason, Verdict};
 
 /// When no marker was in view twice for so long, somebody has taken the other print away, in nanoseconds.
@@ -10,38 +11,56 @@ const GONE_NS: u64 = 2_000_000_000;
 const SHARE: f32 = 0.5;
 const SLACK_S: f32 = 0.1;
 
-/// The object whose marker was in view twice last.
-#[derive(Clone, Copy, Debug)]
+/// The objects whose markers are or were in view twice.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Twice {
+    twins: [Option<Twin>; TWINS],
+}
+
+/// An object whose marker is or was in view twice.
+#[derive(Clone, Copy, Debug)]
+struct Twin {
     object: u16,
     began_ns: u64,
     newest_ns: u64,
 }
 
 impl Twice {
-    /// Takes what the couples of this time say; `object` is 0 where no marker is in view twice.
-    pub(super) fn follow(before: Option<Self>, object: u16, now_ns: u64) -> Option<Self> {
-        match before {
-            _ if object == 0 => before,
-            Some(before) if before.object == object && now_ns.saturating_sub(before.newest_ns) < GONE_NS => {
-                Some(Self { newest_ns: now_ns, ..before })
+    /// Takes the objects that the couples of this time name; 0 is none.
+    pub(super) fn follow(&mut self, objects: &[u16], now_ns: u64) {
+        for &object in objects.iter().filter(|object| **object != 0) {
+            let new = Twin { object, began_ns: now_ns, newest_ns: now_ns };
+            match self.twins.iter_mut().flatten().find(|twin| twin.object == object) {
+                Some(twin) if now_ns.saturating_sub(twin.newest_ns) < GONE_NS => twin.newest_ns = now_ns,
+                Some(twin) => *twin = new,
+                None => self.add(new),
             }
-            _ => Some(Self { object, began_ns: now_ns, newest_ns: now_ns }),
         }
     }
 
-    /// The same event, with this as the reason of a verdict that was not given because of it.
-    pub(super) fn named(twice: Option<Self>, event: Event) -> Event {
-        match (event, twice) {
-            (Event::Verdict(verdict), Some(twice)) if twice.explains(&verdict) => Event::Verdict(Verdict {
+    /// Adds one: where there is no place left, in that of the one that was not seen for longest.
+    fn add(&mut self, new: Twin) {
+        let place = self.twins.iter_mut().min_by_key(|place| place.map(|twin| twin.newest_ns));
+        place.into_iter().for_each(|place| *place = Some(new));
+    }
+
+    /// The same event, with a marker that is in view twice as the reason of a verdict that was not given because of it: where it is known which
+    /// object was missing this object's, else the one that came last.
+    pub(super) fn named(&self, event: Event) -> Event {
+        let Event::Verdict(verdict) = event else { return event };
+        let twins = self.twins.iter().flatten().filter(|twin| twin.explains(&verdict));
+        Event::Verdict(match twins.max_by_key(|twin| twin.began_ns) {
+            Some(twin) => Verdict {
                 reason: Reason::MarkerTwice,
-                missing: Missing { object: Some(twice.object), ..verdict.missing },
+                missing: Missing { object: Some(twin.object), ..verdict.missing },
                 ..verdict
-            }),
-            (event, _) => event,
-        }
+            },
+            None => verdict,
+        })
     }
+}
 
+impl Twin {
     fn explains(&self, verdict: &Verdict) -> bool {
         let is_meant = match verdict.reason {
             // Another cause may have hidden it for most of the time.

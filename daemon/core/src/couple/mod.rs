@@ -13,7 +13,7 @@ mod scene;
 pub use encoder::{Encoder, Refused, Unusable};
 pub use scatter::apart_by_chance_m;
 
-use crate::capacity::HANDS;
+use crate::capacity::{HANDS, TWINS};
 use crate::input::{Point, Side};
 use crate::set::ActivitySet;
 
@@ -227,8 +227,8 @@ pub struct Couples {
     pub out_of_sight: ActivitySet,
     /// The id of one such object, 0 where there is none.
     pub out_of_sight_object: u16,
-    /// The id of an object that the job uses and whose marker the newest frame shows twice, 0 where there is none.
-    pub twice_object: u16,
+    /// The ids of objects that the job uses and whose markers the newest frame shows twice, then 0.
+    pub twice_objects: [u16; TWINS],
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
 }

@@ -119,7 +119,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
                 undone: ActivitySet::EMPTY,
                 out_of_sight: ActivitySet::EMPTY,
                 out_of_sight_object: 0,
-                twice_object: 0,
+                twice_objects: [0; 5],
                 hands,
             }
         })

@@ -4,7 +4,7 @@ use super::{
     FORMAT, JobFault, JobFile, JobFileError, Provenance, Relation, RelationKind, ShownValues, Source,
     TaughtActivity, TaughtIu, TaughtStep, VERSION, checksum, runs, validate,
 };
-use crate::file;
+use crate::file::{self, typographic};
 use crate::recording::NamedObject;
 use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
@@ -277,7 +277,12 @@ fn parse(bytes: &[u8]) -> Result<JobFile, JobFault> {
     if text.trim().is_empty() {
         return Err(JobFault::Empty);
     }
-    let magic: Magic = toml::from_str(text)?;
+    let no_toml = |error: toml::de::Error| {
+        let at = error.span().map_or(0, |span| span.start);
+        let remedy = typographic(text, at).map(|remedy| format!("; {remedy}")).unwrap_or_default();
+        JobFault::Toml(error.to_string().trim_end().to_owned() + &remedy)
+    };
+    let magic: Magic = toml::from_str(text).map_err(no_toml)?;
     if magic.format != FORMAT {
         return Err(JobFault::Format(magic.format));
     }
@@ -291,7 +296,7 @@ fn parse(bytes: &[u8]) -> Result<JobFile, JobFault> {
             computed: format!("sha256:{computed}"),
         });
     }
-    let job = job_of(toml::from_str(text)?)?;
+    let job = job_of(toml::from_str(text).map_err(no_toml)?)?;
     validate::validate(&job)?;
     Ok(job)
 }

@@ -32,6 +32,10 @@ const MIN_TURN: f64 = 0.2;
 const NO_TILT: f64 = 1e-6;
 const MIN_TURN_WITHOUT_TILT: f64 = 0.005;
 
+/// What lies in a plane and has the same second number, to this many metres, while the third one differs by so much, has its height second.
+const SAME_M: f32 = 0.001;
+const APART_M: f32 = 0.05;
+
 /// What the frames so far show.
 #[derive(Debug)]
 pub(super) struct Conventions {
@@ -44,6 +48,8 @@ pub(super) struct Conventions {
     steps: Vec<f64>,
     has_looked_at_steps: bool,
     rotations: Rotations,
+    /// How many hands were seen, and the least and the largest y and z of hands and parts.
+    places: (usize, [[f32; 2]; 2]),
 }
 
 /// The range of the rotations, with the last number positive: q and -q are the same one.
@@ -67,6 +73,7 @@ impl Conventions {
             steps: Vec::new(),
             has_looked_at_steps: false,
             rotations: Rotations::default(),
+            places: (0, [[f32::INFINITY, f32::NEG_INFINITY]; 2]),
         }
     }
 
@@ -87,7 +94,26 @@ impl Conventions {
                 self.look_at_hands()?;
             }
         }
-        objects.iter().try_for_each(|object| self.rotation(object))
+        objects.iter().try_for_each(|object| self.rotation(object))?;
+        self.place(hands, objects)
+    }
+
+    /// A hand that works in a plane moves in both of its directions, so a second number that never changes is no y.
+    fn place(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), TrackFault> {
+        let (count, [y, z]) = &mut self.places;
+        let places = hands.iter().map(|hand| hand.wrist).chain(objects.iter().map(|object| object.position));
+        for place in places {
+            for (range, value) in [(&mut *y, place[1]), (&mut *z, place[2])] {
+                *range = [range[0].min(value), range[1].max(value)];
+            }
+        }
+        *count += hands.len();
+        let is_same = *count >= HANDS && y[1] - y[0] < SAME_M && z[1] - z[0] > APART_M;
+        if self.space == Space::Plane && is_same {
+            Err(TrackFault::HeightSecond(y[0].into()))
+        } else {
+            Ok(())
+        }
     }
 
     /// Looks at what there is of a file that ends here.
@@ -122,7 +148,9 @@ impl Conventions {
             let times = step * self.rate_hz / factor;
             (1.0 / MAX_WRONG_RATE..=MAX_WRONG_RATE).contains(&times)
         };
-        match units.into_iter().find(|(_, factor)| is_meant(*factor)) {
+        // Frames that are numbered differ by exactly one. A camera that sends one picture per second has no such clock.
+        let numbers = Some(("frames", self.rate_hz)).filter(|_| step == 1.0 && self.rate_hz > MAX_WRONG_RATE);
+        match units.into_iter().find(|(_, factor)| is_meant(*factor)).or(numbers) {
             None => Ok(()),
             Some((unit, factor)) => Err(TrackFault::Times {
                 step,
@@ -161,6 +189,34 @@ impl Conventions {
 fn length(hand: &Hand) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|axis| f64::from(hand.tips[1][axis]) - f64::from(hand.wrist[axis]));
     (x * x + y * y + z * z).sqrt()
+}
+
+/// That a file is compressed.
+pub(super) fn packed(line: &[u8]) -> Option<&'static str> {
+    line.starts_with(&[0x1f, 0x8b]).then_some("it is compressed; unpack it with gunzip")
+}
+
+/// What a first line that is no header says of the file: how another program has written it.
+pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
+    let line = line.trim_ascii();
+    let lines = line.split(|byte| *byte == b'\r').filter(|line| !line.trim_ascii().is_empty()).count();
+    Some(match line {
+        _ if lines > 1 => {
+            "its lines end with a carriage return alone; save it with the line ends of Unix or Windows"
+        }
+        [b'[', ..] => {
+            "it is one list in JSON; write each of its objects on a line of its own, without brackets and commas around them"
+        }
+        b"{" => "an object goes over several lines; write each on one line",
+        [b'{', b'\'', ..] => "it is what Python prints and no JSON; write each line with json.dumps",
+        [b'{', .., b','] => {
+            "a comma stands at the end of a line; write each object on a line of its own, without commas between them"
+        }
+        [b'{', ..] | [] => return None,
+        _ => {
+            "it is no JSON, as where a table (CSV) has the name of a track file, whose lines are one JSON object each: a header, then a frame in each"
+        }
+    })
 }
 
 /// Checks a point of an object in the header.

@@ -29,6 +29,17 @@ pub enum TrackFault {
         "the header is missing; the first line must be {{\"format\": \"andon.tracks\", \"version\": 1, ...}}"
     )]
     NoHeader,
+    /// The first line is no header, and it shows what other kind of text the file is.
+    #[error("{0}")]
+    OtherText(&'static str),
+    /// Another header comes after frames.
+    #[error("another recording begins here: give each of them as a file of its own")]
+    SecondHeader,
+    /// A header and nothing more.
+    #[error(
+        "no frame comes after the header, so there is nothing to judge: was the recording stopped at once?"
+    )]
+    NoFrames,
     /// The file has another format.
     #[error("the format is {0:?}, not \"andon.tracks\"")]
     Format(String),
@@ -36,7 +47,7 @@ pub enum TrackFault {
     #[error("version {0} of the track format is unknown; this program reads version 1")]
     Version(i64),
     /// The line is not a JSON object of the expected shape.
-    #[error("{0}")]
+    #[error("{}", without_its_line(.0))]
     Json(#[from] serde_json::Error),
     /// The line is longer than any frame can make it.
     #[error("the line is longer than {0} bytes")]
@@ -90,6 +101,12 @@ pub enum TrackFault {
          w; here it is [w, x, y, z]: put the last one first"
     )]
     RealPartLast(u16),
+    /// Everything lies on one line of the plane.
+    #[error(
+        "all hands and parts have the same y, {0}, and their z differ: in space \"plane\" the bench is x and y, and these places seem to have their \
+         height second; write [x, z, y], and turn q likewise"
+    )]
+    HeightSecond(f64),
     /// A number is out of its range.
     #[error("{name} is {value}; it must be in {range}")]
     Range {
@@ -150,4 +167,13 @@ pub enum TrackFault {
     /// A quaternion is not a rotation: object and length.
     #[error("q of object {0} has length {1}; a rotation is a unit quaternion [w, x, y, z]")]
     Quaternion(u16, f32),
+}
+
+/// What is wrong with a line, which is all that the parser was given: only the column of its place says something.
+fn without_its_line(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    match text.rsplit_once(" at line 1 column ") {
+        Some((what, column)) => format!("{what}, at column {column}"),
+        None => text,
+    }
 }

@@ -102,7 +102,7 @@ impl<R: BufRead> TrackReader<R> {
     fn frame(&mut self) -> Result<Option<Frame>, TrackFault> {
         let Some(is_whole) = self.lines.next_line()? else {
             self.conventions.end()?;
-            return Ok(None);
+            return if self.before_s.is_some() { Ok(None) } else { Err(TrackFault::NoFrames) };
         };
         let line = match frame_line(&self.lines.buffer) {
             Ok(line) => line,
@@ -111,6 +111,7 @@ impl<R: BufRead> TrackReader<R> {
                 self.truncation = Some(Truncation { file: self.lines.file.clone(), line: self.lines.line });
                 return Ok(None);
             }
+            Err(_) if is_header(&self.lines.buffer) => return Err(TrackFault::SecondHeader),
             Err(fault) => return Err(fault),
         };
         self.conventions.time(line.t)?;
@@ -185,6 +186,21 @@ fn frame_line(line: &[u8]) -> Result<FrameLine, TrackFault> {
     })
 }
 
+/// What is wrong with a first line that is no JSON of a header.
+fn no_header(line: &[u8], error: serde_json::Error) -> TrackFault {
+    let is_meant = line.windows(FORMAT.len()).any(|word| word == FORMAT.as_bytes());
+    match convention::other_text(line) {
+        Some(other) => TrackFault::OtherText(other),
+        None if is_meant && error.is_syntax() => error.into(),
+        None => TrackFault::NoHeader,
+    }
+}
+
+fn is_header(line: &[u8]) -> bool {
+    let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
+    serde_json::from_slice::<Magic>(line).is_ok_and(|magic| magic.format == FORMAT)
+}
+
 /// That the beginning of a file is no text in UTF-8.
 fn not_text(line: &[u8]) -> Option<TrackFault> {
     if is_utf16(line) {
@@ -194,11 +210,11 @@ fn not_text(line: &[u8]) -> Option<TrackFault> {
 }
 
 fn header_of(line: &[u8]) -> Result<Header, TrackFault> {
-    if let Some(fault) = not_text(line) {
+    if let Some(fault) = convention::packed(line).map(TrackFault::OtherText).or_else(|| not_text(line)) {
         return Err(fault);
     }
     let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
-    let magic: Magic = serde_json::from_slice(line).map_err(|_| TrackFault::NoHeader)?;
+    let magic: Magic = serde_json::from_slice(line).map_err(|error| no_header(line, error))?;
     if magic.format != FORMAT {
         return Err(TrackFault::Format(magic.format));
     }

@@ -307,7 +307,14 @@ impl Usual {
     }
 }
 
-/// How long the same picture comes again and again.
+/// How long the same picture comes again and again, bit for bit.
+///
+/// A still picture that was coded again with losses is not found, because a bench on which nobody moves is coded alike: both are blocks that are
+/// taken over from the picture before. On films with a camera's noise, of four codecs at seven qualities, frozen for 1.5 s or live, no measure of
+/// a window of 0.7 s keeps the two apart (the largest value of a frozen film, the least of a live one): the share of pixels that differ from one
+/// picture to the next 0.048 and 0.0004, that change within the window 0.23 and 0.007, the mean change of the block that changes most 1.0 and
+/// 0.8 grey levels, the median packet in the container 169 and 18 bytes, and against the median of its film 0.85 and 0.12. Within one codec and
+/// quality two of them do in most cases, which a line cannot know.
 #[derive(Default)]
 struct Stillness {
     fingerprint: Option<u64>,

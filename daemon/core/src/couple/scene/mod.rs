@@ -19,7 +19,7 @@ use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
 use super::scatter::{MOVED_M, Wandering, apart_by_chance_m};
 use super::{Context, Couple, Couples, Motion, Sight, Waiting};
-use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
+use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES, TWINS};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
 use crate::object::{ObjectShape, StartPlace};
@@ -111,8 +111,8 @@ pub(super) struct Scene {
     handless_frames: u32,
     /// For how many frames no hand has acted on anything.
     idle_frames: u32,
-    /// [`Couples::twice_object`] of the newest frame.
-    twice_object: u16,
+    /// [`Couples::twice_objects`] of the newest frame.
+    twice_objects: [u16; TWINS],
     hands: [Recent<HandPose>; HANDS],
     leaps: [Leap; HANDS],
     sides: Sides,
@@ -163,7 +163,7 @@ impl Scene {
             bench_hidden: 0,
             handless_frames: 0,
             idle_frames: 0,
-            twice_object: 0,
+            twice_objects: [0; TWINS],
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             leaps: [Leap::default(); HANDS],
             sides: Sides::default(),
@@ -205,8 +205,9 @@ impl Scene {
         self.captured = self.captured << 1 | u32::from(frame.is_some());
         let is_used =
             |id: &u16| self.objects.iter().any(|node| node.shape.id == *id && !node.shape.used_by.is_empty());
-        let twice = frame.and_then(|frame| frame.twice.iter().copied().find(is_used));
-        self.twice_object = twice.unwrap_or_default();
+        self.twice_objects = [0; TWINS];
+        let twice = frame.iter().flat_map(|frame| frame.twice.iter().copied().filter(is_used));
+        self.twice_objects.iter_mut().zip(twice).for_each(|(place, id)| *place = id);
         self.push_hands(frame);
         self.push_objects(frame);
         self.move_holding_hands();
@@ -336,7 +337,7 @@ impl Scene {
             undone: self.undone(age),
             out_of_sight: self.out_of_sight(age),
             out_of_sight_object: self.out_of_sight_object(age),
-            twice_object: self.twice_object,
+            twice_objects: self.twice_objects,
             hands,
         }
     }

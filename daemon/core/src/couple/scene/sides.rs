@@ -1,5 +1,10 @@
 //! Whose hand is seen. A tracker may take a hand for the other one for some frames, but a hand that is where a hand has just been, and where the
 //! one that it is called was not, is that hand. One that may be either is not seen.
+//!
+//! A name that lasts longer than `blind_ms` is believed. A part may be handed over where two hands meet, so that a tracker means it is then as
+//! likely as that it errs, and a rule that kept the old name would call a handing over the work of one hand. It is not resolved in silence:
+//! the other hand has verdicts of its own, with a question where its work was not shown, and the hand that has lost its name is not seen: its
+//! work is right only where what was seen of the parts leaves no fault that it could hide.
 
 use super::leap::{is_reached, off_course_m};
 use crate::capacity::HANDS;
