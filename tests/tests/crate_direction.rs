@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 12] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
@@ -17,9 +17,14 @@ const MAY_USE: [(&str, &[&str]); 11] = [
     ("andon-realsense", &[]),
     ("andon-plc", &["andon-ipc", "shm-schemas"]),
     (
+        "andon-host",
+        &["andon-core", "andon-ipc", "andon-learn", "andon-perception", "andon-plc", "shm-schemas"],
+    ),
+    (
         "andond",
         &[
             "andon-core",
+            "andon-host",
             "andon-ipc",
             "andon-journal",
             "andon-learn",
@@ -28,7 +33,7 @@ const MAY_USE: [(&str, &[&str]); 11] = [
             "shm-schemas",
         ],
     ),
-    ("andon-video", &["andon-ipc", "andon-realsense", "andond", "shm-schemas"]),
+    ("andon-video", &["andon-host", "andon-ipc", "andon-learn", "andon-realsense", "shm-schemas"]),
     (
         "andon-tests",
         &[

@@ -1,12 +1,11 @@
 //! Perception as the configuration describes it.
 
 use andon_core::input::Side;
+use andon_host::config::{Config, HandModel};
 use andon_perception::bench::{Calibration, CalibrationError};
 use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig, ModelSize, ThreadsConfig};
 use andon_perception::detections;
 use andon_perception::{Perceiver, PerceptionConfig, PerceptionError};
-
-use crate::config::{Config, HandModel};
 
 /// Why there is no perceiver.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +61,7 @@ fn hands(config: &Config) -> HandsConfig {
 /// The objects that are looked for.
 pub fn marker_objects(config: &Config) -> Vec<MarkerObject> {
     let object =
-        |object: &crate::config::Object| MarkerObject { id: object.id, side_m: object.marker_side_m };
+        |object: &andon_host::config::Object| MarkerObject { id: object.id, side_m: object.marker_side_m };
     config.objects.iter().map(object).collect()
 }
 

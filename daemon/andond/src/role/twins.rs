@@ -1,7 +1,7 @@
 //! Logs that the marker of a part is in view twice: which of the two is the part is not guessed, and the part counts as not seen.
 
-use crate::config::Config;
-use crate::log::{code, log};
+use andon_host::config::Config;
+use andon_host::log::{code, log};
 
 /// What is in view twice for so many frames is no lucky pattern.
 const FRAMES: u32 = 5;

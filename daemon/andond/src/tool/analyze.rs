@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use andon_host::exit::Code;
 use andon_learn::analysis::{Analysis, Kind, Order, Report, as_shown_to_meet, report, selection};
 use andon_learn::experiment::experiment_1;
 use andon_learn::teach::TeachOptions;
@@ -9,7 +10,6 @@ use andon_learn::teach::TeachOptions;
 use super::experiment::{SEED, is_experiment_1, percent_bar};
 use super::{ToolError, cannot_write, labelled, write_together};
 use crate::cli::Analyze;
-use crate::exit::Code;
 
 /// Runs the command.
 ///

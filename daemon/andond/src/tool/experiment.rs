@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use andon_host::exit::Code;
 use andon_learn::experiment::{Ladder, Outcome, Split, Table, Variation, experiment_1, experiment_2};
 use andon_learn::folder::Labelled;
 use andon_learn::teach::TeachOptions;
@@ -9,7 +10,6 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{ToolError, labelled};
 use crate::cli::Experiment;
-use crate::exit::Code;
 
 /// Seed of k-means++ and of the random splits: any will do, and the same folder must give the same figures.
 pub(super) const SEED: u64 = 1;

@@ -4,6 +4,8 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_ipc::{Node, Reader, Wake};
 use shm_schemas::{Detections, flag};
 
@@ -11,8 +13,6 @@ use super::join::join;
 use super::recorder::{Recorder, header};
 use super::{ToolError, cannot_write, load_config, new_or_forced};
 use crate::cli::Record;
-use crate::config::Config;
-use crate::exit::Code;
 use crate::wire;
 
 /// Nothing is due between two frames: this is only how often the wait is repeated.

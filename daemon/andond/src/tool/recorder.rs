@@ -5,10 +5,10 @@ use std::io::BufWriter;
 use std::path::Path;
 
 use andon_core::input::{Frame, Side};
+use andon_host::config::Config;
 use andon_learn::recording::{Header, Landmarks, NamedObject, TrackWriter};
 
 use super::{ToolError, cannot_write};
-use crate::config::Config;
 
 /// A track file that grows.
 pub(super) struct Recorder<'a> {

@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use andon_host::atomic::{self, folder_of};
+use andon_host::exit::Code;
 use andon_ipc::{Station, UtcTime};
 use andon_journal::{Journal, Retention};
 use shm_schemas::AuditKind;
 
 use super::{ToolError, cannot_write};
-use crate::atomic::{self, folder_of};
 use crate::backup::{Archive, ArchiveError, Entry, Kind};
 use crate::cli::Restore;
-use crate::exit::Code;
 use crate::identity;
 
 /// Runs the command. Nothing is written before the whole archive was checked and the station was found at rest.

@@ -1,10 +1,11 @@
 //! `andond tracks`: what a film shows, as a track file, so that the film need not be looked at again for what is done with it later.
 
+use andon_host::atomic;
+use andon_host::exit::Code;
+
 use super::recorder::Recorder;
 use super::{ToolError, cannot_write, each_frame, load_config_to_learn, new_or_forced};
-use crate::atomic;
 use crate::cli::Tracks;
-use crate::exit::Code;
 use crate::recording::Recording;
 
 /// Runs the command. The file is there whole or not at all: half a film looks like a whole one.

@@ -3,13 +3,12 @@
 //! The role `plc` never opens the database. So a result that is not on disk cannot be offered, and a restart goes on where the last start
 //! ended.
 
+use andon_host::role::{Cycle, Output};
 use andon_ipc::{Error, Node, Port, Reader, Writer};
 use andon_journal::{Journal, JournalError};
 use shm_schemas::{Account, AccountKept, AccountUpdate, Journalled};
 
 use super::super::RoleError;
-use super::super::cycle::Cycle;
-use super::super::output::Output;
 
 /// Rows that are sent before plc says something: half of what the channel holds, and more than plc can take at a time. What is left
 /// it asks for when it has room.

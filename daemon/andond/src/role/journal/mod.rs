@@ -8,16 +8,16 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Role, Turn, WAIT};
 use andon_ipc::{Node, Port, Reader, UtcTime};
 use andon_journal::{Journal, JournalError, Retention};
 use shm_schemas::{Audit, AuditKind, Health, Verdict};
 
+use super::RoleError;
 use super::clock::ClockWatch;
-use super::cycle::{Cycle, Role, Turn};
-use super::{RoleError, WAIT};
-use crate::config::Config;
 use crate::identity;
-use crate::log::{code, log};
 use delivery::Delivery;
 use watching::Watching;
 
@@ -54,6 +54,7 @@ struct Keeper {
 }
 
 impl Role for Keeper {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = false;
 
     /// While nothing can be written, verdicts must not turn the loop: they wait where they are.
@@ -93,7 +94,8 @@ impl Keeper {
         let path = config.journal_path();
         let began = Instant::now();
         let retention = Retention { keep_days: config.journal.keep_days, keep_mb: config.journal.keep_mb };
-        let opened = cycle.until_open(|| Ok(Journal::open_or_replace(&path, retention)?))?;
+        let opened =
+            cycle.until_open(|| Journal::open_or_replace(&path, retention).map_err(RoleError::from))?;
         let Some((journal, aside)) = opened else { return Ok(None) };
         let mut keeper = Self {
             journal,

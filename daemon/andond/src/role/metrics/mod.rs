@@ -11,16 +11,16 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Role, Turn};
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
 use andon_plc::handshake::{Line, watches};
 use shm_schemas::{Couples, Detections, Health, Judging, Stamp, Verdict};
 
 use super::RoleError;
-use super::cycle::{Cycle, Role, Turn};
 use super::disabled;
 use super::line::LineHealth;
-use crate::config::Config;
-use crate::log::{code, log};
 use counts::{Counts, Stage};
 use http::Server;
 
@@ -55,6 +55,7 @@ struct Metrics {
 }
 
 impl Role for Metrics {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {

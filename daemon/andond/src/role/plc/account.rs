@@ -1,12 +1,11 @@
 //! The account with the journal, between the channels and the state machine.
 
+use andon_host::role::{Cycle, Output, Turn};
 use andon_ipc::{Error, Node, Port, Reader, Writer};
 use andon_plc::modbus::ModbusServer;
 use shm_schemas::{AccountKept, AccountUpdate, Journalled};
 
 use super::super::RoleError;
-use super::super::cycle::{Cycle, Turn};
-use super::super::output::Output;
 
 /// The channels to and from the journal.
 pub(super) struct Account {
@@ -59,6 +58,7 @@ impl Account {
         self.updates.send(cycle, |message| {
             (message.after_row, message.asked) = (update.after_row, update.asked);
             message.account = update.account;
-        })
+        })?;
+        Ok(())
     }
 }

@@ -1,16 +1,16 @@
 //! Looks at one picture after the other, as the line does, and at markers that the station does not know.
 
 use andon_core::input::Side;
+use andon_host::config::Config;
+use andon_host::video::pipe::PictureFormat;
 use andon_perception::sight::SeenMarker;
 use andon_perception::{ImageView, MarkerFinder, Perceiver, Picture, PixelFormat};
 use shm_schemas::{Detections, HandCode, flag};
 
 use super::source::View;
-use crate::config::Config;
 use crate::picture::{Marked, with_seen};
 use crate::recording::RecordingError;
 use crate::tool::ToolError;
-use crate::video::pipe::PictureFormat;
 use crate::{perception, wire};
 
 /// What one picture showed.

@@ -1,11 +1,11 @@
 //! What a person should know of what was seen: one sentence for each thing, with what to do where it is not good enough.
 
 use andon_core::input::Side;
+use andon_host::config::{Config, Object};
+use andon_host::video::pipe::PictureFormat;
 use serde::Serialize;
 
 use super::eye::{Glance, side_px};
-use crate::config::{Config, Object};
-use crate::video::pipe::PictureFormat;
 
 /// Mean grey level below which it is too dark. The shipped clips darkened by ffmpeg's `eq=brightness=-0.25` have 12: without a camera's noise
 /// all is found there, and with it there is no reserve.

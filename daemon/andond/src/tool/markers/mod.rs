@@ -7,13 +7,13 @@ mod svg;
 
 use std::path::PathBuf;
 
+use andon_host::config::{Config, Object};
+use andon_host::exit::Code;
 use andon_perception::Dictionary;
 
 use super::{ToolError, load_config_to_learn, new_or_forced, write_together};
 use crate::cli::Markers;
 use crate::cli::metres::position;
-use crate::config::{Config, Object};
-use crate::exit::Code;
 use layout::{BenchCorners, Label, Sheets};
 use sheet::Sheet;
 

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use crate::cli::{ConfigArgs, Paper};
+use crate::cli::Paper;
+use andon_host::cli::ConfigArgs;
 use andon_perception::{ImageView, MarkerFinder, PixelFormat};
 use sheet::Item;
 

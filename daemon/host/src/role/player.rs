@@ -8,12 +8,15 @@ use shm_schemas::{Detections, Stamp, flag};
 
 use super::cycle::{Cycle, Role, Turn};
 use super::output::{Output, Publish};
-use super::{RoleError, WAIT};
+use super::{CycleError, Failure, WAIT};
 use crate::config::{Camera, Speed};
 use crate::log::{code, log};
 
 /// A recording that is read from its beginning to its end, each message into the place where its readers will read it.
 pub trait Recording<L> {
+    /// What is damaged, or ends the role.
+    type Error: Failure;
+
     /// Bytes of a message.
     fn message_bytes(&self) -> usize;
 
@@ -24,7 +27,7 @@ pub trait Recording<L> {
     ///
     /// # Errors
     /// What is damaged, with its place.
-    fn next(&mut self, message: &mut L) -> Result<Option<Duration>, RoleError>;
+    fn next(&mut self, message: &mut L) -> Result<Option<Duration>, Self::Error>;
 }
 
 /// A message of a recording, as far as the player writes it.
@@ -77,7 +80,7 @@ impl<W, R, O> Player<W, R, O>
 where
     W: Publish<Loan: Played>,
     R: Recording<W::Loan>,
-    O: FnMut(&mut W) -> Result<R, RoleError>,
+    O: FnMut(&mut W) -> Result<R, R::Error>,
 {
     /// A player that has not opened its recording.
     pub fn new(output: Output<W>, camera: &Camera, open: O) -> Self {
@@ -97,13 +100,13 @@ where
         self.flags & flag::PACED != 0
     }
 
-    fn play(&mut self, mut round: Round<R>, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn play(&mut self, mut round: Round<R>, cycle: &mut Cycle<'_>) -> Result<Turn, R::Error> {
         cycle.rest_on(Stamp::default(), self.flags);
         let mut message = self.output.loan(round.recording.message_bytes())?;
         let Some(time) = round.recording.next(&mut message)? else {
             // Once more from the start, as if the source had gone on.
             self.round_began = self.round_began + round.newest + round.recording.interval();
-            return if self.repeat { Ok(Turn::Idle) } else { self.end(cycle) };
+            return if self.repeat { Ok(Turn::Idle) } else { Ok(self.end(cycle)?) };
         };
         round.newest = time;
         let due = round.began + time;
@@ -119,7 +122,7 @@ where
     }
 
     /// Says that nothing follows.
-    fn end(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn end(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, CycleError> {
         self.flags |= flag::END_OF_STREAM;
         self.output.wait_for_room(cycle)?;
         let message = self.output.loan(0)?;
@@ -135,7 +138,7 @@ where
         captured: MonotonicTime,
         time: SourceTime,
         cycle: &mut Cycle<'_>,
-    ) -> Result<(), RoleError> {
+    ) -> Result<(), CycleError> {
         self.played += 1;
         let captured_ns = captured.nanoseconds();
         let stamp = Stamp { frame_seq: self.played, captured_ns, ..Stamp::default() };
@@ -149,8 +152,9 @@ impl<W, R, O> Role for Player<W, R, O>
 where
     W: Publish<Loan: Played>,
     R: Recording<W::Loan>,
-    O: FnMut(&mut W) -> Result<R, RoleError>,
+    O: FnMut(&mut W) -> Result<R, R::Error>,
 {
+    type Error = R::Error;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
@@ -162,7 +166,7 @@ where
         if self.has_ended { WAIT } else { Duration::ZERO }
     }
 
-    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, R::Error> {
         if self.has_ended {
             return Ok(Turn::Idle);
         }

@@ -74,7 +74,7 @@ pub fn for_steward(files: &[PathBuf]) -> Result<Taken, Faults> {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn keep(config: &Config) -> std::io::Result<()> {
+pub fn keep(config: &Config) -> std::io::Result<()> {
     let copy = copy_of(config);
     if copy.exists() {
         return Ok(());
@@ -83,7 +83,7 @@ pub(crate) fn keep(config: &Config) -> std::io::Result<()> {
 }
 
 /// The line ends: the next one takes the files again.
-pub(crate) fn forget(config: &Config) {
+pub fn forget(config: &Config) {
     // What cannot be removed now is swept away by the next steward that is alone.
     let _ = std::fs::remove_file(copy_of(config));
 }

@@ -2,8 +2,8 @@
 
 #![allow(clippy::unwrap_used)]
 
-use andond::config::{Config, reference};
-use andond::log::index;
+use andon_host::config::{Config, reference};
+use andon_host::log::index;
 use std::path::{Path, PathBuf};
 
 fn shipped(path: &str) -> PathBuf {

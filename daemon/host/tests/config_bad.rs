@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use andond::config::{Config, Faults};
+use andon_host::config::{Config, Faults};
 use std::path::{Path, PathBuf};
 
 const FOLDER: &str = "tests/config_bad";

@@ -11,7 +11,7 @@ use shm_schemas::{Stamp, flag};
 
 use super::input::Input;
 use super::upstream::Upstream;
-use super::{Liveness, RoleError, WAIT};
+use super::{CycleError, Failure, Liveness, WAIT};
 use crate::log::{code, log};
 
 /// How long a paced writer waits for a reader that makes no progress: longer than any restart takes.
@@ -37,6 +37,9 @@ pub enum Turn {
 
 /// A role's own logic.
 pub trait Role {
+    /// What ends it.
+    type Error: Failure;
+
     /// Whether messages come all the time while the line works. If so, silence is logged and shows in the role's health.
     /// Verdicts do not: on a bench where nobody works there are none.
     const INPUT_IS_STEADY: bool;
@@ -55,13 +58,13 @@ pub trait Role {
     ///
     /// # Errors
     /// What ends the role.
-    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError>;
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, Self::Error>;
 
     /// Finishes what must not be left behind when a stop is asked for.
     ///
     /// # Errors
     /// What ends the role.
-    fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+    fn stop(&mut self, _cycle: &mut Cycle<'_>) -> Result<(), Self::Error> {
         Ok(())
     }
 }
@@ -89,7 +92,7 @@ impl<'n> Cycle<'n> {
     ///
     /// # Errors
     /// That the channel `health` cannot be opened.
-    pub fn new(node: &'n Node) -> Result<Self, RoleError> {
+    pub fn new(node: &'n Node) -> Result<Self, CycleError> {
         Ok(Self {
             node,
             liveness: Liveness::new(node)?,
@@ -107,11 +110,11 @@ impl<'n> Cycle<'n> {
     ///
     /// # Errors
     /// What ends the role.
-    pub fn run<R: Role>(&mut self, role: &mut R) -> Result<(), RoleError> {
+    pub fn run<R: Role>(&mut self, role: &mut R) -> Result<(), R::Error> {
         // The first turn waits for nothing: a role without input is ready at once.
         let mut patience = Duration::ZERO;
         loop {
-            self.wake = self.node.wait(&mut role.ports(), patience)?;
+            self.wake = self.node.wait(&mut role.ports(), patience).map_err(CycleError::from)?;
             if self.wake == Wake::Stop {
                 return role.stop(self);
             }
@@ -129,14 +132,14 @@ impl<'n> Cycle<'n> {
 
     /// Gives the signs of life that are due. As often it looks whether the station is still there, also while a turn waits: a player
     /// waits for the time of its next message in every turn, and in few other places.
-    fn beat(&mut self) -> Result<(), RoleError> {
+    fn beat(&mut self) -> Result<(), CycleError> {
         if self.liveness.beat()? {
             self.node.check_root()?;
         }
         Ok(())
     }
 
-    fn turn(&mut self, role: &mut impl Role) -> Result<Turn, RoleError> {
+    fn turn<R: Role>(&mut self, role: &mut R) -> Result<Turn, R::Error> {
         let began = Instant::now();
         (self.is_at_end, self.waited) = (false, Duration::ZERO);
         let turn = role.turn(self)?;
@@ -199,7 +202,7 @@ impl<'n> Cycle<'n> {
     ///
     /// # Errors
     /// The station's shared memory.
-    pub fn take<I: Input>(&mut self, input: &mut I) -> Result<Option<I::Sample>, RoleError> {
+    pub fn take<I: Input>(&mut self, input: &mut I) -> Result<Option<I::Sample>, CycleError> {
         let sample = input.take(self.is_paced())?;
         if let Some(sample) = &sample {
             let (stamp, flags) = I::head(sample);
@@ -214,7 +217,7 @@ impl<'n> Cycle<'n> {
     }
 
     /// Nothing waits: connects the input again where the role before it has sent something that has not come.
-    fn listen_closely(&mut self, input: &mut impl Input) -> Result<(), RoleError> {
+    fn listen_closely(&mut self, input: &mut impl Input) -> Result<(), CycleError> {
         let Some(upstream) = &mut self.upstream else { return Ok(()) };
         let Some(missing) = upstream.missing(self.node, input)? else { return Ok(()) };
         input.reconnect();
@@ -241,10 +244,10 @@ impl<'n> Cycle<'n> {
     ///
     /// # Errors
     /// What does not pass.
-    pub(super) fn until_open<T>(
+    pub fn until_open<T, E: Failure>(
         &mut self,
-        mut open: impl FnMut() -> Result<T, RoleError>,
-    ) -> Result<Option<T>, RoleError> {
+        mut open: impl FnMut() -> Result<T, E>,
+    ) -> Result<Option<T>, E> {
         let mut pause = FIRST_PAUSE;
         let mut is_logged = false;
         loop {
@@ -270,7 +273,7 @@ impl<'n> Cycle<'n> {
     ///
     /// # Errors
     /// The station's shared memory.
-    pub fn wait_until(&mut self, due: MonotonicTime) -> Result<bool, RoleError> {
+    pub fn wait_until(&mut self, due: MonotonicTime) -> Result<bool, CycleError> {
         let began = Instant::now();
         loop {
             let left = due.since(MonotonicTime::now());
@@ -287,16 +290,16 @@ impl<'n> Cycle<'n> {
     }
 
     /// Waits until a paced writer may send. A missed deadline says nothing of the role's input here, so it is not noted.
-    pub(super) fn wait_for_room(&mut self, writer: &mut impl Paced) -> Result<(), RoleError> {
+    pub(super) fn wait_for_room(&mut self, writer: &mut impl Paced) -> Result<(), CycleError> {
         let began = Instant::now();
         loop {
             match self.node.wait_for_room(writer, WAIT)? {
                 Wake::Room => break,
-                Wake::Stop => return Err(RoleError::Stopped),
+                Wake::Stop => return Err(CycleError::Stopped),
                 _ => self.beat()?,
             }
             if began.elapsed() > STUCK {
-                return Err(RoleError::NoProgress(STUCK));
+                return Err(CycleError::NoProgress(STUCK));
             }
         }
         self.waited += began.elapsed();

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andond::log::{Level, code, index, last_error, log};
+use andon_host::log::{Level, code, index, last_error, log};
 use std::process::{Command, Output};
 
 /// Set in the process under test.
@@ -32,8 +32,8 @@ fn logged(output: &Output) -> Vec<String> {
 #[test]
 fn a_panic_in_any_thread_ends_the_process_with_72_and_a_line() {
     if is_inside() {
-        andond::log::start("judge", "bench1", Level::Info).unwrap();
-        andond::exit::exit_on_panic();
+        andon_host::log::start("judge", "bench1", Level::Info).unwrap();
+        andon_host::exit::exit_on_panic();
         let _ = std::thread::spawn(|| panic!("the table is on fire")).join();
         return;
     }
@@ -47,7 +47,7 @@ fn a_panic_in_any_thread_ends_the_process_with_72_and_a_line() {
 #[test]
 fn a_message_on_a_terminal_has_its_code_its_remedy_and_its_fields() {
     if is_inside() {
-        andond::log::start("judge", "bench1", Level::Info).unwrap();
+        andon_host::log::start("judge", "bench1", Level::Info).unwrap();
         log!(code::MARKER_COVERED, { object = 5, hidden_ms = 900 }, "the polisher's marker is covered");
         return;
     }
@@ -62,7 +62,7 @@ fn a_message_on_a_terminal_has_its_code_its_remedy_and_its_fields() {
 #[test]
 fn the_variable_overrides_the_configured_level() {
     if is_inside() {
-        andond::log::start("judge", "bench1", Level::Trace).unwrap();
+        andon_host::log::start("judge", "bench1", Level::Trace).unwrap();
         log!(code::JOB_OK, "the job was done right");
         log!(code::DISK_FULL, "seq 7 is not written");
         return;
@@ -121,10 +121,10 @@ fn sources(folder: &std::path::Path) -> String {
 
 #[test]
 fn every_code_of_the_index_is_used_by_the_program() {
-    let andond = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let table = std::fs::read_to_string(andond.join("src/log/code.rs")).unwrap();
-    // The role `capture` is in a crate of its own.
-    let program = sources(&andond.join("src")) + &sources(&andond.join("../video/src"));
+    let host = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let table = std::fs::read_to_string(host.join("src/log/code.rs")).unwrap();
+    let program: String =
+        ["src", "../andond/src", "../video/src"].iter().map(|folder| sources(&host.join(folder))).collect();
     let mut declared = 0;
     for line in table.lines() {
         let mut words = line.split_whitespace();

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_host::config::Config;
+use andon_host::exit::Code;
+use andon_host::role::{Cycle, CycleError, Role, Turn, run_with};
 use andon_ipc::{Limits, Node, Port, Reader, Station, Steward, Stop};
-use andond::config::Config;
-use andond::exit::Code;
-use andond::role::{Cycle, Role, RoleError, Turn, run_with};
 use rustix::process::{Signal, getpid, kill_process};
 use shm_schemas::{Health, RoleId, RoleState, Verdict, VerdictLevel, VerdictOutcome};
 use std::sync::mpsc::{Sender, channel};
@@ -23,19 +23,20 @@ struct Tally {
     report: Sender<[u32; 3]>,
 }
 
-fn tally(node: &Node, report: Sender<[u32; 3]>) -> Result<(), RoleError> {
+fn tally(node: &Node, report: Sender<[u32; 3]>) -> Result<(), CycleError> {
     let mut role = Tally { verdicts: node.reader()?, counts: [0; 3], report };
     Cycle::new(node)?.run(&mut role)
 }
 
 impl Role for Tally {
+    type Error = CycleError;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
         vec![&mut self.verdicts]
     }
 
-    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, CycleError> {
         let Some(verdict) = cycle.take(&mut self.verdicts)? else { return Ok(Turn::Idle) };
         match verdict.outcome() {
             Ok(VerdictOutcome::Ok) => self.counts[0] += 1,
@@ -76,13 +77,14 @@ struct Sessions {
 }
 
 impl Role for Sessions {
+    type Error = CycleError;
     const INPUT_IS_STEADY: bool = true;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
         vec![&mut self.verdicts]
     }
 
-    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, CycleError> {
         let began = Instant::now();
         if cycle.take(&mut self.verdicts)?.is_some() {
             cycle.stepped(began);

@@ -12,7 +12,7 @@ use tempfile::{NamedTempFile, TempPath};
 ///
 /// # Errors
 /// What the system says; the file before it is untouched then.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if std::fs::metadata(path).is_ok_and(|meta| !meta.is_file()) {
         // A pipe or a terminal has no file before it.
         return std::fs::write(path, bytes);
@@ -25,7 +25,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// The file that cannot be written, and what the system says; the files before them are untouched then, except where a disk fails while finished
 /// files are given their names.
-pub(crate) fn write_together<'a>(files: &[(&'a Path, &[u8])]) -> Result<(), (&'a Path, io::Error)> {
+pub fn write_together<'a>(files: &[(&'a Path, &[u8])]) -> Result<(), (&'a Path, io::Error)> {
     let mut finished = Vec::new();
     for &(path, bytes) in files {
         if std::fs::metadata(path).is_ok_and(|meta| !meta.is_file()) {
@@ -44,7 +44,7 @@ pub(crate) fn write_together<'a>(files: &[(&'a Path, &[u8])]) -> Result<(), (&'a
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn staged(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
+pub fn staged(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
     let mut part = beside(path)?;
     part.write_all(bytes)?;
     part.as_file().sync_all()?;
@@ -55,7 +55,7 @@ pub(crate) fn staged(path: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
+pub fn beside(path: &Path) -> io::Result<NamedTempFile> {
     // As readable as a file that is written in place: the user's mask applies. An existing one keeps its rights.
     let rights =
         std::fs::metadata(path).map_or_else(|_| Permissions::from_mode(0o666), |meta| meta.permissions());
@@ -72,14 +72,14 @@ pub(crate) fn beside(path: &Path) -> io::Result<NamedTempFile> {
 ///
 /// # Errors
 /// What the system says.
-pub(crate) fn put(part: TempPath, path: &Path) -> io::Result<()> {
+pub fn put(part: TempPath, path: &Path) -> io::Result<()> {
     part.persist(path)?;
     // The rename itself must survive a loss of power.
     File::open(folder_of(path))?.sync_all()
 }
 
 /// The folder that a path names; that of the process for a mere file name.
-pub(crate) fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

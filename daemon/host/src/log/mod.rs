@@ -5,10 +5,10 @@
 //! the code:
 //!
 //! ```
-//! use andond::log::{code, log};
+//! use andon_host::log::{code, log};
 //! let device = "/dev/video0";
 //! log!(code::CAMERA_GONE, { device }, "{device} does not answer: No such device");
-//! assert_eq!(andond::log::last_error(), code::CAMERA_GONE.number);
+//! assert_eq!(andon_host::log::last_error(), code::CAMERA_GONE.number);
 //! ```
 
 pub mod code;

@@ -3,7 +3,7 @@
 use andon_ipc::{ChannelMessage, Error, FrameLoan, FrameWriter, Loan, Paced, Port, Writer};
 use shm_schemas::{MessageId, RoleId};
 
-use super::RoleError;
+use super::CycleError;
 use super::cycle::Cycle;
 
 /// A writer with its pace. Live, it never waits; where the source waits for its readers, so does everything that follows from it.
@@ -41,7 +41,7 @@ impl<W: Publish> Output<W> {
     ///
     /// # Errors
     /// The station's shared memory.
-    pub fn loan(&self, bytes: usize) -> Result<W::Loan, RoleError> {
+    pub fn loan(&self, bytes: usize) -> Result<W::Loan, CycleError> {
         Ok(self.writer.loan(bytes)?)
     }
 
@@ -49,8 +49,8 @@ impl<W: Publish> Output<W> {
     /// while its reader works on the one before.
     ///
     /// # Errors
-    /// [`RoleError::Stopped`] and [`RoleError::NoProgress`] while it waits; the station's shared memory.
-    pub fn wait_for_room(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+    /// [`CycleError::Stopped`] and [`CycleError::NoProgress`] while it waits; the station's shared memory.
+    pub fn wait_for_room(&mut self, cycle: &mut Cycle<'_>) -> Result<(), CycleError> {
         let is_paced = cycle.is_paced() && !self.followed.is_empty();
         if is_paced != self.is_paced {
             self.is_paced = is_paced;
@@ -67,7 +67,7 @@ impl<W: Publish> Output<W> {
     ///
     /// # Errors
     /// The station's shared memory.
-    pub fn send_loan(&mut self, cycle: &mut Cycle<'_>, loan: W::Loan) -> Result<(), RoleError> {
+    pub fn send_loan(&mut self, cycle: &mut Cycle<'_>, loan: W::Loan) -> Result<(), CycleError> {
         self.writer.send(loan)?;
         if self.is_counted {
             cycle.liveness().sent(self.writer.newest());
@@ -81,7 +81,7 @@ impl<T: ChannelMessage> Output<Writer<T>> {
     ///
     /// # Errors
     /// As [`Output::wait_for_room`].
-    pub fn send(&mut self, cycle: &mut Cycle<'_>, fill: impl FnOnce(&mut T)) -> Result<(), RoleError> {
+    pub fn send(&mut self, cycle: &mut Cycle<'_>, fill: impl FnOnce(&mut T)) -> Result<(), CycleError> {
         self.wait_for_room(cycle)?;
         let mut message = self.loan(size_of::<T>())?;
         message.follow(cycle.stamp());

@@ -1,7 +1,7 @@
 //! The configuration: from TOML files to one typed [`Config`], or to every fault at once.
 //!
 //! ```
-//! use andond::config::Config;
+//! use andon_host::config::Config;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("bench1.toml");
 //! std::fs::write(&path, "[station]\nnmae = 'bench1'\n[camera]\nrate_hz = 1000\n")?;

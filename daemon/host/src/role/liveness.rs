@@ -95,7 +95,7 @@ impl Liveness {
     }
 
     /// What the role can see of its bench, and since when on the monotonic clock.
-    pub(super) fn sees(&mut self, sight: Sight, since_ns: u64) {
+    pub fn sees(&mut self, sight: Sight, since_ns: u64) {
         self.heartbeat.sight(sight, since_ns);
     }
 
