@@ -7,11 +7,12 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 12] = [
+const MAY_USE: [(&str, &[&str]); 13] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
     ("andon-ipc", &["shm-schemas"]),
+    ("andon-http", &[]),
     ("andon-journal", &["shm-schemas"]),
     ("andon-perception", &[]),
     ("andon-realsense", &[]),
@@ -25,6 +26,7 @@ const MAY_USE: [(&str, &[&str]); 12] = [
         &[
             "andon-core",
             "andon-host",
+            "andon-http",
             "andon-ipc",
             "andon-journal",
             "andon-learn",
@@ -49,7 +51,8 @@ const MAY_USE: [(&str, &[&str]); 12] = [
 ];
 
 /// Libraries that one crate alone may use, besides the tests: the rest of the program does not know them.
-const KNOWN_BY_ONE: [(&str, &[&str]); 4] = [
+const KNOWN_BY_ONE: [(&str, &[&str]); 5] = [
+    ("hyper", &["andon-http"]),
     ("iceoryx2", &["andon-ipc"]),
     ("ort", &["andon-perception"]),
     ("rusqlite", &["andon-journal"]),

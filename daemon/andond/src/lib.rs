@@ -9,7 +9,6 @@
 mod backup;
 pub mod cli;
 pub mod compatibility;
-mod http;
 mod identity;
 pub mod metric;
 mod outage;
