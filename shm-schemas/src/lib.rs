@@ -39,7 +39,7 @@ mod part;
 mod stamp;
 mod verdict;
 
-pub use account::{Account, AccountKept, AccountUpdate, Journalled, WAITING_RESULTS};
+pub use account::{Account, AccountKept, AccountUpdate, CONSUMERS, Journalled, WAITING_RESULTS};
 pub use audit::{Audit, AuditKind};
 pub use code::UnknownCode;
 pub use command::{Command, CommandKind, CommandSource};

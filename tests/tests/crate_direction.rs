@@ -40,6 +40,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
         "andon-tests",
         &[
             "andon-core",
+            "andon-host",
             "andon-ipc",
             "andon-learn",
             "andon-perception",

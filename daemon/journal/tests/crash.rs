@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
+const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000, without: &[] };
 /// Names the journal that a child process writes.
 const JOURNAL: &str = "ANDON_TEST_JOURNAL";
 /// Names the epoch that a child process writes.

@@ -119,7 +119,8 @@ fn note(archive: &Archive, arguments: &Restore) -> Result<(), ToolError> {
     for (entry, _) in journals {
         let path = target(arguments.into.as_deref(), &entry.path);
         // Nothing is removed here: the role applies what the configuration says, and these are the most that it may say.
-        let mut journal = Journal::open(&path, Retention { keep_days: 36_500, keep_mb: 1_000_000 })?;
+        let mut journal =
+            Journal::open(&path, Retention { keep_days: 36_500, keep_mb: 1_000_000, without: &[] })?;
         let what = format!("restored from {}, of {}", arguments.archive.display(), archive.manifest.written);
         journal.note(UtcTime::now().nanoseconds(), AuditKind::Journal, &identity::own_user(), &what)?;
     }

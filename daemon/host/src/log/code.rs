@@ -128,6 +128,8 @@ table! {
         "Find out who removed it: what was in it is gone, unless it was moved. `andond backup` makes a copy while the line runs";
     ERROR 408 JOURNAL_NOT_OPENED: "the journal's database cannot be opened; Andon tries again until it can",
         "Check that the folder of journal.path exists, that journal.path is not a folder itself, and that the role's user may write there";
+    WARN 409 JOURNAL_UNACKNOWLEDGED: "verdicts were removed that a consumer of the journal had not acknowledged; the database has reached journal.keep_mb",
+        "Find out why the PLC, or another consumer, does not acknowledge; or raise journal.keep_mb";
 
     INFO 501 PLC_LISTENING: "the Modbus server listens", "";
     INFO 502 PLC_CONNECTED: "a PLC has connected", "";

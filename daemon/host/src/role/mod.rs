@@ -2,6 +2,7 @@
 //!
 //! A program that has a role calls [`start_log`], and then [`run_with`] with what the role does in its [`Cycle`].
 
+mod consumer;
 mod cycle;
 mod error;
 mod input;
@@ -20,6 +21,7 @@ use crate::exit::Code;
 use crate::log::{self, code, log};
 use crate::taken::Taken;
 
+pub use consumer::{Consumer, Row};
 pub use cycle::{Cycle, Role, Turn};
 pub use error::{CycleError, Ending, Failure};
 pub use input::{Flagged, Input};

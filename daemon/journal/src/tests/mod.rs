@@ -11,7 +11,7 @@ mod written;
 use super::*;
 use shm_schemas::{NO_INDEX, VerdictLevel, VerdictOutcome};
 
-const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
+const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000, without: &[] };
 const DAY_NS: u64 = 86_400_000_000_000;
 
 fn verdict(epoch: u64, seq: u64) -> Verdict {

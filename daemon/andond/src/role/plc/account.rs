@@ -3,7 +3,7 @@
 use andon_host::role::{Cycle, Output, Turn};
 use andon_ipc::{Error, Node, Port, Reader, Writer};
 use andon_plc::modbus::ModbusServer;
-use shm_schemas::{AccountKept, AccountUpdate, Journalled};
+use shm_schemas::{AccountKept, AccountUpdate, Journalled, RoleId};
 
 use super::super::RoleError;
 
@@ -37,6 +37,9 @@ impl Account {
         cycle: &mut Cycle<'_>,
     ) -> Result<Turn, RoleError> {
         while let Some(kept) = self.kept.take()? {
+            if kept.consumer() != Ok(RoleId::Plc) {
+                continue;
+            }
             let known = self.journal_epoch.replace(kept.stamp.epoch);
             server.handshake(|handshake, now_ns| {
                 if known.is_some_and(|known| known != kept.stamp.epoch) {
@@ -45,7 +48,12 @@ impl Account {
                 handshake.kept(&kept, now_ns);
             });
         }
-        let Some(row) = cycle.take(&mut self.rows)? else { return Ok(Turn::Idle) };
+        let row = loop {
+            let Some(row) = cycle.take(&mut self.rows)? else { return Ok(Turn::Idle) };
+            if row.consumer() == Ok(RoleId::Plc) {
+                break row;
+            }
+        };
         server.handshake(|handshake, now_ns| handshake.journalled(&row, now_ns));
         Ok(Turn::Stepped)
     }
@@ -57,6 +65,7 @@ impl Account {
         };
         self.updates.send(cycle, |message| {
             (message.after_row, message.asked) = (update.after_row, update.asked);
+            message.consumer = RoleId::Plc.code().into();
             message.account = update.account;
         })?;
         Ok(())

@@ -42,13 +42,13 @@ impl Journal {
             "keep_days",
             &mut self.keep_days,
             within(1, 36_500, "days"),
-            "Verdicts that are older are removed.",
+            "Verdicts that are older are removed, once the PLC and every other consumer has acknowledged them.",
         );
         k.key(
             "keep_mb",
             &mut self.keep_mb,
             within(10, 1_000_000, "MB"),
-            "When the database grows larger, the oldest verdicts are removed.",
+            "When the database grows larger, the oldest verdicts are removed, acknowledged or not.",
         );
     }
 }
