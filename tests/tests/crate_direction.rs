@@ -7,7 +7,7 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 13] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
@@ -21,6 +21,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
         "andon-host",
         &["andon-core", "andon-ipc", "andon-learn", "andon-perception", "andon-plc", "shm-schemas"],
     ),
+    ("andon-study", &["andon-core", "andon-learn"]),
     (
         "andond",
         &[
@@ -32,6 +33,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "andon-learn",
             "andon-perception",
             "andon-plc",
+            "andon-study",
             "shm-schemas",
         ],
     ),
@@ -46,6 +48,7 @@ const MAY_USE: [(&str, &[&str]); 13] = [
             "andon-perception",
             "andon-plc",
             "andon-realsense",
+            "andon-study",
             "shm-schemas",
         ],
     ),

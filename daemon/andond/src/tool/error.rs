@@ -12,14 +12,14 @@ use andon_host::config::Faults;
 use andon_host::exit::Code;
 use andon_host::unwritten::remedy;
 use andon_journal::JournalError;
-use andon_learn::analysis::AnalysisError;
-use andon_learn::experiment::ExperimentError;
-use andon_learn::folder::{FolderError, PatternError};
 use andon_learn::job_file::JobFileError;
 use andon_learn::run::RunError;
 use andon_learn::teach::TeachError;
 use andon_perception::PerceptionError;
 use andon_perception::bench::CalibrationError;
+use andon_study::analysis::AnalysisError;
+use andon_study::experiment::ExperimentError;
+use andon_study::folder::{FolderError, PatternError};
 use shm_schemas::RoleId;
 
 use super::check::Unusable;
@@ -28,6 +28,7 @@ use super::teach::SourceError;
 use crate::backup::ArchiveError;
 use crate::compatibility::Misfit;
 use crate::picture::AnnotateError;
+use crate::recorder::Unwritten;
 use crate::recording::RecordingError;
 use crate::video::VideoError;
 
@@ -349,6 +350,12 @@ impl ToolError {
             | Self::Calibration { .. }
             | Self::SaveCalibration(_) => Code::Usage,
         }
+    }
+}
+
+impl From<Unwritten> for ToolError {
+    fn from(Unwritten { path, source }: Unwritten) -> Self {
+        Self::Write { path, source }
     }
 }
 

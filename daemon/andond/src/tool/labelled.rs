@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use andon_core::config::Method;
 use andon_host::cli::ConfigArgs;
-use andon_learn::folder::{self, Labelled, Naming, Pattern, Table};
+use andon_study::folder::{self, Labelled, Naming, Pattern, Table};
 
 use super::experiment::percent_bar;
 use super::runs::{common_space, read_runs};

@@ -18,11 +18,11 @@ use andon_core::config::Method;
 use andon_host::atomic::folder_of;
 use andon_host::config::Config;
 use andon_host::exit::Code;
-use andon_learn::analysis::draw_order;
 use andon_learn::job_file::JobFile;
 use andon_learn::rule::ThresholdRule;
 use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachOptions, TeachReport, page, teach};
+use andon_study::analysis::draw_order;
 
 use super::runs::{common_space, read_runs};
 use super::{

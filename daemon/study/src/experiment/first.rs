@@ -3,10 +3,10 @@
 use crate::analysis::{Analysis, AnalysisError, DRILLING, Drilling, Kind};
 use crate::cluster::Table;
 use crate::folder::Labelled;
-use crate::run::Run;
 use andon_core::config::Method;
 use andon_core::couple::Context;
 use andon_core::job::LocalCost;
+use andon_learn::run::Run;
 use std::fmt;
 
 /// An IU as the paper lists it: whether a hand is involved, the name of the object `o_j`, and the name of the object `o_l`.

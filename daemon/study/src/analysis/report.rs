@@ -6,8 +6,8 @@ use super::drilling::Drilling;
 use super::order::Order;
 use super::picture::{self, Execution, LEGEND, Shown, draw_order, elbow, heat, warping};
 use crate::cluster::{MotionClusters, Table};
-use crate::html::{document, escaped};
-use crate::warp::Warp;
+use andon_learn::html::{document, escaped};
+use andon_learn::warp::Warp;
 use std::fmt::Write as _;
 
 /// The number of the person whose matrix the paper shows.

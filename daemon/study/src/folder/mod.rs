@@ -7,7 +7,8 @@ mod table;
 pub use pattern::{Pattern, PatternError};
 pub use table::{Table, TableError};
 
-use crate::run::Run;
+use andon_learn::recording::person_of;
+use andon_learn::run::Run;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -179,15 +180,6 @@ fn written(stem: &str) -> Option<Written> {
     let (what, repetition) = rest.rsplit_once("_r")?;
     let person = person_of(stem)?.to_string();
     Some(Written { person, what: what.to_owned(), repetition: Some(repetition.parse().ok()?) })
-}
-
-/// The words before the number of a person in the name of a recording, such as `p3_none_r1` or `subject3_run1`.
-const PERSON: [&str; 4] = ["person", "subject", "worker", "p"];
-
-/// The number of the person whom the name of a recording begins with.
-pub(crate) fn person_of(file: &str) -> Option<u32> {
-    let (person, _) = file.split_once('_')?;
-    PERSON.iter().find_map(|word| person.strip_prefix(word)?.parse().ok())
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! How candidates drop out while an activity is carried out (the paper's figure of the selection of candidates).
 
-use super::svg::Svg;
 use crate::analysis::candidates::{Candidate, Selection};
+use andon_learn::svg::Svg;
 
 const WIDTH: f64 = 920.0;
 const LEFT: f64 = 62.0;

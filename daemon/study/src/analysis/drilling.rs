@@ -3,10 +3,10 @@
 use super::compare::Analysis;
 use super::matrix::Matrix;
 use crate::folder::Labelled;
-use crate::statistics::mean;
-use crate::warp::Warp;
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
+use andon_learn::statistics::mean;
+use andon_learn::warp::Warp;
 
 /// The beginning of the names of drilling runs; the layout follows.
 pub(crate) const DRILLING: &str = "drilling";

@@ -1,7 +1,7 @@
 //! A table that says who did what in which recording: comma-separated values or TOML.
 
 use super::{FolderError, Written};
-use crate::file;
+use andon_learn::file;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 

@@ -1,13 +1,13 @@
 //! The selection of candidates (paper III-D): how the nominal activities of a job drop out while one activity is carried out.
 
 use crate::folder::{CORRECT, Labelled};
-use crate::job_file::{TaughtActivity, TaughtIu, context_words};
-use crate::recording::object_name;
-use crate::run::{Activity, Iu, Run};
-use crate::teach::{TeachError, TeachOptions, teach};
 use andon_core::config::Method;
 use andon_core::dtw::{LocalCosts, OnlineDtw};
 use andon_core::job::LocalCost;
+use andon_learn::job_file::{TaughtActivity, TaughtIu, context_words};
+use andon_learn::recording::object_name;
+use andon_learn::run::{Activity, Iu, Run};
+use andon_learn::teach::{TeachError, TeachOptions, teach};
 use std::collections::BTreeSet;
 
 /// Why a candidate is one no more.

@@ -4,12 +4,10 @@ mod elbow;
 mod heat;
 mod order;
 mod selection;
-mod svg;
 mod warping;
 
 pub(super) use elbow::elbow;
 pub(super) use heat::{LEGEND, heat};
 pub use order::draw_order;
 pub(super) use selection::selection;
-pub use svg::Svg;
 pub(super) use warping::{Execution, Shown, warping};

@@ -2,10 +2,10 @@
 
 use super::AnalysisError;
 use crate::folder::{CORRECT, Labelled};
-use crate::recording::NamedObject;
-use crate::run::Run;
-use crate::teach::{self, TeachOptions};
 use andon_core::config::Method;
+use andon_learn::recording::NamedObject;
+use andon_learn::run::Run;
+use andon_learn::teach::{self, TeachOptions};
 
 /// The recordings where hands and objects meet as those called correct show it, as a job is taught; as all of them show it where none is
 /// called so.

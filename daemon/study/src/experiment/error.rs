@@ -1,7 +1,7 @@
 //! Why an experiment could not be carried out.
 
-use crate::run::RunError;
-use crate::teach::TeachError;
+use andon_learn::run::RunError;
+use andon_learn::teach::TeachError;
 
 /// Why an experiment could not be carried out.
 #[derive(Debug, thiserror::Error)]

@@ -1,9 +1,9 @@
 //! The rules that the second experiment compares, from the paper's rules to the default ones, one step at a time.
 
 use crate::folder::Labelled;
-use crate::rule::{BoundsRule, ThresholdRule};
-use crate::teach::TeachOptions;
 use andon_core::job::LocalCost;
+use andon_learn::rule::{BoundsRule, ThresholdRule};
+use andon_learn::teach::TeachOptions;
 
 /// A combination of rules.
 #[derive(Clone, Debug, PartialEq)]

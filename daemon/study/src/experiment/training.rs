@@ -2,10 +2,10 @@
 
 use super::variation::Variation;
 use crate::folder::Labelled;
-use crate::job_file::JobFile;
-use crate::run::Run;
-use crate::teach::{Memory, TeachError, TeachOptions, as_shown_to_meet, teach_again};
 use andon_core::config::Method;
+use andon_learn::job_file::JobFile;
+use andon_learn::run::Run;
+use andon_learn::teach::{Memory, TeachError, TeachOptions, as_shown_to_meet, teach_again};
 
 /// The training executions of one round, with the filter and without it, where hands and objects meet as the recordings say and as the
 /// executions show it, as far as a variation needs that.

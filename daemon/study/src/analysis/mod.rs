@@ -22,5 +22,5 @@ pub use kind::Kind;
 pub use matrix::Matrix;
 pub use meet::as_shown_to_meet;
 pub use order::Order;
-pub use picture::{Svg, draw_order};
+pub use picture::draw_order;
 pub use report::{Report, report};

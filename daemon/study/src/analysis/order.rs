@@ -1,11 +1,11 @@
 //! The order of the steps of the job that a folder of recordings shows.
 
 use crate::folder::{CORRECT, Labelled};
-use crate::job_file::JobFile;
-use crate::run::Run;
-use crate::teach::{TeachOptions, teach};
 use andon_core::config::Method;
 use andon_core::job::LocalCost;
+use andon_learn::job_file::JobFile;
+use andon_learn::run::Run;
+use andon_learn::teach::{TeachOptions, teach};
 
 /// A job with the runs that its others would have rejected.
 #[derive(Clone, Debug, PartialEq)]

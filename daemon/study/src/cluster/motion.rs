@@ -1,11 +1,11 @@
 //! k-means with DTW as the distance and DBA barycentres as centroids (paper III-C, IV-A).
 
 use super::elbow::elbow;
-use crate::barycentre::Barycentres;
-use crate::warp::{DistanceMatrix, Warp};
 use andon_core::couple::Motion;
 use andon_core::dtw::Refused;
 use andon_core::job::LocalCost;
+use andon_learn::barycentre::Barycentres;
+use andon_learn::warp::{DistanceMatrix, Warp};
 use oorandom::Rand64;
 
 /// Number of restarts for each k, as in the paper.

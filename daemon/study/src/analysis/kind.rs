@@ -1,10 +1,10 @@
 //! Which IUs of a folder are compared.
 
 use crate::folder::Labelled;
-use crate::job_file::context_words;
-use crate::recording::object_name;
-use crate::run::{Iu, Run};
 use andon_core::couple::Context;
+use andon_learn::job_file::context_words;
+use andon_learn::recording::object_name;
+use andon_learn::run::{Iu, Run};
 use std::collections::BTreeMap;
 
 /// The six representative IUs of the paper's first experiment (IV-A): label, name of the runs, index of the IU in the activity.

@@ -3,9 +3,9 @@
 //! The paper counts nominal IUs and activities whether they were carried out or not: a step that is missing counts as judged anomalous.
 //! The release state `[0, 0, j, l]`, which the paper does not list in its second experiment, is counted with the IU that it follows.
 
-use crate::job_file::{JobFile, TaughtActivity, TaughtIu};
 use andon_core::couple::Context;
 use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_learn::job_file::{JobFile, TaughtActivity, TaughtIu};
 
 /// Which nominal activities and IUs of one execution were judged anomalous.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Confusion matrices as in the paper, where an anomaly is positive.
 
-use crate::statistics::{deviation, mean};
+use andon_learn::statistics::{deviation, mean};
 
 /// Counts of one round.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! A confidence matrix as a picture: dark is alike, as in the paper's figures.
 
-use super::svg::Svg;
 use crate::analysis::matrix::Matrix;
-use crate::html::escaped;
+use andon_learn::html::escaped;
+use andon_learn::svg::Svg;
 
 /// Side of the square that the cells fill, in pixels like all sizes here.
 const SIDE: f64 = 560.0;

@@ -2,16 +2,16 @@
 
 use super::kind::Kind;
 use super::matrix::Matrix;
-use crate::barycentre::Barycentres;
 use crate::cluster::{MotionClusters, Table, by_context, by_motion};
 use crate::folder::Labelled;
-use crate::run::{Iu, RunError};
-use crate::teach::TeachError;
-use crate::warp::{DistanceMatrix, Warp};
 use andon_core::config::Method;
 use andon_core::couple::{Context, Motion};
 use andon_core::dtw::Refused;
 use andon_core::job::LocalCost;
+use andon_learn::barycentre::Barycentres;
+use andon_learn::run::{Iu, RunError};
+use andon_learn::teach::TeachError;
+use andon_learn::warp::{DistanceMatrix, Warp};
 
 /// Maximum number of clusters that is tried; 10 in the paper.
 const MAX_CLUSTERS: usize = 10;

@@ -1,9 +1,9 @@
 //! The steps of a job and their order, from top to bottom: one column for each hand, an arrow for each relation.
 
-use super::svg::Svg;
-use crate::job_file::{JobFile, Relation, RelationKind};
-use crate::recording::incidental_pairs;
 use andon_core::input::Side;
+use andon_learn::job_file::{JobFile, Relation, RelationKind};
+use andon_learn::recording::incidental_pairs;
+use andon_learn::svg::Svg;
 
 /// Width and height of a step, and the room beside and below it, in pixels.
 const STEP: [f64; 2] = [250.0, 80.0];

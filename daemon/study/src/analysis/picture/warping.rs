@@ -1,7 +1,7 @@
 //! The executions of one kind of IU aligned with their barycentre, and the warping of one of them.
 
-use super::svg::Svg;
 use andon_core::couple::Motion;
+use andon_learn::svg::Svg;
 
 const WIDTH: f64 = 920.0;
 const LEFT: f64 = 150.0;

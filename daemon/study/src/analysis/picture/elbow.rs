@@ -1,6 +1,6 @@
 //! A chart of the WCSS over the number of clusters.
 
-use super::svg::Svg;
+use andon_learn::svg::Svg;
 
 /// Width and height in pixels.
 const SIZE: [f64; 2] = [560.0, 300.0];
