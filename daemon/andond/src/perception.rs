@@ -58,11 +58,13 @@ fn hands(config: &Config) -> HandsConfig {
     }
 }
 
-/// The objects that are looked for.
+/// The objects that are looked for by their markers.
 pub fn marker_objects(config: &Config) -> Vec<MarkerObject> {
-    let object =
-        |object: &andon_host::config::Object| MarkerObject { id: object.id, side_m: object.marker_side_m };
-    config.objects.iter().map(object).collect()
+    let object = |object: &andon_host::config::Object| {
+        let (marker, side_m) = (object.marker_id()?, object.marker_side_m?);
+        Some(MarkerObject { id: object.id, marker, side_m })
+    };
+    config.objects.iter().filter_map(object).collect()
 }
 
 fn markers(config: &Config) -> MarkersConfig {

@@ -18,7 +18,7 @@ fn perceiver(ids: &[u16]) -> Perceiver {
 }
 
 fn config(ids: &[u16]) -> PerceptionConfig {
-    let objects = ids.iter().map(|&id| MarkerObject { id, side_m: SIDE_M as f32 }).collect();
+    let objects = ids.iter().map(|&id| MarkerObject { id, marker: id, side_m: SIDE_M as f32 }).collect();
     PerceptionConfig {
         runtime: "unused".into(),
         hands: HandsConfig { sides: Vec::new(), ..HandsConfig::default() },

@@ -152,16 +152,10 @@ impl Checks<'_> {
         if objects.len() > OBJECTS {
             self.fault("objects", &[], format!("there are {}; must be at most {OBJECTS}", objects.len()));
         }
-        let markers = config.perception.dictionary.markers();
         // Those that are too many are no station's: what else is wrong with them helps nobody.
         for (index, object) in objects.iter().take(OBJECTS).enumerate() {
             let [id, name] = ["id", "name"].map(|key| format!("objects[{index}].{key}"));
-            // 0 stands for a missing id, which has been reported.
-            if usize::from(object.id) >= markers {
-                let problem =
-                    format!("must be below {markers}, the number of markers in perception.dictionary");
-                self.fault(&id, &["perception.dictionary"], problem);
-            }
+            self.marker(config, index);
             let earlier = &objects[..index];
             if let Some(first) = earlier.iter().position(|other| other.id == object.id && object.id != 0) {
                 let first = format!("objects[{first}].id");
@@ -179,6 +173,37 @@ impl Checks<'_> {
             && first == second
         {
             self.fault("perception.hands", &[], "must not name a hand twice".into());
+        }
+    }
+
+    /// What an object is found by.
+    fn marker(&mut self, config: &Config, index: usize) {
+        let object = &config.objects[index];
+        let of = |key: &str| format!("objects[{index}].{key}");
+        let Some(marker) = object.marker_id() else {
+            if config.camera.source != Source::Tracks {
+                let problem =
+                    "is missing; only a station whose camera.source is \"tracks\" needs none".into();
+                self.fault(&of("marker_side_m"), &["camera.source"], problem);
+            } else if object.marker.is_some() {
+                let problem = "needs marker_side_m beside it".into();
+                self.fault(&of("marker"), &[&of("marker_side_m")], problem);
+            }
+            return;
+        };
+        let key = of_marker(index, object);
+        let markers = config.perception.dictionary.markers();
+        if usize::from(marker) >= markers {
+            let problem = format!("must be below {markers}, the number of markers in perception.dictionary");
+            self.fault(&key, &["perception.dictionary"], problem);
+        }
+        let same_marker = |other: &super::Object| other.marker_id() == Some(marker);
+        let earlier = config.objects[..index].iter().position(same_marker);
+        // Of two with one id that has been said.
+        if let Some(first) = earlier.filter(|first| config.objects[*first].id != object.id) {
+            let first = of_marker(first, &config.objects[first]);
+            let problem = format!("another object has this marker already ({})", self.line(&first));
+            self.fault(&key, &[&first], problem);
         }
     }
 
@@ -245,6 +270,11 @@ impl Checks<'_> {
             self.fault("metrics.port", &["plc.port", "plc.enable", "metrics.enable"], problem);
         }
     }
+}
+
+/// The key that says which marker an object has.
+fn of_marker(index: usize, object: &super::Object) -> String {
+    format!("objects[{index}].{}", if object.marker.is_some() { "marker" } else { "id" })
 }
 
 /// `objects[2].id` as a message calls it: `objects.id`.

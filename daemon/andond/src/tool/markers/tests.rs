@@ -17,7 +17,8 @@ fn config(parts: &[(u16, &str, f32)]) -> Config {
     let object = |(id, name, side): &(u16, &str, f32)| Object {
         id: *id,
         name: (*name).into(),
-        marker_side_m: *side,
+        marker_side_m: Some(*side),
+        marker: None,
         interaction_points: None,
     };
     let mut config = Config { objects: parts.iter().map(object).collect(), ..Config::default() };

@@ -166,7 +166,7 @@ mod tests {
         let objects: Vec<_> = config
             .objects
             .iter()
-            .map(|object| (object.id, object.name.as_str(), object.marker_side_m))
+            .map(|object| (object.id, object.name.as_str(), object.marker_side_m.unwrap()))
             .collect();
         assert_eq!(objects, [(1, "brick", 0.036), (2, "the \"grey\" Schleifklotz\\2", 0.036)]);
         assert_eq!(config.station.root, Path::new("/run/andon"));

@@ -34,36 +34,52 @@ impl Bench {
     }
 }
 
-/// `[[objects]]`: a part or a tool that carries a marker. The object's frame is the marker's: its origin is the marker's
+/// `[[objects]]`: a part or a tool. The frame of one that carries a marker is the marker's: its origin is the marker's
 /// centre, x points right and y up in the marker's own picture, z out of it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Object {
-    /// Identity: the marker's id.
+    /// Identity: what jobs, verdicts and registers call it.
     pub id: u16,
     /// What people call it.
     pub name: String,
-    /// Side of the marker's black square, m.
-    pub marker_side_m: f32,
+    /// The id of its marker, where that is another one.
+    pub marker: Option<u16>,
+    /// Side of the marker's black square, m; `None` for an object without a marker.
+    pub marker_side_m: Option<f32>,
     /// Where it can be touched, m, object's frame; where it is `None`, the runs of a job show it.
     pub interaction_points: Option<Vec<[f32; 3]>>,
 }
 
 impl Object {
+    /// The id of its marker, if it carries one.
+    #[must_use]
+    pub fn marker_id(&self) -> Option<u16> {
+        self.marker_side_m.map(|_| self.marker.unwrap_or(self.id))
+    }
+
     pub(in crate::config) fn keys(&mut self, k: &mut impl Keys) {
         k.required(
             "id",
             &mut self.id,
             counted_within(1, 65_535, "0 stands for no object in verdicts and registers"),
             "5",
-            "The id of the object's marker.",
+            "The number of the object in jobs, verdicts and registers; and the id of its marker, unless `marker` says another.",
         );
         k.required("name", &mut self.name, Text::Line, r#""polisher""#, "What people call it.");
-        k.required(
+        k.optional(
+            "marker",
+            &mut self.marker,
+            within(0, 65_535, "(a marker's id)"),
+            "17",
+            "The id of the object's marker, where that is not `id`.",
+        );
+        k.optional(
             "marker_side_m",
             &mut self.marker_side_m,
             within(0.005, 0.5, "m"),
             "0.036",
-            "Side of the marker's black square, as measured on the print.",
+            "Side of the marker's black square, as measured on the print. Only a station whose camera.source is \"tracks\" may leave it \
+             out: an object in pictures is found by its marker.",
         );
         k.optional(
             "interaction_points",
