@@ -2,7 +2,7 @@
 //!
 //! Along the data path: [`video`] brings pictures, [`perception`] and, with depth, [`metric`] look at them, [`role`] has the
 //! processes of the line, [`wire`] what crosses shared memory, and [`report`] verdicts for people and programs.
-//! [`file`] opens what people and other programs made. [`sight`] names what the line cannot see. [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`] and
+//! [`file`] opens what people and other programs made. [`sight`] names what the line cannot see. [`recorder`] writes down what they saw. [`recording`] and [`tool`] run the same code over files, and [`picture`] draws the result. [`cli`] and
 //! [`compatibility`] serve them all, and so does the crate `andon_host`: configuration, log, exit codes and the cycle of a role.
 #![forbid(unsafe_code)]
 
@@ -14,6 +14,7 @@ pub mod metric;
 mod outage;
 pub mod perception;
 pub mod picture;
+pub mod recorder;
 pub mod recording;
 pub mod report;
 pub mod role;

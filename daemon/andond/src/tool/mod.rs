@@ -24,7 +24,6 @@ pub mod pages;
 pub mod part;
 mod progress;
 pub mod record;
-mod recorder;
 pub mod replay;
 pub mod restore;
 mod runs;

@@ -17,7 +17,7 @@ use tempfile::NamedTempFile;
 
 use super::bench::{Bench, Look};
 use crate::cli::Teach;
-use crate::tool::recorder::{Recorder, header};
+use crate::recorder::{Recorder, header};
 use crate::tool::runs::file_name;
 use crate::tool::{ToolError, cannot_write};
 
