@@ -34,7 +34,7 @@ use rusqlite::{Connection, TransactionBehavior};
 use shm_schemas::{Account, MessageId, RoleId, Verdict};
 
 pub use audit::Deed;
-pub use entry::{Entry, Gap, NotWatching, Record};
+pub use entry::{Entry, Gap, NotWatching};
 pub use error::JournalError;
 pub use history::{History, Query};
 pub use retention::Retention;

@@ -73,13 +73,13 @@ fn verdicts(path: &Path) -> BTreeSet<(u64, u64)> {
             Entry::Gap(_) => explained = true,
             Entry::Verdict(record) => {
                 let follows = match newest {
-                    Some((epoch, seq)) => (record.epoch, record.seq) == (epoch, seq + 1),
-                    None => record.seq == 1,
+                    Some((epoch, seq)) => (record.stamp.epoch, record.stamp.seq) == (epoch, seq + 1),
+                    None => record.stamp.seq == 1,
                 };
-                assert!(follows || explained, "{newest:?} then {} {}", record.epoch, record.seq);
+                assert!(follows || explained, "{newest:?} then {} {}", record.stamp.epoch, record.stamp.seq);
                 explained = false;
-                newest = Some((record.epoch, record.seq));
-                there.insert((record.epoch, record.seq));
+                newest = Some((record.stamp.epoch, record.stamp.seq));
+                there.insert((record.stamp.epoch, record.stamp.seq));
             }
         }
         Ok(())

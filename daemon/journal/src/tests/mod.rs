@@ -86,7 +86,7 @@ impl Bench {
         self.entries(query)
             .iter()
             .map(|entry| match entry {
-                Entry::Verdict(record) => format!("v {} {}", record.epoch, record.seq),
+                Entry::Verdict(record) => format!("v {} {}", record.stamp.epoch, record.stamp.seq),
                 Entry::NotWatching(blind) => {
                     format!("blind {} {:?} {}", blind.began_utc_ns, blind.ended_utc_ns, blind.why)
                 }

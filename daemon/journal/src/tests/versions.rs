@@ -1,7 +1,7 @@
 //! Journals of other versions, and files that are no journal.
 
 use super::*;
-use shm_schemas::PartId;
+use shm_schemas::{PartId, verdict_kind};
 
 #[test]
 fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome() {
@@ -31,7 +31,10 @@ fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome()
         .entries(&Query::default())
         .iter()
         .map(|entry| match entry {
-            Entry::Verdict(record) => format!("{} {} {}", record.kind(), record.level, record.outcome),
+            Entry::Verdict(verdict) => {
+                let (level, outcome) = (verdict.level().unwrap(), verdict.outcome().unwrap());
+                format!("{} {} {}", verdict_kind(level, outcome), level.name(), outcome.name())
+            }
             other => format!("{other:?}"),
         })
         .collect();
