@@ -298,7 +298,8 @@ fn settings_out_of_range_are_refused_by_name() {
     assert_eq!(refused(&|config| config.markers.objects[0].side_m = f32::NAN), "side_m");
     assert_eq!(refused(&|config| config.markers.objects[0].side_m = 0.0), "side_m");
     assert_eq!(refused(&|config| config.markers.objects[1].id = 1), "id");
-    assert_eq!(refused(&|config| config.markers.objects[1].id = 50), "id");
+    assert_eq!(refused(&|config| config.markers.objects[1].marker = 1), "marker");
+    assert_eq!(refused(&|config| config.markers.objects[1].marker = 50), "marker");
     assert_eq!(refused(&|config| config.markers.threshold_constant = -1.0), "threshold_constant");
     assert_eq!(refused(&|config| config.hands.min_palm_score = 1.5), "min_palm_score");
     assert_eq!(refused(&|config| config.hands.search_every_frames = 0), "search_every_frames");

@@ -184,7 +184,7 @@ impl Checks<'_> {
             if config.camera.source != Source::Tracks {
                 let problem =
                     "is missing; only a station whose camera.source is \"tracks\" needs none".into();
-                self.fault(&of("marker_side_m"), &["camera.source"], problem);
+                self.fault(&of("marker_side_m"), &[&format!("objects[{index}]"), "camera.source"], problem);
             } else if object.marker.is_some() {
                 let problem = "needs marker_side_m beside it".into();
                 self.fault(&of("marker"), &[&of("marker_side_m")], problem);
