@@ -1,8 +1,8 @@
 //! The channels of a station and their quality of service.
 
 use shm_schemas::{
-    AccountKept, AccountUpdate, Audit, CONSUMERS, Command, Couples, Detections, FrameHeader, Health,
-    Journalled, Judging, Layout, Message, Verdict,
+    AccountKept, AccountUpdate, Audit, Command, Couples, Detections, FrameHeader, Health, Journalled,
+    Judging, Layout, Message, Verdict,
 };
 use std::fmt;
 
@@ -91,16 +91,10 @@ impl Channel {
             Self::Account => {
                 Qos { buffer: 16, history: 1, borrowed: 2, readers: 4, writers: 8, loans: 2, burst: 1 }
             }
-            // The newest of each consumer counts: a history of as many, for one that starts later.
-            Self::Kept => Qos {
-                buffer: 16,
-                history: CONSUMERS,
-                borrowed: 2,
-                readers: 8,
-                writers: 1,
-                loans: 2,
-                burst: 1,
-            },
+            // Only the newest of each consumer counts. No history: what is older would be taken for what is kept, so who starts later asks.
+            Self::Kept => {
+                Qos { buffer: 16, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
+            }
             // What is lost is asked for again, so this only has to hold what the journal sends between two looks of a consumer:
             // 32 rows for each.
             Self::Journalled => {

@@ -20,7 +20,7 @@ pub(super) struct Delivery {
     kept: Output<Writer<AccountKept>>,
     rows: Output<Writer<Journalled>>,
     debts: Vec<Debt>,
-    /// The consumers must be told what is on disk. Each of them is, so that the channel's history has the newest of each.
+    /// The consumers must be told what is on disk.
     owes_answer: bool,
 }
 
@@ -58,7 +58,7 @@ impl Debt {
 
 impl Delivery {
     pub(super) fn open(node: &Node, journal: &Journal) -> Result<Self, RoleError> {
-        // The PLC waits to hear what is kept, also where nothing ever was; others ask.
+        // The PLC has an account from its first start on.
         let mut consumers = journal.consumers()?;
         if !consumers.contains(&RoleId::Plc) {
             consumers.push(RoleId::Plc);
