@@ -231,9 +231,11 @@ impl Keys for Reader<'_> {
             self.origins.retain(|key, _| !key.starts_with(&format!("{name}[")));
             for (index, (span, table)) in tables.into_iter().enumerate() {
                 let mut item = T::default();
-                let location = Some((location.0, span.clone()));
-                self.origins
-                    .insert(format!("{name}[{index}]"), Origin { location, shown: None, refused: false });
+                let at = (location.0, span.clone());
+                self.origins.insert(
+                    format!("{name}[{index}]"),
+                    Origin { location: Some(at), shown: None, refused: false },
+                );
                 let part = vec![((location.0, span), table)];
                 self.enter(name, format!("{name}[{index}]"), part, |reader| keys(&mut item, reader));
                 items.push(item);
