@@ -51,7 +51,7 @@ pub(super) fn apply(connection: &mut Connection, retention: Retention) -> rusqli
     let too_much = used_bytes(&transaction)? > i64::from(retention.keep_mb) << 20;
     let by_size: Option<i64> = if too_much {
         transaction.query_row(
-            "SELECT max(id) FROM (SELECT id FROM verdict ORDER BY id LIMIT ?1)",
+            "SELECT max(id) FROM (SELECT id FROM verdict WHERE id < (SELECT max(id) FROM verdict) ORDER BY id LIMIT ?1)",
             params![MAX_REMOVED],
             |row| row.get(0),
         )?
