@@ -202,6 +202,7 @@ const _: () = assert!(
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     /// A verdict in which every byte that a column has is another than in [`Verdict::NONE`].
