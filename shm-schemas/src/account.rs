@@ -1,21 +1,31 @@
-//! Channels `account`, `kept` and `journalled`: the PLC's account, which the journal keeps on disk, and the rows that it is owed.
+//! Channels `account`, `kept` and `journalled`: the accounts of those who read the journal, and the rows that they are owed.
+//!
+//! A consumer of the journal is a role that acknowledges rows. The journal keeps an account for each on disk, so that each goes on where it
+//! ended, whatever the others do. All of them share the three channels, and each message names the consumer that it is for.
 
+use crate::code::UnknownCode;
+use crate::health::RoleId;
 use crate::layout::wire;
 use crate::part::PartId;
 use crate::stamp::{Stamp, message};
 use crate::verdict::Verdict;
 
+/// Consumers of one journal: the PLC, an uplink, a board, and one to spare.
+pub const CONSUMERS: usize = 4;
+
 /// Results that can wait behind the offered one.
 pub const WAITING_RESULTS: usize = 8;
 
 wire! { "andon.Account", 216;
-    /// What the PLC has been told and what it is owed. From it a new start of the role `plc` goes on where the last one ended.
+    /// What a consumer has been told and what it is owed. From it a new start of its role goes on where the last one ended.
+    ///
+    /// `journal`, `number`, `row` and `boot` mean the same for all. The others are the PLC's; another consumer may leave them at 0.
     struct Account {
         /// The identity of the journal that the rows are of.
         journal: u64,
         /// Counts the changes that must be kept, from 1 in every start of the role.
         number: u64,
-        /// Every row of the journal up to this one has been numbered.
+        /// Every row of the journal up to this one is acknowledged, or has been given a number for the PLC.
         row: u64,
         /// The epoch of the newest verdict that has been numbered.
         epoch: u64,
@@ -55,7 +65,7 @@ wire! { "andon.Account", 216;
 }
 
 wire! { "andon.AccountUpdate", 272;
-    /// From plc to the journal: keep this account, and send the rows after `after_row`.
+    /// From a consumer to the journal: keep this account, and send the rows after `after_row`.
     struct AccountUpdate {
         /// The stamp. It belongs to no frame.
         stamp: Stamp,
@@ -63,29 +73,33 @@ wire! { "andon.AccountUpdate", 272;
         after_row: u64,
         /// Counts the times that rows were asked for. A new number asks for all of them again.
         asked: u32,
-        /// Keeps the size a multiple of 8.
-        reserved: u32,
-        /// The account.
+        /// The consumer, a number of [`RoleId`].
+        consumer: u32,
+        /// The account. One with `boot` 0 is not kept: it asks what is kept.
         account: Account,
     }
 }
 message!(AccountUpdate);
 
-wire! { "andon.AccountKept", 264;
-    /// From the journal to plc: this account is on disk.
+wire! { "andon.AccountKept", 272;
+    /// From the journal to a consumer: this account is on disk.
     struct AccountKept {
         /// The stamp. It belongs to no frame.
         stamp: Stamp,
         /// The identity of this journal.
         journal: u64,
+        /// The consumer, a number of [`RoleId`].
+        consumer: u32,
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
         /// The account. One with `boot` 0 was never kept: it says where the journal ends.
         account: Account,
     }
 }
 message!(AccountKept);
 
-wire! { "andon.Journalled", 264;
-    /// From the journal to plc: one row, which is on disk.
+wire! { "andon.Journalled", 272;
+    /// From the journal to a consumer: one row, which is on disk.
     struct Journalled {
         /// The stamp, as that of the verdict.
         stamp: Stamp,
@@ -99,8 +113,39 @@ wire! { "andon.Journalled", 264;
         boot: u32,
         /// The newest [`AccountUpdate::asked`].
         asked: u32,
+        /// The consumer, a number of [`RoleId`].
+        consumer: u32,
+        /// Keeps the size a multiple of 8.
+        reserved: u32,
         /// The verdict, with its own stamp.
         verdict: Verdict,
     }
 }
 message!(Journalled);
+
+impl Account {
+    /// The row up to which the consumer needs nothing any more: what is offered or waits is still owed.
+    #[must_use]
+    pub fn settled(&self) -> u64 {
+        let waiting = self.waiting_rows.iter().copied();
+        let offered = (self.is_acknowledged == 0).then_some(self.shown_row);
+        let oldest = waiting.chain(offered).filter(|row| *row > 0).min();
+        oldest.map_or(self.row, |oldest| oldest - 1)
+    }
+}
+
+macro_rules! of_consumer {
+    ($($message:ty),+) => {$(
+        impl $message {
+            /// The consumer.
+            ///
+            /// # Errors
+            /// A number that is no role.
+            pub fn consumer(&self) -> Result<RoleId, UnknownCode> {
+                let unknown = UnknownCode { list: "RoleId", code: self.consumer };
+                u8::try_from(self.consumer).map_err(|_| unknown).and_then(RoleId::try_from)
+            }
+        }
+    )+};
+}
+of_consumer!(AccountUpdate, AccountKept, Journalled);

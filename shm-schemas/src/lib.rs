@@ -27,6 +27,7 @@
 mod account;
 mod audit;
 mod code;
+mod columns;
 mod command;
 mod couples;
 mod detections;
@@ -39,9 +40,10 @@ mod part;
 mod stamp;
 mod verdict;
 
-pub use account::{Account, AccountKept, AccountUpdate, Journalled, WAITING_RESULTS};
+pub use account::{Account, AccountKept, AccountUpdate, CONSUMERS, Journalled, WAITING_RESULTS};
 pub use audit::{Audit, AuditKind};
 pub use code::UnknownCode;
+pub use columns::{COLUMNS, Column, Value};
 pub use command::{Command, CommandKind, CommandSource};
 pub use couples::{Couples, HandCouple};
 pub use detections::{Detections, HandDetection, LANDMARKS, ObjectDetection};

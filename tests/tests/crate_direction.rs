@@ -7,44 +7,56 @@ use std::process::Command;
 use serde_json::Value;
 
 /// Every crate of the workspace and the crates of the workspace that it may use.
-const MAY_USE: [(&str, &[&str]); 11] = [
+const MAY_USE: [(&str, &[&str]); 14] = [
     ("andon-core", &[]),
     ("andon-learn", &["andon-core"]),
     ("shm-schemas", &[]),
     ("andon-ipc", &["shm-schemas"]),
+    ("andon-http", &[]),
     ("andon-journal", &["shm-schemas"]),
     ("andon-perception", &[]),
     ("andon-realsense", &[]),
     ("andon-plc", &["andon-ipc", "shm-schemas"]),
     (
+        "andon-host",
+        &["andon-core", "andon-ipc", "andon-learn", "andon-perception", "andon-plc", "shm-schemas"],
+    ),
+    ("andon-study", &["andon-core", "andon-learn"]),
+    (
         "andond",
         &[
             "andon-core",
+            "andon-host",
+            "andon-http",
             "andon-ipc",
             "andon-journal",
             "andon-learn",
             "andon-perception",
             "andon-plc",
+            "andon-study",
             "shm-schemas",
         ],
     ),
-    ("andon-video", &["andon-ipc", "andon-realsense", "andond", "shm-schemas"]),
+    ("andon-video", &["andon-host", "andon-ipc", "andon-learn", "andon-realsense", "shm-schemas"]),
     (
         "andon-tests",
         &[
             "andon-core",
+            "andon-host",
             "andon-ipc",
             "andon-learn",
             "andon-perception",
             "andon-plc",
             "andon-realsense",
+            "andon-study",
             "shm-schemas",
         ],
     ),
 ];
 
 /// Libraries that one crate alone may use, besides the tests: the rest of the program does not know them.
-const KNOWN_BY_ONE: [(&str, &[&str]); 4] = [
+const KNOWN_BY_ONE: [(&str, &[&str]); 5] = [
+    ("hyper", &["andon-http"]),
     ("iceoryx2", &["andon-ipc"]),
     ("ort", &["andon-perception"]),
     ("rusqlite", &["andon-journal"]),

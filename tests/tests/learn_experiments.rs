@@ -3,11 +3,11 @@
 
 use andon_core::config::Method;
 use andon_core::job::LocalCost;
-use andon_learn::analysis::{report, selection};
-use andon_learn::cluster::Table;
-use andon_learn::experiment::{Confusion, Ladder, Outcome, Split, Variation, experiment_1, experiment_2};
-use andon_learn::folder::{self, Labelled, Naming};
 use andon_learn::run::Run;
+use andon_study::analysis::{report, selection};
+use andon_study::cluster::Table;
+use andon_study::experiment::{Confusion, Ladder, Outcome, Split, Variation, experiment_1, experiment_2};
+use andon_study::folder::{self, Labelled, Naming};
 use andon_tests::simulator::{self, Noise, Recorded, save};
 use std::path::PathBuf;
 

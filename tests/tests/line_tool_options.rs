@@ -1,9 +1,9 @@
 //! Every option of a command does what the help says, and every command that gives a verdict ends with its exit code.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use andon_learn::analysis::draw_order;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::write;
+use andon_study::analysis::draw_order;
 use andon_tests::line::{Line, Settings, andond};
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
 use std::io::{BufRead, BufReader};

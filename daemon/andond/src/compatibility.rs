@@ -2,10 +2,9 @@
 
 use andon_core::config::Method;
 use andon_core::input::Space;
+use andon_host::config::Config;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::{Header, NamedObject};
-
-use crate::config::Config;
 
 /// What of a job does not fit, and what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -3,8 +3,8 @@
 
 use std::process::ExitCode;
 
+use andon_host::exit::{self, Code, is_reader_gone};
 use andond::cli::{self, Cli, Command};
-use andond::exit::{self, Code, is_reader_gone};
 use andond::role;
 use andond::tool::{self, ToolError};
 use clap::FromArgMatches as _;
@@ -49,7 +49,9 @@ fn run(command: Command) -> Result<ExitCode, Box<ToolError>> {
         Command::Teach(arguments) => tool::teach::run(&arguments)?.into(),
         Command::Replay(arguments) => tool::replay::run(&arguments)?.into(),
         Command::Segment(arguments) => tool::segment::run(&arguments)?.into(),
-        Command::Run(arguments) => role::run(arguments.role, &tool::take_config(&arguments)?).into(),
+        Command::Run(arguments) => {
+            role::run(arguments.role, &arguments.take_config().map_err(ToolError::from)?).into()
+        }
         Command::Calibrate(arguments) => tool::calibrate::run(&arguments)?.into(),
         Command::Record(arguments) => tool::record::run(&arguments)?.into(),
         Command::Tracks(arguments) => tool::tracks::run(&arguments)?.into(),

@@ -1,6 +1,7 @@
 //! Metric mode on the line: turns the depth and the optics that come with a frame into a scene in metres.
 
 use andon_core::input::Space;
+use andon_host::config::Config;
 use andon_perception::Detections;
 use andon_perception::bench::{Calibration, CalibrationError};
 use andon_perception::config::MarkerObject;
@@ -9,7 +10,6 @@ use andon_perception::metric::{
 };
 use shm_schemas::{DepthFormat, FrameHeader, Intrinsics};
 
-use crate::config::Config;
 use crate::perception::{calibration, marker_objects};
 
 /// Why a frame cannot be placed.

@@ -2,10 +2,9 @@
 
 use std::time::Duration;
 
+use andon_host::config::Config;
 use andon_ipc::{Heartbeat, MonotonicTime};
 use shm_schemas::{Health, RoleId, RoleState};
-
-use crate::config::Config;
 
 /// What was noticed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,12 +1,11 @@
 //! Perception as the configuration describes it.
 
 use andon_core::input::Side;
+use andon_host::config::{Config, HandModel};
 use andon_perception::bench::{Calibration, CalibrationError};
 use andon_perception::config::{HandsConfig, MarkerObject, MarkersConfig, ModelSize, ThreadsConfig};
 use andon_perception::detections;
 use andon_perception::{Perceiver, PerceptionConfig, PerceptionError};
-
-use crate::config::{Config, HandModel};
 
 /// Why there is no perceiver.
 #[derive(Debug, thiserror::Error)]
@@ -59,11 +58,13 @@ fn hands(config: &Config) -> HandsConfig {
     }
 }
 
-/// The objects that are looked for.
+/// The objects that are looked for by their markers.
 pub fn marker_objects(config: &Config) -> Vec<MarkerObject> {
-    let object =
-        |object: &crate::config::Object| MarkerObject { id: object.id, side_m: object.marker_side_m };
-    config.objects.iter().map(object).collect()
+    let object = |object: &andon_host::config::Object| {
+        let (marker, side_m) = (object.marker_id()?, object.marker_side_m?);
+        Some(MarkerObject { id: object.id, marker, side_m })
+    };
+    config.objects.iter().filter_map(object).collect()
 }
 
 fn markers(config: &Config) -> MarkersConfig {

@@ -8,6 +8,8 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use andon_core::input::{Frame, Space};
+use andon_host::config::Config;
+use andon_host::video::pipe::PictureFormat;
 use andon_learn::file;
 use andon_learn::recording::{
     Header, Landmarks, NamedObject, SeenTracks, TrackError, Truncation, object_name,
@@ -16,9 +18,7 @@ use andon_perception::sight::{Look, Sight};
 use andon_perception::{ImageView, Perceiver, PerceptionError, PixelFormat};
 use shm_schemas::{Detections, flag};
 
-use crate::config::Config;
 use crate::perception;
-use crate::video::pipe::PictureFormat;
 use crate::video::{Film, VideoError};
 use crate::wire;
 

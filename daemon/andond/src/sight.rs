@@ -1,10 +1,9 @@
 //! The words for what the line cannot see: the same in the log, in `andond status`, in `andond tail`, in the journal and for the PLC.
 
+use andon_host::config::Config;
+use andon_host::log::{Code, code};
 use andon_perception::sight::{Expected, Trouble};
 use shm_schemas::{Health, RoleId, Sight};
-
-use crate::config::Config;
-use crate::log::{Code, code};
 
 /// What is expected of a recording at this station.
 pub fn expected(config: &Config) -> Expected {

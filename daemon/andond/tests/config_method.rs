@@ -3,8 +3,8 @@
 
 use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
 use andon_core::object::ObjectShape;
+use andon_host::config::{Config, reference};
 use andon_learn::recording::{Header, Landmarks, NamedObject, write};
-use andond::config::{Config, reference};
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;

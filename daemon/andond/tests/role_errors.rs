@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used)]
 
+use andon_host::exit::Code;
+use andon_host::log::last_error;
+use andon_host::role::{CycleError, Failure as _};
 use andon_ipc::{Channel, Error as Ipc};
 use andon_journal::JournalError;
 use andon_learn::job_file::JobFile;
@@ -10,21 +13,14 @@ use andon_learn::recording::{TrackReader, Truncation};
 use andon_perception::bench::CalibrationError;
 use andon_perception::{PerceptionError, RuntimeFile};
 use andond::compatibility::Misfit;
-use andond::exit::Code;
-use andond::log::last_error;
 use andond::perception::SetupError;
 use andond::role::RoleError;
-use andond::video::OpenError;
 use std::io::{Error, ErrorKind};
 use std::path::PathBuf;
 use std::time::Duration;
 
 fn io() -> Error {
     ErrorKind::Other.into()
-}
-
-fn open(why: fn(String) -> OpenError) -> RoleError {
-    why("/dev/video0".into()).into()
 }
 
 fn missing(what: RuntimeFile) -> RoleError {
@@ -45,11 +41,7 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
     let station = || "bench1".to_owned();
     let (root, lock) = (PathBuf::new(), PathBuf::new());
     let address = ([127, 0, 0, 1], 502).into();
-    let errors: [(RoleError, u32, Code); 31] = [
-        (open(OpenError::Refused), 105, Code::Configuration),
-        (open(OpenError::NotAllowed), 107, Code::Fault),
-        (open(OpenError::Gone), 108, Code::Fault),
-        (open(OpenError::NoRecording), 108, Code::Configuration),
+    let errors: [(RoleError, u32, Code); 25] = [
         (RoleError::Source(String::new()), 108, Code::Fault),
         (TrackReader::new("empty.tracks.jsonl", &b""[..]).err().unwrap().into(), 108, Code::Configuration),
         (
@@ -57,8 +49,6 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
             210,
             Code::Configuration,
         ),
-        (open(OpenError::Unfit), 109, Code::Fault),
-        (open(OpenError::Unsupported), 109, Code::Configuration),
         (missing(RuntimeFile::PalmModel), 205, Code::Configuration),
         (missing(RuntimeFile::LandmarkModel), 205, Code::Configuration),
         (missing(RuntimeFile::OnnxRuntime), 206, Code::Configuration),
@@ -85,7 +75,7 @@ fn every_error_of_a_role_has_its_code_and_its_exit_code() {
         ),
         (Ipc::RootVanished { root }.into(), 606, Code::Fault),
         (layout_mismatch().into(), 607, Code::Fault),
-        (RoleError::NoProgress(Duration::ZERO), 612, Code::NoProgress),
+        (CycleError::NoProgress(Duration::ZERO).into(), 612, Code::NoProgress),
         (transport().into(), 613, Code::Fault),
         (RoleError::Start { path: String::new(), source: io() }, 615, Code::Fault),
         (RoleError::Metrics { address, source: io() }, 619, Code::Fault),

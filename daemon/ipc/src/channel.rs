@@ -17,11 +17,11 @@ pub enum Channel {
     Couple,
     /// From judge to plc, journal and the tools.
     Verdict,
-    /// From plc to journal: what the PLC has been told, to be kept.
+    /// From the consumers of the journal to it: what each has been told, to be kept.
     Account,
-    /// From journal to plc: which account is on disk.
+    /// From journal to its consumers: which accounts are on disk.
     Kept,
-    /// From journal to plc: the verdicts that are on disk, row by row.
+    /// From journal to its consumers: the verdicts that are on disk, row by row.
     Journalled,
     /// From every role to plc and the tools.
     Health,
@@ -86,13 +86,19 @@ impl Channel {
             Self::Verdict => {
                 Qos { buffer: 1024, history: 256, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 511 }
             }
-            // Only the newest counts, because it includes all before it. A history of 1, for the one that starts later.
-            Self::Account | Self::Kept => {
-                Qos { buffer: 4, history: 1, borrowed: 2, readers: 4, writers: 1, loans: 2, burst: 1 }
+            // Only the newest of each consumer counts, because it includes all before it. A history of 1, for a journal that starts later.
+            // 8 writers: the consumers, and those that are dead and not yet removed.
+            Self::Account => {
+                Qos { buffer: 16, history: 1, borrowed: 2, readers: 4, writers: 8, loans: 2, burst: 1 }
             }
-            // What is lost is asked for again, so this only has to hold what the journal sends between two looks of plc.
+            // Only the newest of each consumer counts. No history: what is older would be taken for what is kept, so who starts later asks.
+            Self::Kept => {
+                Qos { buffer: 16, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 1 }
+            }
+            // What is lost is asked for again, so this only has to hold what the journal sends between two looks of a consumer:
+            // 32 rows for each.
             Self::Journalled => {
-                Qos { buffer: 64, history: 0, borrowed: 2, readers: 2, writers: 1, loans: 2, burst: 31 }
+                Qos { buffer: 128, history: 0, borrowed: 2, readers: 8, writers: 1, loans: 2, burst: 31 }
             }
             // Only the newest counts; 4 per writer, so that a reader that looks once per second misses none at 2 Hz.
             // 16 writers: 7 roles, and those that are dead and not yet removed. 16 readers: plc, journal, programs in C, and every

@@ -1,7 +1,7 @@
-//! The PLC's account, kept beside the verdicts that it counts.
+//! The accounts of the consumers, kept beside the verdicts that they count.
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
-use shm_schemas::{Account, PartId, WAITING_RESULTS};
+use shm_schemas::{Account, PartId, RoleId, WAITING_RESULTS};
 
 use super::row::{signed, unsigned};
 
@@ -10,10 +10,14 @@ pub(super) fn identity(connection: &Connection) -> rusqlite::Result<u64> {
     connection.query_row("SELECT journal FROM identity", [], |row| row.get(0).map(unsigned))
 }
 
-/// The account that was kept last; before the first, where the journal ends.
-pub(super) fn read(connection: &Connection) -> rusqlite::Result<Account> {
+/// The account of a consumer that was kept last; before the first, where the journal ends.
+pub(super) fn read(connection: &Connection, consumer: RoleId) -> rusqlite::Result<Account> {
     let journal = identity(connection)?;
-    let kept = connection.query_row("SELECT * FROM account", [], |row| account(row, journal)).optional()?;
+    let kept = connection
+        .query_row("SELECT * FROM account WHERE consumer = ?1", [consumer.name()], |row| {
+            account(row, journal)
+        })
+        .optional()?;
     if let Some(account) = kept {
         return Ok(account);
     }
@@ -26,16 +30,25 @@ pub(super) fn read(connection: &Connection) -> rusqlite::Result<Account> {
     Ok(Account { journal, row, epoch, seq, ..Account::default() })
 }
 
-/// Writes the account in place of the one before it. It is on disk when this returns.
-pub(super) fn write(connection: &Connection, account: &Account) -> rusqlite::Result<()> {
+/// The consumers that have an account. A name that is no role of this build is left out.
+pub(super) fn consumers(connection: &Connection) -> rusqlite::Result<Vec<RoleId>> {
+    let mut names = connection.prepare_cached("SELECT consumer FROM account ORDER BY consumer")?;
+    let names = names.query_map([], |row| row.get::<_, String>(0))?;
+    let role = |name: String| RoleId::ALL.iter().copied().find(|role| role.name() == name);
+    names.filter_map(|name| name.map(role).transpose()).collect()
+}
+
+/// Writes the account of a consumer in place of the one before it. It is on disk when this returns.
+pub(super) fn write(connection: &Connection, consumer: RoleId, account: &Account) -> rusqlite::Result<()> {
     connection
         .prepare_cached(
-            "INSERT OR REPLACE INTO account (id, boot, number, row, epoch, seq, sequence, lost, has_overrun, error,
+            "INSERT OR REPLACE INTO account (consumer, boot, number, row, epoch, seq, sequence, lost, has_overrun, error,
              error_detail, shown_row, shown_sequence, is_acknowledged, waiting, wanted_job,
              wanted_hash, part)
-             VALUES (1, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)",
+             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18)",
         )?
         .execute(params![
+            consumer.name(),
             account.boot,
             signed(account.number),
             signed(account.row),

@@ -1,18 +1,41 @@
 //! The journal as CSV (RFC 4180), for spreadsheets.
 
-use std::fmt::Display;
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use jiff::Timestamp;
+use shm_schemas::{COLUMNS, Value, Verdict, VerdictLevel, VerdictOutcome, verdict_kind};
 
 use super::audit::Deed;
-use super::entry::{Entry, Gap, NotWatching, Record};
-
-pub(super) const HEADER: &str = "decided_utc,entry,kind,level,outcome,reason,hand,station,job_id,model_hash,activity,iu,nearest,x_c0,x_c1,x_c2,x_c3,distance,\
-                      threshold,early,note,broken,broken_activity,broken_runs,measure,measured,shown_min,shown_max,captured_percent,seen_percent,missing_hand,missing_object,\
-                      missing_s,missing_percent,needed_percent,began_s,ended_s,decided_s,epoch,seq,last_seq,ended_utc,part\r\n";
+use super::entry::{Entry, Gap, NotWatching};
 
 pub(super) const DEEDS_HEADER: &str = "utc,kind,who,what\r\n";
+
+/// What a line begins with, before the columns of a verdict.
+const FIRST: [&str; 3] = ["decided_utc", "entry", "kind"];
+/// Columns of gaps and of times without sight alone; they stand before the last one of a verdict.
+const OF_OTHERS: [&str; 2] = ["last_seq", "ended_utc"];
+/// The columns of a verdict that are not in CSV: `decided_utc` says one of them, and the others mean nothing outside of the machine.
+const LEFT_OUT: [&str; 4] = ["decided_utc_ns", "frame_seq", "captured_ns", "sent_ns"];
+
+/// The columns of a line, in their order.
+fn names() -> Vec<&'static str> {
+    let of_verdict = COLUMNS.iter().map(|column| column.name).filter(|name| !LEFT_OUT.contains(name));
+    let mut names: Vec<&str> = FIRST.into_iter().chain(of_verdict).collect();
+    // The part is the last: it is the one text of people.
+    let last = names.len() - 1;
+    names.splice(last..last, OF_OTHERS);
+    names
+}
+
+/// The first line.
+pub(super) fn header() -> String {
+    let unit = |name: &str| match name.strip_suffix("_ns") {
+        Some(time) => format!("{time}_s"),
+        None => name.to_owned(),
+    };
+    names().into_iter().map(unit).collect::<Vec<_>>().join(",") + "\r\n"
+}
 
 /// Writes the line of what was done. These are words of people, so they are quoted.
 pub(super) fn write_deed(deed: &Deed, out: &mut dyn Write) -> io::Result<()> {
@@ -23,70 +46,76 @@ pub(super) fn write_deed(deed: &Deed, out: &mut dyn Write) -> io::Result<()> {
 /// Writes the line of an entry.
 pub(super) fn write(entry: &Entry, out: &mut dyn Write) -> io::Result<()> {
     match entry {
-        Entry::Verdict(record) => write_record(record, out),
-        Entry::Gap(gap) => write_gap(gap, out),
-        Entry::NotWatching(blind) => write_not_watching(blind, out),
+        Entry::Verdict(verdict) => line(out, |name| of_verdict(verdict, name)),
+        Entry::Gap(gap) => line(out, |name| of_gap(gap, name)),
+        Entry::NotWatching(blind) => line(out, |name| of_not_watching(blind, name)),
     }
 }
 
-// No field but the last needs quoting: they are numbers, names of codes, and the station's name, which consists of a-z, 0-9 and -.
-fn write_record(r: &Record, out: &mut dyn Write) -> io::Result<()> {
-    write!(
-        out,
-        "{},verdict,{},{},{},{},{},{},{},{}",
-        utc(r.decided_utc_ns),
-        r.kind(),
-        r.level,
-        r.outcome,
-        r.reason,
-        r.hand,
-        r.station,
-        r.job_id,
-        r.model_hash
-    )?;
-    write!(out, ",{},{},{}", or_empty(r.activity), or_empty(r.iu), or_empty(r.nearest))?;
-    write!(out, ",{},{},{},{}", r.x_c[0], r.x_c[1], r.x_c[2], r.x_c[3])?;
-    write!(out, ",{},{},{}", or_empty(r.distance), or_empty(r.threshold), u8::from(r.early))?;
-    write!(out, ",{},{},{},{}", r.note, r.broken, or_empty(r.broken_activity), r.broken_runs)?;
-    let [min, max] = r.shown.map(or_empty);
-    write!(out, ",{},{},{min},{max}", r.measure, or_empty(r.measured))?;
-    write!(out, ",{},{}", or_empty(r.captured_percent), or_empty(r.seen_percent))?;
-    write!(out, ",{},{},{}", r.missing_hand, or_empty(r.missing_object), or_empty(r.missing_s))?;
-    write!(out, ",{},{}", or_empty(r.missing_percent), or_empty(r.needed_percent))?;
-    write!(out, ",{},{},{}", seconds(r.began_ns), seconds(r.ended_ns), seconds(r.decided_ns))?;
-    write!(out, ",{},{},,,{}\r\n", r.epoch, r.seq, quoted(&r.part))
+fn line<'e>(out: &mut dyn Write, value: impl Fn(&str) -> Cow<'e, str>) -> io::Result<()> {
+    let values: Vec<Cow<'_, str>> = names().into_iter().map(value).collect();
+    write!(out, "{}\r\n", values.join(","))
+}
+
+fn of_verdict<'v>(verdict: &'v Verdict, name: &str) -> Cow<'v, str> {
+    match name {
+        "decided_utc" => utc(verdict.decided_utc_ns).into(),
+        "entry" => "verdict".into(),
+        "kind" => kind(verdict).into(),
+        name => {
+            let column = COLUMNS.iter().find(|column| column.name == name);
+            column.map_or(Cow::default(), |column| text((column.get)(verdict)))
+        }
+    }
+}
+
+/// Level and outcome in one word. One that this build does not know was not judged.
+fn kind(verdict: &Verdict) -> &'static str {
+    match (verdict.level(), verdict.outcome()) {
+        (Ok(level), Ok(outcome)) => verdict_kind(level, outcome),
+        _ => verdict_kind(VerdictLevel::Iu, VerdictOutcome::NotJudged),
+    }
+}
+
+fn of_gap<'g>(gap: &'g Gap, name: &str) -> Cow<'g, str> {
+    match name {
+        "decided_utc" => utc(gap.utc_ns).into(),
+        "entry" => "gap".into(),
+        "reason" => gap.why.as_str().into(),
+        "epoch" => gap.epoch.to_string().into(),
+        "seq" => gap.first_seq.to_string().into(),
+        "last_seq" => gap.last_seq.map(|last| last.to_string()).unwrap_or_default().into(),
+        _ => Cow::default(),
+    }
+}
+
+fn of_not_watching<'b>(blind: &'b NotWatching, name: &str) -> Cow<'b, str> {
+    match name {
+        "decided_utc" => utc(blind.began_utc_ns).into(),
+        "entry" => "not_watching".into(),
+        "reason" => blind.why.as_str().into(),
+        "ended_utc" => blind.ended_utc_ns.map(utc).unwrap_or_default().into(),
+        _ => Cow::default(),
+    }
+}
+
+fn text(value: Value<'_>) -> Cow<'_, str> {
+    match value {
+        Value::None => Cow::default(),
+        Value::Whole(number) => number.to_string().into(),
+        Value::Hash(hash) => format!("{hash:016x}").into(),
+        Value::Time(ns) => seconds(ns).into(),
+        Value::Number(number) => number.to_string().into(),
+        Value::Word(word) => word.into(),
+        Value::Unknown(code) => code.to_string().into(),
+        Value::Text(text) => quoted(text),
+    }
 }
 
 /// A text that may have commas and quotes in it.
-fn quoted(text: &str) -> String {
+fn quoted(text: &str) -> Cow<'_, str> {
     let is_plain = !text.contains([',', '"']);
-    if is_plain { text.to_owned() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
-}
-
-fn write_gap(gap: &Gap, out: &mut dyn Write) -> io::Result<()> {
-    let last_seq = or_empty(gap.last_seq);
-    write!(
-        out,
-        "{},gap,,,,{},,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,{},{},{last_seq},,\r\n",
-        utc(gap.utc_ns),
-        gap.why,
-        gap.epoch,
-        gap.first_seq
-    )
-}
-
-fn write_not_watching(blind: &NotWatching, out: &mut dyn Write) -> io::Result<()> {
-    let end = or_empty(blind.ended_utc_ns.map(utc));
-    write!(
-        out,
-        "{},not_watching,,,,{},,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,,{end},\r\n",
-        utc(blind.began_utc_ns),
-        blind.why
-    )
-}
-
-fn or_empty(value: Option<impl Display>) -> String {
-    value.map(|value| value.to_string()).unwrap_or_default()
+    if is_plain { text.into() } else { format!("\"{}\"", text.replace('"', "\"\"")).into() }
 }
 
 fn seconds(ns: u64) -> String {

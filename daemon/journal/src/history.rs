@@ -8,9 +8,9 @@ use shm_schemas::PartId;
 
 use super::audit::Deed;
 use super::csv;
-use super::entry::{Entry, Gap, NotWatching, Record};
+use super::entry::{Entry, Gap, NotWatching};
 use super::error::JournalError;
-use super::row::{signed, unsigned};
+use super::row::{read_verdict, signed, unsigned};
 
 /// Which verdicts to read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,25 +35,17 @@ pub struct History {
 /// Verdicts and the rest in one order: a gap stands before the verdict that revealed it, and a time without sight before the first
 /// verdict after its begin.
 const QUERY: &str = "
-    SELECT id AS position, 2 AS rank, epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
-        nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns, decided_utc_ns,
-        NULL AS last_seq, part, note, broken, broken_activity, broken_runs, measure, measured, shown_min, shown_max,
-        captured_percent, seen_percent, missing_hand, missing_object, missing_s, missing_percent, needed_percent
-    FROM verdict
-    WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
-        AND (?4 IS NULL OR part = ?4)
-    UNION ALL
-    SELECT before_verdict, 1, epoch, first_seq, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, utc_ns, last_seq, '', '', '', NULL, 0, '', NULL, NULL, NULL,
-        NULL, NULL, '', NULL, NULL, NULL, NULL
-    FROM gap
-    WHERE utc_ns >= ?1
-    UNION ALL
-    SELECT before_verdict, 0, 0, 0, why, '', '', '', '', 0, '', NULL, NULL,
-        NULL, 0, 0, 0, 0, NULL, NULL, 0, 0, 0, 0, began_utc_ns, ended_utc_ns, '', '', '', NULL, 0, '', NULL, NULL, NULL,
-        NULL, NULL, '', NULL, NULL, NULL, NULL
-    FROM not_watching
-    WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
+    SELECT entry.*, verdict.* FROM (
+        SELECT id AS position, 2 AS rank, NULL AS utc_ns, NULL AS why, NULL AS gap_epoch, NULL AS first, NULL AS last
+        FROM verdict
+        WHERE decided_utc_ns >= ?1 AND (?2 IS NULL OR job_id = ?2) AND (NOT ?3 OR outcome IS NOT 'ok')
+            AND (?4 IS NULL OR part = ?4)
+        UNION ALL
+        SELECT before_verdict, 1, utc_ns, why, epoch, first_seq, last_seq FROM gap WHERE utc_ns >= ?1
+        UNION ALL
+        SELECT before_verdict, 0, began_utc_ns, why, NULL, NULL, ended_utc_ns FROM not_watching
+        WHERE coalesce(ended_utc_ns, began_utc_ns) >= ?1
+    ) AS entry LEFT JOIN verdict ON rank = 2 AND verdict.id = position
     ORDER BY position, rank";
 
 impl History {
@@ -76,7 +68,7 @@ impl History {
     /// # Errors
     /// [`JournalError`] of the database, [`JournalError::Export`] when `out` cannot be written.
     pub fn write_csv(&self, query: &Query, out: &mut impl Write) -> Result<(), JournalError> {
-        out.write_all(csv::HEADER.as_bytes())?;
+        out.write_all(csv::header().as_bytes())?;
         self.visit(query, |entry| Ok(csv::write(&entry, out)?))?;
         Ok(out.flush()?)
     }
@@ -152,58 +144,20 @@ impl History {
 
 fn entry(row: &Row<'_>) -> rusqlite::Result<Entry> {
     let number = |column: &str| row.get(column).map(unsigned);
-    let rank: u8 = row.get("rank")?;
-    if rank == 0 {
-        return Ok(Entry::NotWatching(NotWatching {
-            began_utc_ns: number("decided_utc_ns")?,
-            ended_utc_ns: row.get::<_, Option<i64>>("last_seq")?.map(unsigned),
-            why: row.get("level")?,
-        }));
-    }
-    if rank == 1 {
-        return Ok(Entry::Gap(Gap {
-            utc_ns: number("decided_utc_ns")?,
-            why: row.get("level")?,
-            epoch: number("epoch")?,
-            first_seq: number("seq")?,
-            last_seq: row.get::<_, Option<i64>>("last_seq")?.map(unsigned),
-        }));
-    }
-    Ok(Entry::Verdict(Box::new(Record {
-        epoch: number("epoch")?,
-        seq: number("seq")?,
-        level: row.get("level")?,
-        outcome: row.get("outcome")?,
-        reason: row.get("reason")?,
-        hand: row.get("hand")?,
-        station: row.get("station")?,
-        job_id: row.get("job_id")?,
-        model_hash: row.get("model_hash")?,
-        activity: row.get("activity")?,
-        iu: row.get("iu")?,
-        nearest: row.get("nearest")?,
-        x_c: [row.get("x_c0")?, row.get("x_c1")?, row.get("x_c2")?, row.get("x_c3")?],
-        distance: row.get("distance")?,
-        threshold: row.get("threshold")?,
-        early: row.get("early")?,
-        note: row.get("note")?,
-        broken: row.get("broken")?,
-        broken_activity: row.get("broken_activity")?,
-        broken_runs: row.get("broken_runs")?,
-        measure: row.get("measure")?,
-        measured: row.get("measured")?,
-        shown: [row.get("shown_min")?, row.get("shown_max")?],
-        captured_percent: row.get("captured_percent")?,
-        seen_percent: row.get("seen_percent")?,
-        missing_hand: row.get("missing_hand")?,
-        missing_object: row.get("missing_object")?,
-        missing_s: row.get("missing_s")?,
-        missing_percent: row.get("missing_percent")?,
-        needed_percent: row.get("needed_percent")?,
-        began_ns: number("began_ns")?,
-        ended_ns: number("ended_ns")?,
-        decided_ns: number("decided_ns")?,
-        decided_utc_ns: number("decided_utc_ns")?,
-        part: row.get("part")?,
-    })))
+    let last = || row.get::<_, Option<i64>>("last").map(|last| last.map(unsigned));
+    Ok(match row.get::<_, u8>("rank")? {
+        0 => Entry::NotWatching(NotWatching {
+            began_utc_ns: number("utc_ns")?,
+            ended_utc_ns: last()?,
+            why: row.get("why")?,
+        }),
+        1 => Entry::Gap(Gap {
+            utc_ns: number("utc_ns")?,
+            why: row.get("why")?,
+            epoch: number("gap_epoch")?,
+            first_seq: number("first")?,
+            last_seq: last()?,
+        }),
+        _ => Entry::Verdict(Box::new(read_verdict(row)?)),
+    })
 }

@@ -31,10 +31,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use rusqlite::{Connection, TransactionBehavior};
-use shm_schemas::{Account, MessageId, Verdict};
+use shm_schemas::{Account, MessageId, RoleId, Verdict};
 
 pub use audit::Deed;
-pub use entry::{Entry, Gap, NotWatching, Record};
+pub use entry::{Entry, Gap, NotWatching};
 pub use error::JournalError;
 pub use history::{History, Query};
 pub use retention::Retention;
@@ -70,6 +70,7 @@ pub struct Journal {
     waiting: VecDeque<Verdict>,
     lost: u64,
     removed: u64,
+    unacknowledged: u64,
     until_retention: u32,
 }
 
@@ -97,6 +98,7 @@ impl Journal {
             waiting,
             lost: 0,
             removed: 0,
+            unacknowledged: 0,
             until_retention: ROWS_BETWEEN_RETENTIONS,
         };
         journal.retain();
@@ -160,7 +162,7 @@ impl Journal {
         }
         // What was on disk is behind the gap: it is neither lost nor written again.
         fresh.newest = fresh.newest.or(self.newest);
-        (fresh.lost, fresh.removed) = (self.lost, self.removed);
+        (fresh.lost, fresh.removed, fresh.unacknowledged) = (self.lost, self.removed, self.unacknowledged);
         std::mem::swap(&mut fresh.waiting, &mut self.waiting);
         *self = fresh;
         Ok(aside)
@@ -225,20 +227,28 @@ impl Journal {
         self.identity
     }
 
-    /// The account of the PLC that was kept last. One with `boot` 0 was never kept: it says where the journal ends.
+    /// The consumers that have an account. What they have not acknowledged stays within the size of the [`Retention`].
+    ///
+    /// # Errors
+    /// [`JournalError`] when they cannot be read.
+    pub fn consumers(&self) -> Result<Vec<RoleId>, JournalError> {
+        account::consumers(&self.connection).map_err(|source| self.failed(source))
+    }
+
+    /// The account of a consumer that was kept last. One with `boot` 0 was never kept: it says where the journal ends.
     ///
     /// # Errors
     /// [`JournalError`] when it cannot be read.
-    pub fn account(&self) -> Result<Account, JournalError> {
-        account::read(&self.connection).map_err(|source| self.failed(source))
+    pub fn account(&self, consumer: RoleId) -> Result<Account, JournalError> {
+        account::read(&self.connection, consumer).map_err(|source| self.failed(source))
     }
 
-    /// Keeps the account of the PLC. It is on disk when this returns `Ok`.
+    /// Keeps the account of a consumer, the first time for good. It is on disk when this returns `Ok`.
     ///
     /// # Errors
     /// [`JournalError`] when it could not be written.
-    pub fn keep(&mut self, account: &Account) -> Result<(), JournalError> {
-        account::write(&self.connection, account).map_err(|source| self.failed(source))
+    pub fn keep(&mut self, consumer: RoleId, account: &Account) -> Result<(), JournalError> {
+        account::write(&self.connection, consumer, account).map_err(|source| self.failed(source))
     }
 
     /// The rows after this one, at most `count`, oldest first.
@@ -257,6 +267,11 @@ impl Journal {
     /// Number of verdicts that this writer has removed because of their age or the size of the database.
     pub fn removed(&self) -> u64 {
         self.removed
+    }
+
+    /// Number of those that a consumer had not acknowledged: the database was too large to keep them.
+    pub fn unacknowledged(&self) -> u64 {
+        self.unacknowledged
     }
 
     /// Number of verdicts in the queue.
@@ -283,7 +298,10 @@ impl Journal {
     /// A failure is only logged, and the next application tries again: writing matters more than removing.
     fn retain(&mut self) {
         match retention::apply(&mut self.connection, self.retention) {
-            Ok(removed) => self.removed += removed as u64,
+            Ok(removed) => {
+                self.removed += removed.all;
+                self.unacknowledged += removed.unacknowledged;
+            }
             Err(error) => {
                 tracing::debug!(%error, path = %self.path.display(), "old verdicts could not be removed yet")
             }

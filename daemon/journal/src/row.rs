@@ -1,10 +1,10 @@
 //! Writes a verdict as a row, and the gaps before it.
 
-use rusqlite::{Connection, OptionalExtension, Row, params};
-use shm_schemas::{
-    HandCode, MessageId, NO_INDEX, NO_PERCENT, OrderFault, PartId, Stamp, Verdict, VerdictLevel,
-    VerdictMeasure, VerdictNote, VerdictOutcome, VerdictReason,
-};
+use std::sync::LazyLock;
+
+use rusqlite::types::{Value as Sql, ValueRef};
+use rusqlite::{Connection, OptionalExtension, Row, params, params_from_iter};
+use shm_schemas::{COLUMNS, Column, MessageId, Value, Verdict};
 
 use super::Written;
 
@@ -95,65 +95,47 @@ pub(super) fn insert_missing(
     Ok(())
 }
 
+/// Every column of the table has its own in the database, under its name.
+static INSERT: LazyLock<String> = LazyLock::new(|| {
+    let names: Vec<&str> = COLUMNS.iter().map(|column| column.name).collect();
+    let places = vec!["?"; COLUMNS.len()];
+    format!("INSERT INTO verdict ({}) VALUES ({})", names.join(", "), places.join(", "))
+});
+
 fn insert_verdict(connection: &Connection, verdict: &Verdict) -> rusqlite::Result<()> {
-    let stamp = &verdict.stamp;
-    let station = verdict.station.split(|&byte| byte == 0).next().unwrap_or_default();
-    connection
-        .prepare_cached(
-            "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, activity, iu,
-             nearest, x_c0, x_c1, x_c2, x_c3, distance, threshold, early, began_ns, ended_ns, decided_ns,
-             decided_utc_ns, frame_seq, captured_ns, sent_ns, part, note, broken, broken_activity, broken_runs,
-             measure, measured, shown_min, shown_max, captured_percent, seen_percent, missing_hand, missing_object,
-             missing_s, missing_percent, needed_percent)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19, ?20, ?21,
-             ?22, ?23, ?24, ?25, ?26, ?27, ?28, ?29, ?30, ?31, ?32, ?33, ?34, ?35, ?36, ?37,
-             ?38, ?39, ?40, ?41, ?42)",
-        )?
-        .execute(params![
-            signed(stamp.epoch),
-            signed(stamp.seq),
-            word(verdict.level().map(VerdictLevel::name), verdict.level),
-            word(verdict.outcome().map(VerdictOutcome::name), verdict.outcome),
-            word(VerdictReason::try_from(verdict.reason).map(VerdictReason::name), verdict.reason),
-            word(HandCode::try_from(verdict.hand).map(HandCode::name), verdict.hand),
-            String::from_utf8_lossy(station),
-            verdict.job_id,
-            format!("{:016x}", verdict.model_hash),
-            index(verdict.activity),
-            index(verdict.iu),
-            index(verdict.nearest),
-            verdict.x_c[0],
-            verdict.x_c[1],
-            verdict.x_c[2],
-            verdict.x_c[3],
-            number(verdict.distance),
-            number(verdict.threshold),
-            verdict.early,
-            signed(verdict.began_ns),
-            signed(verdict.ended_ns),
-            signed(verdict.decided_ns),
-            signed(verdict.decided_utc_ns),
-            signed(stamp.frame_seq),
-            signed(stamp.captured_ns),
-            signed(stamp.sent_ns),
-            verdict.part.text(),
-            word(VerdictNote::try_from(verdict.note).map(VerdictNote::name), verdict.note),
-            word(OrderFault::try_from(verdict.broken).map(OrderFault::name), verdict.broken),
-            index(verdict.broken_activity),
-            verdict.broken_runs,
-            word(VerdictMeasure::try_from(verdict.measure).map(VerdictMeasure::name), verdict.measure),
-            number(verdict.measured),
-            number(verdict.shown_min),
-            number(verdict.shown_max),
-            percent(verdict.captured_percent),
-            percent(verdict.seen_percent),
-            word(HandCode::try_from(verdict.missing_hand).map(HandCode::name), verdict.missing_hand),
-            Some(verdict.missing_object).filter(|id| *id != 0),
-            number(verdict.missing_s),
-            percent(verdict.missing_percent),
-            percent(verdict.needed_percent),
-        ])?;
+    let values = COLUMNS.iter().map(|column| sql((column.get)(verdict)));
+    connection.prepare_cached(&INSERT)?.execute(params_from_iter(values))?;
     Ok(())
+}
+
+/// A value as the database has it. A word that this build does not know stays a number.
+fn sql(value: Value<'_>) -> Sql {
+    match value {
+        Value::None => Sql::Null,
+        Value::Whole(number) | Value::Time(number) => Sql::Integer(signed(number)),
+        Value::Hash(hash) => Sql::Text(format!("{hash:016x}")),
+        Value::Number(number) => Sql::Real(number.into()),
+        Value::Word(word) => Sql::Text(word.to_owned()),
+        Value::Unknown(code) => Sql::Text(code.to_string()),
+        Value::Text(text) => Sql::Text(text.to_owned()),
+    }
+}
+
+/// The inverse of [`sql`].
+fn value<'r>(column: &Column, found: ValueRef<'r>) -> rusqlite::Result<Value<'r>> {
+    Ok(match found {
+        ValueRef::Null => Value::None,
+        ValueRef::Integer(number) => Value::Whole(unsigned(number)),
+        // It was written from as many bits.
+        ValueRef::Real(number) => Value::Number(number as f32),
+        found => {
+            let text = found.as_str()?;
+            match (column.get)(&Verdict::NONE) {
+                Value::Hash(_) => Value::Hash(u64::from_str_radix(text, 16).unwrap_or_default()),
+                _ => Value::Text(text),
+            }
+        }
+    })
 }
 
 /// The rows after this one, oldest first.
@@ -167,83 +149,12 @@ pub(super) fn after(connection: &Connection, row: u64, count: usize) -> rusqlite
 }
 
 /// The inverse of [`insert_verdict`].
-fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
-    let number = |column: &str| row.get(column).map(unsigned);
-    let index = |column: &str| row.get(column).map(|index: Option<u16>| index.unwrap_or(NO_INDEX));
-    let value = |column: &str| row.get(column).map(|value: Option<f32>| value.unwrap_or(f32::NAN));
-    let percent = |column: &str| row.get(column).map(|of: Option<u8>| of.unwrap_or(NO_PERCENT));
-    let text = |column: &str| row.get::<_, String>(column);
-    let mut verdict = Verdict {
-        stamp: Stamp {
-            seq: number("seq")?,
-            epoch: number("epoch")?,
-            frame_seq: number("frame_seq")?,
-            captured_ns: number("captured_ns")?,
-            sent_ns: number("sent_ns")?,
-        },
-        model_hash: u64::from_str_radix(&text("model_hash")?, 16).unwrap_or_default(),
-        began_ns: number("began_ns")?,
-        ended_ns: number("ended_ns")?,
-        decided_ns: number("decided_ns")?,
-        decided_utc_ns: number("decided_utc_ns")?,
-        job_id: row.get("job_id")?,
-        distance: value("distance")?,
-        threshold: value("threshold")?,
-        x_c: [row.get("x_c0")?, row.get("x_c1")?, row.get("x_c2")?, row.get("x_c3")?],
-        activity: index("activity")?,
-        iu: index("iu")?,
-        nearest: index("nearest")?,
-        level: code(VerdictLevel::ALL, VerdictLevel::name, VerdictLevel::code, &text("level")?),
-        outcome: code(VerdictOutcome::ALL, VerdictOutcome::name, VerdictOutcome::code, &text("outcome")?),
-        reason: code(VerdictReason::ALL, VerdictReason::name, VerdictReason::code, &text("reason")?),
-        hand: code(HandCode::ALL, HandCode::name, HandCode::code, &text("hand")?),
-        early: row.get("early")?,
-        note: code(VerdictNote::ALL, VerdictNote::name, VerdictNote::code, &text("note")?),
-        broken: code(OrderFault::ALL, OrderFault::name, OrderFault::code, &text("broken")?),
-        broken_activity: index("broken_activity")?,
-        broken_runs: row.get("broken_runs")?,
-        measure: code(VerdictMeasure::ALL, VerdictMeasure::name, VerdictMeasure::code, &text("measure")?),
-        measured: value("measured")?,
-        shown_min: value("shown_min")?,
-        shown_max: value("shown_max")?,
-        captured_percent: percent("captured_percent")?,
-        seen_percent: percent("seen_percent")?,
-        missing_hand: code(HandCode::ALL, HandCode::name, HandCode::code, &text("missing_hand")?),
-        missing_object: row.get::<_, Option<u16>>("missing_object")?.unwrap_or_default(),
-        missing_s: value("missing_s")?,
-        missing_percent: percent("missing_percent")?,
-        needed_percent: percent("needed_percent")?,
-        // Rows are written by this; where another program has put something else, that is none.
-        part: PartId::new(text("part")?.as_bytes()).unwrap_or(PartId::NONE),
-        ..Verdict::default()
-    };
-    for (to, from) in verdict.station.iter_mut().zip(text("station")?.bytes()) {
-        *to = from;
+pub(super) fn read_verdict(row: &Row<'_>) -> rusqlite::Result<Verdict> {
+    let mut verdict = Verdict::NONE;
+    for column in COLUMNS {
+        (column.set)(&mut verdict, value(column, row.get_ref(column.name)?)?);
     }
     Ok(verdict)
-}
-
-/// The inverse of [`word`].
-pub(super) fn code<T: Copy>(all: &[T], name: fn(T) -> &'static str, code: fn(T) -> u8, text: &str) -> u8 {
-    let known = all.iter().find(|&&word| name(word) == text).map(|&word| code(word));
-    known.or_else(|| text.parse().ok()).unwrap_or_default()
-}
-
-/// The name of a code, or its number where this build does not know it.
-fn word<E>(known: Result<&'static str, E>, code: u8) -> String {
-    known.map_or_else(|_| code.to_string(), str::to_owned)
-}
-
-fn index(index: u16) -> Option<u16> {
-    (index != NO_INDEX).then_some(index)
-}
-
-fn percent(percent: u8) -> Option<u8> {
-    (percent != NO_PERCENT).then_some(percent)
-}
-
-fn number(value: f32) -> Option<f32> {
-    (!value.is_nan()).then_some(value)
 }
 
 /// SQLite's integers are signed: the bits are kept.

@@ -148,6 +148,33 @@ pub(super) const MIGRATIONS: &[&str] = &[
     ALTER TABLE verdict ADD COLUMN missing_percent INTEGER;   -- how many of a hundred frames came, where those were too few
     ALTER TABLE verdict ADD COLUMN needed_percent INTEGER;    -- how many the job needs
 ",
+    "
+    -- Every consumer of the journal has an account; the one that was there is the PLC's.
+    CREATE TABLE new_account (
+        consumer        TEXT    PRIMARY KEY, -- the role that it is of
+        boot            INTEGER NOT NULL,    -- counts the starts of the role
+        number          INTEGER NOT NULL,    -- counts the changes in one start
+        row             INTEGER NOT NULL,    -- id of the newest verdict that was acknowledged, or numbered for the PLC
+        epoch           INTEGER NOT NULL,    -- and its key
+        seq             INTEGER NOT NULL,
+        sequence        INTEGER NOT NULL,    -- and its number; from here on the columns are the PLC's
+        lost            INTEGER NOT NULL,
+        has_overrun     INTEGER NOT NULL,
+        error           INTEGER NOT NULL,
+        error_detail    INTEGER NOT NULL,
+        shown_row       INTEGER NOT NULL,    -- id of the verdict that was offered last
+        shown_sequence  INTEGER NOT NULL,    -- and its number
+        is_acknowledged INTEGER NOT NULL,
+        waiting         TEXT    NOT NULL,    -- ids and numbers of those behind it
+        wanted_job      INTEGER NOT NULL,    -- the job that the PLC has loaded
+        wanted_hash     INTEGER NOT NULL,
+        part            TEXT                 -- the part id that the PLC has given last; NULL: it gives none
+    ) STRICT;
+    INSERT INTO new_account SELECT 'plc', boot, number, row, epoch, seq, sequence, lost, has_overrun, error, error_detail,
+        shown_row, shown_sequence, is_acknowledged, waiting, wanted_job, wanted_hash, part FROM account;
+    DROP TABLE account;
+    ALTER TABLE new_account RENAME TO account;
+",
 ];
 
 /// Configures the connection and brings the schema up to date.

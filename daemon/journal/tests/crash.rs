@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
+const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000, without: &[] };
 /// Names the journal that a child process writes.
 const JOURNAL: &str = "ANDON_TEST_JOURNAL";
 /// Names the epoch that a child process writes.
@@ -73,13 +73,13 @@ fn verdicts(path: &Path) -> BTreeSet<(u64, u64)> {
             Entry::Gap(_) => explained = true,
             Entry::Verdict(record) => {
                 let follows = match newest {
-                    Some((epoch, seq)) => (record.epoch, record.seq) == (epoch, seq + 1),
-                    None => record.seq == 1,
+                    Some((epoch, seq)) => (record.stamp.epoch, record.stamp.seq) == (epoch, seq + 1),
+                    None => record.stamp.seq == 1,
                 };
-                assert!(follows || explained, "{newest:?} then {} {}", record.epoch, record.seq);
+                assert!(follows || explained, "{newest:?} then {} {}", record.stamp.epoch, record.stamp.seq);
                 explained = false;
-                newest = Some((record.epoch, record.seq));
-                there.insert((record.epoch, record.seq));
+                newest = Some((record.stamp.epoch, record.stamp.seq));
+                there.insert((record.stamp.epoch, record.stamp.seq));
             }
         }
         Ok(())

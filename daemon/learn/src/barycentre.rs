@@ -41,7 +41,7 @@ fn change(counts: &mut Counts, motion: Motion, by: fn(u32, u32) -> u32) {
 
 /// Computes barycentres under one local cost.
 #[derive(Clone, Debug)]
-pub(crate) struct Barycentres {
+pub struct Barycentres {
     /// Local cost of a direction in a sequence (row, from 0) against a direction in the barycentre (column, from 0).
     direction: Vec<Vec<f64>>,
     /// The same of the other features, rows and columns from -1.
@@ -50,7 +50,7 @@ pub(crate) struct Barycentres {
 
 impl Barycentres {
     /// Tables for this local cost, and for directions of `bins` bins.
-    pub(crate) fn new(cost: LocalCost, bins: u8) -> Self {
+    pub fn new(cost: LocalCost, bins: u8) -> Self {
         let mut warp = Warp::new(cost);
         let at = |index: usize, value: i8| {
             let mut motion = Motion::default();
@@ -72,7 +72,7 @@ impl Barycentres {
     ///
     /// # Errors
     /// If the group or one of its sequences is empty, or a sequence is longer than an IU may be.
-    pub(crate) fn of(
+    pub fn of(
         &self,
         warp: &mut Warp,
         sequences: &[&[Motion]],
@@ -90,7 +90,7 @@ impl Barycentres {
     ///
     /// # Errors
     /// As for [`of`](Self::of).
-    pub(crate) fn with_left_out(
+    pub fn with_left_out(
         &self,
         warp: &mut Warp,
         sequences: &[&[Motion]],

@@ -1,9 +1,9 @@
 //! What the runs showed of a measure, and where one more execution lies among them: whoever knows the work sees by it whether an accusation is
 //! right. The line of text, the picture of a page and the fields for programs come from the same [`Distribution`].
 
-use crate::analysis::Svg;
 use crate::html::escaped;
 use crate::job_file::{JobFile, ShownValues, TaughtIu};
+use crate::svg::Svg;
 use andon_core::bounds::Bounds;
 use andon_core::job::{MeasureBounds, Shown};
 use andon_core::verdict::{Level, Measure, Outcome, Reason, Verdict};

@@ -9,7 +9,7 @@ th:first-child,td:first-child{text-align:left}.l{text-align:left}.z{color:#8b949
 @media(prefers-color-scheme:dark){body{color:#e6edf3;background:#0d1117}figcaption{color:#9da7b3}th,td{border-color:#30363d}.z{color:#6e7681}.f{background:#12324f}.say{background:#161b22}}";
 
 /// A page with this title and body.
-pub(crate) fn document(title: &str, body: &str) -> String {
+pub fn document(title: &str, body: &str) -> String {
     format!(
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
          <meta name=\"color-scheme\" content=\"light dark\"><title>{}</title><style>{STYLE}</style>\
@@ -19,6 +19,6 @@ pub(crate) fn document(title: &str, body: &str) -> String {
 }
 
 /// Escapes text for XML and HTML.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

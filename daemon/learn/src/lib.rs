@@ -1,4 +1,4 @@
-//! Teaching and analysis, offline: from demonstrations to a job file.
+//! Teaching, offline: from demonstrations to a job file.
 //!
 //! The data path, in the order of the modules:
 //!
@@ -6,24 +6,22 @@
 //! activities, barycentres, thresholds and bounds, the latter two by a [`rule`] → [`job_file`] keeps the job.
 //!
 //! A [`distribution`] shows people where an execution lies among the runs.
-//! [`file`] opens what people and other programs made. [`seen`] says what a run shows before anything is learned from it. [`folder`], [`analysis`] and [`experiment`] repeat what the paper did with its recordings.
+//! [`file`] opens what people and other programs made. [`seen`] says what a run shows before anything is learned from it. [`html`] and [`svg`] are pages and pictures for the
+//! reports.
 #![forbid(unsafe_code)]
 
-pub mod analysis;
-mod barycentre;
-pub mod cluster;
+pub mod barycentre;
 pub mod digest;
 pub mod distribution;
-pub mod experiment;
 pub mod file;
-pub mod folder;
-mod html;
+pub mod html;
 pub mod job_file;
 pub mod recording;
 pub mod rule;
 pub mod run;
 pub mod seen;
-mod statistics;
+pub mod statistics;
 pub mod strictness;
+pub mod svg;
 pub mod teach;
 pub mod warp;

@@ -177,7 +177,7 @@ impl Run {
     ///
     /// # Errors
     /// If the method cannot be used.
-    pub(crate) fn encoded_with(&self, method: &Method) -> Result<Self, RunError> {
+    pub fn encoded_with(&self, method: &Method) -> Result<Self, RunError> {
         Self { method: *method, ..self.clone() }.encoded()
     }
 
@@ -185,7 +185,7 @@ impl Run {
     ///
     /// # Errors
     /// If the objects cannot be used.
-    pub(crate) fn encoded_with_objects(&self, objects: &[NamedObject]) -> Result<Self, RunError> {
+    pub fn encoded_with_objects(&self, objects: &[NamedObject]) -> Result<Self, RunError> {
         Self { objects: objects.to_vec(), ..self.clone() }.encoded()
     }
 
@@ -348,7 +348,7 @@ impl Run {
 ///
 /// # Errors
 /// If the job cannot be judged.
-pub(crate) fn verdicts(couples: &[Couples], job: &JobFile) -> Result<Vec<Verdict>, anomaly::Unusable> {
+pub fn verdicts(couples: &[Couples], job: &JobFile) -> Result<Vec<Verdict>, anomaly::Unusable> {
     job.with_job(|lent| {
         let mut judge = Judge::<Vec<_>>::with_memory(lent, job.method)?.at_start_of_job();
         let mut verdicts = Vec::new();

@@ -3,12 +3,12 @@
 use statrs::distribution::{Beta, ChiSquared, ContinuousCDF, StudentsT};
 
 /// The mean; 0 if there are no values.
-pub(crate) fn mean(values: &[f64]) -> f64 {
+pub fn mean(values: &[f64]) -> f64 {
     if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
 }
 
 /// The standard deviation with `n - freedom` in the denominator; 0 if the denominator is not positive.
-pub(crate) fn deviation(values: &[f64], freedom: usize) -> f64 {
+pub fn deviation(values: &[f64], freedom: usize) -> f64 {
     let centre = mean(values);
     let squares = values.iter().map(|value| (value - centre).powi(2)).sum::<f64>();
     match values.len().checked_sub(freedom) {

@@ -91,7 +91,7 @@ impl DistanceMatrix {
     }
 
     /// The member of a group with the smallest sum of squared distances to the group; `None` if the group is empty.
-    pub(crate) fn medoid(&self, group: &[usize]) -> Option<usize> {
+    pub fn medoid(&self, group: &[usize]) -> Option<usize> {
         let spread = |i: usize| group.iter().map(|&j| self.get(i, j).powi(2)).sum::<f64>();
         group.iter().copied().min_by(|&a, &b| spread(a).total_cmp(&spread(b)).then(a.cmp(&b)))
     }

@@ -81,8 +81,10 @@ impl Default for HandsConfig {
 /// An object that carries a marker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MarkerObject {
-    /// The marker's id in its dictionary, which is the object's id.
+    /// The object's id.
     pub id: u16,
+    /// The marker's id in its dictionary.
+    pub marker: u16,
     /// Side of the black square in metres.
     pub side_m: f32,
 }
@@ -101,7 +103,7 @@ pub enum MarkerSearch {
 pub struct MarkersConfig {
     /// The markers' dictionary.
     pub dictionary: Dictionary,
-    /// The objects; markers with other ids are ignored.
+    /// The objects that carry a marker; other markers are ignored.
     pub objects: Vec<MarkerObject>,
     /// How much darker than its surroundings a pixel must be to count as black, in grey levels of 255.
     pub threshold_constant: f64,

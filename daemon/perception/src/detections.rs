@@ -47,12 +47,12 @@ pub struct HandDetection {
     pub landmarks_m: [[f32; 2]; LANDMARKS],
 }
 
-/// An object whose marker was detected.
+/// An object that was detected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectDetection {
-    /// The marker's id, which is the object's id.
+    /// The object's id.
     pub id: u16,
-    /// Corners of the marker in pixels: top left, top right, bottom right, bottom left of the marker's own picture.
+    /// Corners of its marker, or of its outline, in pixels: top left, top right, bottom right, bottom left of its own picture.
     pub corners_px: [[f32; 2]; 4],
     /// Centre of the marker in metres in the bench frame; z is 0 in plane mode.
     pub position_m: [f32; 3],
@@ -65,7 +65,7 @@ pub struct ObjectDetection {
 /// An object with a pose, whether its marker was detected or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedObject {
-    /// The marker's id, which is the object's id.
+    /// The object's id.
     pub id: u16,
     /// Centre of the marker in metres in the bench frame.
     pub position_m: [f32; 3],

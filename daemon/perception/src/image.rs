@@ -56,17 +56,17 @@ impl<'a> ImageView<'a> {
     }
 
     /// Bytes from one row to the next.
-    pub(crate) fn stride(&self) -> usize {
+    pub fn stride(&self) -> usize {
         self.stride
     }
 
     /// How the bytes of a pixel are ordered.
-    pub(crate) fn format(&self) -> PixelFormat {
+    pub fn format(&self) -> PixelFormat {
         self.format
     }
 
     /// The bytes of the first plane, `height * stride` of them.
-    pub(crate) fn data(&self) -> &'a [u8] {
+    pub fn data(&self) -> &'a [u8] {
         &self.data[..self.height * self.stride]
     }
 

@@ -2,7 +2,7 @@
 //!
 //! The data path of plane mode, which the [`Perceiver`] puts together:
 //!
-//! [`ImageView`] a frame, read in place → `markers` corners in pixels, `hands` landmarks in pixels → [`bench`] metres in the
+//! [`ImageView`] a frame, read in place → an [`ObjectFinder`], as that of `markers`, corners in pixels, `hands` landmarks in pixels → [`bench`] metres in the
 //! bench frame → [`carried`] objects that a hand carries and hides → [`Detections`].
 //!
 //! With depth, [`metric`] places the detections of a frame in three dimensions.
@@ -21,6 +21,7 @@ mod conversion;
 pub mod detections;
 mod dictionary;
 mod error;
+mod finder;
 mod hands;
 mod image;
 mod markers;
@@ -37,6 +38,7 @@ pub use config::PerceptionConfig;
 pub use detections::Detections;
 pub use dictionary::Dictionary;
 pub use error::{PerceptionError, RuntimeFile};
+pub use finder::{FoundObjects, ObjectFinder, SeenObject};
 pub use image::ImageView;
 pub use perceiver::Perceiver;
 pub use picture::Picture;

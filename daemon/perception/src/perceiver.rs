@@ -7,9 +7,10 @@ use crate::detections::{
     Detections, HANDS, HandDetection, OBJECTS, ObjectDetection, PlacedObject, Side, Spent,
 };
 use crate::error::PerceptionError;
+use crate::finder::{FoundObjects, ObjectFinder, SeenObject};
 use crate::hands::{Found, OnnxLandmarks, OnnxPalms, Tracker};
 use crate::image::ImageView;
-use crate::markers::{Marker, Markers};
+use crate::markers::MarkedObjects;
 use crate::picture::Picture;
 use crate::points::PixelPoint;
 use crate::workers::Workers;
@@ -24,7 +25,9 @@ const MAX_THREADS: usize = 8;
 ///
 /// One perceiver follows one camera: it remembers hands and scale from frame to frame.
 pub struct Perceiver {
-    markers: Markers,
+    marked: MarkedObjects,
+    /// What finds the objects that carry no marker.
+    finders: Vec<Box<dyn ObjectFinder>>,
     /// None where no hand is wanted.
     hands: Option<Tracker<OnnxPalms, OnnxLandmarks>>,
     workers: Workers,
@@ -45,12 +48,20 @@ impl Perceiver {
         check_markers(markers)?;
         check_threads(threads)?;
         Ok(Self {
-            markers: Markers::new(markers)?,
+            marked: MarkedObjects::new(markers)?,
+            finders: Vec::new(),
             hands: if hands.sides.is_empty() { None } else { Some(tracker(runtime, hands)?) },
             workers: Workers::new(threads)?,
             bench: Bench::new(calibration, &markers.objects),
             carried: CarriedObjects::default(),
         })
+    }
+
+    /// Also looks for what this finds. Of an object that several find, the first counts.
+    #[must_use]
+    pub fn with_finder(mut self, finder: Box<dyn ObjectFinder>) -> Self {
+        self.finders.push(finder);
+        self
     }
 
     /// The detections of a frame. Frames come in order of their time; `image` is read in place.
@@ -65,11 +76,11 @@ impl Perceiver {
     ) -> Result<Detections, PerceptionError> {
         let _span = trace_span!("frame").entered();
         let mut detections = Detections { captured_ns, ..Detections::default() };
-        let Self { markers, hands, workers, bench, .. } = self;
+        let Self { marked, finders, hands, workers, bench, .. } = self;
         // Both look at the same picture, and neither needs what the other finds.
         let (seen, objects) = workers.join(
             || see_hands(hands, workers, &image, captured_ns),
-            || see_objects(markers, bench, &image, captured_ns),
+            || see_objects(marked, finders, bench, &image, captured_ns),
         );
         let _span = trace_span!("place").entered();
         objects?.enter(&mut detections);
@@ -158,37 +169,51 @@ impl SeenObjects {
 }
 
 fn see_objects(
-    markers: &mut Markers,
+    marked: &mut MarkedObjects,
+    finders: &mut [Box<dyn ObjectFinder>],
     bench: &mut Bench,
     image: &ImageView<'_>,
     captured_ns: u64,
 ) -> Result<SeenObjects, PerceptionError> {
     let _span = trace_span!("markers").entered();
     let began = Instant::now();
-    let mut found = markers.find(image, bench.min_side_px(), |id| bench.side_m(id).is_some())?;
-    // Which of two prints lies on the part is a guess: neither is it.
-    found.retain(|marker| !markers.twice().contains(&marker.id));
-    bench.see([image.width(), image.height()], &found, captured_ns)?;
-    let gray = markers.gray(image)?;
+    let found = find_all(marked, finders, image, bench.min_side_px())?;
+    bench.see([image.width(), image.height()], &found.objects, captured_ns)?;
+    let gray = marked.markers().gray(image)?;
     let picture = trace_span!("measures").in_scope(|| Picture::of(image, &gray));
     Ok(SeenObjects {
-        objects: found.iter().filter_map(|marker| placed(bench, marker)).collect(),
-        twice: markers.twice().iter().copied().collect(),
-        foreign_markers: markers.foreign(),
+        objects: found.objects.iter().filter_map(|object| placed(bench, object)).collect(),
+        twice: found.twice,
+        foreign_markers: marked.markers().foreign(),
         picture,
         markers_ns: began.elapsed().as_nanos() as u64,
     })
 }
 
-fn placed(bench: &Bench, marker: &Marker) -> Option<ObjectDetection> {
-    let placed = bench.place(marker)?;
+/// What all finders have found, in the order of the ids.
+fn find_all(
+    marked: &mut MarkedObjects,
+    finders: &mut [Box<dyn ObjectFinder>],
+    image: &ImageView<'_>,
+    min_side_px: Option<f64>,
+) -> Result<FoundObjects, PerceptionError> {
+    let mut found = marked.find(image, min_side_px)?;
+    for finder in finders {
+        found.add(finder.find(image, min_side_px)?);
+    }
+    found.objects.sort_unstable_by_key(|object| object.id);
+    Ok(found)
+}
+
+fn placed(bench: &Bench, object: &SeenObject) -> Option<ObjectDetection> {
+    let placed = bench.place(object)?;
     let (sin, cos) = (placed.yaw / 2.0).sin_cos();
     Some(ObjectDetection {
-        id: marker.id,
-        corners_px: marker.corners.map(Into::into),
+        id: object.id,
+        corners_px: object.corners.map(Into::into),
         position_m: [placed.position.x as f32, placed.position.y as f32, 0.0],
         orientation: [cos as f32, 0.0, 0.0, sin as f32],
-        quality: marker.quality as f32,
+        quality: object.quality as f32,
     })
 }
 
@@ -228,12 +253,15 @@ fn check_markers(config: &MarkersConfig) -> Result<(), PerceptionError> {
         if objects[..index].iter().any(|other| other.id == object.id) {
             return refused("id", object.id, "each object's id is its own");
         }
+        if objects[..index].iter().any(|other| other.marker == object.marker) {
+            return refused("marker", object.marker, "each object's marker is its own");
+        }
         // Also refuses NaN.
         if !(object.side_m > 0.0 && object.side_m.is_finite()) {
             return refused("side_m", object.side_m, "over 0 m");
         }
-        if usize::from(object.id) >= dictionary.markers() {
-            return refused("id", object.id, "an id of the marker dictionary");
+        if usize::from(object.marker) >= dictionary.markers() {
+            return refused("marker", object.marker, "an id of the marker dictionary");
         }
     }
     if !(0.0..=100.0).contains(threshold_constant) {

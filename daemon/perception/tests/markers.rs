@@ -18,7 +18,7 @@ fn perceiver(ids: &[u16]) -> Perceiver {
 }
 
 fn config(ids: &[u16]) -> PerceptionConfig {
-    let objects = ids.iter().map(|&id| MarkerObject { id, side_m: SIDE_M as f32 }).collect();
+    let objects = ids.iter().map(|&id| MarkerObject { id, marker: id, side_m: SIDE_M as f32 }).collect();
     PerceptionConfig {
         runtime: "unused".into(),
         hands: HandsConfig { sides: Vec::new(), ..HandsConfig::default() },
@@ -298,7 +298,8 @@ fn settings_out_of_range_are_refused_by_name() {
     assert_eq!(refused(&|config| config.markers.objects[0].side_m = f32::NAN), "side_m");
     assert_eq!(refused(&|config| config.markers.objects[0].side_m = 0.0), "side_m");
     assert_eq!(refused(&|config| config.markers.objects[1].id = 1), "id");
-    assert_eq!(refused(&|config| config.markers.objects[1].id = 50), "id");
+    assert_eq!(refused(&|config| config.markers.objects[1].marker = 1), "marker");
+    assert_eq!(refused(&|config| config.markers.objects[1].marker = 50), "marker");
     assert_eq!(refused(&|config| config.markers.threshold_constant = -1.0), "threshold_constant");
     assert_eq!(refused(&|config| config.hands.min_palm_score = 1.5), "min_palm_score");
     assert_eq!(refused(&|config| config.hands.search_every_frames = 0), "search_every_frames");

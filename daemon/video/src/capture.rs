@@ -3,16 +3,16 @@
 use std::mem::discriminant;
 use std::time::Duration;
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Output, Played, Player, Recording, Role, Turn, WAIT};
+use andon_host::video::pipe::PictureFormat;
 use andon_ipc::{FrameLoan, FrameWriter, MonotonicTime, Node, Port, SourceTime};
-use andond::config::Config;
-use andond::log::{code, log};
-use andond::role::{Cycle, Output, Played, Player, Recording, Role, RoleError, Turn, WAIT, report_camera};
-use andond::video::OpenError;
-use andond::video::pipe::PictureFormat;
 use shm_schemas::{RoleId, Stamp};
 
 use crate::rate::RateWatch;
 use crate::source::Source;
+use crate::{CaptureError, OpenError};
 
 /// How long a lost camera is left alone before it is opened again: the role must send its health in the meantime.
 const RETRY: Duration = WAIT;
@@ -26,7 +26,7 @@ pub fn run(
     node: &Node,
     config: &Config,
     open: impl Fn(&Config) -> Result<Box<dyn Source>, OpenError>,
-) -> Result<(), RoleError> {
+) -> Result<(), CaptureError> {
     let frames = Output::new(node.frame_writer()?, &[RoleId::Perceive]);
     let mut cycle = Cycle::new(node)?;
     if config.camera.source.is_live() {
@@ -59,6 +59,8 @@ fn describe(format: PictureFormat) -> String {
 struct Film(Box<dyn Source>);
 
 impl Recording<FrameLoan> for Film {
+    type Error = CaptureError;
+
     fn message_bytes(&self) -> usize {
         self.0.frame_bytes()
     }
@@ -67,8 +69,8 @@ impl Recording<FrameLoan> for Film {
         Duration::from_secs_f64(1.0 / self.0.format().rate_hz)
     }
 
-    fn next(&mut self, frame: &mut FrameLoan) -> Result<Option<Duration>, RoleError> {
-        let time_ns = self.0.next_picture(frame.bytes_mut()).map_err(RoleError::Source)?;
+    fn next(&mut self, frame: &mut FrameLoan) -> Result<Option<Duration>, CaptureError> {
+        let time_ns = self.0.next_picture(frame.bytes_mut()).map_err(CaptureError::Source)?;
         self.0.describe(frame.header_mut());
         Ok(time_ns.map(Duration::from_nanos))
     }
@@ -92,6 +94,7 @@ struct Camera<O> {
 }
 
 impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Role for Camera<O> {
+    type Error = CaptureError;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
@@ -103,7 +106,7 @@ impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Role for Camera<O> {
         if let Presence::Missing(_) = self.presence { RETRY } else { Duration::ZERO }
     }
 
-    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn turn(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, CaptureError> {
         let turn = match self.source.take() {
             Some(source) => self.capture(source, cycle),
             None => self.open(),
@@ -116,7 +119,7 @@ impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Role for Camera<O> {
 }
 
 impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Camera<O> {
-    fn open(&mut self) -> Result<Turn, RoleError> {
+    fn open(&mut self) -> Result<Turn, CaptureError> {
         let source = (self.open)()?;
         let format = source.format();
         self.frames.writer().warm_up(source.frame_bytes())?;
@@ -130,11 +133,11 @@ impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Camera<O> {
     }
 
     /// Sends the next picture. A source that gives none is dropped, and opened again later.
-    fn capture(&mut self, mut source: Box<dyn Source>, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
+    fn capture(&mut self, mut source: Box<dyn Source>, cycle: &mut Cycle<'_>) -> Result<Turn, CaptureError> {
         self.frames.wait_for_room(cycle)?;
         let mut frame = self.frames.loan(source.frame_bytes())?;
-        if source.next_picture(frame.bytes_mut()).map_err(RoleError::Source)?.is_none() {
-            return Err(RoleError::Source("the camera sends no more pictures".into()));
+        if source.next_picture(frame.bytes_mut()).map_err(CaptureError::Source)?.is_none() {
+            return Err(CaptureError::Source("the camera sends no more pictures".into()));
         }
         if let Some(rate_hz) = self.rate.frame(MonotonicTime::now()) {
             log!(code::CAMERA_SLOW, "the camera sends {rate_hz:.1} frames per second");
@@ -154,18 +157,18 @@ impl<O: Fn() -> Result<Box<dyn Source>, OpenError>> Camera<O> {
         cycle.liveness().failing();
         let is_logged = matches!(&self.presence, Presence::Missing(logged) if discriminant(logged) == discriminant(&reason));
         if !is_logged {
-            report_camera(&reason);
+            reason.report();
             self.presence = Presence::Missing(reason);
         }
     }
 }
 
 /// Passes on what may pass by itself or be mended at the camera. Everything else stays an error.
-fn as_recoverable(error: RoleError) -> Result<OpenError, RoleError> {
+fn as_recoverable(error: CaptureError) -> Result<OpenError, CaptureError> {
     match error {
-        RoleError::Source(message) => Ok(OpenError::Gone(message)),
-        RoleError::Open(OpenError::Refused(_) | OpenError::Unsupported(_)) => Err(error),
-        RoleError::Open(error) => Ok(error),
+        CaptureError::Source(message) => Ok(OpenError::Gone(message)),
+        CaptureError::Open(OpenError::Refused(_) | OpenError::Unsupported(_)) => Err(error),
+        CaptureError::Open(error) => Ok(error),
         _ => Err(error),
     }
 }

@@ -5,9 +5,9 @@ use std::io::ErrorKind;
 use std::path::Path;
 use std::time::Instant;
 
-use andond::config::Camera;
-use andond::video::OpenError;
-use andond::video::pipe::PictureFormat;
+use crate::OpenError;
+use andon_host::config::Camera;
+use andon_host::video::pipe::PictureFormat;
 use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst, VideoWriter};
 use shm_schemas::FrameHeader;
 

@@ -1,9 +1,9 @@
 //! How a V4L2 device sends its pictures, and how they come into a frame: as they are, so that nothing is converted that nobody looks at, or
 //! decoded straight into it.
 
-use andond::config::Encoding as Configured;
-use andond::video::OpenError;
-use andond::video::pipe::PictureFormat;
+use crate::OpenError;
+use andon_host::config::Encoding as Configured;
+use andon_host::video::pipe::PictureFormat;
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual, ToInputArray, Vec2b, Vec3b};
 use opencv::imgcodecs;
 use opencv::videoio::{VideoCapture, VideoCaptureTrait};
@@ -209,7 +209,7 @@ mod tests {
             encoding.describe(FORMAT, &mut header);
             assert_eq!(header.colour_bytes(), Some(encoding.frame_bytes(FORMAT)), "{encoding:?}");
             let frame = vec![128; encoding.frame_bytes(FORMAT)];
-            assert!(andond::video::frame::view(&header, &frame).is_ok(), "{encoding:?}");
+            assert!(andon_host::video::frame::view(&header, &frame).is_ok(), "{encoding:?}");
         }
     }
 

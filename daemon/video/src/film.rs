@@ -5,9 +5,9 @@ use std::fs::File;
 use std::io::{self, BufReader, BufWriter, ErrorKind, Write as _, stdin, stdout};
 use std::path::Path;
 
-use andond::unwritten::remedy;
-use andond::video::frame::view;
-use andond::video::pipe::{PipeReader, PipeWriter};
+use andon_host::unwritten::remedy;
+use andon_host::video::frame::view;
+use andon_host::video::pipe::{PipeReader, PipeWriter};
 use opencv::core::{Mat, Size, Vec3b, Vector};
 use opencv::imgcodecs;
 use opencv::videoio::{self, VideoWriter, VideoWriterTrait, VideoWriterTraitConst};

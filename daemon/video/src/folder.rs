@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use andond::file;
-use andond::video::pipe::PictureFormat;
+use andon_host::video::pipe::PictureFormat;
+use andon_learn::file;
 use opencv::core::{Mat, MatTraitConst, MatTraitConstManual as _, Vector};
 use opencv::imgcodecs;
 

@@ -7,6 +7,7 @@ pub mod capture;
 mod container;
 mod device;
 mod encoding;
+mod error;
 pub mod film;
 mod folder;
 mod rate;
@@ -16,9 +17,9 @@ mod recording;
 pub mod source;
 mod whole;
 
-use andond::config::{Config, Source as Configured};
-use andond::video::OpenError;
+use andon_host::config::{Config, Source as Configured};
 
+pub use error::{CaptureError, OpenError};
 use source::Source;
 
 /// Opens the source that the configuration names.

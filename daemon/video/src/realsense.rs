@@ -1,11 +1,11 @@
 //! A RealSense camera or recording as a source.
 
+use crate::OpenError;
+use andon_host::config::{Config, Source as Configured};
+use andon_host::video::pipe::PictureFormat;
 use andon_realsense::frame::{self, FrameInfo, PixelFormat};
 use andon_realsense::settings::{Camera, Origin, Settings};
 use andon_realsense::{Error, Frame};
-use andond::config::{Config, Source as Configured};
-use andond::video::OpenError;
-use andond::video::pipe::PictureFormat;
 use shm_schemas::{ColourFormat, DepthFormat, Distortion, Extrinsics, FrameHeader, Intrinsics};
 
 use crate::source::Source;

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use andond::file;
-use andond::video::pipe::PictureFormat;
+use andon_host::video::pipe::PictureFormat;
+use andon_learn::file;
 use opencv::core::{self, DataType, Mat, MatTraitConst, MatTraitConstManual as _, Vec3b};
 use opencv::videoio::{self, VideoCapture, VideoCaptureTrait, VideoCaptureTraitConst};
 

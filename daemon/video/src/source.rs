@@ -1,6 +1,6 @@
 //! Where pictures come from.
 
-use andond::video::pipe::PictureFormat;
+use andon_host::video::pipe::PictureFormat;
 use shm_schemas::{ColourFormat, FrameHeader};
 
 /// A source of pictures of one size.

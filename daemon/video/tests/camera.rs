@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+use andon_host::config::Config;
+use andon_host::role;
+use andon_host::video::pipe::PictureFormat;
 use andon_ipc::{Limits, Node, Station, Steward, Stop};
-use andon_video::{capture, source::Source};
-use andond::config::Config;
-use andond::role;
-use andond::video::OpenError;
-use andond::video::pipe::PictureFormat;
+use andon_video::{OpenError, capture, source::Source};
 use rustix::process::{Pid, Signal, kill_process};
 use shm_schemas::{Health, RoleId, RoleState};
 use std::path::Path;
@@ -66,8 +65,8 @@ fn steady(_: &Config) -> Result<Box<dyn Source>, OpenError> {
 fn run_scripted(open: impl Fn(&Config) -> Result<Box<dyn Source>, OpenError>) {
     let Some(path) = std::env::var_os(INSIDE) else { return };
     let config = Config::load(&[path]).unwrap();
-    let taken = andond::taken::Taken { config, changed: None };
-    role::start_log(andond::cli::Role::Capture, &taken);
+    let taken = andon_host::taken::Taken { config, changed: None };
+    role::start_log(RoleId::Capture, &taken);
     let config = taken.config;
     let code = role::run_with(&config, RoleId::Capture, |node| capture::run(node, &config, open));
     std::process::exit(code as i32);

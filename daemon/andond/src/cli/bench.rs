@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
+use andon_host::cli::ConfigArgs;
 use clap::{Args, ValueEnum};
 
-use super::ConfigArgs;
 use super::metres::{Named, named, side};
 
 /// `andond new`

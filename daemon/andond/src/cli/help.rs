@@ -292,7 +292,7 @@ fn wrapped(code: &str, meaning: &str) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::exit::Code;
+    use andon_host::exit::Code;
 
     /// The words of a command line, as a shell divides it.
     fn words(line: &str) -> Vec<String> {

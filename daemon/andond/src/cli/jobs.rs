@@ -3,9 +3,8 @@
 use std::path::PathBuf;
 
 use andon_core::job::LocalCost;
+use andon_host::cli::ConfigArgs;
 use clap::{Args, ValueEnum};
-
-use super::ConfigArgs;
 
 /// `andond teach`
 #[derive(Debug, Args)]

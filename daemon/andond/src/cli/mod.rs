@@ -11,6 +11,7 @@ mod written;
 
 use std::path::PathBuf;
 
+use andon_host::cli::Run;
 use clap::{Args, Parser, Subcommand};
 
 pub use help::command;
@@ -19,8 +20,7 @@ pub(crate) use help::{examples, exit_codes, exit_table};
 pub use bench::{Calibrate, Hands, Look, Markers, New, Paper, Record, Tracks};
 pub use jobs::{Analyze, Cost, Experiment, Jobs, Names, Replay, Segment, Teach, ThresholdRule, Use};
 pub use station::{
-    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Role, Run, Speed,
-    Status, Tail,
+    Backup, Check, ConfigCommand, Demo, Explain, History, Idle, Level, Part, Restore, Speed, Status, Tail,
 };
 
 /// An andon cord that pulls itself: learns a manual job from a few demonstrations, then checks every step.
@@ -30,15 +30,6 @@ pub struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
-}
-
-/// The configuration that most commands read.
-#[derive(Clone, Debug, Default, Args)]
-pub struct ConfigArgs {
-    /// Configuration files; a later one overrides an earlier one [default: $ANDON_CONFIG, config/stations/demo.toml in
-    /// the current folder, or /etc/andon/andon.toml]
-    #[arg(short = 'c', long = "config", value_name = "FILE")]
-    pub files: Vec<PathBuf>,
 }
 
 /// The commands.

@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
+use andon_host::cli::ConfigArgs;
 use clap::{Args, ValueEnum};
-
-use super::ConfigArgs;
 
 /// `andond demo`
 #[derive(Debug, Args)]
@@ -33,41 +32,6 @@ pub enum Speed {
     File,
     /// As fast as the readers can; nothing is dropped.
     Max,
-}
-
-/// `andond run`
-#[derive(Debug, Args)]
-pub struct Run {
-    #[command(flatten)]
-    #[expect(missing_docs, reason = "flattened")]
-    pub config: ConfigArgs,
-    /// Use the files as they are, even if the running line uses others
-    #[arg(long)]
-    pub as_given: bool,
-    /// The role
-    #[arg(value_enum)]
-    pub role: Role,
-}
-
-/// A role of the line, one process each, in the order of the data path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Role {
-    /// Owns every channel and removes what dead processes leave behind
-    Steward,
-    /// Takes frames from the camera or the recording
-    Capture,
-    /// Turns frames into detections
-    Perceive,
-    /// Turns detections into feature couples
-    Encode,
-    /// Turns feature couples into verdicts
-    Judge,
-    /// Writes verdicts to the database
-    Journal,
-    /// Passes verdicts to the PLC, and its commands to the judge
-    Plc,
-    /// Counts what the line does, for a monitoring system
-    Metrics,
 }
 
 /// `andond check`

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use andon_core::couple::Couple;
 use andon_core::verdict::{Outcome, Verdict};
+use andon_host::video::pipe::PictureFormat;
 use shm_schemas::{Detections, HandDetection, flag};
 
 use super::assumed::LastSeen;
@@ -15,7 +16,6 @@ use super::panel;
 use super::steps::Steps;
 use crate::recording::View;
 use crate::report::Names;
-use crate::video::pipe::PictureFormat;
 use crate::video::{FilmWriter, VideoError};
 
 /// For how long the red frame stays after an anomaly, in nanoseconds.

@@ -1,12 +1,12 @@
 //! Single pictures for people: what is seen in one, and how well the markers of a calibration fit.
 
+use andon_host::video::pipe::PictureFormat;
 use andon_perception::BenchPoint;
 use andon_perception::bench::{Examination, MarkerResidual};
 use shm_schemas::Detections;
 
 use super::annotator::{BONES, TIPS};
 use super::canvas::{AMBER, BLUE, Canvas, GREEN, RED, WHITE};
-use crate::video::pipe::PictureFormat;
 
 /// How many times as long as they are the residuals are drawn.
 const EXAGGERATED: f64 = 10.0;

@@ -179,41 +179,60 @@ pub struct VerdictLine {
 impl VerdictLine {
     /// The line of verdict number `seq` on this part. `job` is the one that it was judged by, where that is known.
     pub fn new(seq: u64, verdict: &Verdict, part: &PartId, names: &Names, job: Option<&JobFile>) -> Self {
-        let (level, outcome) = (level(verdict.level), outcome(verdict.outcome));
-        let of_job = verdict.level == Level::Job;
+        // Every field is named: one that is new does not compile before it is said here.
+        let Verdict {
+            level: of,
+            outcome: came,
+            reason: why,
+            side,
+            nearest,
+            activity,
+            iu,
+            context,
+            distance,
+            threshold,
+            captured_percent,
+            seen_percent,
+            missing,
+            measured,
+            broken,
+            note: what,
+            early,
+            began_ns,
+            ended_ns,
+            decided_ns,
+        } = *verdict;
+        let (level, outcome, of_job) = (level(of), outcome(came), of == Level::Job);
         let (expected, got) = names.expected_and_got(verdict);
+        let step = nearest.and_then(|step| names.steps().get(usize::from(step)));
+        let distribution = job.and_then(|job| Distribution::of_verdict(job, verdict));
         Self {
             seq,
             kind: verdict_kind(level, outcome),
             level: level.name(),
             outcome: outcome.name(),
-            reason: reason(verdict.reason).name(),
-            hand: verdict.side.map(Side::name),
-            activity: (!of_job).then_some(verdict.activity),
-            iu: verdict.iu,
-            context: (!of_job).then_some(verdict.context.0),
-            distance: number(verdict.distance),
-            threshold: number(verdict.threshold),
-            captured_percent: verdict.captured_percent,
-            seen_percent: verdict.seen_percent,
-            missing: MissingLine::new(verdict.missing, names),
-            nearest: verdict.nearest,
-            step: verdict
-                .nearest
-                .and_then(|step| names.steps().get(usize::from(step)))
-                .map(|step| step.name.clone()),
+            reason: reason(why).name(),
+            hand: side.map(Side::name),
+            activity: (!of_job).then_some(activity),
+            iu,
+            context: (!of_job).then_some(context.0),
+            distance: number(distance),
+            threshold: number(threshold),
+            captured_percent,
+            seen_percent,
+            missing: MissingLine::new(missing, names),
+            nearest,
+            step: step.map(|step| step.name.clone()),
             expected,
             got,
-            measures: verdict.measured.map(MeasureLine::new),
-            distribution: job
-                .and_then(|job| Distribution::of_verdict(job, verdict))
-                .map(DistributionLine::new),
-            broken: verdict.broken.map(BrokenLine::new),
-            note: verdict.note.map(|word| note(word).name()),
-            early: verdict.early,
-            began_s: seconds(verdict.began_ns),
-            ended_s: seconds(verdict.ended_ns),
-            decided_s: seconds(verdict.decided_ns),
+            measures: measured.map(MeasureLine::new),
+            distribution: distribution.map(DistributionLine::new),
+            broken: broken.map(BrokenLine::new),
+            note: what.map(|word| note(word).name()),
+            early,
+            began_s: seconds(began_ns),
+            ended_s: seconds(ended_ns),
+            decided_s: seconds(decided_ns),
             part: (!part.is_none()).then(|| part.text().to_owned()),
         }
     }

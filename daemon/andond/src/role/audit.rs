@@ -3,12 +3,9 @@
 //! Only the role `plc` knows the clients, only the judge what became of a job, and only the journal may write. So every role sends, and the
 //! journal keeps.
 
+use andon_host::role::{Cycle, CycleError, Output};
 use andon_ipc::{Error, Node, Port, UtcTime, Writer};
 use shm_schemas::{Audit, AuditKind, RoleId};
-
-use super::RoleError;
-use super::cycle::Cycle;
-use super::output::Output;
 
 /// The role's end of the channel `audit`. Its history keeps what is reported while the journal is away.
 pub(super) struct Auditor {
@@ -32,7 +29,7 @@ impl Auditor {
         kind: AuditKind,
         who: &str,
         what: &str,
-    ) -> Result<(), RoleError> {
+    ) -> Result<(), CycleError> {
         let role = self.role;
         self.writer.send(cycle, |message| {
             message.utc_ns = UtcTime::now().nanoseconds();

@@ -8,8 +8,8 @@ use super::RoleError;
 use crate::video::helper_path;
 
 /// Continues as `andond-video` with the same arguments: systemd sees one process. Returns only where that fails.
-pub(super) fn replace_this_process() -> Result<(), RoleError> {
+pub(super) fn replace_this_process() -> RoleError {
     let path = helper_path();
     let source = Command::new(&path).args(std::env::args_os().skip(1)).exec();
-    Err(RoleError::Start { path: path.display().to_string(), source })
+    RoleError::Start { path: path.display().to_string(), source }
 }

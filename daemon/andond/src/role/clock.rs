@@ -1,8 +1,7 @@
 //! Detects steps of the machine's clock: verdicts carry UTC times, and whoever reads them must know when these jumped.
 
+use andon_host::log::{code, log};
 use andon_ipc::{MonotonicTime, UtcTime};
-
-use crate::log::{code, log};
 
 /// A time service that slews moves the clock by half a millisecond per second; a second between two looks is a step.
 const STEP_NS: i128 = 1_000_000_000;

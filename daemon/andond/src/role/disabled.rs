@@ -2,14 +2,15 @@
 
 use std::time::Instant;
 
+use andon_host::role::{Cycle, Role, Turn};
 use andon_ipc::Port;
 
 use super::RoleError;
-use super::cycle::{Cycle, Role, Turn};
 
 struct Disabled;
 
 impl Role for Disabled {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {

@@ -2,17 +2,16 @@
 
 use andon_core::couple::{self, Encoder};
 use andon_core::object::ObjectShape;
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Output, Role, Turn};
 use andon_ipc::{Node, Port, Reader, SourceTime, Writer};
 use andon_learn::job_file::JobFile;
 use shm_schemas::{Couples, Detections, Judging, RoleId, flag};
 
 use super::RoleError;
-use super::cycle::{Cycle, Role, Turn};
 use super::jobs;
-use super::output::Output;
 use super::visibility::Visibility;
-use crate::config::Config;
-use crate::log::{code, log};
 use crate::wire;
 
 /// Runs until it is asked to stop.
@@ -48,6 +47,7 @@ struct Encode<'a> {
 }
 
 impl Role for Encode<'_> {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = true;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {

@@ -3,6 +3,10 @@
 use std::io;
 use std::path::PathBuf;
 
+use andon_host::exit::Code::{Configuration, Fault};
+use andon_host::log::Remedy::{InMessage, OfCode};
+use andon_host::log::code;
+use andon_host::role::{CycleError, Ending, Failure};
 use andon_ipc::Error as Ipc;
 use andon_journal::JournalError;
 use andon_learn::job_file::{JobFault, JobFileError};
@@ -11,34 +15,23 @@ use andon_perception::{PerceptionError, RuntimeFile};
 use shm_schemas::Refusal;
 
 use crate::compatibility::Misfit;
-use crate::exit::Code as Exit;
-use crate::exit::Code::{Configuration, Fault, NoProgress};
-use crate::log::Remedy::{self, InMessage, OfCode};
-use crate::log::{Code, code};
 use crate::perception::SetupError;
-use crate::video::OpenError;
 
 /// Why a role cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum RoleError {
-    /// It was asked to stop in the middle of a step.
-    #[error("asked to stop")]
-    Stopped,
-    /// The station's shared memory cannot be used.
+    /// What ends any role: a stop, the station's shared memory, a reader that makes no progress.
     #[error(transparent)]
-    Ipc(#[from] Ipc),
+    Cycle(#[from] CycleError),
     /// A frame cannot be processed.
     #[error(transparent)]
     Perception(#[from] PerceptionError),
     /// A model, a library or a calibration is missing or unusable.
     #[error(transparent)]
     Setup(#[from] SetupError),
-    /// The camera or the recording has failed after it was opened.
+    /// The recording has failed after it was opened.
     #[error("{0}")]
     Source(String),
-    /// The camera or the recording cannot be opened.
-    #[error(transparent)]
-    Open(#[from] OpenError),
     /// The track file cannot be played.
     #[error(transparent)]
     Tracks(#[from] TrackError),
@@ -92,9 +85,6 @@ pub enum RoleError {
     /// The method refuses its constants or the objects.
     #[error("the method cannot work with this configuration: {0}")]
     Method(String),
-    /// A reader that a paced writer waits for makes no progress.
-    #[error("no reader has taken anything for {0:?}")]
-    NoProgress(std::time::Duration),
     /// The program that the role consists of cannot be started.
     #[error("cannot start {path}: {source}")]
     Start {
@@ -105,16 +95,14 @@ pub enum RoleError {
     },
 }
 
-impl RoleError {
-    /// Logs the error and returns the exit code. To be called once.
-    pub fn report(&self) -> Exit {
-        let Some((code, remedy, exit)) = self.classify() else { return Exit::Stopped };
-        code.log_found(self, remedy);
-        exit
+impl From<Ipc> for RoleError {
+    fn from(error: Ipc) -> Self {
+        Self::Cycle(error.into())
     }
+}
 
-    /// Whether what is missing may come by itself, or when somebody brings it: the role waits for it.
-    pub(super) fn may_pass(&self) -> bool {
+impl Failure for RoleError {
+    fn may_pass(&self) -> bool {
         match self {
             Self::Journal(error) => may_pass(error),
             Self::Plc(_) => true,
@@ -122,40 +110,21 @@ impl RoleError {
         }
     }
 
-    /// Whether the next start will meet the same fault, if nobody does anything.
-    pub(super) fn is_lasting(&self) -> bool {
-        matches!(
-            self,
-            Self::Ipc(
-                Ipc::StewardRunning { .. }
-                    | Ipc::NoRoom { .. }
-                    | Ipc::SharedMemory(_)
-                    | Ipc::LayoutMismatch { .. }
-                    | Ipc::OtherUser { .. }
-                    | Ipc::ServiceUnreadable { .. }
-            )
-        )
+    fn is_lasting(&self) -> bool {
+        matches!(self, Self::Cycle(error) if error.is_lasting())
     }
 
-    /// The code in the log, where the remedy stands, and the exit code; `None` for a stop on request.
-    fn classify(&self) -> Option<(&'static Code, Remedy, Exit)> {
+    fn ending(&self) -> Option<Ending> {
         Some(match self {
-            Self::Stopped | Self::Ipc(Ipc::Stopped(_)) => return None,
-            Self::Ipc(error) => classify_ipc(error),
+            Self::Cycle(error) => return error.ending(),
             Self::Setup(SetupError::Calibration(_)) => (&code::CALIBRATION_REFUSED, OfCode, Configuration),
             Self::Setup(SetupError::Perception(error)) => match error.unusable_file() {
                 Some(RuntimeFile::OnnxRuntime) => (&code::ONNXRUNTIME_MISSING, InMessage, Configuration),
                 _ => (&code::MODEL_MISSING, InMessage, Configuration),
             },
-            Self::Source(_) | Self::Open(OpenError::Gone(_)) => (&code::RECORDING_DAMAGED, OfCode, Fault),
-            Self::Open(OpenError::NoRecording(_)) => (&code::RECORDING_DAMAGED, OfCode, Configuration),
+            Self::Source(_) => (&code::RECORDING_DAMAGED, OfCode, Fault),
             Self::Tracks(_) => (&code::RECORDING_DAMAGED, OfCode, Configuration),
             Self::CutShort(_) => (&code::TRACK_CUT_SHORT, InMessage, Configuration),
-            Self::Open(error) => {
-                let (code, remedy) = classify_camera(error);
-                let is_final = matches!(error, OpenError::Refused(_) | OpenError::Unsupported(_));
-                (code, remedy, if is_final { Configuration } else { Fault })
-            }
             Self::JobFile(JobFileError { fault, .. }) => match fault {
                 JobFault::Toml(_) | JobFault::Format(_) | JobFault::Invalid { .. } => {
                     (&code::JOB_REFUSED, OfCode, Configuration)
@@ -165,36 +134,19 @@ impl RoleError {
             Self::UnreadJob { .. } => (&code::JOB_REFUSED, OfCode, Configuration),
             Self::UnfitJob { .. } => (&code::JOB_REFUSED, InMessage, Configuration),
             Self::LostJob { .. } => (&code::JOB_REFUSED, InMessage, Fault),
-            Self::Journal(error) => classify_journal(error),
+            Self::Journal(error) => ending_of_journal(error),
             Self::Plc(_) => (&code::PLC_PORT_TAKEN, OfCode, Fault),
             Self::Metrics { .. } => (&code::METRICS_PORT_TAKEN, OfCode, Fault),
             Self::Method(_) => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),
-            Self::NoProgress(_) => (&code::NO_PROGRESS, OfCode, NoProgress),
             Self::Perception(_) | Self::Start { .. } => (&code::ROLE_FAILED, OfCode, Fault),
         })
     }
 }
 
-/// Logs an error of the camera.
-pub fn report_camera(error: &OpenError) {
-    let (code, remedy) = classify_camera(error);
-    code.log_found(error, remedy);
-}
-
 /// Logs an error of the journal.
 pub(super) fn report_journal(error: &JournalError) {
-    let (code, remedy, _) = classify_journal(error);
+    let (code, remedy, _) = ending_of_journal(error);
     code.log_found(error, remedy);
-}
-
-fn classify_camera(error: &OpenError) -> (&'static Code, Remedy) {
-    match error {
-        OpenError::Gone(_) => (&code::CAMERA_GONE, OfCode),
-        OpenError::NoRecording(_) => (&code::RECORDING_DAMAGED, OfCode),
-        OpenError::NotAllowed(_) => (&code::CAMERA_NOT_ALLOWED, OfCode),
-        OpenError::Refused(_) => (&code::CAMERA_REFUSED, InMessage),
-        OpenError::Unfit(_) | OpenError::Unsupported(_) => (&code::REALSENSE_UNFIT, InMessage),
-    }
 }
 
 /// Whether it can be written again when somebody makes room, closes a program or mounts a disk.
@@ -209,7 +161,7 @@ pub(super) fn may_pass(error: &JournalError) -> bool {
 }
 
 /// Where a person must look at the file, the exit code tells systemd not to try again.
-fn classify_journal(error: &JournalError) -> (&'static Code, Remedy, Exit) {
+fn ending_of_journal(error: &JournalError) -> Ending {
     match error {
         JournalError::Locked { .. } => (&code::JOURNAL_LOCKED, InMessage, Fault),
         JournalError::Damaged { .. } | JournalError::Newer { .. } => {
@@ -220,21 +172,5 @@ fn classify_journal(error: &JournalError) -> (&'static Code, Remedy, Exit) {
         }
         JournalError::Removed { .. } => (&code::JOURNAL_REMOVED, OfCode, Fault),
         _ => (&code::DISK_FULL, InMessage, Fault),
-    }
-}
-
-fn classify_ipc(error: &Ipc) -> (&'static Code, Remedy, Exit) {
-    match error {
-        Ipc::StationName { .. }
-        | Ipc::RootTooLong { .. }
-        | Ipc::RootNotAbsolute { .. }
-        | Ipc::RootNotWritable { .. } => (&code::CONFIGURATION_REFUSED, OfCode, Configuration),
-        Ipc::RootVanished { .. } => (&code::ROOT_DELETED, InMessage, Fault),
-        Ipc::NoRoom { .. } | Ipc::SharedMemory(_) => (&code::SHM_FULL, InMessage, Fault),
-        Ipc::StewardRunning { .. } => (&code::STEWARD_TWICE, OfCode, Fault),
-        Ipc::NoSteward { .. } => (&code::STEWARD_MISSING, InMessage, Fault),
-        Ipc::LayoutMismatch { .. } => (&code::OTHER_VERSION, InMessage, Fault),
-        Ipc::ServiceUnreadable { .. } => (&code::SERVICE_UNUSABLE, InMessage, Fault),
-        _ => (&code::SERVICE_UNUSABLE, OfCode, Fault),
     }
 }

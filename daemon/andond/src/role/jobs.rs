@@ -4,15 +4,15 @@ use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt as _;
 use std::path::{Path, PathBuf};
 
+use andon_host::atomic;
+use andon_host::config::Config;
+use andon_host::log::{code, log};
 use andon_learn::file;
 use andon_learn::job_file::JobFile;
 use shm_schemas::{Judging, Refusal};
 
 use super::RoleError;
-use crate::atomic;
 use crate::compatibility;
-use crate::config::Config;
-use crate::log::{code, log};
 
 /// The job that a command names.
 #[derive(Clone, Copy, Debug)]

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
+use andon_host::config::Config;
+use andon_host::log::code;
 use andon_ipc::{Heartbeat, MonotonicTime};
 use andon_plc::handshake::{Fault, Line};
 use shm_schemas::{Health, RoleId, RoleState};
 
-use crate::config::Config;
-use crate::log::code;
 use crate::sight;
 
 /// The newest health of each role that the line needs, in the order of the data path: the first unhealthy role is the cause.

@@ -1,20 +1,20 @@
 //! `perceive`: frames to detections. Where an outside tracker sees instead, its track file is played.
 
+use andon_host::config::{Config, Source};
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Output, Role, Turn};
+use andon_host::video::frame::view;
 use andon_ipc::{FrameReader, FrameSample, Node, Port, Reader, Writer};
 use andon_perception::metric::MetricScene;
 use andon_perception::{Detections as Seen, Perceiver};
 use shm_schemas::{Detections, Judging, RoleId, flag};
 
-use super::cycle::{Cycle, Role, Turn};
-use super::output::Output;
 use super::sight::SightWatch;
 use super::twins::Twins;
 use super::{RoleError, tracks};
-use crate::config::{Config, Source};
-use crate::log::{code, log};
 use crate::metric::{PlaceError, Placer};
 use crate::perception::SetupError;
-use crate::{perception, video, wire};
+use crate::{perception, wire};
 
 /// Runs until it is asked to stop.
 pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
@@ -59,6 +59,7 @@ struct Perceive<'a> {
 }
 
 impl Role for Perceive<'_> {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = true;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
@@ -109,7 +110,7 @@ impl Perceive<'_> {
     /// What a frame shows, with its scene in metric mode.
     fn perceive(&mut self, frame: &FrameSample) -> Result<(Seen, Option<MetricScene>), RoleError> {
         let header = frame.header();
-        let image = video::frame::view(header, frame.colour()?)?;
+        let image = view(header, frame.colour()?)?;
         let seen = self.perceiver.perceive(image, header.source_ns)?;
         let scene = self.scene(frame, &seen)?;
         Ok((seen, scene))

@@ -1,12 +1,12 @@
 //! Tells what the line's own sight is worth: once in the log, and in the health of `perceive` for as long as it lasts.
 
+use andon_host::config::Config;
+use andon_host::log::{Remedy, code, log};
+use andon_host::role::Liveness;
 use andon_perception::Detections;
 use andon_perception::sight::{Expected, Look, Rates, Spell, Trouble};
 use shm_schemas::{FrameHeader, Judging, Sight};
 
-use super::Liveness;
-use crate::config::Config;
-use crate::log::{Remedy, code, log};
 use crate::sight;
 
 /// Follows what `perceive` sees.

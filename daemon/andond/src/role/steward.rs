@@ -2,17 +2,16 @@
 
 use std::time::Duration;
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, PATIENCE, Role, Turn};
+use andon_host::taken;
 use andon_ipc::{Death, Limits, Node, POLL_PERIOD, Port, Station, Steward, Stop};
 use shm_schemas::{AuditKind, RoleId};
 
-use super::PATIENCE;
 use super::RoleError;
 use super::audit::Auditor;
-use super::cycle::{Cycle, Role, Turn};
 use super::jobs;
-use crate::config::Config;
-use crate::log::{code, log};
-use crate::taken;
 
 /// Runs until it is asked to stop.
 pub(super) fn run(station: &Station, config: &Config, stop: &Stop) -> Result<(), RoleError> {
@@ -39,6 +38,7 @@ struct Reaper<'c> {
 }
 
 impl Role for Reaper<'_> {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {

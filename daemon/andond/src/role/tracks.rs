@@ -4,16 +4,14 @@ use std::fs::File;
 use std::io::BufReader;
 use std::time::Duration;
 
+use andon_host::config::Config;
+use andon_host::role::{Cycle, Output, Player, Recording};
 use andon_ipc::{Loan, Node};
 use andon_learn::file;
 use andon_learn::recording::SeenTracks;
 use shm_schemas::{Detections, RoleId};
 
 use super::RoleError;
-use super::cycle::Cycle;
-use super::output::Output;
-use super::player::{Player, Recording};
-use crate::config::Config;
 use crate::wire;
 
 /// Runs until it is asked to stop.
@@ -41,6 +39,8 @@ impl Tracks {
 }
 
 impl Recording<Loan<Detections>> for Tracks {
+    type Error = RoleError;
+
     fn message_bytes(&self) -> usize {
         size_of::<Detections>()
     }

@@ -1,7 +1,7 @@
 //! Logs that the marker of a part is in view twice: which of the two is the part is not guessed, and the part counts as not seen.
 
-use crate::config::Config;
-use crate::log::{code, log};
+use andon_host::config::{Config, Object};
+use andon_host::log::{code, log};
 
 /// What is in view twice for so many frames is no lucky pattern.
 const FRAMES: u32 = 5;
@@ -31,7 +31,8 @@ impl<'a> Twins<'a> {
         for id in self.news(twice, now_ns) {
             let object = self.config.objects.iter().find(|object| object.id == id);
             let name = object.map_or("", |object| object.name.as_str());
-            log!(code::MARKER_TWICE, { object = id }, "marker {id} ({name}) is in view twice");
+            let marker = object.and_then(Object::marker_id).unwrap_or(id);
+            log!(code::MARKER_TWICE, { object = id }, "marker {marker} ({name}) is in view twice");
         }
     }
 

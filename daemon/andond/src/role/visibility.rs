@@ -5,10 +5,9 @@ use std::time::Duration;
 
 use andon_core::couple::{Context, Couple, Couples};
 use andon_core::input::{Frame, Side};
+use andon_host::config::Config;
+use andon_host::log::{code, log};
 use andon_ipc::SourceTime;
-
-use crate::config::Config;
-use crate::log::{code, log};
 
 /// Arms cover a marker that no hand works with all the time, but none rests on it for this long.
 const UNUSED: Duration = Duration::from_secs(10);
@@ -73,7 +72,7 @@ pub(super) struct Visibility {
 
 impl Visibility {
     pub(super) fn new(config: &Config) -> Self {
-        let object = |object: &crate::config::Object| Object {
+        let object = |object: &andon_host::config::Object| Object {
             id: object.id,
             name: object.name.clone(),
             seen: LastSeen::default(),
@@ -221,7 +220,8 @@ mod tests {
     }
 
     fn visibility() -> Visibility {
-        let object = crate::config::Object { id: 5, name: "cup".into(), ..crate::config::Object::default() };
+        let object =
+            andon_host::config::Object { id: 5, name: "cup".into(), ..andon_host::config::Object::default() };
         let config = Config { objects: vec![object], ..Config::default() };
         let visibility = Visibility::new(&config);
         assert!(visibility.blind < Duration::from_secs(1), "the times below are longer than that");

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use andon_learn::analysis::{Analysis, Kind, Order, Report, as_shown_to_meet, report, selection};
-use andon_learn::experiment::experiment_1;
+use andon_host::exit::Code;
 use andon_learn::teach::TeachOptions;
+use andon_study::analysis::{Analysis, Kind, Order, Report, as_shown_to_meet, report, selection};
+use andon_study::experiment::experiment_1;
 
 use super::experiment::{SEED, is_experiment_1, percent_bar};
 use super::{ToolError, cannot_write, labelled, write_together};
 use crate::cli::Analyze;
-use crate::exit::Code;
 
 /// Runs the command.
 ///

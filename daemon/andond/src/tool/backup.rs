@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use andon_host::atomic::{self, folder_of};
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_journal::{History, JournalError};
 use andon_learn::file;
 
 use super::{ToolError, cannot_write, running_config};
-use crate::atomic::{self, folder_of};
 use crate::backup::{self, Kind};
 use crate::cli::Backup;
-use crate::config::Config;
-use crate::exit::Code;
 use crate::role;
 
 /// Runs the command. The journal is copied as it is at one moment, also while the line writes it.

@@ -1,12 +1,12 @@
 //! `andond calibrate`: finds the bench in a picture with four known markers.
 
+use andon_host::exit::Code;
 use andon_perception::bench::{BenchMarker, CalibrationError, Examination, examine};
 use andon_perception::{BenchPoint, ImageView, PixelFormat};
 
 use super::{ToolError, cannot_write, check_writable, load_config_to_learn, stills};
 use crate::cli::Calibrate;
 use crate::cli::metres::position;
-use crate::exit::Code;
 use crate::picture::with_residuals;
 use crate::video::Film;
 

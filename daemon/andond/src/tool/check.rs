@@ -8,15 +8,15 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use andon_host::atomic::folder_of;
+use andon_host::config::{Config, Source};
+use andon_host::exit::Code;
 use andon_journal::{History, Query};
 use andon_learn::file;
 use andon_learn::recording::TrackReader;
 
-use super::{ToolError, existing_config_files};
-use crate::atomic::folder_of;
+use super::ToolError;
 use crate::cli::Check;
-use crate::config::{Config, Source};
-use crate::exit::Code;
 use crate::metric::Placer;
 use crate::role;
 use crate::video::helper_path;
@@ -75,7 +75,7 @@ impl fmt::Display for Unusable {
 /// # Errors
 /// Every fault of the configuration, or else of what it names.
 pub fn run(arguments: &Check) -> Result<Code, ToolError> {
-    let files = existing_config_files(&arguments.config)?;
+    let files = arguments.config.existing()?;
     let config = Config::load(&files)?;
     let mut checks = Checks { config: &config, faults: Unusable::default() };
     checks.job();

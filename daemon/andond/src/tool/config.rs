@@ -1,9 +1,10 @@
 //! `andond config`: the annotated reference, or the configuration in force.
 
+use andon_host::config::{in_force, reference};
+use andon_host::exit::Code;
+
 use super::{ToolError, load_config};
 use crate::cli::ConfigCommand;
-use crate::config::{in_force, reference};
-use crate::exit::Code;
 
 /// Runs the command.
 ///

@@ -7,42 +7,37 @@ use std::time::Duration;
 
 use andon_core::config::MethodFault;
 use andon_core::{anomaly, couple};
+use andon_host::cli::{ConfigError, NoConfiguration};
+use andon_host::config::Faults;
+use andon_host::exit::Code;
+use andon_host::unwritten::remedy;
 use andon_journal::JournalError;
-use andon_learn::analysis::AnalysisError;
-use andon_learn::experiment::ExperimentError;
-use andon_learn::folder::{FolderError, PatternError};
 use andon_learn::job_file::JobFileError;
 use andon_learn::run::RunError;
 use andon_learn::teach::TeachError;
 use andon_perception::PerceptionError;
 use andon_perception::bench::CalibrationError;
+use andon_study::analysis::AnalysisError;
+use andon_study::experiment::ExperimentError;
+use andon_study::folder::{FolderError, PatternError};
 use shm_schemas::RoleId;
 
-use super::DEFAULT_CONFIGS;
 use super::check::Unusable;
 use super::markers::LayoutError;
 use super::teach::SourceError;
 use crate::backup::ArchiveError;
 use crate::compatibility::Misfit;
-use crate::config::Faults;
-use crate::exit::Code;
 use crate::picture::AnnotateError;
+use crate::recorder::Unwritten;
 use crate::recording::RecordingError;
-use crate::unwritten::remedy;
 use crate::video::VideoError;
 
 /// Why a command ended without a result. Each message names the place and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum ToolError {
-    /// The configuration has faults.
+    /// There is no configuration, or it has faults.
     #[error(transparent)]
-    Configuration(#[from] Faults),
-    /// No configuration was named, and none lies where one is looked for.
-    #[error(
-        "no configuration: name a station with --config FILE or $ANDON_CONFIG; there is none at {}, and only track files need none",
-        DEFAULT_CONFIGS.join(" and ")
-    )]
-    NoConfiguration,
+    Configuration(#[from] ConfigError),
     /// The value of an option cannot be understood.
     #[error("{option} {given:?}: {expected}")]
     Option {
@@ -298,7 +293,6 @@ impl ToolError {
     pub fn code(&self) -> Code {
         match self {
             Self::Configuration(_)
-            | Self::NoConfiguration
             | Self::NoJob { .. }
             | Self::JobFile(_)
             | Self::Misfit { .. }
@@ -356,6 +350,24 @@ impl ToolError {
             | Self::Calibration { .. }
             | Self::SaveCalibration(_) => Code::Usage,
         }
+    }
+}
+
+impl From<Unwritten> for ToolError {
+    fn from(Unwritten { path, source }: Unwritten) -> Self {
+        Self::Write { path, source }
+    }
+}
+
+impl From<Faults> for ToolError {
+    fn from(faults: Faults) -> Self {
+        Self::Configuration(faults.into())
+    }
+}
+
+impl From<NoConfiguration> for ToolError {
+    fn from(missing: NoConfiguration) -> Self {
+        Self::Configuration(missing.into())
     }
 }
 

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use andon_learn::experiment::{Ladder, Outcome, Split, Table, Variation, experiment_1, experiment_2};
-use andon_learn::folder::Labelled;
+use andon_host::exit::Code;
 use andon_learn::teach::TeachOptions;
+use andon_study::experiment::{Ladder, Outcome, Split, Table, Variation, experiment_1, experiment_2};
+use andon_study::folder::Labelled;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::{ToolError, labelled};
 use crate::cli::Experiment;
-use crate::exit::Code;
 
 /// Seed of k-means++ and of the random splits: any will do, and the same folder must give the same figures.
 pub(super) const SEED: u64 = 1;
@@ -77,7 +77,7 @@ fn ladder(folders: &[PathBuf], arguments: &Experiment) -> Result<String, ToolErr
 
 /// Whether the folder has the activities of the first experiment.
 pub(super) fn is_experiment_1(all: &[Labelled]) -> bool {
-    andon_learn::analysis::Kind::of(all) == andon_learn::analysis::Kind::of_paper()
+    andon_study::analysis::Kind::of(all) == andon_study::analysis::Kind::of_paper()
 }
 
 /// A progress bar on standard error that counts to 100 %. It shows nothing where standard error is not a terminal.

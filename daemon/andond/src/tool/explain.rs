@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
+use andon_host::exit::Code as Exit;
+use andon_host::log::{Code, code};
+
 use super::ToolError;
 use crate::cli::Explain;
-use crate::exit::Code as Exit;
-use crate::log::{Code, code};
 
 /// How many codes are named for one that does not exist.
 const NEAR: usize = 3;

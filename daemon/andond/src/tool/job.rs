@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use andon_host::config::Config;
 use andon_learn::file;
 use andon_learn::job_file::JobFile;
 
 use super::ToolError;
 use super::jobs::{FoundJob, of_station};
-use crate::config::Config;
 
 /// Reads a job file.
 ///

@@ -4,19 +4,20 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use andon_host::config::Config;
+use andon_host::exit::Code;
+use andon_host::taken;
 use andon_ipc::{Heartbeat, Reader, Wake};
 use andon_learn::job_file::JobFile;
 use serde::Serialize;
 use shm_schemas::Judging;
 
+use super::ToolError;
 use super::check::neighbours;
 use super::join::join;
-use super::{ToolError, existing_config_files};
 use crate::cli::Jobs;
 use crate::compatibility;
-use crate::config::Config;
-use crate::exit::Code;
-use crate::{role, taken};
+use crate::role;
 
 /// How long a judge that runs may be silent: it says everything with every beat.
 const LISTEN: Duration = Duration::from_millis(3 * Heartbeat::PERIOD.as_millis() as u64);
@@ -26,7 +27,7 @@ const LISTEN: Duration = Duration::from_millis(3 * Heartbeat::PERIOD.as_millis()
 /// # Errors
 /// A configuration with faults, and a folder that cannot be read.
 pub fn run(arguments: &Jobs) -> Result<Code, ToolError> {
-    let config = match existing_config_files(&arguments.config) {
+    let config = match arguments.config.existing() {
         // A folder needs no station.
         Err(_) if arguments.folder.is_some() => None,
         files => Some(taken::running(&files?)?.config),

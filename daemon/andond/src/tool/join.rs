@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
+use andon_host::config::Config;
 use andon_ipc::{Node, Stop};
 use shm_schemas::RoleId;
 
 use super::ToolError;
-use crate::config::Config;
 
 /// How long a tool waits for a station that may just be starting.
 const PATIENCE: Duration = Duration::from_secs(2);

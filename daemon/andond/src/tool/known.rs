@@ -1,9 +1,9 @@
 //! The job files that a station has, for what they call the parts and the steps.
 
+use andon_host::config::Config;
 use andon_learn::job_file::JobFile;
 
 use super::jobs::{self, FoundJob};
-use crate::config::Config;
 use crate::report::Names;
 
 /// The names in the job files of a station, and those of its configuration.

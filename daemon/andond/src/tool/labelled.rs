@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use andon_core::config::Method;
-use andon_learn::folder::{self, Labelled, Naming, Pattern, Table};
+use andon_host::cli::ConfigArgs;
+use andon_study::folder::{self, Labelled, Naming, Pattern, Table};
 
 use super::experiment::percent_bar;
 use super::runs::{common_space, read_runs};
 use super::{ToolError, load_config_for};
-use crate::cli::{ConfigArgs, Names};
+use crate::cli::Names;
 
 /// Reads the recordings of a folder, in the order of person, what was done and repetition, and the constants that they were encoded with.
 /// All but the space of the recordings are the defaults, so that no station's settings change the figures of the paper's experiments.

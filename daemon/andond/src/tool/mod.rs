@@ -24,7 +24,6 @@ pub mod pages;
 pub mod part;
 mod progress;
 pub mod record;
-mod recorder;
 pub mod replay;
 pub mod restore;
 mod runs;
@@ -42,19 +41,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use andon_core::input::Frame;
+use andon_host::atomic::{self, folder_of};
+use andon_host::cli::{ConfigArgs, NoConfiguration};
+use andon_host::config::Config;
+use andon_host::taken::{self, Taken};
 
-use crate::atomic::{self, folder_of};
-use crate::cli::{self, ConfigArgs};
-use crate::config::Config;
 use crate::recording::Recording;
-use crate::taken::{self, Taken};
 
 pub use error::ToolError;
 use progress::progress;
 pub use progress::working;
-
-/// Where a configuration is looked for when none is named: in a source tree, then in an installation.
-const DEFAULT_CONFIGS: [&str; 2] = ["config/stations/demo.toml", "/etc/andon/andon.toml"];
 
 /// Checks before the work, which takes minutes, that its result can be written afterwards. A file that exists is not
 /// changed.
@@ -100,8 +96,8 @@ fn write_together<'a>(files: impl IntoIterator<Item = (&'a Path, &'a [u8])>) -> 
 ///
 /// # Errors
 /// Every fault in it.
-pub fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
-    Ok(Config::load(&existing_config_files(arguments)?)?)
+fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
+    Ok(arguments.load()?)
 }
 
 /// The configuration for a command that reads these recordings, and neither the job nor the recording of the station. Track files say themselves
@@ -111,23 +107,10 @@ pub fn load_config(arguments: &ConfigArgs) -> Result<Config, ToolError> {
 /// Every fault in it.
 fn load_config_for(arguments: &ConfigArgs, recordings: &[PathBuf]) -> Result<Config, ToolError> {
     let are_tracks = !recordings.is_empty() && recordings.iter().all(|path| Recording::is_tracks(path));
-    match existing_config_files(arguments) {
-        Err(ToolError::NoConfiguration) if are_tracks => Ok(Config::default()),
+    match arguments.existing() {
+        Err(NoConfiguration) if are_tracks => Ok(Config::default()),
         files => Ok(Config::load_to_learn(&files?)?),
     }
-}
-
-/// The configuration that a role runs with: what the line has taken when it started, or what the files say.
-///
-/// # Errors
-/// Every fault in it.
-pub fn take_config(arguments: &cli::Run) -> Result<Taken, ToolError> {
-    let files = existing_config_files(&arguments.config)?;
-    Ok(match arguments.role {
-        _ if arguments.as_given => Taken { config: Config::load(&files)?, changed: None },
-        cli::Role::Steward => taken::for_steward(&files)?,
-        _ => taken::running(&files)?,
-    })
 }
 
 /// The configuration of the running line, for the tools that look at it.
@@ -135,7 +118,7 @@ pub fn take_config(arguments: &cli::Run) -> Result<Taken, ToolError> {
 /// # Errors
 /// Every fault of the files, where no line runs that has taken them.
 fn running_config(arguments: &ConfigArgs) -> Result<Taken, ToolError> {
-    Ok(taken::running(&existing_config_files(arguments)?)?)
+    Ok(taken::running(&arguments.existing()?)?)
 }
 
 /// As [`load_config`], for the commands that make what a station needs, or read films of their own: job, calibration and the station's own
@@ -144,34 +127,7 @@ fn running_config(arguments: &ConfigArgs) -> Result<Taken, ToolError> {
 /// # Errors
 /// Every fault in it.
 fn load_config_to_learn(arguments: &ConfigArgs) -> Result<Config, ToolError> {
-    Ok(Config::load_to_learn(&existing_config_files(arguments)?)?)
-}
-
-fn existing_config_files(arguments: &ConfigArgs) -> Result<Vec<PathBuf>, ToolError> {
-    let files = config_files(arguments);
-    if files.is_empty() {
-        return Err(ToolError::NoConfiguration);
-    }
-    Ok(files)
-}
-
-/// The variable that names a configuration where no option does.
-const CONFIG_VARIABLE: &str = "ANDON_CONFIG";
-
-/// Whether somebody has named a configuration.
-fn is_named(arguments: &ConfigArgs) -> bool {
-    !arguments.files.is_empty() || std::env::var_os(CONFIG_VARIABLE).is_some()
-}
-
-/// The configuration files that are in force.
-fn config_files(arguments: &ConfigArgs) -> Vec<PathBuf> {
-    if !arguments.files.is_empty() {
-        return arguments.files.clone();
-    }
-    if let Some(named) = std::env::var_os(CONFIG_VARIABLE) {
-        return vec![named.into()];
-    }
-    DEFAULT_CONFIGS.iter().map(PathBuf::from).find(|path| path.exists()).into_iter().collect()
+    Ok(Config::load_to_learn(&arguments.existing()?)?)
 }
 
 /// Shows `take` every frame of a recording, with a progress bar, and says at the end what the recording has to warn of.

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
+use andon_host::exit::Code;
 use clap::Command;
 use clap::builder::{Resettable, StyledStr};
 use clap_mangen::Man;
@@ -11,7 +12,6 @@ use clap_mangen::roff::{Roff, bold, roman};
 
 use super::{ToolError, cannot_write, write_together};
 use crate::cli::{self, Completions, ManPages};
-use crate::exit::Code;
 
 /// Prints the completions for a shell.
 ///

@@ -1,12 +1,12 @@
 //! `andond part`: tells the judge which part comes next, for a scanner or a person.
 
+use andon_host::exit::Code;
 use shm_schemas::{BadPart, CommandKind, PartId, Refusal};
 
 use super::join::join;
 use super::tell::tell;
 use super::{ToolError, load_config};
 use crate::cli::Part;
-use crate::exit::Code;
 
 /// Runs the command; it ends when the judge has the id.
 ///

@@ -4,15 +4,15 @@ use std::fs::File;
 use std::path::Path;
 use std::time::Duration;
 
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_ipc::{Node, Reader, Wake};
 use shm_schemas::{Detections, flag};
 
 use super::join::join;
-use super::recorder::{Recorder, header};
 use super::{ToolError, cannot_write, load_config, new_or_forced};
 use crate::cli::Record;
-use crate::config::Config;
-use crate::exit::Code;
+use crate::recorder::{Recorder, header};
 use crate::wire;
 
 /// Nothing is due between two frames: this is only how often the wait is repeated.
@@ -52,7 +52,7 @@ fn record(node: &Node, config: &Config, out: &Path) -> Result<Code, ToolError> {
         }
     }
     recorder.finish()?;
-    eprintln!("{} frames", recorder.frames);
+    eprintln!("{} frames", recorder.frames());
     match detections.lost() {
         0 => Ok(Code::Stopped),
         lost => Err(ToolError::Lost(lost)),

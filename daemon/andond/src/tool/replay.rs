@@ -14,7 +14,7 @@ use andon_learn::distribution::{Distribution, LEGEND};
 use andon_learn::job_file::JobFile;
 use shm_schemas::PartId;
 
-use super::{ToolError, is_named, job, load_config_for, progress};
+use super::{ToolError, job, load_config_for, progress};
 use crate::cli::Replay;
 use crate::compatibility;
 use crate::picture::Annotator;
@@ -35,7 +35,7 @@ pub fn run(arguments: &Replay) -> Result<u8, ToolError> {
     let config = load_config_for(&arguments.config, from_ref(&arguments.recording))?;
     let misfit = |misfit| ToolError::Misfit { path: arguments.job.clone(), misfit };
     // A track file is of no station, unless one is named.
-    if !Recording::is_tracks(&arguments.recording) || is_named(&arguments.config) {
+    if !Recording::is_tracks(&arguments.recording) || arguments.config.is_named() {
         compatibility::station(&file, &config).map_err(misfit)?;
     }
     let mut recording = Recording::open(&arguments.recording, &config)?;

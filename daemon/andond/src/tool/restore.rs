@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use andon_host::atomic::{self, folder_of};
+use andon_host::exit::Code;
 use andon_ipc::{Station, UtcTime};
 use andon_journal::{Journal, Retention};
 use shm_schemas::AuditKind;
 
 use super::{ToolError, cannot_write};
-use crate::atomic::{self, folder_of};
 use crate::backup::{Archive, ArchiveError, Entry, Kind};
 use crate::cli::Restore;
-use crate::exit::Code;
 use crate::identity;
 
 /// Runs the command. Nothing is written before the whole archive was checked and the station was found at rest.
@@ -119,7 +119,8 @@ fn note(archive: &Archive, arguments: &Restore) -> Result<(), ToolError> {
     for (entry, _) in journals {
         let path = target(arguments.into.as_deref(), &entry.path);
         // Nothing is removed here: the role applies what the configuration says, and these are the most that it may say.
-        let mut journal = Journal::open(&path, Retention { keep_days: 36_500, keep_mb: 1_000_000 })?;
+        let mut journal =
+            Journal::open(&path, Retention { keep_days: 36_500, keep_mb: 1_000_000, without: &[] })?;
         let what = format!("restored from {}, of {}", arguments.archive.display(), archive.manifest.written);
         journal.note(UtcTime::now().nanoseconds(), AuditKind::Journal, &identity::own_user(), &what)?;
     }

@@ -5,13 +5,13 @@ use std::sync::Mutex;
 
 use andon_core::config::Method;
 use andon_core::input::Space;
+use andon_host::config::Config;
 use andon_learn::digest::sha256_hex;
 use andon_learn::file;
 use andon_learn::recording as learn;
 use andon_learn::run::Run;
 
 use super::{ToolError, each_frame};
-use crate::config::Config;
 use crate::recording::Recording;
 
 /// The space that all recordings share; that of the configuration where there is none.

@@ -7,15 +7,15 @@ use andon_core::config::Method;
 use andon_core::couple::{Couple, Encoder};
 use andon_core::input::Side;
 use andon_core::segment::{Event, JobSegmenter};
+use andon_host::atomic;
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_learn::job_file::JobFile;
 use andon_learn::recording::incidental_pairs;
 
 use super::{ToolError, cannot_write, check_writable, each_frame, job, load_config_for};
-use crate::atomic;
 use crate::cli::Segment;
 use crate::compatibility;
-use crate::config::Config;
-use crate::exit::Code;
 use crate::recording::Recording;
 use crate::report::plot::{self, Band, Seen, Timeline};
 use crate::report::{EventLine, Names};

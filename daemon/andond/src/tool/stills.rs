@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use andon_host::atomic;
+use andon_host::video::pipe::PictureFormat;
+
 use super::{ToolError, cannot_write, check_writable};
-use crate::atomic;
 use crate::video::StillEncoder;
-use crate::video::pipe::PictureFormat;
 
 /// Checks before the work that a picture can be written to this path.
 ///

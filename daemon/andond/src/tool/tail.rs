@@ -4,6 +4,8 @@ use std::io::Write;
 use std::time::Duration;
 
 use andon_core::verdict::{Level, Outcome, Verdict};
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_ipc::{Channel, Heartbeat, MonotonicTime, Reader, UtcTime, Wake};
 use serde::Serialize;
 use shm_schemas::{Health, RoleId, Verdict as Message};
@@ -13,8 +15,6 @@ use super::join::join;
 use super::known::KnownJobs;
 use super::{ToolError, running_config};
 use crate::cli::{self, Tail};
-use crate::config::Config;
-use crate::exit::Code;
 use crate::outage::{Outage, Outages};
 use crate::report::{Teller, VerdictLine, WatchLine};
 use crate::sight::{self, SightChange, SightChanges};

@@ -1,10 +1,11 @@
 //! `andond tracks`: what a film shows, as a track file, so that the film need not be looked at again for what is done with it later.
 
-use super::recorder::Recorder;
+use andon_host::atomic;
+use andon_host::exit::Code;
+
 use super::{ToolError, cannot_write, each_frame, load_config_to_learn, new_or_forced};
-use crate::atomic;
 use crate::cli::Tracks;
-use crate::exit::Code;
+use crate::recorder::Recorder;
 use crate::recording::Recording;
 
 /// Runs the command. The file is there whole or not at all: half a film looks like a whole one.
@@ -19,9 +20,9 @@ pub fn run(arguments: &Tracks) -> Result<Code, ToolError> {
     let mut recording = Recording::open(film, &config)?;
     let mut recorder =
         Recorder::new(part.reopen().map_err(cannot_write(out))?, out, recording.header().clone())?;
-    each_frame(&mut recording, film, |frame| recorder.write(frame).map(drop))?;
+    each_frame(&mut recording, film, |frame| Ok(recorder.write(frame).map(drop)?))?;
     recorder.finish()?;
     atomic::put(part.into_temp_path(), out).map_err(cannot_write(out))?;
-    println!("written: {}, {} frames", out.display(), recorder.frames);
+    println!("written: {}, {} frames", out.display(), recorder.frames());
     Ok(Code::Stopped)
 }

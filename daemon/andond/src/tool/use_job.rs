@@ -1,5 +1,7 @@
 //! `andond use`: loads a job into a running station. The judge does it, or says why not.
 
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use shm_schemas::{CommandKind, Refusal};
 
 use super::jobs::FoundJob;
@@ -8,8 +10,6 @@ use super::tell::tell;
 use super::{ToolError, job, running_config};
 use crate::cli::Use;
 use crate::compatibility;
-use crate::config::Config;
-use crate::exit::Code;
 
 /// Runs the command; it ends when the judge has the job.
 ///

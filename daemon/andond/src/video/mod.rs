@@ -1,10 +1,8 @@
 //! Films for processes that link no video library.
 //!
 //! Only the binary `andond-video` of the crate `andon-video` links OpenCV's `videoio`, which loads 248 shared libraries, 65 MB. The role
-//! `capture` runs in that binary. The tools start it to decode a film, or to make a film of pictures, over a [`pipe`].
+//! `capture` runs in that binary. The tools start it to decode a film, or to make a film of pictures, over a [`andon_host::video::pipe`].
 
-pub mod frame;
-pub mod pipe;
 mod still;
 
 use std::ffi::OsString;
@@ -13,12 +11,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::thread::JoinHandle;
 
-use pipe::{PictureFormat, PipeReader, PipeWriter};
+use andon_host::video::pipe::{PictureFormat, PipeReader, PipeWriter};
 use tempfile::TempPath;
 
-use crate::atomic;
-use crate::config::Config;
-use crate::unwritten::remedy;
+use andon_host::atomic;
+use andon_host::config::Config;
+use andon_host::unwritten::remedy;
 pub use still::StillEncoder;
 
 /// Why a film could not be read or written, and what to do about it.
@@ -61,29 +59,6 @@ pub enum VideoError {
         /// The cause that the system gives.
         source: std::io::Error,
     },
-}
-
-/// Why a camera or a recording cannot be opened: each holds a message for a technician.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum OpenError {
-    /// It is missing or does not answer. A camera may come back.
-    #[error("{0}")]
-    Gone(String),
-    /// It is no recording that can be played.
-    #[error("{0}")]
-    NoRecording(String),
-    /// This user may not open it.
-    #[error("{0}")]
-    NotAllowed(String),
-    /// It does not offer what the configuration asks for.
-    #[error("{0}")]
-    Refused(String),
-    /// It cannot work the way it is connected.
-    #[error("{0}")]
-    Unfit(String),
-    /// This build or this installation does not support it.
-    #[error("{0}")]
-    Unsupported(String),
 }
 
 /// The path of `andond-video`, which lies beside the running binary.

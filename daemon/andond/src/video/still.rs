@@ -3,7 +3,8 @@
 use std::io::{self, Read as _};
 use std::process::Stdio;
 
-use super::pipe::{PictureFormat, PipeWriter};
+use andon_host::video::pipe::{PictureFormat, PipeWriter};
+
 use super::{Helper, VideoError};
 
 /// Makes PNG or JPEG files of pictures of one size.

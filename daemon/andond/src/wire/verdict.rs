@@ -99,92 +99,36 @@ twins!(
     BeginningNotSeen BrokenOff FramesMissing TooFewFrames Passing MarkerTwice
 );
 
-/// The note as it travels.
-pub(crate) const fn note(note: Note) -> VerdictNote {
-    match note {
-        Note::Order => VerdictNote::Order,
-        Note::Again => VerdictNote::Again,
-        Note::OtherHand => VerdictNote::OtherHand,
-        Note::Step => VerdictNote::Step,
-    }
+/// As [`twins`], where the wire has a word for none.
+macro_rules! twins_or_none {
+    ($method:ident as $wire:ident, $to_wire:ident, $to_method:ident: $($variant:ident)+) => {
+        /// The value as it travels.
+        pub(crate) const fn $to_wire(value: $method) -> $wire {
+            match value { $( $method::$variant => $wire::$variant, )+ }
+        }
+
+        /// The value of the method; `None` for the word for none.
+        pub(super) const fn $to_method(value: $wire) -> Option<$method> {
+            match value {
+                $wire::None => None,
+                $( $wire::$variant => Some($method::$variant), )+
+            }
+        }
+    };
 }
 
-const fn note_of_method(note: VerdictNote) -> Option<Note> {
-    match note {
-        VerdictNote::None => None,
-        VerdictNote::Order => Some(Note::Order),
-        VerdictNote::Again => Some(Note::Again),
-        VerdictNote::OtherHand => Some(Note::OtherHand),
-        VerdictNote::Step => Some(Note::Step),
-    }
-}
-
-/// The measure as it travels.
-pub(crate) const fn measure(measure: Measure) -> VerdictMeasure {
-    match measure {
-        Measure::Duration => VerdictMeasure::Duration,
-        Measure::Strokes => VerdictMeasure::Strokes,
-        Measure::StrokeLength => VerdictMeasure::StrokeLength,
-        Measure::Path => VerdictMeasure::Path,
-        Measure::Bow => VerdictMeasure::Bow,
-        Measure::Direction => VerdictMeasure::Direction,
-        Measure::Place => VerdictMeasure::Place,
-    }
-}
+twins_or_none!(Note as VerdictNote, note, note_of_method: Order Again OtherHand Step);
+twins_or_none!(
+    Measure as VerdictMeasure, measure, measure_of_method:
+    Duration Strokes StrokeLength Path Bow Direction Place
+);
+twins_or_none!(OrderFault as WireFault, order_fault, order_fault_of_method: NotBegun NotEnded TooLate Again);
+twins_or_none!(Side as HandCode, hand, side: Right Left);
 
 /// A measure that is out of its bounds, as a person says it.
 pub(crate) const fn measured_words(measured: Measured) -> MeasuredWords {
     let Measured { measure: of, value, shown_min, shown_max } = measured;
     MeasuredWords { measure: measure(of), value, shown_min, shown_max }
-}
-
-const fn measure_of_method(measure: VerdictMeasure) -> Option<Measure> {
-    match measure {
-        VerdictMeasure::None => None,
-        VerdictMeasure::Duration => Some(Measure::Duration),
-        VerdictMeasure::Strokes => Some(Measure::Strokes),
-        VerdictMeasure::StrokeLength => Some(Measure::StrokeLength),
-        VerdictMeasure::Path => Some(Measure::Path),
-        VerdictMeasure::Bow => Some(Measure::Bow),
-        VerdictMeasure::Direction => Some(Measure::Direction),
-        VerdictMeasure::Place => Some(Measure::Place),
-    }
-}
-
-/// What was broken of the order, as it travels.
-pub(crate) const fn order_fault(fault: OrderFault) -> WireFault {
-    match fault {
-        OrderFault::NotBegun => WireFault::NotBegun,
-        OrderFault::NotEnded => WireFault::NotEnded,
-        OrderFault::TooLate => WireFault::TooLate,
-        OrderFault::Again => WireFault::Again,
-    }
-}
-
-const fn order_fault_of_method(fault: WireFault) -> Option<OrderFault> {
-    match fault {
-        WireFault::None => None,
-        WireFault::NotBegun => Some(OrderFault::NotBegun),
-        WireFault::NotEnded => Some(OrderFault::NotEnded),
-        WireFault::TooLate => Some(OrderFault::TooLate),
-        WireFault::Again => Some(OrderFault::Again),
-    }
-}
-
-const fn hand(side: Side) -> HandCode {
-    match side {
-        Side::Right => HandCode::Right,
-        Side::Left => HandCode::Left,
-    }
-}
-
-/// The hand that a code stands for; `None` for no hand.
-pub(super) const fn side(hand: HandCode) -> Option<Side> {
-    match hand {
-        HandCode::None => None,
-        HandCode::Right => Some(Side::Right),
-        HandCode::Left => Some(Side::Left),
-    }
 }
 
 /// Reads a verdict from a message; `None` where a code is unknown, which does not happen between builds with the same layout hash.

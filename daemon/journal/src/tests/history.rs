@@ -47,12 +47,11 @@ fn a_row_gives_the_verdict_back_that_it_was_written_from() {
         ..verdict(1, 1)
     };
     bench.append(&sent).unwrap();
-    let Ok([Entry::Verdict(record)]) = <[Entry; 1]>::try_from(bench.entries(&Query::default())) else {
+    let Ok([Entry::Verdict(read)]) = <[Entry; 1]>::try_from(bench.entries(&Query::default())) else {
         unreachable!()
     };
-    let known = Verdict { stamp: Default::default(), station: Default::default(), ..sent };
     // A distance that there is not is not equal to itself.
-    assert_eq!(format!("{:?}", record.message()), format!("{known:?}"));
+    assert_eq!(format!("{read:?}"), format!("{sent:?}"));
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod written;
 use super::*;
 use shm_schemas::{NO_INDEX, VerdictLevel, VerdictOutcome};
 
-const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000 };
+const KEEP: Retention = Retention { keep_days: 36_500, keep_mb: 1000, without: &[] };
 const DAY_NS: u64 = 86_400_000_000_000;
 
 fn verdict(epoch: u64, seq: u64) -> Verdict {
@@ -86,7 +86,7 @@ impl Bench {
         self.entries(query)
             .iter()
             .map(|entry| match entry {
-                Entry::Verdict(record) => format!("v {} {}", record.epoch, record.seq),
+                Entry::Verdict(record) => format!("v {} {}", record.stamp.epoch, record.stamp.seq),
                 Entry::NotWatching(blind) => {
                     format!("blind {} {:?} {}", blind.began_utc_ns, blind.ended_utc_ns, blind.why)
                 }

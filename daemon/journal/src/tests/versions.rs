@@ -1,7 +1,7 @@
 //! Journals of other versions, and files that are no journal.
 
 use super::*;
-use shm_schemas::PartId;
+use shm_schemas::{PartId, verdict_kind};
 
 #[test]
 fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome() {
@@ -31,7 +31,10 @@ fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome()
         .entries(&Query::default())
         .iter()
         .map(|entry| match entry {
-            Entry::Verdict(record) => format!("{} {} {}", record.kind(), record.level, record.outcome),
+            Entry::Verdict(verdict) => {
+                let (level, outcome) = (verdict.level().unwrap(), verdict.outcome().unwrap());
+                format!("{} {} {}", verdict_kind(level, outcome), level.name(), outcome.name())
+            }
             other => format!("{other:?}"),
         })
         .collect();
@@ -72,6 +75,33 @@ fn a_journal_of_the_schema_without_parts_opens_and_its_verdicts_have_none() {
     let parts: Vec<PartId> =
         bench.journal.rows_after(0, 10).unwrap().iter().map(|row| row.verdict.part).collect();
     assert_eq!(parts, [PartId::NONE, part]);
+}
+
+#[test]
+fn the_account_of_a_journal_with_one_account_is_that_of_the_plc() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("j.sqlite");
+    let old = Connection::open(&path).unwrap();
+    let before = schema::MIGRATIONS.iter().take_while(|migration| !migration.contains("new_account"));
+    let mut version = 0;
+    for migration in before {
+        old.execute_batch(migration).unwrap();
+        version += 1;
+    }
+    old.pragma_update(None, "user_version", version).unwrap();
+    old.execute(
+        "INSERT INTO account VALUES (1, 4, 17, 9, 2, 8, 6, 1, 0, 0, 0, 7, 5, 0, '8:6', 3, 99, 'A-17')",
+        [],
+    )
+    .unwrap();
+    drop(old);
+    let journal = Journal::open(&path, KEEP).unwrap();
+    let account = journal.account(RoleId::Plc).unwrap();
+    assert_eq!((account.boot, account.number, account.row, account.sequence), (4, 17, 9, 6));
+    assert_eq!((account.shown_row, account.waiting_rows[0], account.wanted_hash), (7, 8, 99));
+    assert_eq!(account.part, PartId::new(b"A-17").unwrap());
+    assert_eq!(account.settled(), 6);
+    assert_eq!(journal.consumers().unwrap(), [RoleId::Plc]);
 }
 
 #[test]

@@ -14,14 +14,9 @@ fn a_verdict_comes_back_as_it_was_written() {
     bench.append(&sent).unwrap();
     assert_eq!(bench.journal.newest(), Some(MessageId { epoch: u64::MAX, seq: 1 }));
     let entries = bench.entries(&Query::default());
-    let [Entry::Verdict(record)] = entries.as_slice() else { unreachable!("{entries:?}") };
-    assert_eq!(
-        (record.level.as_str(), record.outcome.as_str(), record.reason.as_str()),
-        ("activity", "anomaly", "Motion")
-    );
-    assert_eq!((record.epoch, record.model_hash.as_str()), (u64::MAX, "ffff000000000001"));
-    assert_eq!((record.activity, record.iu, record.x_c), (Some(1), None, [1, 2, 2, 65535]));
-    assert_eq!((record.distance, record.threshold, record.station.as_str()), (None, Some(2.5), "bench1"));
+    let [Entry::Verdict(read)] = entries.as_slice() else { unreachable!("{entries:?}") };
+    // A distance that there is not is not equal to itself.
+    assert_eq!(format!("{read:?}"), format!("{sent:?}"));
 }
 
 #[test]

@@ -15,7 +15,8 @@ mod validate;
 pub use error::{JobFault, JobFileError};
 pub use shown::ShownValues;
 pub(crate) use shown::of_runs;
-pub(crate) use text::{context_words, sequence_words};
+pub use text::context_words;
+pub(crate) use text::sequence_words;
 
 use crate::recording::{NamedObject, object_name};
 use crate::rule::{BoundsRule, ThresholdRule};

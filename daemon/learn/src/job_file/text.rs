@@ -334,7 +334,7 @@ fn bounds_text(Bounds { min, max }: Bounds) -> String {
 }
 
 /// A context in words, with the names that `name` gives to objects.
-pub(crate) fn context_words(context: Context, name: impl Fn(u16) -> String) -> String {
+pub fn context_words(context: Context, name: impl Fn(u16) -> String) -> String {
     match context.0 {
         [0, 0, 0, 0] => "nothing is touched".to_owned(),
         [0, _, j, l] => format!("{} rests at {}, no hand", name(j), name(l)),

@@ -17,11 +17,13 @@
 mod convention;
 mod error;
 mod line;
+mod person;
 mod reader;
 mod repeats;
 mod writer;
 
 pub use error::{TrackError, TrackFault};
+pub use person::person_of;
 pub use reader::{TrackReader, Truncation, read};
 pub use repeats::SeenTracks;
 pub use writer::{TrackWriter, write};

@@ -61,7 +61,7 @@ use sampling::needed_rate_hz;
 use sequence::{Agreement, Sequence, agree};
 use std::borrow::Cow;
 use strength::{Rule, StepKey, Strength, Strengths};
-pub(crate) use threshold::Memory;
+pub use threshold::Memory;
 use threshold::compared;
 use trust::{Odd, odd_runs, too_few_frames, without_copies};
 
@@ -168,7 +168,7 @@ fn encoded_with(objects: &[NamedObject], runs: &[Run]) -> Result<Vec<Run>, Teach
 ///
 /// # Errors
 /// If the objects cannot be used.
-pub(crate) fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>, TeachError> {
+pub fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<Vec<Run>, TeachError> {
     Ok(Demonstrations::of(runs.to_vec(), options)?.runs)
 }
 
@@ -176,11 +176,7 @@ pub(crate) fn as_shown_to_meet(runs: &[Run], options: &TeachOptions) -> Result<V
 ///
 /// # Errors
 /// As for [`teach`].
-pub(crate) fn teach_again(
-    runs: &[Run],
-    options: &TeachOptions,
-    memory: &mut Memory,
-) -> Result<JobFile, TeachError> {
+pub fn teach_again(runs: &[Run], options: &TeachOptions, memory: &mut Memory) -> Result<JobFile, TeachError> {
     options.check()?;
     let strengths = Strengths::default();
     let shown =

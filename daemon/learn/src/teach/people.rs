@@ -11,7 +11,7 @@
 use super::kind::{is_repeated, is_timed};
 use super::measures_of;
 use super::sequence::Agreement;
-use crate::folder::person_of;
+use crate::recording::person_of;
 use crate::run::{Iu, Run};
 use crate::statistics::{chi_squared, mean};
 use andon_core::couple::Context;

@@ -89,7 +89,7 @@ pub(super) fn compared<'a>(iu: &'a Iu, options: &TeachOptions) -> Cow<'a, [Motio
 
 /// What was learned from the same runs under the same local cost, to teach them with other rules.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Memory {
+pub struct Memory {
     /// The local cost, and whether motions have free ends.
     rules: Option<(LocalCost, bool)>,
     /// By the number of the nominal sequence and that of the IU in it.

@@ -239,8 +239,10 @@ fn find(
     markers: &[BenchMarker],
     dictionary: Dictionary,
 ) -> Result<Vec<Pair>, CalibrationError> {
-    let objects: Vec<_> =
-        markers.iter().map(|marker| MarkerObject { id: marker.id, side_m: marker.side_m as f32 }).collect();
+    let objects: Vec<_> = markers
+        .iter()
+        .map(|&BenchMarker { id, side_m, .. }| MarkerObject { id, marker: id, side_m: side_m as f32 })
+        .collect();
     let config = MarkersConfig { dictionary, objects, ..MarkersConfig::default() };
     let is_named = |id| markers.iter().any(|marker| marker.id == id);
     let mut finder = Markers::new(&config)?;

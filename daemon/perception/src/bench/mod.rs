@@ -17,7 +17,7 @@ pub use misfit::MarkerResidual;
 use crate::config::MarkerObject;
 use crate::detections::{HANDS, LANDMARKS, OBJECTS};
 use crate::error::PerceptionError;
-use crate::markers::Marker;
+use crate::finder::SeenObject;
 use crate::points::{BenchPoint, PixelPoint};
 use heapless::Vec;
 use plane::{Plane, centre_of_corners};
@@ -79,37 +79,32 @@ impl Bench {
         }
     }
 
-    /// Side of the marker of an object; `None` for an id that is not configured.
-    pub(crate) fn side_m(&self, id: u16) -> Option<f64> {
-        self.objects.iter().find(|object| object.id == id).map(|object| f64::from(object.side_m))
-    }
-
-    /// Takes in the markers of a frame.
+    /// Takes in the objects of a frame. Those of known size give the scale.
     ///
     /// # Errors
     /// [`PerceptionError::CalibratedFor`].
     pub(crate) fn see(
         &mut self,
         [width, height]: [usize; 2],
-        markers: &[Marker],
+        objects: &[SeenObject],
         now_ns: u64,
     ) -> Result<(), PerceptionError> {
         self.now_ns = now_ns;
-        self.prepare_plane(width, height, markers)?;
+        self.prepare_plane(width, height, objects)?;
         let Some(SizedPlane { plane, .. }) = self.plane else { return Ok(()) };
-        for marker in markers {
-            let Some(side_m) = self.side_m(marker.id) else { continue };
-            let measured = side_m / plane.square(&marker.corners).side_m;
-            let centre = centre_of_corners(&marker.corners);
-            match self.known.iter_mut().find(|known| known.id == marker.id) {
+        for object in objects {
+            let Some(side_m) = object.side_m else { continue };
+            let measured = side_m / plane.square(&object.corners).side_m;
+            let centre = centre_of_corners(&object.corners);
+            match self.known.iter_mut().find(|known| known.id == object.id) {
                 Some(known) => {
                     known.nearness.settle(measured);
                     (known.centre, known.seen_ns) = (centre, now_ns);
                 }
                 None => {
                     let nearness = Nearness::new(measured);
-                    let known = Known { id: marker.id, nearness, centre, seen_ns: now_ns };
-                    // There is room: a frame has no more markers than there are objects, and `Perceiver::new` counts those.
+                    let known = Known { id: object.id, nearness, centre, seen_ns: now_ns };
+                    // There is room: a frame has no more objects than fit.
                     let _ = self.known.push(known);
                 }
             }
@@ -123,7 +118,7 @@ impl Bench {
         &mut self,
         width: usize,
         height: usize,
-        markers: &[Marker],
+        objects: &[SeenObject],
     ) -> Result<(), PerceptionError> {
         if self.plane.as_ref().is_some_and(|plane| (plane.width, plane.height) == (width, height)) {
             return Ok(());
@@ -138,21 +133,10 @@ impl Bench {
                 }
                 calibration.plane()
             }
-            None => self.parallel_plane(width, height, markers),
+            None => parallel_plane(width, height, objects),
         };
         self.plane = plane.map(|plane| SizedPlane { width, height, plane });
         Ok(())
-    }
-
-    /// The parallel plane on which the marker that is farthest from the camera, and so nearest to the bench, has its own size.
-    fn parallel_plane(&self, width: usize, height: usize, markers: &[Marker]) -> Option<Plane> {
-        // On a plane of one metre per pixel a side in metres is the side in pixels.
-        let unscaled = Plane::parallel(width, height, 1.0);
-        let scales = markers
-            .iter()
-            .filter_map(|marker| Some(self.side_m(marker.id)? / unscaled.square(&marker.corners).side_m));
-        let metres_per_px = scales.max_by(f64::total_cmp)?;
-        Some(Plane::parallel(width, height, metres_per_px))
     }
 
     /// Side in pixels of the smallest marker that may appear, if that is known.
@@ -165,19 +149,21 @@ impl Bench {
             .map(|(x, y)| plane.at(PixelPoint::new(x, y)).distance(plane.at(PixelPoint::new(x + 1.0, y))))
             .into_iter()
             .fold(0.0, f64::max);
-        let min_side_m =
-            self.objects.iter().map(|object| f64::from(object.side_m)).fold(f64::INFINITY, f64::min);
-        Some(min_side_m / metres_per_px)
+        let sides = self.objects.iter().map(|object| f64::from(object.side_m));
+        Some(sides.min_by(f64::total_cmp)? / metres_per_px)
     }
 
-    /// Where a marker of this frame is.
-    pub(crate) fn place(&self, marker: &Marker) -> Option<Placed> {
+    /// Where an object of this frame is; `None` until something has given the scale.
+    pub(crate) fn place(&self, object: &SeenObject) -> Option<Placed> {
         let SizedPlane { plane, .. } = self.plane.as_ref()?;
-        let known = self.known.iter().find(|known| known.id == marker.id)?;
-        Some(Placed {
-            position: plane.raised(known.centre, known.nearness.value()),
-            yaw: plane.square(&marker.corners).yaw,
-        })
+        let position = match object.side_m {
+            Some(_) => {
+                let known = self.known.iter().find(|known| known.id == object.id)?;
+                plane.raised(known.centre, known.nearness.value())
+            }
+            None => plane.at(centre_of_corners(&object.corners)),
+        };
+        Some(Placed { position, yaw: plane.square(&object.corners).yaw })
     }
 
     /// The landmarks of a hand in metres; `None` until a marker has given the scale. `hand` is its index by `Side`.
@@ -214,4 +200,14 @@ impl Bench {
         }
         (weight > 0.0).then(|| sum / weight)
     }
+}
+
+/// The parallel plane on which the object of known size that is farthest from the camera, and so nearest to the bench, has its own size.
+fn parallel_plane(width: usize, height: usize, objects: &[SeenObject]) -> Option<Plane> {
+    // On a plane of one metre per pixel a side in metres is the side in pixels.
+    let unscaled = Plane::parallel(width, height, 1.0);
+    let scales =
+        objects.iter().filter_map(|object| Some(object.side_m? / unscaled.square(&object.corners).side_m));
+    let metres_per_px = scales.max_by(f64::total_cmp)?;
+    Some(Plane::parallel(width, height, metres_per_px))
 }

@@ -4,6 +4,7 @@ mod aruco;
 mod detector;
 mod edges;
 mod foreign;
+mod marked;
 mod windows;
 
 use crate::config::MarkersConfig;
@@ -17,6 +18,7 @@ use aruco::Reading;
 use detector::Detector;
 use foreign::Foreign;
 use heapless::Vec;
+pub(crate) use marked::MarkedObjects;
 use opencv::core::{Mat, Rect};
 use opencv::prelude::*;
 use tracing::trace_span;

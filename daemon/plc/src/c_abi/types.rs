@@ -2,7 +2,7 @@
 
 use std::ffi::c_char;
 
-use shm_schemas::{PART_BYTES, STATION_BYTES, Verdict};
+use shm_schemas::{PART_BYTES, STATION_BYTES, Stamp, Verdict};
 
 /// How a call ended. Negative numbers are faults.
 #[repr(i32)]
@@ -113,48 +113,90 @@ pub struct AndonVerdict {
 
 impl From<&Verdict> for AndonVerdict {
     fn from(verdict: &Verdict) -> Self {
-        let (mut station, mut part) = ([0; ANDON_STATION_BYTES], [0; ANDON_PART_BYTES]);
-        for (to, from) in station.iter_mut().zip(verdict.station) {
-            *to = from as c_char;
-        }
-        for (to, from) in part.iter_mut().zip(verdict.part.bytes()) {
-            *to = *from as c_char;
-        }
-        Self {
-            seq: verdict.stamp.seq,
-            epoch: verdict.stamp.epoch,
-            frame_seq: verdict.stamp.frame_seq,
-            captured_ns: verdict.stamp.captured_ns,
-            sent_ns: verdict.stamp.sent_ns,
-            model_hash: verdict.model_hash,
-            began_ns: verdict.began_ns,
-            ended_ns: verdict.ended_ns,
-            decided_ns: verdict.decided_ns,
-            decided_utc_ns: verdict.decided_utc_ns,
-            job_id: verdict.job_id,
-            distance: verdict.distance,
-            threshold: verdict.threshold,
-            measured: verdict.measured,
-            shown_min: verdict.shown_min,
-            shown_max: verdict.shown_max,
-            x_c: verdict.x_c,
-            activity: verdict.activity,
-            iu: verdict.iu,
-            nearest: verdict.nearest,
-            broken_activity: verdict.broken_activity,
-            broken_runs: verdict.broken_runs,
-            level: verdict.level,
-            outcome: verdict.outcome,
-            reason: verdict.reason,
-            hand: verdict.hand,
-            early: verdict.early,
-            note: verdict.note,
-            broken: verdict.broken,
-            measure: verdict.measure,
+        // Every field is named: one that is new on the wire does not compile before C has it, or leaves it out as the last ones.
+        let Verdict {
+            stamp: Stamp { seq, epoch, frame_seq, captured_ns, sent_ns },
+            model_hash,
+            began_ns,
+            ended_ns,
+            decided_ns,
+            decided_utc_ns,
+            job_id,
+            distance,
+            threshold,
+            measured,
+            shown_min,
+            shown_max,
+            x_c,
+            activity,
+            iu,
+            nearest,
+            broken_activity,
+            broken_runs,
+            level,
+            outcome,
+            reason,
+            hand,
+            early,
+            note,
+            broken,
+            measure,
             station,
             part,
+            missing_s: _,
+            missing_object: _,
+            missing_hand: _,
+            missing_percent: _,
+            needed_percent: _,
+            captured_percent: _,
+            seen_percent: _,
+            reserved: _,
+        } = *verdict;
+        Self {
+            seq,
+            epoch,
+            frame_seq,
+            captured_ns,
+            sent_ns,
+            model_hash,
+            began_ns,
+            ended_ns,
+            decided_ns,
+            decided_utc_ns,
+            job_id,
+            distance,
+            threshold,
+            measured,
+            shown_min,
+            shown_max,
+            x_c,
+            activity,
+            iu,
+            nearest,
+            broken_activity,
+            broken_runs,
+            level,
+            outcome,
+            reason,
+            hand,
+            early,
+            note,
+            broken,
+            measure,
+            station: text(&station),
+            part: text(part.bytes()),
         }
     }
+}
+
+/// Bytes as a text of C, with a zero at its end.
+fn text<const BYTES: usize>(bytes: &[u8]) -> [c_char; BYTES] {
+    let mut text = [0; BYTES];
+    // The last one stays.
+    for (to, from) in text.iter_mut().take(BYTES - 1).zip(bytes) {
+        *to = *from as c_char;
+    }
+    text
 }
 
 /// What the reader has received since it was opened.

@@ -1,6 +1,6 @@
 //! The register map: one table, from which registers are read and written and `REGISTERS.md` is generated.
 
-use shm_schemas::{NO_INDEX, PART_BYTES, PartId, Verdict, VerdictMeasure};
+use shm_schemas::{PART_BYTES, Verdict, VerdictMeasure};
 
 use super::image::{Control, Image, ResultBlock};
 
@@ -77,52 +77,12 @@ impl Register {
 }
 
 fn of(image: &Image) -> Verdict {
-    image.result.map_or(NO_VERDICT, |result| result.verdict)
+    image.result.map_or(Verdict::NONE, |result| result.verdict)
 }
 
 fn sequence(image: &Image) -> u32 {
     image.result.map_or(0, |result: ResultBlock| result.sequence)
 }
-
-/// What the result block shows before the first result.
-const NO_VERDICT: Verdict = Verdict {
-    stamp: shm_schemas::Stamp { seq: 0, epoch: 0, frame_seq: 0, captured_ns: 0, sent_ns: 0 },
-    model_hash: 0,
-    began_ns: 0,
-    ended_ns: 0,
-    decided_ns: 0,
-    decided_utc_ns: 0,
-    job_id: 0,
-    distance: f32::NAN,
-    threshold: f32::NAN,
-    measured: f32::NAN,
-    shown_min: f32::NAN,
-    shown_max: f32::NAN,
-    missing_s: f32::NAN,
-    x_c: [0; 4],
-    activity: NO_INDEX,
-    iu: NO_INDEX,
-    nearest: NO_INDEX,
-    broken_activity: NO_INDEX,
-    broken_runs: 0,
-    missing_object: 0,
-    level: 0,
-    outcome: 0,
-    reason: 0,
-    hand: 0,
-    early: 0,
-    station: [0; shm_schemas::STATION_BYTES],
-    part: PartId::NONE,
-    captured_percent: shm_schemas::NO_PERCENT,
-    seen_percent: shm_schemas::NO_PERCENT,
-    missing_percent: shm_schemas::NO_PERCENT,
-    needed_percent: shm_schemas::NO_PERCENT,
-    missing_hand: 0,
-    note: 0,
-    broken: 0,
-    measure: 0,
-    reserved: [0; 3],
-};
 
 /// A number of the measure as a whole one, in the unit that [`measure_scale`] says; 0 where there is none.
 fn scaled(image: &Image, value: fn(&Verdict) -> f32) -> u16 {

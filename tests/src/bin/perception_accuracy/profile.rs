@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::speed::{self, Show};
-use andon_learn::analysis::Svg;
+use andon_learn::svg::Svg;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};

@@ -53,6 +53,7 @@ impl Truth {
         let size = |key: &str| (number(&header[key]) * change.scale).round() as usize;
         let objects = list(&header["objects"]).map(|object| MarkerObject {
             id: number(&object["id"]) as u16,
+            marker: number(&object["id"]) as u16,
             side_m: number(&object["marker_side_m"]) as f32,
         });
         let mut truth = Self {

@@ -4,10 +4,10 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use andon_host::config::Config;
 use andon_ipc::{Heartbeat, MonotonicTime};
 use shm_schemas::RoleId;
 
-use crate::config::Config;
 use crate::outage::Outage;
 
 /// The file: the newest sign of life, in nanoseconds of the monotonic clock.

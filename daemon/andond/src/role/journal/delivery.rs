@@ -1,51 +1,75 @@
-//! What the journal owes the role `plc`: it keeps the PLC's account on disk, and sends the rows that it is asked for.
+//! What the journal owes its consumers: it keeps the account of each on disk, and sends each the rows that it asks for.
 //!
-//! The role `plc` never opens the database. So a result that is not on disk cannot be offered, and a restart goes on where the last start
-//! ended.
+//! No consumer opens the database. So a result that is not on disk cannot be offered, and a restart goes on where the last start ended.
+//! Each is owed by itself: one that does not answer gets no more than [`ROWS`] rows, and the others go on.
 
+use andon_host::role::{Cycle, Output};
 use andon_ipc::{Error, Node, Port, Reader, Writer};
 use andon_journal::{Journal, JournalError};
-use shm_schemas::{Account, AccountKept, AccountUpdate, Journalled};
+use shm_schemas::{Account, AccountKept, AccountUpdate, CONSUMERS, Journalled, RoleId};
 
 use super::super::RoleError;
-use super::super::cycle::Cycle;
-use super::super::output::Output;
 
-/// Rows that are sent before plc says something: half of what the channel holds, and more than plc can take at a time. What is left
-/// it asks for when it has room.
+/// Rows that a consumer is sent before it says something: more than it can take at a time. What is left it asks for when it has room. Those of
+/// all consumers fit into the channel.
 const ROWS: usize = 32;
 
-/// The journal's side of the account.
+/// The journal's side of the accounts.
 pub(super) struct Delivery {
     updates: Reader<AccountUpdate>,
     kept: Output<Writer<AccountKept>>,
     rows: Output<Writer<Journalled>>,
+    debts: Vec<Debt>,
+    /// The consumers must be told what is on disk.
+    owes_answer: bool,
+}
+
+/// What is owed to one consumer.
+struct Debt {
+    consumer: RoleId,
     /// What is to be kept and is not on disk yet.
     pending: Option<Account>,
-    /// Plc must be told what is on disk.
-    owes_answer: bool,
-    /// The start of plc that asked for rows, and its number; `None` until it has.
+    /// The start of the consumer that asked for rows, and its number; `None` until it has.
     asked: Option<(u32, u32)>,
     /// The newest row that was sent since then.
     sent_row: u64,
-    /// Rows that may still be sent before plc says something.
+    /// Rows that may still be sent before it says something.
     room: usize,
     has_more: bool,
 }
 
+impl Debt {
+    fn new(consumer: RoleId) -> Self {
+        Self { consumer, pending: None, asked: None, sent_row: 0, room: 0, has_more: false }
+    }
+
+    fn receive(&mut self, update: &AccountUpdate, journal: u64) {
+        // Rows of another database mean nothing in this one; the answer says which this is.
+        if update.account.journal == journal && update.account.boot != 0 {
+            self.pending = Some(update.account);
+        }
+        self.room = ROWS;
+        let asked = Some((update.account.boot, update.asked));
+        if update.account.boot != 0 && asked != self.asked {
+            (self.asked, self.sent_row, self.has_more) = (asked, update.after_row, true);
+        }
+    }
+}
+
 impl Delivery {
-    pub(super) fn open(node: &Node) -> Result<Self, Error> {
+    pub(super) fn open(node: &Node, journal: &Journal) -> Result<Self, RoleError> {
+        // The PLC has an account from its first start on.
+        let mut consumers = journal.consumers()?;
+        if !consumers.contains(&RoleId::Plc) {
+            consumers.push(RoleId::Plc);
+        }
         Ok(Self {
             updates: node.reader()?,
             kept: Output::beside(node.writer()?),
             rows: Output::new(node.writer()?, &[]),
-            pending: None,
-            // A plc that waits must hear of a journal that has come.
+            debts: consumers.into_iter().map(Debt::new).collect(),
+            // Whoever waits must hear of a journal that has come.
             owes_answer: true,
-            asked: None,
-            sent_row: 0,
-            room: 0,
-            has_more: false,
         })
     }
 
@@ -59,71 +83,90 @@ impl Delivery {
         [self.kept.port(), self.rows.port(), &mut self.updates]
     }
 
-    /// Takes what plc has sent: only the newest counts.
-    pub(super) fn receive(&mut self, journal: &Journal) -> Result<(), Error> {
+    /// Takes what the consumers have sent: of each only the newest counts.
+    pub(super) fn receive(&mut self, journal: &Journal, cycle: &mut Cycle<'_>) -> Result<(), Error> {
         while let Some(update) = self.updates.take()? {
-            // Rows of another database mean nothing in this one; the answer tells plc which this is.
-            if update.account.journal == journal.identity() {
-                self.pending = Some(update.account);
-            }
-            (self.owes_answer, self.room) = (true, ROWS);
-            let asked = Some((update.account.boot, update.asked));
-            if asked != self.asked {
-                (self.asked, self.sent_row, self.has_more) = (asked, update.after_row, true);
+            match update.consumer().ok().and_then(|consumer| self.debt(consumer)) {
+                Some(debt) => {
+                    debt.receive(&update, journal.identity());
+                    self.owes_answer = true;
+                }
+                None => cycle.liveness().refused(),
             }
         }
         Ok(())
     }
 
-    /// Another database has taken the place of the one before: plc must hear which, and asks again.
+    /// What this consumer is owed; `None` where there are too many consumers.
+    fn debt(&mut self, consumer: RoleId) -> Option<&mut Debt> {
+        let known = self.debts.iter().position(|debt| debt.consumer == consumer);
+        if known.is_none() && self.debts.len() < CONSUMERS {
+            self.debts.push(Debt::new(consumer));
+            return self.debts.last_mut();
+        }
+        known.map(|index| &mut self.debts[index])
+    }
+
+    /// Another database has taken the place of the one before: the consumers must hear which, and ask again.
     pub(super) fn journal_is_new(&mut self) {
-        self.pending = None;
         self.owes_answer = true;
-        (self.asked, self.sent_row, self.has_more) = (None, 0, false);
+        for debt in &mut self.debts {
+            *debt = Debt::new(debt.consumer);
+        }
     }
 
     /// Verdicts were written.
     pub(super) fn has_written(&mut self) {
-        self.has_more = true;
+        self.debts.iter_mut().for_each(|debt| debt.has_more = true);
     }
 
     /// Whether an account waits to be written.
     pub(super) fn is_pending(&self) -> bool {
-        self.pending.is_some()
+        self.debts.iter().any(|debt| debt.pending.is_some())
     }
 
-    /// Writes the account that waits.
+    /// Writes the accounts that wait.
     pub(super) fn keep(&mut self, journal: &mut Journal) -> Result<(), JournalError> {
-        if let Some(account) = &self.pending {
-            journal.keep(account)?;
-            self.pending = None;
+        for debt in &mut self.debts {
+            if let Some(account) = &debt.pending {
+                journal.keep(debt.consumer, account)?;
+                debt.pending = None;
+            }
         }
         Ok(())
     }
 
-    /// Says what is on disk, if plc does not know it.
+    /// Says what is on disk, if a consumer does not know it.
     pub(super) fn answer(&mut self, journal: &Journal, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         if !self.owes_answer {
             return Ok(());
         }
-        let (identity, account) = (journal.identity(), journal.account()?);
-        self.kept.send(cycle, |message| (message.journal, message.account) = (identity, account))?;
+        for debt in &self.debts {
+            let (identity, account) = (journal.identity(), journal.account(debt.consumer)?);
+            self.kept.send(cycle, |message| {
+                (message.journal, message.account) = (identity, account);
+                message.consumer = debt.consumer.code().into();
+            })?;
+        }
         self.owes_answer = false;
         Ok(())
     }
 
-    /// Sends the next rows that are asked for.
+    /// Sends each consumer the next rows that it asks for.
     pub(super) fn deliver(&mut self, journal: &Journal, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
-        let Some((boot, asked)) = self.asked.filter(|_| self.has_more) else { return Ok(()) };
-        let written = journal.rows_after(self.sent_row, self.room)?;
-        self.has_more = written.len() == self.room;
-        self.room -= written.len();
-        for row in written {
-            let before = std::mem::replace(&mut self.sent_row, row.row);
-            self.rows.send(cycle, |message| {
-                (message.journal, message.row, message.before) = (journal.identity(), row.row, before);
-                (message.boot, message.asked, message.verdict) = (boot, asked, row.verdict);
-            })?;
+        for debt in &mut self.debts {
+            let Some((boot, asked)) = debt.asked.filter(|_| debt.has_more) else { continue };
+            let written = journal.rows_after(debt.sent_row, debt.room)?;
+            debt.has_more = written.len() == debt.room;
+            debt.room -= written.len();
+            for row in written {
+                let before = std::mem::replace(&mut debt.sent_row, row.row);
+                self.rows.send(cycle, |message| {
+                    (message.journal, message.row, message.before) = (journal.identity(), row.row, before);
+                    (message.boot, message.asked, message.verdict) = (boot, asked, row.verdict);
+                    message.consumer = debt.consumer.code().into();
+                })?;
+            }
         }
         Ok(())
     }

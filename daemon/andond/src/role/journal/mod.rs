@@ -1,4 +1,4 @@
-//! `journal`: verdicts to the database, and from there to the role `plc`, which hears of no others.
+//! `journal`: verdicts to the database, and from there to its consumers, as the role `plc`, which hear of no others.
 
 mod alive;
 mod delivery;
@@ -8,16 +8,16 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Role, Turn, WAIT};
 use andon_ipc::{Node, Port, Reader, UtcTime};
 use andon_journal::{Journal, JournalError, Retention};
-use shm_schemas::{Audit, AuditKind, Health, Verdict};
+use shm_schemas::{Audit, AuditKind, Health, RoleId, Verdict};
 
+use super::RoleError;
 use super::clock::ClockWatch;
-use super::cycle::{Cycle, Role, Turn};
-use super::{RoleError, WAIT};
-use crate::config::Config;
 use crate::identity;
-use crate::log::{code, log};
 use delivery::Delivery;
 use watching::Watching;
 
@@ -47,13 +47,15 @@ struct Keeper {
     delivery: Delivery,
     /// Verdicts in gaps that have been logged.
     lost: u64,
-    /// Removed verdicts that have been logged.
+    /// Removed verdicts that have been logged, and those of them that nobody had acknowledged.
     removed: u64,
+    unacknowledged: u64,
     is_failing: bool,
     clock: ClockWatch,
 }
 
 impl Role for Keeper {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = false;
 
     /// While nothing can be written, verdicts must not turn the loop: they wait where they are.
@@ -92,13 +94,19 @@ impl Keeper {
     fn open(cycle: &mut Cycle<'_>, config: &Config) -> Result<Option<Self>, RoleError> {
         let path = config.journal_path();
         let began = Instant::now();
-        let retention = Retention { keep_days: config.journal.keep_days, keep_mb: config.journal.keep_mb };
-        let opened = cycle.until_open(|| Ok(Journal::open_or_replace(&path, retention)?))?;
+        let retention = Retention {
+            keep_days: config.journal.keep_days,
+            keep_mb: config.journal.keep_mb,
+            without: if config.plc.enable { &[] } else { &[RoleId::Plc] },
+        };
+        let opened =
+            cycle.until_open(|| Journal::open_or_replace(&path, retention).map_err(RoleError::from))?;
         let Some((journal, aside)) = opened else { return Ok(None) };
+        let delivery = Delivery::open(cycle.node(), &journal)?;
         let mut keeper = Self {
             journal,
             needs_new: false,
-            delivery: Delivery::open(cycle.node())?,
+            delivery,
             verdicts: cycle.node().reader()?,
             health: cycle.node().reader()?,
             audits: cycle.node().reader()?,
@@ -106,6 +114,7 @@ impl Keeper {
             watching: Watching::new(config),
             lost: 0,
             removed: 0,
+            unacknowledged: 0,
             is_failing: false,
             clock: ClockWatch::new(),
         };
@@ -150,7 +159,7 @@ impl Keeper {
             let Some(verdict) = cycle.take(&mut self.verdicts)? else { break };
             self.journal.push(&verdict);
         }
-        self.delivery.receive(&self.journal)?;
+        self.delivery.receive(&self.journal, cycle)?;
         Ok(())
     }
 
@@ -182,7 +191,7 @@ impl Keeper {
         Ok(())
     }
 
-    /// Writes what waits, and tells plc what is on disk.
+    /// Writes what waits, and tells the consumers what is on disk.
     fn work(&mut self, cycle: &mut Cycle<'_>) -> Result<Turn, RoleError> {
         let has_work = self.journal.waiting() > 0 || self.delivery.is_pending();
         if has_work {
@@ -236,6 +245,14 @@ impl Keeper {
         if removed > self.removed {
             log!(code::JOURNAL_TRIMMED, "{} verdicts were removed by age or size", removed - self.removed);
         }
-        (self.lost, self.removed) = (lost, removed);
+        let unacknowledged = self.journal.unacknowledged();
+        if unacknowledged > self.unacknowledged {
+            let count = unacknowledged - self.unacknowledged;
+            log!(
+                code::JOURNAL_UNACKNOWLEDGED,
+                "{count} verdicts were removed that a consumer had not acknowledged"
+            );
+        }
+        (self.lost, self.removed, self.unacknowledged) = (lost, removed, unacknowledged);
     }
 }

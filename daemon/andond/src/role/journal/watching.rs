@@ -2,12 +2,12 @@
 
 use std::collections::{HashMap, VecDeque};
 
+use andon_host::config::Config;
 use andon_ipc::{MonotonicTime, UtcTime};
 use andon_journal::{Journal, JournalError, OpenRow};
 use shm_schemas::{Health, RoleId};
 
 use super::alive::Alive;
-use crate::config::Config;
 use crate::outage::{Outage, Outages};
 use crate::sight::SightChanges;
 

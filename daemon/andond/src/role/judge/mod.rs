@@ -5,6 +5,9 @@ mod watched;
 
 use std::path::{Path, PathBuf};
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Output, Role, Turn};
 use andon_ipc::{Node, Port, Reader, Writer};
 use shm_schemas::{
     AuditKind, Command as CommandMessage, CommandSource, Couples, JudgePhase, Refusal, RoleId, Verdict,
@@ -12,11 +15,7 @@ use shm_schemas::{
 
 use super::RoleError;
 use super::audit::Auditor;
-use super::cycle::{Cycle, Role, Turn};
 use super::jobs::{self, Wanted};
-use super::output::Output;
-use crate::config::Config;
-use crate::log::{code, log};
 use crate::wire;
 use crate::wire::command::Command;
 use state::State;
@@ -92,7 +91,7 @@ impl Ports {
         match (command, answer) {
             (Command::LoadJob { job_id, source, .. }, Err(refusal)) => {
                 let what = format!("job {job_id} refused: {}", refusal.name());
-                self.auditor.record(cycle, AuditKind::Job, who(source), &what)
+                Ok(self.auditor.record(cycle, AuditKind::Job, who(source), &what)?)
             }
             _ => Ok(()),
         }
@@ -151,6 +150,7 @@ struct Session<'s, 'j> {
 }
 
 impl Role for Session<'_, '_> {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = true;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {

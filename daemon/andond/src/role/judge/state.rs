@@ -2,13 +2,12 @@
 
 use std::time::Instant;
 
+use andon_host::role::{Cycle, Output};
 use andon_ipc::{Error, Heartbeat, Node, Port, Writer};
 use andon_learn::job_file::JobFile;
 use shm_schemas::{CommandSource, JudgePhase, Judging, MessageId, PartId, Refusal};
 
 use super::super::RoleError;
-use super::super::cycle::Cycle;
-use super::super::output::Output;
 
 /// The state, which outlives the session of a job.
 pub(super) struct State {

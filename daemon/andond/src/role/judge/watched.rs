@@ -5,14 +5,14 @@ use andon_core::couple::Couples;
 use andon_core::dtw::OnlineDtw;
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
+use andon_host::log::{code, log};
+use andon_host::role::Cycle;
 use andon_ipc::UtcTime;
 use andon_learn::job_file::JobFile;
 use shm_schemas::{Couples as Message, JudgePhase, PartId};
 
 use super::super::RoleError;
-use super::super::cycle::Cycle;
 use super::Ports;
-use crate::log::{code, log};
 use crate::report::{Names, verdict_sentence};
 use crate::wire;
 use crate::wire::verdict::{Sender, station_name};

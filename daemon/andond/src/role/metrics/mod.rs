@@ -3,26 +3,30 @@
 //! It only reads, and nothing waits for it: the line goes on without it as before.
 //!
 //! It is a role of its own because a fault or a slow scrape in `plc` could cost the handshake. Here it costs a scrape.
+//!
+//! The server reads and writes in a thread of its own; the loop of the role answers, so what it says of the line is of this moment.
 
 mod counts;
-mod http;
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Role, Turn};
+use andon_http::{Request, Response, Server};
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake};
 use andon_plc::handshake::{Line, watches};
 use shm_schemas::{Couples, Detections, Health, Judging, Stamp, Verdict};
 
 use super::RoleError;
-use super::cycle::{Cycle, Role, Turn};
 use super::disabled;
 use super::line::LineHealth;
-use crate::config::Config;
-use crate::log::{code, log};
 use counts::{Counts, Stage};
-use http::Server;
+
+/// The media type of OpenMetrics 1.0.
+const OPEN_METRICS: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
 /// The longest wait: a client waits no longer than this to be answered.
 const TURN: Duration = Duration::from_millis(50);
@@ -55,6 +59,7 @@ struct Metrics {
 }
 
 impl Role for Metrics {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
@@ -70,12 +75,14 @@ impl Role for Metrics {
             self.line.departed(MonotonicTime::now());
         }
         self.count()?;
-        self.server.serve(|| {
-            let now = MonotonicTime::now();
-            let is_ready = is_ready(&mut self.line, self.newest_judging.as_ref(), now);
-            self.counts.ready(is_ready, now);
-            self.counts.disk(&self.journal);
-            self.counts.text()
+        self.server.serve(|request| {
+            answer(request, || {
+                let now = MonotonicTime::now();
+                let is_ready = is_ready(&mut self.line, self.newest_judging.as_ref(), now);
+                self.counts.ready(is_ready, now);
+                self.counts.disk(&self.journal);
+                self.counts.text()
+            })
         });
         Ok(Turn::Idle)
     }
@@ -132,6 +139,13 @@ impl Metrics {
             }
         }
         Ok(())
+    }
+}
+
+fn answer(request: &Request, text: impl FnOnce() -> String) -> Response {
+    match request.path.as_str() {
+        "/metrics" => Response::ok(OPEN_METRICS, text()),
+        _ => Response::text(404, "the metrics are at /metrics\n"),
     }
 }
 

@@ -1,12 +1,16 @@
 //! The account with the journal, between the channels and the state machine.
 
+use std::time::{Duration, Instant};
+
+use andon_host::role::{Cycle, Output, Turn};
 use andon_ipc::{Error, Node, Port, Reader, Writer};
 use andon_plc::modbus::ModbusServer;
-use shm_schemas::{AccountKept, AccountUpdate, Journalled};
+use shm_schemas::{AccountKept, AccountUpdate, Journalled, RoleId};
 
 use super::super::RoleError;
-use super::super::cycle::{Cycle, Turn};
-use super::super::output::Output;
+
+/// A journal that has not answered by then is asked again.
+const AGAIN: Duration = Duration::from_millis(500);
 
 /// The channels to and from the journal.
 pub(super) struct Account {
@@ -15,6 +19,8 @@ pub(super) struct Account {
     rows: Reader<Journalled>,
     /// The start of the journal that was heard last.
     journal_epoch: Option<u64>,
+    /// When the journal was asked last what it keeps.
+    asked: Option<Instant>,
 }
 
 impl Account {
@@ -24,6 +30,7 @@ impl Account {
             kept: node.reader()?,
             rows: node.reader()?,
             journal_epoch: None,
+            asked: None,
         })
     }
 
@@ -38,6 +45,9 @@ impl Account {
         cycle: &mut Cycle<'_>,
     ) -> Result<Turn, RoleError> {
         while let Some(kept) = self.kept.take()? {
+            if kept.consumer() != Ok(RoleId::Plc) {
+                continue;
+            }
             let known = self.journal_epoch.replace(kept.stamp.epoch);
             server.handshake(|handshake, now_ns| {
                 if known.is_some_and(|known| known != kept.stamp.epoch) {
@@ -46,7 +56,12 @@ impl Account {
                 handshake.kept(&kept, now_ns);
             });
         }
-        let Some(row) = cycle.take(&mut self.rows)? else { return Ok(Turn::Idle) };
+        let row = loop {
+            let Some(row) = cycle.take(&mut self.rows)? else { return Ok(Turn::Idle) };
+            if row.consumer() == Ok(RoleId::Plc) {
+                break row;
+            }
+        };
         server.handshake(|handshake, now_ns| handshake.journalled(&row, now_ns));
         Ok(Turn::Stepped)
     }
@@ -54,11 +69,22 @@ impl Account {
     /// Sends the journal what it must keep.
     pub(super) fn send(&mut self, server: &ModbusServer, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         let Some(update) = server.handshake(|handshake, now_ns| handshake.update(now_ns)) else {
-            return Ok(());
+            return self.ask(cycle);
         };
         self.updates.send(cycle, |message| {
             (message.after_row, message.asked) = (update.after_row, update.asked);
+            message.consumer = RoleId::Plc.code().into();
             message.account = update.account;
-        })
+        })?;
+        Ok(())
+    }
+
+    /// Asks the journal what it keeps, until it has said so.
+    fn ask(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
+        if self.journal_epoch.is_none() && self.asked.is_none_or(|at| at.elapsed() >= AGAIN) {
+            self.asked = Some(Instant::now());
+            self.updates.send(cycle, |message| message.consumer = RoleId::Plc.code().into())?;
+        }
+        Ok(())
     }
 }

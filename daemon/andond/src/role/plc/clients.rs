@@ -6,10 +6,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use andon_host::log::{code, log};
+use andon_host::role::Liveness;
 use andon_plc::modbus::{Cause, Counters, Rejection};
-
-use crate::log::{code, log};
-use crate::role::Liveness;
 
 /// How often what clients did is logged: a broken one sends a thousand requests per second.
 const LOG_EVERY: Duration = Duration::from_secs(1);

@@ -8,6 +8,9 @@ mod clients;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
 
+use andon_host::config::Config;
+use andon_host::log::{code, log};
+use andon_host::role::{Cycle, Output, Role, Turn};
 use andon_ipc::{MonotonicTime, Node, Port, Reader, Wake, Writer};
 use andon_plc::handshake::{Line, LineCommand};
 use andon_plc::modbus::{Config as Server, ModbusServer};
@@ -16,12 +19,8 @@ use shm_schemas::{AuditKind, Command, CommandSource, Health, Judging};
 
 use super::RoleError;
 use super::audit::Auditor;
-use super::cycle::{Cycle, Role, Turn};
 use super::disabled;
 use super::line::LineHealth;
-use super::output::Output;
-use crate::config::Config;
-use crate::log::{code, log};
 use account::Account;
 use clients::Clients;
 
@@ -33,7 +32,9 @@ pub(super) fn run(node: &Node, config: &Config) -> Result<(), RoleError> {
     let mut cycle = Cycle::new(node)?;
     if config.plc.enable {
         // The port may be taken by what is about to end.
-        let Some(server) = cycle.until_open(|| Ok(ModbusServer::start(server_config(config))?))? else {
+        let Some(server) =
+            cycle.until_open(|| ModbusServer::start(server_config(config)).map_err(RoleError::from))?
+        else {
             return Ok(());
         };
         let mut role = Plc::open(server, &mut cycle, config)?;
@@ -59,6 +60,7 @@ struct Plc {
 }
 
 impl Role for Plc {
+    type Error = RoleError;
     const INPUT_IS_STEADY: bool = false;
 
     fn ports(&mut self) -> Vec<&mut dyn Port> {
@@ -131,7 +133,7 @@ impl Plc {
     /// Passes on what clients ask for, and what the judge must be given again.
     fn pass_command_on(&mut self, cycle: &mut Cycle<'_>) -> Result<(), RoleError> {
         match self.server.handshake(|handshake, now_ns| handshake.next_command(now_ns)) {
-            Some(command) => self.commands.send(cycle, |message| write_command(&command, message)),
+            Some(command) => Ok(self.commands.send(cycle, |message| write_command(&command, message))?),
             None => Ok(()),
         }
     }

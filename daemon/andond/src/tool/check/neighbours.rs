@@ -3,10 +3,9 @@
 use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 
+use andon_host::atomic::folder_of;
+use andon_host::config::{Config, Source};
 use andon_learn::file;
-
-use crate::atomic::folder_of;
-use crate::config::{Config, Source};
 
 /// What this station shares with one beside it.
 pub(super) fn faults(config: &Config) -> Vec<String> {

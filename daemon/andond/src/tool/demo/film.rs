@@ -4,9 +4,9 @@ use std::path::Path;
 
 use andon_core::couple::Couple;
 use andon_core::verdict::Verdict;
+use andon_host::config::Camera;
 
 use super::watch::Received;
-use crate::config::Camera;
 use crate::picture::Annotator;
 use crate::recording::View;
 use crate::report::Names;

@@ -13,14 +13,15 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use andon_core::verdict::Verdict;
+use andon_host::cli::ConfigArgs;
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_ipc::{Node, Station, Stop};
 use shm_schemas::RoleId;
 
 use super::progress::Progress;
-use super::{ToolError, config_files, job, progress};
-use crate::cli::{ConfigArgs, Demo, Speed};
-use crate::config::Config;
-use crate::exit::Code;
+use super::{ToolError, job, progress};
+use crate::cli::{Demo, Speed};
 use crate::report::{Names, Teller, on_recording};
 use crate::wire;
 use summary::{Row, Summary};
@@ -102,7 +103,7 @@ fn configs(arguments: &ConfigArgs) -> Vec<PathBuf> {
     if arguments.files.is_empty() && std::env::var_os("ANDON_CONFIG").is_none() {
         return vec![existing(STATIONS)];
     }
-    config_files(arguments)
+    arguments.in_force()
 }
 
 /// The films of a folder, by name.

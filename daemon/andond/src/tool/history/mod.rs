@@ -7,6 +7,9 @@ mod table;
 use std::io::{BufWriter, Write};
 use std::time::Duration;
 
+use andon_host::atomic;
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_journal::{Entry, History, JournalError, Query};
 use jiff::Timestamp;
 
@@ -14,10 +17,7 @@ use super::clock::Clock;
 use super::known::KnownJobs;
 use super::part::part_id;
 use super::{ToolError, cannot_write, check_writable, job, running_config};
-use crate::atomic;
 use crate::cli::History as Arguments;
-use crate::config::Config;
-use crate::exit::Code;
 use summary::Summary;
 use table::Table;
 

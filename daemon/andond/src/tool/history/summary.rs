@@ -45,9 +45,8 @@ impl<'a> Summary<'a> {
                 let ended_ns = blind.ended_utc_ns.unwrap_or(blind.began_utc_ns);
                 self.unwatched_ns += ended_ns.saturating_sub(blind.began_utc_ns);
             }
-            Entry::Verdict(record) => {
-                let message = record.message();
-                let Some(verdict) = wire::verdict::read(&message).filter(|of| of.level == Level::Job) else {
+            Entry::Verdict(message) => {
+                let Some(verdict) = wire::verdict::read(message).filter(|of| of.level == Level::Job) else {
                     return;
                 };
                 self.pieces.push(Piece { utc_ns: message.decided_utc_ns, outcome: verdict.outcome });

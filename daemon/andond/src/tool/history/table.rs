@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use andon_core::verdict::Level;
-use andon_journal::{Deed, Entry, Gap, NotWatching, Record};
+use andon_journal::{Deed, Entry, Gap, NotWatching};
+use shm_schemas::Verdict as Message;
 
 use crate::report::Teller;
 use crate::tool::clock::Clock;
@@ -28,21 +29,24 @@ impl<'a> Table<'a> {
 
     pub(super) fn write(&mut self, entry: &Entry, out: &mut impl Write) -> io::Result<()> {
         match entry {
-            Entry::Verdict(record) => self.write_verdict(record, out),
+            Entry::Verdict(message) => self.write_verdict(message, out),
             Entry::Gap(gap) => self.write_gap(gap, out),
             Entry::NotWatching(blind) => self.write_not_watching(blind, out),
         }
     }
 
-    fn write_verdict(&mut self, record: &Record, out: &mut impl Write) -> io::Result<()> {
-        let message = record.message();
+    fn write_verdict(&mut self, message: &Message, out: &mut impl Write) -> io::Result<()> {
         let when = self.clock.date_time(message.decided_utc_ns);
-        let Some(verdict) = wire::verdict::read(&message) else {
-            return writeln!(out, "{when}  a verdict of a newer Andon: {} {}", record.level, record.outcome);
+        let Some(verdict) = wire::verdict::read(message) else {
+            return writeln!(
+                out,
+                "{when}  a verdict of a newer Andon: {} {}",
+                message.level, message.outcome
+            );
         };
         let mut line = self.teller.tell(&when, &verdict, self.known.names(message.model_hash));
         let job = (verdict.level == Level::Job).then(|| self.known.name(message.job_id, message.model_hash));
-        let part = (!record.part.is_empty()).then(|| format!("part {}", record.part));
+        let part = (!message.part.is_none()).then(|| format!("part {}", message.part.text()));
         let of: Vec<String> = job.into_iter().chain(part).collect();
         if !of.is_empty() {
             line.text += &format!("  [{}]", of.join(", "));

@@ -1,16 +1,16 @@
 //! Looks at one picture after the other, as the line does, and at markers that the station does not know.
 
 use andon_core::input::Side;
+use andon_host::config::{Config, Object};
+use andon_host::video::pipe::PictureFormat;
 use andon_perception::sight::SeenMarker;
 use andon_perception::{ImageView, MarkerFinder, Perceiver, Picture, PixelFormat};
 use shm_schemas::{Detections, HandCode, flag};
 
 use super::source::View;
-use crate::config::Config;
 use crate::picture::{Marked, with_seen};
 use crate::recording::RecordingError;
 use crate::tool::ToolError;
-use crate::video::pipe::PictureFormat;
 use crate::{perception, wire};
 
 /// What one picture showed.
@@ -60,15 +60,25 @@ pub(super) fn side_px(corners: &[[f32; 2]; 4]) -> f32 {
     edges.map(|(from, to)| (from[0] - to[0]).hypot(from[1] - to[1])).sum::<f32>() / 4.0
 }
 
+/// A part that carries a marker.
+struct Part {
+    id: u16,
+    marker: u16,
+    name: String,
+}
+
 /// Follows one source.
 pub(super) struct Eye {
     perceiver: Perceiver,
     finder: MarkerFinder,
-    /// By id.
-    names: Vec<(u16, String)>,
+    parts: Vec<Part>,
     needed_px: f32,
     /// In how many pictures missing markers were looked for in other ways.
     odd_tried: usize,
+}
+
+fn part(object: &Object) -> Option<Part> {
+    Some(Part { id: object.id, marker: object.marker_id()?, name: object.name.clone() })
 }
 
 /// In so many pictures it shows whether they are mirrored or inverted.
@@ -87,7 +97,7 @@ impl Eye {
         Ok(Self {
             perceiver: perception::perceiver(&config).map_err(RecordingError::from)?,
             finder: MarkerFinder::new(dictionary).map_err(RecordingError::from)?,
-            names: config.objects.iter().map(|object| (object.id, object.name.clone())).collect(),
+            parts: config.objects.iter().filter_map(part).collect(),
             needed_px: dictionary.needed_side_px() as f32,
             odd_tried: 0,
         })
@@ -104,13 +114,13 @@ impl Eye {
             (seen.hands, seen.hands_len) = (by_line.hands, by_line.hands_len);
         }
         let mut others = self.finder.find(&image).map_err(RecordingError::from)?;
-        others.retain(|marker| self.names.iter().all(|(id, _)| *id != marker.id));
+        others.retain(|marker| self.parts.iter().all(|part| part.marker != marker.id));
         let (twice, hands) = (perceived.twice.to_vec(), perceived.hands_in_view);
-        let is_missing = |id: &u16| {
-            let seen = seen.objects().iter().any(|object| object.flags & flag::SEEN != 0 && object.id == *id);
-            !seen && !twice.contains(id)
+        let is_missing = |part: &&Part| {
+            let mut seen = seen.objects().iter().filter(|object| object.flags & flag::SEEN != 0);
+            !seen.any(|object| object.id == part.id) && !twice.contains(&part.id)
         };
-        let missing: Vec<u16> = self.names.iter().map(|(id, _)| *id).filter(is_missing).collect();
+        let missing: Vec<u16> = self.parts.iter().filter(is_missing).map(|part| part.marker).collect();
         let odd = self.odd(&missing, view)?;
         let (picture, foreign) = (perceived.picture, perceived.foreign_markers);
         Ok(Glance { seen, picture, twice, odd, hands, others, foreign })
@@ -144,7 +154,7 @@ impl Eye {
         picture: &[u8],
         glance: &Glance,
     ) -> Result<Vec<u8>, ToolError> {
-        let parts = self.names.iter().filter_map(|(id, name)| {
+        let parts = self.parts.iter().filter_map(|Part { id, name, .. }| {
             let corners_px = glance.part(*id)?;
             let side = side_px(&corners_px);
             let words = format!("{name} {side:.0} px");

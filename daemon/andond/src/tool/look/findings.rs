@@ -1,11 +1,11 @@
 //! What a person should know of what was seen: one sentence for each thing, with what to do where it is not good enough.
 
 use andon_core::input::Side;
+use andon_host::config::{Config, Object};
+use andon_host::video::pipe::PictureFormat;
 use serde::Serialize;
 
 use super::eye::{Glance, side_px};
-use crate::config::{Config, Object};
-use crate::video::pipe::PictureFormat;
 
 /// Mean grey level below which it is too dark. The shipped clips darkened by ffmpeg's `eq=brightness=-0.25` have 12: without a camera's noise
 /// all is found there, and with it there is no reserve.
@@ -49,7 +49,8 @@ pub(super) fn sentences(glances: &[Glance], config: &Config, format: PictureForm
         needed_px: dictionary.needed_side_px() as f32,
         wanted_px: dictionary.wanted_side_px() as f32,
     };
-    lines.extend(config.objects.iter().map(|object| part(glances, object, sizes, format)));
+    let marked = config.objects.iter().filter(|object| object.marker_id().is_some());
+    lines.extend(marked.map(|object| part(glances, object, sizes, format)));
     lines.extend(config.perception.hands.iter().map(|side| hand(glances, *side)));
     lines.extend(strangers(glances));
     lines
@@ -124,17 +125,17 @@ fn part(glances: &[Glance], object: &Object, sizes: Sizes, format: PictureFormat
     if twice * 4 > glances.len() {
         let sentence = format!(
             "its marker {} is in view twice, and nobody knows which one is the part: take the other print away, or give it an id of its own",
-            object.id
+            object.marker_id().unwrap_or(object.id)
         );
         return line(false, about, sentence);
     }
     let Some(width) = median(seen.iter().map(side_px).collect()) else {
-        return line(false, about, unseen(glances, object.id));
+        return line(false, about, unseen(glances, object.marker_id().unwrap_or(object.id)));
     };
     let share = share(seen.len(), glances.len());
     if width.round() < needed_px {
         // Rounded up, so that it is enough.
-        let print_mm = (1000.0 * object.marker_side_m * wanted_px / width).ceil();
+        let print_mm = (1000.0 * object.marker_side_m.unwrap_or_default() * wanted_px / width).ceil();
         let sentence = format!(
             "its marker is {width:.0} px wide; {wanted_px:.0} are needed: come nearer, or print it at {print_mm:.0} mm ({share})"
         );

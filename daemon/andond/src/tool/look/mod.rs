@@ -10,11 +10,12 @@ use std::io::{IsTerminal as _, stdout};
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::Path;
 
-use super::{ToolError, existing_config_files, stills};
+use andon_host::config::Config;
+use andon_host::exit::Code;
+use andon_host::video::pipe::PictureFormat;
+
+use super::{ToolError, stills};
 use crate::cli::Look;
-use crate::config::Config;
-use crate::exit::Code;
-use crate::video::pipe::PictureFormat;
 use eye::{Eye, Glance};
 use findings::sentences;
 use page::Page;
@@ -35,7 +36,7 @@ pub fn run(arguments: &Look) -> Result<Code, ToolError> {
             stills::check(option, path)?;
         }
     }
-    let config = Config::load_to_learn(&existing_config_files(&arguments.config)?)?;
+    let config = Config::load_to_learn(&arguments.config.existing()?)?;
     match arguments.page {
         Some(port) => show_page(arguments, &config, port),
         None => look_once(arguments, &config),

@@ -3,28 +3,31 @@
 //! It listens on the loopback address only. A page of another site that a browser on this machine has open must not read it either: a name
 //! that leads here by a trick of the other site's DNS is refused by the header Host, and no answer allows other origins.
 
-use std::io::{self, Write as _};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::io;
+use std::net::SocketAddr;
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
 
+use andon_http::{Request, Response, Server};
 use serde::Serialize;
 
 use super::findings::Line;
-use crate::http::receive;
-
-/// A browser of this machine has sent its request by then.
-const PATIENCE: Duration = Duration::from_millis(500);
-/// A request of a browser without a body is shorter.
-const REQUEST: usize = 16_384;
-const HEADERS: usize = 64;
 
 const HTML: &str = include_str!("page.html");
 const SCRIPT: &str = include_str!("page.js");
 const STYLE: &str = include_str!("page.css");
-/// Nothing comes from anywhere else.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
-                      base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Nothing comes from anywhere else, and nothing of it goes to another site.
+const SAFETY: &[(&str, &str)] = &[
+    (
+        "content-security-policy",
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'; \
+         base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    ),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("cache-control", "no-store"),
+];
 
 /// The newest picture and what is said of it.
 #[derive(Clone, Default)]
@@ -49,15 +52,12 @@ pub(super) struct Page {
 impl Page {
     /// Serves a page in a thread of its own, as long as this process lives.
     pub(super) fn serve(address: SocketAddr) -> io::Result<Self> {
-        let listener = TcpListener::bind(address)?;
-        let address = listener.local_addr()?;
+        let server = Server::bind(address)?;
+        let address = server.address();
         let newest = Arc::<Mutex<Newest>>::default();
         let shown = Arc::clone(&newest);
         std::thread::Builder::new().name("page".into()).spawn(move || {
-            for stream in listener.incoming().flatten() {
-                // A client that leaves or is too slow gets no answer.
-                let _ = answer(stream, address.port(), &shown);
-            }
+            while server.serve_next(|request| answer(request, address.port(), &shown).with(SAFETY)) {}
         })?;
         Ok(Self { address, newest })
     }
@@ -74,76 +74,29 @@ impl Page {
     }
 }
 
-fn answer(mut stream: TcpStream, port: u16, newest: &Mutex<Newest>) -> io::Result<()> {
-    stream.set_write_timeout(Some(PATIENCE))?;
+fn answer(request: &Request, port: u16, newest: &Mutex<Newest>) -> Response {
+    let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
+    if !request.host.as_ref().is_some_and(|host| own.contains(host)) {
+        return Response::text(421, "this page is only for this machine\n");
+    }
     let newest = || newest.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    let received = receive(&mut stream, REQUEST, PATIENCE, |bytes| parse(bytes, port))?;
-    let (status, kind, body) = match received.unwrap_or(Request::Bad) {
-        Request::Bad => ("400 Bad Request", "text/plain", b"this is not an HTTP request\n".to_vec()),
-        Request::OtherHost => {
-            ("421 Misdirected Request", "text/plain", b"this page is only for this machine\n".to_vec())
-        }
-        Request::OtherMethod => ("405 Method Not Allowed", "text/plain", b"only GET is served\n".to_vec()),
-        Request::Get(path) => match path.as_str() {
-            "/" => ("200 OK", "text/html; charset=utf-8", HTML.into()),
-            "/page.js" => ("200 OK", "text/javascript; charset=utf-8", SCRIPT.into()),
-            "/page.css" => ("200 OK", "text/css; charset=utf-8", STYLE.into()),
-            "/newest.jpg" => ("200 OK", "image/jpeg", newest().jpeg),
-            "/newest.json" => ("200 OK", "application/json", newest().words.into_bytes()),
-            _ => ("404 Not Found", "text/plain", b"the page is at /\n".to_vec()),
-        },
-    };
-    write!(
-        stream,
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nContent-Security-Policy: {POLICY}\r\n\
-         X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
-         Cache-Control: no-store\r\nConnection: close\r\n\r\n",
-        body.len()
-    )?;
-    stream.write_all(&body)
-}
-
-/// What a client asks for.
-#[derive(Debug, PartialEq)]
-enum Request {
-    Get(String),
-    OtherHost,
-    OtherMethod,
-    Bad,
-}
-
-/// The request, once all of it has come.
-fn parse(bytes: &[u8], port: u16) -> Option<Request> {
-    let mut headers = [httparse::EMPTY_HEADER; HEADERS];
-    let mut request = httparse::Request::new(&mut headers);
-    match request.parse(bytes) {
-        Err(_) => Some(Request::Bad),
-        Ok(httparse::Status::Partial) => None,
-        Ok(httparse::Status::Complete(_)) => {
-            let hosts: Vec<&[u8]> = request
-                .headers
-                .iter()
-                .filter(|header| header.name.eq_ignore_ascii_case("host"))
-                .map(|header| header.value)
-                .collect();
-            let own = [format!("127.0.0.1:{port}"), format!("localhost:{port}")];
-            let is_own = matches!(hosts[..], [host] if own.iter().any(|own| own.as_bytes() == host));
-            Some(match (request.method, request.path) {
-                _ if !is_own => Request::OtherHost,
-                (Some("GET"), Some(path)) => Request::Get(path.to_owned()),
-                _ => Request::OtherMethod,
-            })
-        }
+    match request.path.as_str() {
+        "/" => Response::ok("text/html; charset=utf-8", HTML),
+        "/page.js" => Response::ok("text/javascript; charset=utf-8", SCRIPT),
+        "/page.css" => Response::ok("text/css; charset=utf-8", STYLE),
+        "/newest.jpg" => Response::ok("image/jpeg", newest().jpeg),
+        "/newest.json" => Response::ok("application/json", newest().words),
+        _ => Response::text(404, "the page is at /\n"),
     }
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use std::io::Read as _;
+    use std::io::{Read as _, Write as _};
 
     use super::*;
-    use std::net::Ipv4Addr;
+    use std::net::{Ipv4Addr, TcpStream};
 
     fn asked(page: &Page, request: &str) -> String {
         let mut stream = TcpStream::connect(page.address()).unwrap();

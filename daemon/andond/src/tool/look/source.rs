@@ -3,16 +3,17 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use andon_host::config::Config;
+use andon_host::video::frame::view;
+use andon_host::video::pipe::PictureFormat;
 use andon_ipc::{FrameReader, Node, Reader, Wake};
 use shm_schemas::Detections;
 
 use super::file_name;
-use crate::config::Config;
 use crate::recording::{Recording, RecordingError};
 use crate::tool::ToolError;
 use crate::tool::join::join;
-use crate::video::pipe::PictureFormat;
-use crate::video::{self, Film};
+use crate::video::Film;
 
 /// A station that runs and sends no frame for so long has no camera.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -146,7 +147,7 @@ impl Running {
                 && let Some(frame) = self.frames.take_newest()?
             {
                 let header = frame.header();
-                let image = video::frame::view(header, frame.colour()?);
+                let image = view(header, frame.colour()?);
                 self.picture = image.and_then(|image| image.bgr()).map_err(RecordingError::from)?;
                 (self.format.width, self.format.height) = (header.width, header.height);
                 wanted = Some((header.stamp.seq, header.stamp.captured_ns));

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::video::pipe::PictureFormat;
+use andon_host::video::pipe::PictureFormat;
 
 /// Letters per line where the terminal does not say.
 const COLUMNS: usize = 80;

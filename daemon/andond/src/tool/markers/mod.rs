@@ -7,13 +7,13 @@ mod svg;
 
 use std::path::PathBuf;
 
+use andon_host::config::{Config, Object};
+use andon_host::exit::Code;
 use andon_perception::Dictionary;
 
 use super::{ToolError, load_config_to_learn, new_or_forced, write_together};
 use crate::cli::Markers;
 use crate::cli::metres::position;
-use crate::config::{Config, Object};
-use crate::exit::Code;
 use layout::{BenchCorners, Label, Sheets};
 use sheet::Sheet;
 
@@ -53,13 +53,14 @@ pub fn run(arguments: &Markers) -> Result<Code, ToolError> {
 fn sheets(config: &Config, arguments: &Markers, corners: &BenchCorners) -> Result<Vec<Sheet>, LayoutError> {
     let dictionary = config.perception.dictionary;
     let mut sheets = Sheets::new(arguments.paper, &config.station.name, dictionary);
-    for object in &config.objects {
+    let labels: Vec<Label> = config.objects.iter().filter_map(label).collect();
+    for label in &labels {
         for _ in 0..arguments.copies {
-            sheets.marker(&label(object))?;
+            sheets.marker(label)?;
         }
     }
-    let spare_m = config.objects.iter().map(|object| metres(object.marker_side_m)).fold(0.0, f64::max);
-    let taken: Vec<u16> = config.objects.iter().map(|object| object.id).chain(corners.ids).collect();
+    let spare_m = labels.iter().map(|label| label.side_m).fold(0.0, f64::max);
+    let taken: Vec<u16> = labels.iter().map(|label| label.id).chain(corners.ids).collect();
     let free = (1..dictionary.markers() as u16).filter(|id| !taken.contains(id));
     for id in free.take(arguments.spare.into()) {
         sheets.marker(&Label { id, name: "spare".into(), side_m: spare_m })?;
@@ -69,8 +70,10 @@ fn sheets(config: &Config, arguments: &Markers, corners: &BenchCorners) -> Resul
     Ok(sheets.finish())
 }
 
-fn label(object: &Object) -> Label {
-    Label { id: object.id, name: object.name.clone(), side_m: metres(object.marker_side_m) }
+/// What is printed for a part that carries a marker.
+fn label(object: &Object) -> Option<Label> {
+    let (id, side_m) = (object.marker_id()?, metres(object.marker_side_m?));
+    Some(Label { id, name: object.name.clone(), side_m })
 }
 
 /// A length as the file has it: 0.036, not the nearest number of 32 bits.
@@ -88,7 +91,7 @@ fn corners(bench: &str, config: &Config) -> Result<BenchCorners, ToolError> {
             "give the width and the depth of the rectangle in metres, at least 0.12, as in 0.5x0.3",
         ));
     };
-    let is_free = |id: &u16| config.objects.iter().all(|object| object.id != *id);
+    let is_free = |id: &u16| config.objects.iter().all(|object| object.marker_id() != Some(*id));
     let highest = highest_id(config.perception.dictionary);
     let mut free = (1..=highest).rev().filter(is_free);
     let mut ids = [0; 4];

@@ -1,6 +1,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
-use crate::cli::{ConfigArgs, Paper};
+use crate::cli::Paper;
+use andon_host::cli::ConfigArgs;
 use andon_perception::{ImageView, MarkerFinder, PixelFormat};
 use sheet::Item;
 
@@ -16,7 +17,8 @@ fn config(parts: &[(u16, &str, f32)]) -> Config {
     let object = |(id, name, side): &(u16, &str, f32)| Object {
         id: *id,
         name: (*name).into(),
-        marker_side_m: *side,
+        marker_side_m: Some(*side),
+        marker: None,
         interaction_points: None,
     };
     let mut config = Config { objects: parts.iter().map(object).collect(), ..Config::default() };

@@ -7,13 +7,13 @@ use std::io::{IsTerminal as _, stdin, stdout};
 use std::path::{Path, PathBuf};
 
 use andon_core::capacity::OBJECTS;
+use andon_host::atomic;
+use andon_host::exit::Code;
 use andon_ipc::is_station_name;
 
 use super::{ToolError, cannot_write, new_or_forced};
-use crate::atomic;
 use crate::cli::metres::Named;
 use crate::cli::{Hands, New};
-use crate::exit::Code;
 use station::{Camera, Installation, Part, Station};
 
 /// Side of a marker where none is named, in metres: at 800 pixels per metre it has 32 pixels, and `andond look` wants 30.

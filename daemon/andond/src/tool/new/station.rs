@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use andon_host::config::Config;
+
 use super::hands_listed;
 use crate::cli::Hands;
-use crate::config::Config;
 
 /// A part that carries a marker.
 #[derive(Debug)]
@@ -140,8 +141,8 @@ fn quoted(text: &str) -> String {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::config::Source;
     use andon_core::input::Side;
+    use andon_host::config::Source;
 
     fn station(camera: Camera, installation: Installation) -> Station {
         let part = |(id, name): (u16, &str)| Part { id, name: name.into(), side_m: 0.036 };
@@ -165,7 +166,7 @@ mod tests {
         let objects: Vec<_> = config
             .objects
             .iter()
-            .map(|object| (object.id, object.name.as_str(), object.marker_side_m))
+            .map(|object| (object.id, object.name.as_str(), object.marker_side_m.unwrap()))
             .collect();
         assert_eq!(objects, [(1, "brick", 0.036), (2, "the \"grey\" Schleifklotz\\2", 0.036)]);
         assert_eq!(config.station.root, Path::new("/run/andon"));

@@ -1,10 +1,9 @@
 //! What `andond status` says, as values: for the table and as JSON. The names are an interface: programs outside read them.
 
+use andon_host::log::{Code, code};
 use serde::Serialize;
 use shm_schemas::{Health, JudgePhase, Judging, RoleId, RoleState, Sight};
 
-use crate::log::Code;
-use crate::log::code;
 use crate::sight;
 use crate::tool::known::KnownJobs;
 

@@ -4,12 +4,13 @@ mod heard;
 mod lines;
 mod text;
 
+use andon_host::taken::Taken;
+
 use super::clock::Clock;
 use super::join::join;
 use super::known::KnownJobs;
 use super::{ToolError, running_config};
 use crate::cli::Status;
-use crate::taken::Taken;
 use heard::Heard;
 use lines::{ConfigurationLine, JobLine, RoleLine, StationLine};
 

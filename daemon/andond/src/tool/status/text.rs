@@ -2,12 +2,12 @@
 
 use std::io::{self, Write};
 
+use andon_host::log::code::CONFIGURATION_CHANGED;
 use andon_ipc::MonotonicTime;
 use anstyle::{AnsiColor, Style};
 use shm_schemas::{RoleId, Sight};
 
 use super::lines::{JobLine, RoleLine, StationLine};
-use crate::log::code::CONFIGURATION_CHANGED;
 use crate::sight;
 use crate::tool::clock::Clock;
 

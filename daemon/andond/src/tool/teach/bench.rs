@@ -4,12 +4,12 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use andon_core::input::Frame;
+use andon_host::config::{Config, Source, Speed, in_force};
+use andon_host::exit::Code;
 use andon_ipc::{Node, Reader, Stop, Wake};
 use shm_schemas::{Detections, RoleId, flag};
 use tempfile::TempDir;
 
-use crate::config::{Config, Source, Speed, in_force};
-use crate::exit::Code;
 use crate::tool::ToolError;
 use crate::tool::demo::own_folder;
 use crate::tool::demo::supervisor::Running;

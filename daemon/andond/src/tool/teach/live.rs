@@ -9,15 +9,15 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use andon_core::config::Method;
+use andon_host::atomic::folder_of;
+use andon_host::config::Config;
 use andon_learn::run::Run;
 use andon_learn::seen::Seen;
 use tempfile::NamedTempFile;
 
 use super::bench::{Bench, Look};
-use crate::atomic::folder_of;
 use crate::cli::Teach;
-use crate::config::Config;
-use crate::tool::recorder::{Recorder, header};
+use crate::recorder::{Recorder, header};
 use crate::tool::runs::file_name;
 use crate::tool::{ToolError, cannot_write};
 

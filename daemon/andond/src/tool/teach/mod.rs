@@ -15,22 +15,22 @@ use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use andon_core::config::Method;
-use andon_learn::analysis::draw_order;
+use andon_host::atomic::folder_of;
+use andon_host::config::Config;
+use andon_host::exit::Code;
 use andon_learn::job_file::JobFile;
 use andon_learn::rule::ThresholdRule;
 use andon_learn::strictness::Strictness;
 use andon_learn::teach::{TeachOptions, TeachReport, page, teach};
+use andon_study::analysis::draw_order;
 
 use super::runs::{common_space, read_runs};
 use super::{
     ToolError, cannot_write, check_writable, job, load_config_for, load_config_to_learn, working,
     write_together,
 };
-use crate::atomic::folder_of;
 use crate::cli::{self, Teach};
 use crate::compatibility::Misfit;
-use crate::config::Config;
-use crate::exit::Code;
 use crate::role;
 use sources::Wanted;
 

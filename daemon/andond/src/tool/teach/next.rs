@@ -2,11 +2,11 @@
 
 use std::fmt::Write as _;
 
+use andon_host::atomic::folder_of;
+use andon_host::config::Config;
 use andon_learn::job_file::JobFile;
 
-use crate::atomic::folder_of;
 use crate::cli::Teach;
-use crate::config::Config;
 use crate::tool::jobs::is_same;
 
 /// The commands for the job, and where the station would find it if it does not there.

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::atomic::folder_of;
-use crate::config::Config;
+use andon_host::atomic::folder_of;
+use andon_host::config::Config;
+
 use crate::role;
 use crate::tool::jobs::is_same;
 

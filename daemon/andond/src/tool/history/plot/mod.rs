@@ -34,9 +34,9 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::summary::Piece;
     use super::*;
-    use crate::config::Config;
     use crate::tool::known::KnownJobs;
     use andon_core::verdict::Outcome;
+    use andon_host::config::Config;
 
     #[test]
     fn the_picture_has_the_faults_by_their_frequency_and_the_wrong_pieces_over_time() {

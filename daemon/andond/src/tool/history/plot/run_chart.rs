@@ -205,8 +205,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::super::super::summary::Piece;
     use super::*;
-    use crate::config::Config;
     use crate::tool::known::KnownJobs;
+    use andon_host::config::Config;
 
     fn points(outcomes: &[Outcome]) -> Points {
         let known = KnownJobs::of(&Config::default());

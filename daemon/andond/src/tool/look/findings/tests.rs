@@ -8,7 +8,7 @@ const FORMAT: PictureFormat = PictureFormat { width: 640, height: 480, rate_hz: 
 
 /// A station with one part, the brick with marker 1 of 33 mm, and a right hand.
 fn config() -> Config {
-    let brick = Object { id: 1, name: "brick".into(), marker_side_m: 0.033, interaction_points: None };
+    let brick = Object { id: 1, name: "brick".into(), marker_side_m: Some(0.033), ..Object::default() };
     let mut config = Config { objects: vec![brick], ..Config::default() };
     config.perception.hands = vec![Side::Right];
     config

@@ -1,0 +1,143 @@
+//! The HTTP server of a station's programs: metrics, the page of `andond look`, and what comes.
+//!
+//! A library (hyper) reads and writes in a thread of its own, and the program answers in its own loop, whenever it calls [`Server::serve`].
+//! So a client that is slow or hostile costs neither the loop nor another client anything. A loop that stands still answers nothing, and
+//! its clients are told so.
+//!
+//! ```
+//! use andon_http::{Response, Server};
+//!
+//! let server = Server::bind(([127, 0, 0, 1], 0).into())?;
+//! // In every turn of the loop:
+//! server.serve(|request| match request.path.as_str() {
+//!     "/count" => Response::ok("text/plain", "3"),
+//!     _ => Response::text(404, "the count is at /count\n"),
+//! });
+//! # Ok::<(), std::io::Error>(())
+//! ```
+#![forbid(unsafe_code)]
+
+mod connection;
+
+use std::io;
+use std::net::SocketAddr;
+use std::sync::{Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+use tokio::net::TcpListener;
+use tokio::runtime::Builder;
+use tokio::sync::{mpsc, oneshot};
+
+use connection::accept_all;
+
+/// Requests that wait for the loop. A monitoring system sends one in some seconds, a browser a few at once.
+const WAITING: usize = 64;
+
+/// What a client asks for. Only `GET` comes this far.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Request {
+    /// The path, without a query.
+    pub path: String,
+    /// The header `Host`, if there is exactly one.
+    pub host: Option<String>,
+}
+
+/// What a client is answered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Response {
+    status: u16,
+    kind: &'static str,
+    headers: &'static [(&'static str, &'static str)],
+    body: Vec<u8>,
+}
+
+impl Response {
+    /// An answer with its media type.
+    pub fn ok(kind: &'static str, body: impl Into<Vec<u8>>) -> Self {
+        Self { status: 200, kind, headers: &[], body: body.into() }
+    }
+
+    /// A sentence with a status, for what is not served.
+    pub fn text(status: u16, sentence: &str) -> Self {
+        Self { status, kind: "text/plain; charset=utf-8", headers: &[], body: sentence.into() }
+    }
+
+    /// The same with further headers, whose names are in small letters.
+    #[must_use]
+    pub fn with(self, headers: &'static [(&'static str, &'static str)]) -> Self {
+        Self { headers, ..self }
+    }
+}
+
+/// A request and where its answer goes.
+struct Call {
+    request: Request,
+    reply: oneshot::Sender<Response>,
+}
+
+/// A server that listens. It ends when this is dropped.
+pub struct Server {
+    address: SocketAddr,
+    calls: Mutex<mpsc::Receiver<Call>>,
+    /// Dropped to end the thread.
+    stop: Option<oneshot::Sender<()>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Server {
+    /// Listens, in a thread that ends with this server. Port 0 takes any that is free.
+    ///
+    /// # Errors
+    /// What the system says: the address is taken, or is none of this machine's.
+    pub fn bind(address: SocketAddr) -> io::Result<Self> {
+        let listener = std::net::TcpListener::bind(address)?;
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let runtime = Builder::new_current_thread().enable_io().enable_time().build()?;
+        let listener = {
+            let _entered = runtime.enter();
+            TcpListener::from_std(listener)?
+        };
+        let (send, calls) = mpsc::channel(WAITING);
+        let (stop, stopped) = oneshot::channel::<()>();
+        let thread = std::thread::Builder::new().name("http".into()).spawn(move || {
+            runtime.block_on(async {
+                tokio::select! {
+                    () = accept_all(&listener, &send) => (),
+                    _ = stopped => (),
+                }
+            });
+        })?;
+        Ok(Self { address, calls: Mutex::new(calls), stop: Some(stop), thread: Some(thread) })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Answers every request that has come. It waits for none.
+    pub fn serve(&self, mut answer: impl FnMut(&Request) -> Response) {
+        let mut calls = self.calls.lock().unwrap_or_else(PoisonError::into_inner);
+        while let Ok(call) = calls.try_recv() {
+            // A client that has left, or has been told that nobody answers, needs no answer.
+            if !call.reply.is_closed() {
+                let _ = call.reply.send(answer(&call.request));
+            }
+        }
+    }
+
+    /// Answers the next request, for a thread that does nothing else. False when none will come any more.
+    pub fn serve_next(&self, answer: impl FnOnce(&Request) -> Response) -> bool {
+        let call = self.calls.lock().unwrap_or_else(PoisonError::into_inner).blocking_recv();
+        call.map(|call| call.reply.send(answer(&call.request))).is_some()
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        drop(self.stop.take());
+        // It has no other work than to end.
+        let _ = self.thread.take().map(JoinHandle::join);
+    }
+}

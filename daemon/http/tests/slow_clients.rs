@@ -1,0 +1,129 @@
+//! Clients that are slow, silent or hostile, beside one that is served.
+
+#![allow(clippy::unwrap_used)]
+
+use std::io::{Read as _, Write as _};
+use std::net::TcpStream;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use andon_http::{Request, Response, Server};
+
+/// Only a failing test waits for so long.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+fn connect(server: &Server) -> TcpStream {
+    let stream = TcpStream::connect(server.address()).unwrap();
+    stream.set_read_timeout(Some(PATIENCE)).unwrap();
+    stream
+}
+
+/// Everything that comes until the server closes.
+fn rest(mut stream: TcpStream) -> String {
+    let mut answer = String::new();
+    // A client that was cut off reads an error.
+    let _ = stream.read_to_string(&mut answer);
+    answer
+}
+
+fn ask(server: &Server, request: &str) -> String {
+    let mut stream = connect(server);
+    stream.write_all(request.as_bytes()).unwrap();
+    rest(stream)
+}
+
+fn answer(request: &Request) -> Response {
+    match request.path.as_str() {
+        "/host" => Response::ok("text/plain", request.host.clone().unwrap_or_default()),
+        "/large" => Response::ok("image/jpeg", vec![7; 40_000_000]),
+        "/safe" => Response::ok("text/html", "<p>").with(&[("x-content-type-options", "nosniff")]),
+        _ => Response::text(404, "nothing is there\n"),
+    }
+}
+
+/// Runs a test beside the loop that answers.
+fn served(test: impl FnOnce(&Server)) {
+    let server = Server::bind(([127, 0, 0, 1], 0).into()).unwrap();
+    let is_over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while !is_over.load(Ordering::Relaxed) {
+                server.serve(answer);
+                std::thread::sleep(Duration::from_millis(1));
+            }
+        });
+        let tested = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| test(&server)));
+        is_over.store(true, Ordering::Relaxed);
+        tested.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+    });
+}
+
+#[test]
+fn a_client_that_sends_one_byte_and_stalls_holds_up_nobody() {
+    served(|server| {
+        // One after the other they would hold up a scrape for two minutes.
+        let mut stalled: Vec<TcpStream> = (0..60).map(|_| connect(server)).collect();
+        for client in &mut stalled {
+            client.write_all(b"G").unwrap();
+        }
+        for _ in 0..100 {
+            assert!(ask(server, "GET /host HTTP/1.1\r\nHost: here\r\n\r\n").ends_with("here"));
+        }
+        // They are cut off.
+        for client in stalled {
+            assert!(!rest(client).contains(" 200 "));
+        }
+    });
+}
+
+#[test]
+fn a_client_that_does_not_read_its_answer_holds_up_nobody() {
+    served(|server| {
+        let mut deaf = connect(server);
+        deaf.write_all(b"GET /large HTTP/1.1\r\n\r\n").unwrap();
+        for _ in 0..10 {
+            assert!(ask(server, "GET /host HTTP/1.1\r\nHost: here\r\n\r\n").ends_with("here"));
+        }
+    });
+}
+
+#[test]
+fn more_clients_than_are_served_at_once_wait_and_are_served() {
+    served(|server| {
+        let stalled: Vec<TcpStream> = (0..100).map(|_| connect(server)).collect();
+        assert!(ask(server, "GET /host HTTP/1.1\r\nHost: here\r\n\r\n").ends_with("here"));
+        drop(stalled);
+    });
+}
+
+#[test]
+fn what_is_no_request_or_no_get_is_refused_and_headers_go_out() {
+    served(|server| {
+        assert!(ask(server, "\u{1}\u{2} nonsense\r\n\r\n").starts_with("HTTP/1.1 400 "));
+        assert!(ask(server, "POST /host HTTP/1.1\r\nContent-Length: 0\r\n\r\n").starts_with("HTTP/1.1 405 "));
+        assert!(ask(server, "GET /other HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404 "));
+        let two = "GET /host HTTP/1.1\r\nHost: one\r\nHost: two\r\n\r\n";
+        let answer = ask(server, two);
+        assert!(answer.contains("connection: close\r\n") && answer.ends_with("\r\n\r\n"), "{answer}");
+        let safe = ask(server, "GET /safe?of=1 HTTP/1.1\r\n\r\n");
+        assert!(safe.contains("x-content-type-options: nosniff\r\n") && safe.ends_with("<p>"), "{safe}");
+        let long = format!("GET /{} HTTP/1.1\r\n\r\n", "x".repeat(100_000));
+        assert!(!ask_unchecked(server, &long).contains(" 200 "));
+    });
+}
+
+/// As [`ask`], where the server may close before it has read everything.
+fn ask_unchecked(server: &Server, request: &str) -> String {
+    let mut stream = connect(server);
+    let _ = stream.write_all(request.as_bytes());
+    rest(stream)
+}
+
+#[test]
+fn a_loop_that_stands_still_is_said_to() {
+    let server = Server::bind(([127, 0, 0, 1], 0).into()).unwrap();
+    assert!(ask(&server, "GET /host HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 503 "));
+    let address = server.address();
+    drop(server);
+    assert!(Server::bind(address).is_ok(), "the port is free again");
+}

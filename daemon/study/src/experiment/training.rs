@@ -1,0 +1,90 @@
+//! The training executions of the second experiment, encoded as each variation needs them.
+
+use super::variation::Variation;
+use crate::folder::Labelled;
+use andon_core::config::Method;
+use andon_learn::job_file::JobFile;
+use andon_learn::run::Run;
+use andon_learn::teach::{Memory, TeachError, TeachOptions, as_shown_to_meet, teach_again};
+
+/// The training executions of one round, with the filter and without it, where hands and objects meet as the recordings say and as the
+/// executions show it, as far as a variation needs that.
+pub(super) struct Encodings {
+    all: Vec<Encoding>,
+}
+
+struct Encoding {
+    is_filtered: bool,
+    finds_meetings: bool,
+    training: Training,
+}
+
+impl Encodings {
+    /// `raw` are the executions without the filter, where a variation has none.
+    ///
+    /// # Errors
+    /// If where hands and objects meet cannot be learned.
+    pub(super) fn new(
+        filtered: Training,
+        raw: Option<Training>,
+        variations: &[Variation],
+    ) -> Result<Self, TeachError> {
+        let mut all = Vec::new();
+        for (is_filtered, training) in [(true, Some(filtered)), (false, raw)] {
+            let Some(training) = training else { continue };
+            let mut needing = variations.iter().filter(|one| one.is_filtered == is_filtered);
+            if needing.any(|one| one.finds_meetings) {
+                all.push(Encoding {
+                    is_filtered,
+                    finds_meetings: true,
+                    training: training.as_shown_to_meet()?,
+                });
+            }
+            all.push(Encoding { is_filtered, finds_meetings: false, training });
+        }
+        Ok(Self { all })
+    }
+
+    /// The job that these rules teach.
+    pub(super) fn teach(&mut self, rules: &Variation) -> Result<JobFile, TeachError> {
+        let needed = (rules.is_filtered, rules.finds_meetings);
+        let index = self.all.iter().position(|one| (one.is_filtered, one.finds_meetings) == needed);
+        self.all[index.unwrap_or_default()].training.teach(rules)
+    }
+}
+
+/// The training executions of one round.
+pub(super) struct Training {
+    method: Method,
+    runs: Vec<Run>,
+    memory: Memory,
+}
+
+impl Training {
+    pub(super) fn new(all: &[Labelled], indices: &[usize], method: Method) -> Self {
+        let runs = indices.iter().map(|&index| all[index].run.clone()).collect();
+        Self { method, runs, memory: Memory::default() }
+    }
+
+    /// The same executions where hands and objects meet as these show it.
+    fn as_shown_to_meet(&self) -> Result<Self, TeachError> {
+        let runs = as_shown_to_meet(&self.runs, &self.options())?;
+        Ok(Self { method: self.method, runs, memory: Memory::default() })
+    }
+
+    /// The job that these rules teach, where hands and objects meet as the runs are encoded.
+    fn teach(&mut self, rules: &Variation) -> Result<JobFile, TeachError> {
+        let Variation { cost, max_slowdown, has_free_ends, rule, bounds, .. } = *rules;
+        let options = TeachOptions { cost, max_slowdown, has_free_ends, rule, bounds, ..self.options() };
+        teach_again(&self.runs, &options, &mut self.memory)
+    }
+
+    fn options(&self) -> TeachOptions {
+        TeachOptions {
+            // The experiment judges recordings with all their frames, and teaches hundreds of times.
+            measure_rate: false,
+            examine_runs: false,
+            ..TeachOptions::new("experiment 2", "", self.method)
+        }
+    }
+}
