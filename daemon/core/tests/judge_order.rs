@@ -263,3 +263,22 @@ fn what_a_hand_is_in_the_middle_of_has_begun_although_a_part_of_it_was_not_judge
     assert_eq!(activity(&verdicts, 0).outcome, Outcome::NotJudged);
     assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:?}");
 }
+
+/// A hand that has touched its part first is first, although it is not said so before the part moves.
+#[test]
+fn what_begins_after_the_first_touch_has_not_begun_before_it() {
+    let mut taught = job(&[FREE, AFTER_POLISHING, Law { after_begin: ActivitySet::of(0), ..FREE }]);
+    let moves = |nominal: &NominalActivity<'static>| {
+        let mut ius = nominal.ius.to_vec();
+        ius[0].measures.path_m.min = 0.1;
+        NominalActivity { ius: ius.leak(), ..*nominal }
+    };
+    taught.activities = taught.activities.iter().map(moves).collect::<Vec<_>>().leak();
+    let said = |wait: usize| {
+        let lifting = [&[part([2, 4, 0, 0], 20, Still)][..], &lift()].concat();
+        let verdicts = judged(&taught, &stream(&after(wait, &in_a_row()), &lifting));
+        (short(&job_of(&verdicts)), job_of(&verdicts).broken.map(|broken| broken.fault))
+    };
+    assert_eq!(said(12), ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotBegun)), "before the part moves");
+    assert_eq!(said(3).1, None, "both at once");
+}

@@ -24,7 +24,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             None if progress.has_parts_of(context) => Step::NotShown,
             None => Step::Foreign,
         };
-        let number = progress.next_activity(self.side, began_ns, matches!(step, Step::Shown(_)));
+        let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
         let min_idle_frames = self.watch.min_idle_frames();
         let before = (hidden, was_idle);
         let mut activity =

@@ -69,6 +69,8 @@ pub(super) struct Progress<'a> {
     may_be_underway: [ActivitySet; HANDS],
     /// For each hand, when its newest activity began.
     newest_ns: [u64; HANDS],
+    /// For each hand, the same if that was seen, and 0 if it may have begun earlier.
+    seen_to_begin_ns: [u64; HANDS],
     /// For each hand, the activities that had begun before that.
     begun_before: [ActivitySet; HANDS],
     /// For each hand, whether what it does now is not seen.
@@ -134,6 +136,7 @@ impl<'a> Progress<'a> {
             underway: [ActivitySet::EMPTY; HANDS],
             may_be_underway: [ActivitySet::EMPTY; HANDS],
             newest_ns: [0; HANDS],
+            seen_to_begin_ns: [0; HANDS],
             begun_before: [ActivitySet::EMPTY; HANDS],
             is_hidden: [false; HANDS],
             is_start_seen: false,
@@ -365,9 +368,16 @@ impl<'a> Progress<'a> {
         all.map(|nominal| usize::from(nominal.activity)).collect()
     }
 
-    /// The number in this job of an activity that this hand begins; whether it is a step of the job.
-    pub(super) fn next_activity(&mut self, side: Side, began_ns: u64, is_step: bool) -> u16 {
+    /// The number in this job of an activity that this hand begins; whether it was seen to begin then, and is a step of the job.
+    pub(super) fn next_activity(
+        &mut self,
+        side: Side,
+        began_ns: u64,
+        is_begin_seen: bool,
+        is_step: bool,
+    ) -> u16 {
         self.newest_ns[side.index()] = began_ns;
+        self.seen_to_begin_ns[side.index()] = if is_begin_seen { began_ns } else { 0 };
         self.begun_before[side.index()] = self.begun(side.other());
         let number = self.activities;
         self.activities = number.saturating_add(1);

@@ -27,7 +27,7 @@ impl Progress<'_> {
         if law.is_once && self.is_repeated(side, activity) {
             return Some(broken(OrderFault::Again, activity));
         }
-        let came = self.begun(side.other());
+        let came = self.begun(side.other()).without(self.begun_after(side));
         let not_begun = (law.after() & self.required).without(came | self.possibly()).lowest();
         let underway = self.underway_before(side);
         let not_ended = (law.after_end & underway).lowest();
@@ -103,6 +103,15 @@ impl Progress<'_> {
             };
             comes_again || is_new && right.any(came_too_early)
         })
+    }
+
+    /// What the other hand was seen to begin after this one had begun its activity, and later than it takes to believe a change.
+    fn begun_after(&self, side: Side) -> ActivitySet {
+        let other = side.other().index();
+        let delay_ns = self.known_ns.saturating_sub(self.now_ns);
+        let is_after = self.seen_to_begin_ns[other] > self.newest_ns[side.index()].saturating_add(delay_ns);
+        let begun_after = self.underway[other].without(self.tried() | self.begun_before[side.index()]);
+        if is_after { begun_after } else { ActivitySet::EMPTY }
     }
 
     /// What the other hand was in the middle of when this one began, and still is, if that is certain.

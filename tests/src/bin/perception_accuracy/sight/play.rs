@@ -155,7 +155,7 @@ fn perceiver(runtime: &Path, truth: &Truth, wrong: Option<&Deed>) -> Result<Perc
     let mut markers = MarkersConfig { objects: truth.objects.clone(), ..MarkersConfig::default() };
     let mut hands = HandsConfig::default();
     match wrong {
-        Some(Deed::OtherIds) => markers.objects.iter_mut().for_each(|object| object.id += 20),
+        Some(Deed::OtherIds) => markers.objects.iter_mut().for_each(|object| object.marker += 20),
         Some(Deed::OtherDictionary) => {
             let other = Dictionary::all().find(|dictionary| dictionary.name() == "DICT_5X5_50");
             markers.dictionary = other.ok_or("OpenCV has no such dictionary")?;
