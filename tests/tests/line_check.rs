@@ -138,7 +138,7 @@ fn a_text_as_film_or_as_job_is_found() {
     std::fs::write(&text, "no film").unwrap();
     let film =
         format!("[camera]\nsource = \"video\"\npath = {text:?}\n[perception]\nmodels = {:?}\n", models());
-    refuses(&line, &film, &["camera: ", "text.mp4: it is not a film"]);
+    refuses(&line, &film, &["camera: ", "text.mp4: it is text and no film"]);
     refuses(&line, &format!("[station]\njob = {text:?}\n"), &["station.job: ", "text.mp4"]);
     refuses(&line, &format!("[camera]\npath = {text:?}\n"), &["camera: ", "text.mp4"]);
 }

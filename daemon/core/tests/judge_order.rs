@@ -279,6 +279,10 @@ fn what_begins_after_the_first_touch_has_not_begun_before_it() {
         let verdicts = judged(&taught, &stream(&after(wait, &in_a_row()), &lifting));
         (short(&job_of(&verdicts)), job_of(&verdicts).broken.map(|broken| broken.fault))
     };
-    assert_eq!(said(12), ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotBegun)), "before the part moves");
+    assert_eq!(
+        said(12),
+        ("JobAnomaly WrongOrder".into(), Some(OrderFault::NotBegun)),
+        "before the part moves"
+    );
     assert_eq!(said(3).1, None, "both at once");
 }

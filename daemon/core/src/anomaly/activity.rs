@@ -206,6 +206,7 @@ impl OpenActivity {
         let hidden = core::mem::take(&mut self.junction).hidden;
         let before_it = junction.hidden.saturating_add(hidden);
         let junction = Junction { is_doubtful: false, hidden: before_it, ..junction };
+        self.newest.1 = junction;
         let all = self.places.iter_mut().zip(self.places_before).zip(job.activities);
         for (index, ((places, before), nominal)) in all.enumerate() {
             if !places.is_empty() {
@@ -402,13 +403,10 @@ impl OpenActivity {
         is_inserted
     }
 
-    /// The newest IU is not this one of a nominal activity as it was seen, or certainly not.
-    pub(super) fn exclude(&mut self, nominal: usize, index: usize, is_certain: bool) {
+    /// The motion of the newest IU is not that of this one of a nominal activity, as it was seen.
+    pub(super) fn disagree(&mut self, nominal: usize, index: usize) {
         if index + 1 == self.as_seen() {
             self.agreeing = self.agreeing.without(ActivitySet::of(nominal));
-        }
-        if is_certain {
-            self.places[nominal] = self.places[nominal].without(index);
         }
     }
 
@@ -417,7 +415,8 @@ impl OpenActivity {
         (self.places, self.places_before) = ([Places::NONE; ACTIVITIES], [Places::NONE; ACTIVITIES]);
     }
 
-    fn keep(&mut self, candidates: ActivitySet) {
+    /// Only these nominal activities have a place.
+    pub(super) fn keep(&mut self, candidates: ActivitySet) {
         let others = self.places.iter_mut().enumerate().filter(|(nominal, _)| !candidates.contains(*nominal));
         others.for_each(|(_, places)| *places = Places::NONE);
     }

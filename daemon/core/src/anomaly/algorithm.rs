@@ -419,20 +419,27 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
     }
 
-    /// The open IU is right: the nominal IUs that it is not are no candidates any more.
+    /// The open IU is right: nominal activities of which it is certainly no IU are no candidates any more. Where in one the hand is, its motion does
+    /// not say: bounds are those of few people, and a place that they rule out would make the next context wrong.
     fn keep_right(&mut self, extent: Extent) {
         let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
         let Some(activity) = self.activity.as_mut().filter(|activity| !activity.candidates().is_empty())
         else {
             return;
         };
+        let mut possible = ActivitySet::EMPTY;
         for result in self.comparisons.results(extent) {
-            if result.reason == Reason::None {
+            let is_right = result.reason == Reason::None;
+            if is_right {
                 activity.ratios[result.nominal] += result.ratio();
             } else {
-                activity.exclude(result.nominal, result.index, is_certain && !result.is_doubtful);
+                activity.disagree(result.nominal, result.index);
+            }
+            if is_right || result.is_doubtful || !is_certain {
+                possible |= ActivitySet::of(result.nominal);
             }
         }
+        activity.keep(possible);
     }
 
     /// Why too little is known of the open IU or activity: it is not watched any more, most of the frames that would have shown it never came, or

@@ -132,10 +132,11 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
         !self.comparisons.is_empty() && self.comparisons.iter().all(rests)
     }
 
-    /// Whether the open IU is not seen to have moved what everything that it can be was shown to move.
+    /// Whether the open IU is not seen to have moved what every first IU that it can be was shown to move.
     pub(super) fn has_moved_nothing(&self, extent: Extent) -> bool {
         let moves = |comparison: &Comparison<'_>| comparison.iu.measures.path_m.min > 0.0;
-        extent.measures.path_m == 0.0 && !self.comparisons.is_empty() && self.comparisons.iter().all(moves)
+        let mut first = self.comparisons.iter().filter(|comparison| comparison.index == 0).peekable();
+        extent.measures.path_m == 0.0 && first.peek().is_some() && first.all(moves)
     }
 
     /// Adds a nominal IU that has the context of the open one. There is room for all.

@@ -148,11 +148,6 @@ impl Places {
         (0..nominal.len()).filter(is_newest)
     }
 
-    /// Without the place of this IU as the newest one.
-    pub(super) fn without(self, index: usize) -> Self {
-        Self(self.0 & !(1 << (index + 1)))
-    }
-
     /// Exactly this number of IUs has come.
     pub(super) const fn at(ius: usize) -> Self {
         Self(1 << ius)
