@@ -326,10 +326,14 @@ impl OpenActivity {
         self.ius == 0 && all.all(|(places, _)| places.is_certainly(0))
     }
 
-    /// Whether it is certain which IUs of its candidates have come; after a fault, whether all before was judged.
+    /// Whether it is certain which IUs of its candidates have come, and each was seen; after a fault, whether all before was judged. What comes
+    /// behind an IU that was not seen may have begun elsewhere, so its measures accuse nobody.
     pub(super) fn is_place_certain(&self) -> bool {
         let is_certain = match self.against {
-            Against::Candidates => self.places.iter().all(|places| places.is_certain()),
+            Against::Candidates => {
+                let all_seen = self.as_seen();
+                self.candidates().iter().all(|nominal| self.places[nominal].is_certainly(all_seen))
+            }
             Against::Following(..) => self.unjudged.is_none(),
         };
         is_certain && !self.may_have_ended

@@ -132,11 +132,6 @@ impl Places {
         self.0 == 1 << ius
     }
 
-    /// Whether it is certain how many IUs have come, if it is a part of the nominal activity at all.
-    pub(super) fn is_certain(self) -> bool {
-        self.0.count_ones() <= 1
-    }
-
     /// The minimum number of IUs that may have come.
     pub(super) fn lowest(self) -> Option<usize> {
         (self.0 != 0).then(|| self.0.trailing_zeros() as usize)
