@@ -163,25 +163,18 @@ impl OpenActivity {
         }
         self.places_before = self.places;
         self.newest = (context, junction);
-        for (index, (places, nominal)) in self.places.iter_mut().zip(job.activities).enumerate() {
-            *places = places.step(nominal.ius, job.allows_insertions(index), context, junction);
-        }
+        self.places = self.places_after(job, junction);
         self.junction = Junction { was_doubtful: is_doubtful, ..Junction::default() };
         let number = self.ius;
         self.ius = number.saturating_add(1);
         number
     }
 
-    /// For each nominal activity, where in it the activity may be if the newest IU has happened.
-    fn places_with_newest(&self, job: &Job<'_>) -> [Places; ACTIVITIES] {
-        let (context, junction) = self.newest;
-        if !junction.is_doubtful {
-            return self.places;
-        }
-        let junction = Junction { is_doubtful: false, ..junction };
+    /// For each nominal activity, where in it the activity may be after the newest IU, if that began so.
+    fn places_after(&self, job: &Job<'_>, junction: Junction) -> [Places; ACTIVITIES] {
         let mut places = self.places_before;
         for (index, (places, nominal)) in places.iter_mut().zip(job.activities).enumerate() {
-            *places = places.step(nominal.ius, job.allows_insertions(index), context, junction);
+            *places = places.step(nominal.ius, job.allows_insertions(index), self.newest.0, junction);
         }
         places
     }
@@ -190,9 +183,12 @@ impl OpenActivity {
     pub(super) fn newest_ius<'b>(
         &self,
         job: &'b Job<'b>,
-        context: Context,
-    ) -> impl Iterator<Item = (usize, usize)> + use<'b> {
-        let places = self.places_with_newest(job);
+    ) -> impl Iterator<Item = (usize, usize)> + Clone + use<'b> {
+        let (context, junction) = self.newest;
+        let places = match junction.is_doubtful {
+            true => self.places_after(job, Junction { is_doubtful: false, ..junction }),
+            false => self.places,
+        };
         let all = job.activities.iter().enumerate();
         all.flat_map(move |(nominal, activity)| {
             places[nominal].newest(activity.ius, context).map(move |index| (nominal, index))
@@ -207,12 +203,10 @@ impl OpenActivity {
         let before_it = junction.hidden.saturating_add(hidden);
         let junction = Junction { is_doubtful: false, hidden: before_it, ..junction };
         self.newest.1 = junction;
-        let all = self.places.iter_mut().zip(self.places_before).zip(job.activities);
-        for (index, ((places, before), nominal)) in all.enumerate() {
+        let with_it = self.places_after(job, junction);
+        for ((places, with_it), nominal) in self.places.iter_mut().zip(with_it).zip(job.activities) {
             if !places.is_empty() {
-                let allows_insertions = job.allows_insertions(index);
-                let places_of_it = before.step(nominal.ius, allows_insertions, context, junction);
-                *places = places_of_it.resume(hidden, nominal.ius, context);
+                *places = with_it.resume(hidden, nominal.ius, context);
             }
         }
     }
@@ -313,8 +307,8 @@ impl OpenActivity {
 
     /// The contexts with which a nominal activity would go on that it may be.
     pub(super) fn continuations(&self, job: &Job<'_>) -> Vec<Context, ACTIVITIES> {
-        let all = job.activities.iter().enumerate();
-        all.flat_map(|(index, nominal)| self.place_in(index).next_ius(nominal.ius))
+        let all = self.places_as_seen().into_iter().zip(job.activities);
+        all.flat_map(|(places, nominal)| places.next_ius(nominal.ius))
             .map(|iu| iu.context)
             .take(ACTIVITIES)
             .collect()
@@ -349,13 +343,14 @@ impl OpenActivity {
         self.agreeing.contains(nominal)
     }
 
-    /// Where it is in a nominal activity: as it was seen, unless it agrees with none so.
-    fn place_in(&self, nominal: usize) -> Places {
-        match self.candidates_as_seen() {
-            as_seen if !as_seen.contains(nominal) => Places::NONE,
-            _ if self.is_whole(nominal) => Places::at(self.as_seen()),
-            _ => self.places[nominal],
-        }
+    /// For each nominal activity, where in it the activity is: as it was seen, unless it agrees with none so.
+    fn places_as_seen(&self) -> [Places; ACTIVITIES] {
+        let as_seen = self.candidates_as_seen();
+        core::array::from_fn(|nominal| match self.is_whole(nominal) {
+            _ if !as_seen.contains(nominal) => Places::NONE,
+            true => Places::at(self.as_seen()),
+            false => self.places[nominal],
+        })
     }
 
     /// Whether it is also certain that all of it comes now, and not only the rest.
@@ -384,11 +379,11 @@ impl OpenActivity {
     pub(super) fn agree(
         &mut self,
         job: &Job<'_>,
-        context: Context,
         candidates: ActivitySet,
         has_parts: bool,
         is_certain: bool,
     ) -> bool {
+        let context = self.newest.0;
         let newest = self.as_seen().wrapping_sub(1);
         let is_newest = |nominal: &usize| {
             job.activities[*nominal].ius.get(newest).is_some_and(|iu| iu.context == context)
@@ -473,8 +468,8 @@ impl OpenActivity {
     /// The candidate whose last IU has been reached, but for a release state, which leaves nothing to do. Of several, one that is not out
     /// of order comes first, then the nearest.
     pub(super) fn matched(&self, side: Side, progress: &Progress<'_>) -> Option<usize> {
-        let has_ended =
-            |nominal: &usize| self.place_in(*nominal).is_at_end(progress.job.activities[*nominal].ius);
+        let places = self.places_as_seen();
+        let has_ended = |nominal: &usize| places[*nominal].is_at_end(progress.job.activities[*nominal].ius);
         self.candidates().iter().filter(has_ended).min_by(|one, other| {
             let is_out_of_order = |nominal: &usize| progress.order_fault(side, *nominal).is_some();
             is_out_of_order(one)

@@ -157,9 +157,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
         let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
-        let agreeing: ActivitySet = activity.newest_ius(job, context).map(|(nominal, _)| nominal).collect();
+        let newest = activity.newest_ius(job);
+        let agreeing: ActivitySet = newest.clone().map(|(nominal, _)| nominal).collect();
         let has_parts = progress.has_parts_of(context);
-        if activity.agree(job, context, agreeing, has_parts, is_certain) {
+        if activity.agree(job, agreeing, has_parts, is_certain) {
             let nominal = activity.candidates().lowest();
             let right = Finding::of(Outcome::Ok, Reason::None.into());
             self.conclude_iu(Finding { nominal, ..right }, progress, emit);
@@ -170,10 +171,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.conclude_context(couple, reason, progress, emit);
             return;
         }
-        let come = activity.newest_ius(job, context).map(|(_, index)| index).min().unwrap_or(0);
+        let come = newest.clone().map(|(_, index)| index).min().unwrap_or(0);
         progress.note_another_piece(self.side, agreeing, come);
         if context.is_touch() {
-            for (nominal, index) in activity.newest_ius(job, context) {
+            for (nominal, index) in newest {
                 self.comparisons.add(job, nominal, index);
             }
             if self.watch.gap() > 0 {

@@ -138,7 +138,11 @@ impl Places {
     }
 
     /// The indices of the IUs that have this context and may be the newest one.
-    pub(super) fn newest(self, nominal: &[NominalIu<'_>], context: Context) -> impl Iterator<Item = usize> {
+    pub(super) fn newest(
+        self,
+        nominal: &[NominalIu<'_>],
+        context: Context,
+    ) -> impl Iterator<Item = usize> + Clone {
         let is_newest = move |index: &usize| self.contains(index + 1) && nominal[*index].context == context;
         (0..nominal.len()).filter(is_newest)
     }

@@ -65,7 +65,7 @@ pub(super) struct Progress<'a> {
     waiting: [ActivitySet; HANDS],
     /// For each hand, the candidates of its open activity.
     underway: [ActivitySet; HANDS],
-    /// For each hand, what its open activity may be, with what was not seen of it.
+    /// For each hand, what its open activity may be, with what was not seen of it: no less than as it was seen.
     may_be_underway: [ActivitySet; HANDS],
     /// For each hand, when its newest activity began.
     newest_ns: [u64; HANDS],
@@ -232,7 +232,8 @@ impl<'a> Progress<'a> {
     /// A hand is hidden or not, and has been for this long up to now.
     pub(super) fn set_hidden(&mut self, side: Side, frames: u32, is_hidden: bool) {
         if frames > 0 {
-            self.unseen |= self.overlooked_in(frames);
+            // What shows less than half of itself may have been taken for another one.
+            self.unseen |= self.activities_with(|ius| frames >= quickest(ius) / 2);
         }
         self.is_hidden[side.index()] = is_hidden;
     }
@@ -362,12 +363,6 @@ impl<'a> Progress<'a> {
         self.unseen | self.may_precede
     }
 
-    /// The activities that may have come in as many hidden frames. What shows less than half of itself may have been taken for another one.
-    fn overlooked_in(&self, frames: u32) -> ActivitySet {
-        let all = self.job.activities.iter().filter(|nominal| frames >= quickest(nominal.ius) / 2);
-        all.map(|nominal| usize::from(nominal.activity)).collect()
-    }
-
     /// The number in this job of an activity that this hand begins; whether it was seen to begin then, and is a step of the job.
     pub(super) fn next_activity(
         &mut self,
@@ -417,7 +412,7 @@ impl<'a> Progress<'a> {
 
     /// What was tried, and what this hand has begun or may have begun.
     fn begun(&self, side: Side) -> ActivitySet {
-        self.tried() | self.underway[side.index()] | self.may_be_underway[side.index()]
+        self.tried() | self.may_be_underway[side.index()]
     }
 
     /// Sets what the open activity of a hand is as it was seen, and what it may be.

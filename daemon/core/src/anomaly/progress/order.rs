@@ -136,7 +136,8 @@ impl Progress<'_> {
         self.done.contains(activity) && !self.may_be_next_job(side)
     }
 
-    /// Whether what must come before an activity that comes no second time must come before it in this job: it comes too late, or again.
+    /// Whether an activity that comes no second time, and has not been seen to come, comes in this job. If what must come behind it came before it,
+    /// it is too late or comes again.
     fn is_late_or_repeated(&self, side: Side, activity: usize) -> bool {
         let law = self.job.law(activity);
         law.is_once && !self.done.contains(activity) && !self.may_be_next_job(side)
