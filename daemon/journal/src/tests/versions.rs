@@ -3,6 +3,19 @@
 use super::*;
 use shm_schemas::{PartId, verdict_kind};
 
+/// A journal of the newest schema that has not seen the migration in which these words stand.
+fn journal_before(path: &Path, words: &str) -> Connection {
+    let old = Connection::open(path).unwrap();
+    let before = schema::MIGRATIONS.iter().take_while(|migration| !migration.contains(words));
+    let mut version = 0;
+    for migration in before {
+        old.execute_batch(migration).unwrap();
+        version += 1;
+    }
+    old.pragma_update(None, "user_version", version).unwrap();
+    old
+}
+
 #[test]
 fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome() {
     let dir = tempfile::tempdir().unwrap();
@@ -53,14 +66,7 @@ fn a_journal_of_the_first_schema_opens_and_its_verdicts_have_level_and_outcome()
 fn a_journal_of_the_schema_without_parts_opens_and_its_verdicts_have_none() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("j.sqlite");
-    let old = Connection::open(&path).unwrap();
-    let before = schema::MIGRATIONS.iter().take_while(|migration| !migration.contains("COLUMN part"));
-    let mut version = 0;
-    for migration in before {
-        old.execute_batch(migration).unwrap();
-        version += 1;
-    }
-    old.pragma_update(None, "user_version", version).unwrap();
+    let old = journal_before(&path, "COLUMN part");
     old.execute(
         "INSERT INTO verdict (epoch, seq, level, outcome, reason, hand, station, job_id, model_hash, x_c0, x_c1, x_c2,
          x_c3, early, began_ns, ended_ns, decided_ns, decided_utc_ns, frame_seq, captured_ns, sent_ns)
@@ -81,14 +87,7 @@ fn a_journal_of_the_schema_without_parts_opens_and_its_verdicts_have_none() {
 fn the_account_of_a_journal_with_one_account_is_that_of_the_plc() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("j.sqlite");
-    let old = Connection::open(&path).unwrap();
-    let before = schema::MIGRATIONS.iter().take_while(|migration| !migration.contains("new_account"));
-    let mut version = 0;
-    for migration in before {
-        old.execute_batch(migration).unwrap();
-        version += 1;
-    }
-    old.pragma_update(None, "user_version", version).unwrap();
+    let old = journal_before(&path, "new_account");
     old.execute(
         "INSERT INTO account VALUES (1, 4, 17, 9, 2, 8, 6, 1, 0, 0, 0, 7, 5, 0, '8:6', 3, 99, 'A-17')",
         [],
