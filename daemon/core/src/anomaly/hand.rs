@@ -49,7 +49,7 @@ impl OpenIu {
     }
 }
 
-/// Judges the activities of one hand. How it decides is in `algorithm`.
+/// Judges the activities of one hand. How it decides on an IU is in `algorithm`, and on an activity in `settle`.
 #[derive(Clone, Debug)]
 pub(super) struct HandJudge<'a, M> {
     pub(super) side: Side,

@@ -78,6 +78,7 @@ mod measure;
 mod missed;
 mod places;
 mod progress;
+mod settle;
 mod twice;
 mod watch;
 

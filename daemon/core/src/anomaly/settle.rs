@@ -1,0 +1,153 @@
+//! What is decided on an activity of one hand rather than on an IU: its order, that it is right, and its end.
+
+use super::comparison::Memory;
+use super::hand::HandJudge;
+use super::progress::Progress;
+use crate::capacity::ACTIVITIES;
+use crate::couple::Context;
+use crate::segment::Segmenter;
+use crate::set::ActivitySet;
+use crate::verdict::{Outcome, Reason, Verdict};
+use heapless::Vec;
+
+impl<'a, M: Memory<'a>> HandJudge<'a, M> {
+    /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
+    pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+        let (accuses_nobody, may_give_up) = (self.accuses_nobody(), self.has_moved_nothing_yet());
+        let Some(activity) = &mut self.activity else { return };
+        let candidates = activity.candidates();
+        let is_order_certain = activity.is_order_certain();
+        let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
+        // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
+        let has_no_place = accuses_nobody && !activity.may_differ || candidates.is_empty();
+        if activity.is_concluded || has_no_place || !is_certain || may_give_up {
+            return;
+        }
+        // Wherever in it the hand may be, it is too early for all of it while the bench shows that what comes before has not been done.
+        let side = self.side;
+        let fault_of_all = |progress: &Progress<'a>| {
+            let mut faults = candidates.iter().map(|nominal| {
+                let fault = progress.order_fault(side, nominal);
+                fault.filter(|broken| is_order_certain || progress.is_undone(broken))
+            });
+            faults.try_fold(None, |first, fault| Some(first.or(Some(fault?)))).flatten()
+        };
+        let mut broken = fault_of_all(progress);
+        // What is not judged blames nothing.
+        while activity.never_seen.is_none() && broken.is_some_and(|broken| progress.blame_part(&broken)) {
+            broken = fault_of_all(progress);
+        }
+        if broken.is_some() {
+            activity.broken = broken;
+            self.conclude_activity(
+                Outcome::Anomaly,
+                Reason::WrongOrder.into(),
+                candidates.lowest(),
+                true,
+                progress,
+                emit,
+            );
+            return;
+        }
+        if !is_order_certain {
+            return;
+        }
+        let mut notes = candidates.iter().map(|nominal| progress.order_note(self.side, nominal));
+        let note = notes.try_fold(None, |first, note| Some(first.or(Some(note?)))).flatten();
+        activity.order_note = activity.order_note.or(note);
+    }
+
+    /// Decides on the activity after all events of one frame for both hands: that it is right, if no candidate can go on.
+    pub(super) fn settle(
+        &mut self,
+        segmenter: &mut Segmenter,
+        progress: &mut Progress<'a>,
+        emit: &mut impl FnMut(Verdict),
+    ) {
+        progress.set_waiting(self.side, None);
+        if !self.is_resting() {
+            return;
+        }
+        let Some(activity) = &self.activity else {
+            // What it goes on with began in the job before, and may be a part of this one.
+            if let Some(object) = self.watch.unjudged_in_hand() {
+                progress.set_carried_on(object, self.newest_unjudged);
+            }
+            return;
+        };
+        if activity.is_given_up() {
+            segmenter.activity_matched(&[]);
+            return;
+        }
+        let job = progress.job;
+        if activity.is_followed_to_its_end(job) {
+            // If it is done again at once, that is another activity, unless a longer one may go on so.
+            let mut continuations = activity.continuations(job);
+            // The job has its verdict, so a touch begins another activity, which may be the rest of this one.
+            if progress.is_concluded() {
+                self.watch.may_be_rest |= !continuations.is_empty();
+                continuations.clear();
+            }
+            segmenter.activity_matched(&self.by_this_hand(continuations));
+            if activity.is_astray() {
+                let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
+                let nearest = activity.nearest;
+                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
+                return;
+            }
+        }
+        let Some(nominal) = activity.matched(self.side, progress) else {
+            // What the hand does after it has been idle is another activity, unless it is idle in the middle of this one.
+            if self.watch.was_idle() && activity.has_ended_if_idle(job) || activity.must_have_ended() {
+                segmenter.activity_matched(&[]);
+            }
+            return;
+        };
+        if job.allows_insertions(nominal) {
+            // Whatever the hand goes on to do with the same object belongs to it.
+            progress.set_waiting(self.side, Some(nominal).filter(|_| !activity.is_concluded));
+            return;
+        }
+        let continuations = activity.continuations(job);
+        segmenter.activity_matched(&self.by_this_hand(continuations.clone()));
+        if continuations.is_empty() {
+            self.conclude_matched(nominal, true, progress, emit);
+        } else if !activity.is_concluded {
+            progress.set_waiting(self.side, Some(nominal));
+        }
+    }
+
+    /// These contexts as this hand would have them.
+    fn by_this_hand(&self, mut contexts: Vec<Context, ACTIVITIES>) -> Vec<Context, ACTIVITIES> {
+        contexts.iter_mut().for_each(|context| *context = context.by_hand(self.side));
+        contexts
+    }
+
+    /// The activity has ended.
+    pub(super) fn end_activity(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
+        let Some(activity) = &self.activity else { return };
+        let nearest = activity.nearest.or(activity.candidates().lowest());
+        let may_go_on = progress.is_end_assumed()
+            || self.watch.may_hold_another()
+            || activity.may_be_complete(progress.job)
+            || activity.is_astray() && activity.unjudged.is_some();
+        let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
+        match activity.matched(self.side, progress) {
+            Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
+            // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
+            None if may_go_on && !activity.is_concluded => {
+                self.watch.may_be_rest = true;
+                progress.set_doubtful();
+                self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
+            }
+            None => {
+                let cause = Reason::NotCompleted.into();
+                self.conclude_activity(Outcome::Anomaly, cause, nearest, false, progress, emit);
+            }
+        }
+        self.activity = None;
+        self.is_broken_off = false;
+        progress.set_waiting(self.side, None);
+        progress.set_underway(self.side, ActivitySet::EMPTY, ActivitySet::EMPTY);
+    }
+}
