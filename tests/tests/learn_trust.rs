@@ -4,9 +4,10 @@
 use andon_core::config::Method;
 use andon_core::couple::Context;
 use andon_core::input::Frame;
+use andon_core::verdict::Measure;
 use andon_learn::recording::Recording;
 use andon_learn::run::Run;
-use andon_learn::teach::{Doubt, Measure, Statement, TeachError, TeachOptions, TeachReport, teach};
+use andon_learn::teach::{Doubt, Statement, TeachError, TeachOptions, TeachReport, teach};
 use andon_tests::environment;
 use andon_tests::simulator::{Flaw, Noise, Performance, perform};
 
@@ -75,7 +76,7 @@ fn a_run_with_half_of_the_strokes_among_four_correct_ones_is_named_with_the_iu_a
     let first = refused(&report);
     let [Doubt::Outlier(outlier)] = &report.doubts[..] else { panic!("{report}") };
     assert_eq!((outlier.run.as_str(), outlier.activity, outlier.iu), ("p5", 0, 1));
-    assert_eq!(outlier.measure, Measure::Reversals);
+    assert_eq!(outlier.measure, Some(Measure::Strokes));
     assert!(outlier.value < 0.8 * outlier.others[0], "{outlier:?}");
     for part in ["p5 is not like the others", "step 1, IU 2", "reverses its motion", "the others"] {
         assert!(first.contains(part), "{first}");

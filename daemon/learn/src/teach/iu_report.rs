@@ -1,13 +1,12 @@
 //! What teaching found for one IU.
 
-use super::measures::is_by_feel;
+use super::kind::MotionKind;
 use super::threshold::Learned;
 use crate::job_file::TaughtIu;
 use crate::statistics::{deviation, mean};
 use andon_core::bounds::Bounds;
 use andon_core::couple::Context;
 use andon_core::job::MeasureBounds;
-use andon_core::segment::Measures;
 
 /// What teaching found for one IU of a nominal activity.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +40,7 @@ impl IuReport {
         activity: u16,
         iu: usize,
         learned: &Learned,
-        shown: &[Measures],
+        kind: MotionKind,
         taught: &TaughtIu,
     ) -> Self {
         let distances = learned.distances();
@@ -55,7 +54,7 @@ impl IuReport {
             threshold: taught.threshold,
             frames: taught.frames,
             reversals: taught.reversals,
-            is_by_feel: is_by_feel(shown),
+            is_by_feel: kind.is_by_feel(),
             measures: taught.measures,
         }
     }

@@ -1,6 +1,6 @@
 //! How to teach, and why nothing was taught.
 
-use crate::job_file::JobFile;
+use crate::job_file::{JobFile, Provenance};
 use crate::rule::{BoundsRule, ThresholdRule};
 use crate::strictness::Strictness;
 use andon_core::capacity::IU_FRAMES;
@@ -71,6 +71,33 @@ impl TeachOptions {
             find_meetings: true,
             examine_runs: true,
             leave_one_out: true,
+            step_names: Vec::new(),
+        }
+    }
+
+    /// A job without anything that is taught.
+    pub(super) fn job(&self) -> JobFile {
+        JobFile {
+            id: self.id,
+            name: self.name.clone(),
+            rests: Vec::new(),
+            steps: Vec::new(),
+            cost: self.cost,
+            max_slowdown: self.max_slowdown,
+            has_free_ends: self.has_free_ends,
+            min_rate_hz: 0.0,
+            method: self.method,
+            objects: Vec::new(),
+            activities: Vec::new(),
+            provenance: Provenance {
+                program: self.program.clone(),
+                date: self.date.clone(),
+                rule: self.rule,
+                bounds: self.bounds,
+                strictness: Some(self.strictness),
+                order: self.order_matters,
+                sources: Vec::new(),
+            },
             step_names: Vec::new(),
         }
     }

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 /// The steps of a job, their laws and what is only usual. `Display` prints them for people, who count from 1.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct OrderReport {
     /// The name of each step, and the sentences about it.
     pub steps: Vec<(String, Vec<String>)>,

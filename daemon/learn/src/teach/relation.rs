@@ -10,7 +10,6 @@
 
 use super::options::TeachOptions;
 use super::sequence::{Agreement, Sequence};
-use super::step_keys;
 use super::strength::{Rule, Strengths};
 use crate::job_file::{Relation, RelationKind, TaughtStep};
 use crate::run::{Activity, Run};
@@ -64,7 +63,7 @@ pub(super) fn steps(
     options: &TeachOptions,
     strengths: &Strengths,
 ) -> Vec<TaughtStep> {
-    let keys = step_keys(agreement);
+    let keys = &agreement.keys;
     let all: Vec<Vec<Option<Occurrence<'_>>>> = agreement
         .steps
         .iter()
@@ -197,14 +196,9 @@ fn is_shared(both: &[(&Occurrence<'_>, &Occurrence<'_>)]) -> bool {
 /// Whether a second time has no place for this step: all runs have it and no run has it again, and law orders it with every other step of its
 /// hand, of which there is one at least.
 fn has_its_place(index: usize, steps: &[TaughtStep], agreement: &Agreement) -> bool {
-    let opening = |activity: usize| {
-        let mut sequences = agreement.sequences.iter();
-        let first = sequences.find(|sequence| usize::from(sequence.activity) == activity);
-        first.and_then(|sequence| sequence.contexts.first()).map_or([0; 2], |first| [first.0[0], first.0[1]])
-    };
-    let own = opening(index);
+    let hand = |step: usize| agreement.keys[step].opening[0];
     let mut others =
-        (0..steps.len()).filter(|other| *other != index && opening(*other)[0] == own[0]).peekable();
+        (0..steps.len()).filter(|other| *other != index && hand(*other) == hand(index)).peekable();
     let is_law = |earlier: usize, later: usize| {
         let mut laws = steps[later].after.iter().filter(|relation| relation.kind != RelationKind::Usual);
         laws.any(|relation| usize::from(relation.activity) == earlier)
@@ -227,6 +221,7 @@ mod tests {
             allows_insertions: false,
             is_steadied: false,
             shown: shown.to_vec(),
+            ius: Vec::new(),
         };
         let whole = sequence(0, &[there, back].concat(), &[(0, 0), (1, 0)]);
         let part = sequence(0, &there, &[(2, 0), (3, 0)]);

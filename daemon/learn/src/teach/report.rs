@@ -2,18 +2,16 @@
 
 use super::iu_report::IuReport;
 use super::kind::is_on_the_way;
-use super::leave_one_out::LeftOut;
 use super::meetings::Unsure;
 use super::noticed::{Noticed, what_more_would_bring};
 use super::options::TeachOptions;
 use super::order::OrderReport;
-use super::sequence::Disagreement;
+use super::sequence::{Blind, Disagreement};
 use super::statement::Statement;
 use super::threshold::min_false_alarms;
-use super::trust::{Blind, Doubt, Outlier, summary};
-use super::widened;
+use super::trust::{Doubt, Outlier, summary};
 use crate::distribution::{Distribution, LEGEND};
-use crate::job_file::{JobFile, context_words};
+use crate::job_file::context_words;
 use crate::recording::{NamedObject, object_name};
 use crate::rule::ThresholdRule;
 use crate::strictness::Strictness;
@@ -24,21 +22,8 @@ use std::fmt;
 /// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
 const ENOUGH_DEMONSTRATIONS: usize = 5;
 
-/// What was found in the runs.
-#[derive(Debug)]
-pub(super) struct Found {
-    pub(super) disagreements: Vec<Disagreement>,
-    pub(super) doubts: Vec<Doubt>,
-    pub(super) pauses: Vec<Outlier>,
-    pub(super) questions: Vec<Outlier>,
-    pub(super) blind: Vec<Blind>,
-    pub(super) left_out: Option<LeftOut>,
-    pub(super) unsure: Vec<Unsure>,
-    pub(super) one_person: f64,
-}
-
 /// What teaching found. `Display` prints it for people.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct TeachReport {
     /// Number of different runs that were given.
     pub runs: usize,
@@ -74,42 +59,18 @@ pub struct TeachReport {
     pub rule: ThresholdRule,
     /// Each IU of each nominal sequence.
     pub ius: Vec<IuReport>,
-    objects: Vec<NamedObject>,
+    pub(super) objects: Vec<NamedObject>,
 }
 
 impl TeachReport {
-    pub(super) fn new(
-        runs: usize,
-        options: &TeachOptions,
-        job: &JobFile,
-        found: Found,
-        ius: Vec<IuReport>,
-    ) -> Self {
-        let Found { disagreements, doubts, pauses, questions, blind, left_out, unsure, one_person } = found;
-        let used = runs - disagreements.len();
-        let order = OrderReport::new(job, used);
-        let words = |context| context_words(context, |id| object_name(&job.objects, id));
-        let sentences =
-            options.leave_one_out.then(|| widened::sentences(used, left_out.as_ref(), job, &words));
+    /// A report of nothing yet.
+    pub(super) fn of(options: &TeachOptions) -> Self {
         Self {
-            runs,
-            doubts,
-            pauses,
-            questions,
-            disagreements,
-            blind,
-            order,
-            rejected: left_out.map(|left_out| left_out.rejected),
-            left_out: sentences.unwrap_or_default(),
-            unsure,
-            one_person,
-            min_rate_hz: job.min_rate_hz,
-            rate_hz: job.method.rate_hz,
+            rate_hz: options.method.rate_hz,
             strictness: options.strictness,
             false_alarms: options.bounds.false_alarms,
             rule: options.rule,
-            ius,
-            objects: job.objects.clone(),
+            ..Self::default()
         }
     }
 

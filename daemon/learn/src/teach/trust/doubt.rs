@@ -1,9 +1,9 @@
 //! What speaks against learning from the runs, in words.
 
-use super::outlier::{Measure, Outlier};
+use super::outlier::Outlier;
 use crate::distribution::{Distribution, Right};
 use andon_core::couple::Context;
-use andon_core::verdict;
+use andon_core::verdict::Measure;
 
 /// What speaks against learning from the runs. Each is a sentence, and says what to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,13 +101,14 @@ impl Doubt {
 impl Outlier {
     /// Where it lies among the others, beside what the job that was taught says is right of the IU.
     pub(in crate::teach) fn distribution(&self, right: Option<Right<'_>>) -> Distribution {
-        let (measure, per) = match self.measure {
-            Measure::Duration => (Some(verdict::Measure::Duration), 1.0),
-            Measure::Reversals => (Some(verdict::Measure::Strokes), 2.0),
-            Measure::Path => (Some(verdict::Measure::Path), 1.0),
-            Measure::Distance => (None, 1.0),
-        };
-        Distribution::among(measure, self.others.iter().map(|other| other / per), self.value / per, right)
+        // Two reversals are a stroke.
+        let per = if self.measure == Some(Measure::Strokes) { 2.0 } else { 1.0 };
+        Distribution::among(
+            self.measure,
+            self.others.iter().map(|other| other / per),
+            self.value / per,
+            right,
+        )
     }
 
     /// Where and how far it stands out, for a sentence about its run.
@@ -115,15 +116,17 @@ impl Outlier {
         let [least, most] =
             [self.others.first(), self.others.last()].map(|end| end.copied().unwrap_or_default());
         let figures = match self.measure {
-            Measure::Duration => format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value),
-            Measure::Reversals => {
+            Some(Measure::Duration) => {
+                format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value)
+            }
+            Some(Measure::Strokes) => {
                 format!("reverses its motion {} times, the others {least} to {most} times", self.value)
             }
-            Measure::Path => {
+            Some(_) => {
                 let [way, least, most] = [self.value, least, most].map(|metres| 100.0 * metres);
                 format!("has a way of {way:.0} cm, the others of {least:.0} to {most:.0} cm")
             }
-            Measure::Distance => format!(
+            None => format!(
                 "has distance {:.1} to the others, which have {least:.1} to {most:.1} to each other",
                 self.value
             ),

@@ -2,20 +2,18 @@
 //! be noticed here.
 //!
 //! A [`Doubt`] speaks against learning from the runs. It accuses nobody: it is a sentence with the figure and with what to do, and whoever
-//! knows better teaches all the same. What was not seen of a run ([`Blind`]) is not learnt, and the rest of the run is.
+//! knows better teaches all the same. What was not seen of a run ([`Blind`](super::Blind)) is not learnt, and the rest of the run is.
 
 mod doubt;
 mod order;
 mod outlier;
 mod rate;
-mod sight;
 mod summary;
 mod twice;
 
 pub use doubt::Doubt;
-pub use outlier::{Measure, Outlier};
+pub use outlier::Outlier;
 pub(super) use rate::too_few_frames;
-pub use sight::Blind;
 pub(super) use summary::summary;
 pub(super) use twice::without_copies;
 
