@@ -143,8 +143,8 @@ codes! {
         Direction = 5,
         /// How far its place lies from the one that was shown, in metres.
         Place = 6,
-        /// How far off the straight line the way of the hand leads, in metres.
-        Bow = 7,
+        /// The lateral deviation: how far off the straight line the way of the hand leads, in metres.
+        LateralDeviation = 7 as "Bow",
     }
 }
 

@@ -54,7 +54,7 @@ pub struct Shown {
     /// How much longer than the straight way it was at most, in metres.
     pub detour_m: f32,
     /// How far off the straight line the way of the hand led at most, in metres.
-    pub bow_m: f32,
+    pub lateral_m: f32,
     /// How far the direction of the path was away from the centre of [`MeasureBounds::axis`] at most.
     pub axis: f32,
     /// How far the mean position was away from the centre of [`MeasureBounds::place_m`] at most, in metres.
@@ -71,7 +71,7 @@ pub struct MeasureBounds {
     /// Maximum of how much longer the path is than the straight way; it decides instead of the maximum of the path where it is finite.
     pub max_detour_m: f32,
     /// Maximum of how far off the straight line the way of the hand leads.
-    pub max_bow_m: f32,
+    pub max_lateral_m: f32,
     /// The direction of the path.
     pub axis: Around<2>,
     /// Mean position.
@@ -86,7 +86,7 @@ impl MeasureBounds {
         stroke_m: Range { min: 0.0, max: f32::INFINITY },
         path_m: Range { min: 0.0, max: f32::INFINITY },
         max_detour_m: f32::INFINITY,
-        max_bow_m: f32::INFINITY,
+        max_lateral_m: f32::INFINITY,
         axis: Around { centre: [0.0; 2], max: f32::INFINITY },
         place_m: Around { centre: [0.0; 3], max: f32::INFINITY },
         shown: None,

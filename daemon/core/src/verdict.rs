@@ -129,8 +129,8 @@ pub enum Measure {
     StrokeLength,
     /// The length of its path, in metres.
     Path,
-    /// How far off the straight line the way of the hand leads, in metres.
-    Bow,
+    /// The lateral deviation: how far off the straight line the way of the hand leads, in metres.
+    LateralDeviation,
     /// How far its direction lies from the one that was shown, in degrees.
     Direction,
     /// How far its place lies from the one that was shown, in metres.

@@ -84,7 +84,7 @@ fn measures(shown: &Measures) -> MeasureBounds {
         stroke_m: around(shown.stroke_m.unwrap_or_default()),
         path_m: around(shown.path_m),
         max_detour_m: around(shown.detour_m).max,
-        max_bow_m: around(shown.bow_m).max,
+        max_lateral_m: around(shown.lateral_m).max,
         axis: Around { centre: shown.axis, max: 0.5 },
         place_m: Around { centre: shown.place_m, max: 0.04 },
         shown: None,

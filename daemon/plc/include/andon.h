@@ -206,7 +206,7 @@ enum AndonMeasure {
    */
   ANDON_MEASURE_PLACE = 6,
   /**
-   * How far off the straight line the way of the hand leads, in metres.
+   * The lateral deviation: how far off the straight line the way of the hand leads, in metres.
    */
   ANDON_MEASURE_BOW = 7,
 };

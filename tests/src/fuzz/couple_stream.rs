@@ -131,7 +131,7 @@ fn measures(input: &mut Input<'_>) -> MeasureBounds {
         stroke_m: range(input),
         path_m: range(input),
         max_detour_m: if input.below(2) == 0 { metres(input) } else { f32::INFINITY },
-        max_bow_m: if input.below(2) == 0 { metres(input) } else { f32::INFINITY },
+        max_lateral_m: if input.below(2) == 0 { metres(input) } else { f32::INFINITY },
         axis: Around { centre: [metres(input), 0.0], max: metres(input) },
         place_m: Around { centre: [0.0, metres(input), 0.0], max: metres(input) },
         shown: (input.below(4) > 0).then(|| shown(input)),
@@ -142,8 +142,17 @@ fn measures(input: &mut Input<'_>) -> MeasureBounds {
 fn shown(input: &mut Input<'_>) -> Shown {
     let counts = Bounds { min: u32::from(input.below(8)), max: u32::from(input.byte()) };
     let metres = Range { min: 0.0, max: f32::from(input.byte()) / 100.0 };
-    let (stroke_m, path_m, detour_m, bow_m) = (metres, metres, metres.max, metres.max);
-    Shown { frames: counts, reversals: counts, stroke_m, path_m, detour_m, bow_m, axis: 0.5, place_m: 0.1 }
+    let (stroke_m, path_m, detour_m, lateral_m) = (metres, metres, metres.max, metres.max);
+    Shown {
+        frames: counts,
+        reversals: counts,
+        stroke_m,
+        path_m,
+        detour_m,
+        lateral_m,
+        axis: 0.5,
+        place_m: 0.1,
+    }
 }
 
 /// A motion whose features may be out of range.

@@ -324,7 +324,11 @@ fn a_detour_that_is_spread_over_the_whole_way_is_an_anomaly_while_it_happens() {
         let verdicts = run(&Capture::read(*number).over_an_arc(0.25)).judge(job).unwrap();
         let wrong = verdicts.iter().find(|verdict| verdict.outcome == Outcome::Anomaly).unwrap();
         let Measured { measure, value, shown_max, .. } = wrong.measured.unwrap();
-        assert_eq!((measure, wrong.reason), (Measure::Bow, Reason::TooLong), "run {number}: {wrong:?}");
+        assert_eq!(
+            (measure, wrong.reason),
+            (Measure::LateralDeviation, Reason::TooLong),
+            "run {number}: {wrong:?}"
+        );
         assert!(wrong.early && value > shown_max, "run {number}: {wrong:?}");
     }
 }

@@ -60,7 +60,7 @@ const fn unit(measure: Measure) -> &'static str {
     match measure {
         Measure::Duration => "s",
         Measure::Strokes => "strokes",
-        Measure::StrokeLength | Measure::Path | Measure::Bow | Measure::Place => "m",
+        Measure::StrokeLength | Measure::Path | Measure::LateralDeviation | Measure::Place => "m",
         Measure::Direction => "degrees",
     }
 }

@@ -90,7 +90,7 @@ fn measures(measured: Measured) -> [String; 2] {
             let got = got.split_once(" (").map_or(got, |(off, _)| off);
             [format!("a path of {}", shown.trim_end_matches(')')), got.to_owned()]
         }
-        Measure::Duration | Measure::StrokeLength | Measure::Bow | Measure::Place => {
+        Measure::Duration | Measure::StrokeLength | Measure::LateralDeviation | Measure::Place => {
             [shown.to_owned(), got.to_owned()]
         }
     }

@@ -241,7 +241,7 @@ impl Names {
             (_, Some((Measure::StrokeLength, true))) => "strokes too small",
             (_, Some((Measure::StrokeLength, false))) => "strokes too large",
             (_, Some((Measure::Path, _))) => "another path",
-            (_, Some((Measure::Bow, _))) => "a detour",
+            (_, Some((Measure::LateralDeviation, _))) => "a detour",
             (_, Some((Measure::Direction, _))) => "another direction",
             (_, Some((Measure::Place, _))) => "another place",
             (Reason::WrongObject, _) => "wrong part",

@@ -25,7 +25,8 @@ impl Extent {
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
-        let Measures { reversals, path_m: walked_m, detour_m, bow_m, unseen_before_way, .. } = self.measures;
+        let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, .. } =
+            self.measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last.
         let step_m = if hidden > 0.0 { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
@@ -35,12 +36,12 @@ impl Extent {
         };
         // Where the hand was not seen before its way, that may have begun elsewhere.
         let unseen = if may_be_hidden { unseen_before_way as f32 } else { 0.0 };
-        let bow_step_m = if hidden + unseen > 0.0 { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
-        let is_bow = bow_m > iu.measures.max_bow_m + bow_step_m;
+        let lateral_step_m = if hidden + unseen > 0.0 { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
+        let is_lateral = lateral_m > iu.measures.max_lateral_m + lateral_step_m;
         let too_long = first(&[
             (reversals > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),
-            (is_bow, Measure::Bow),
+            (is_lateral, Measure::LateralDeviation),
             (is_detour, Measure::Path),
         ]);
         let too_short = || {
@@ -91,7 +92,7 @@ impl Extent {
         rate_hz: f32,
     ) -> Option<Measured> {
         let bounds = &iu.measures;
-        let Shown { frames, reversals, stroke_m, path_m, bow_m, axis, place_m, .. } = bounds.shown?;
+        let Shown { frames, reversals, stroke_m, path_m, lateral_m, axis, place_m, .. } = bounds.shown?;
         let seconds = |frames: u32| frames as f32 / rate_hz;
         let [value, shown_min, shown_max] = match measure {
             Measure::Duration => {
@@ -101,7 +102,7 @@ impl Extent {
             Measure::Strokes => strokes([self.measures.reversals, reversals.min, reversals.max]),
             Measure::StrokeLength => [self.measures.stroke_m?, stroke_m.min, stroke_m.max],
             Measure::Path => [self.measures.path_m, path_m.min, path_m.max],
-            Measure::Bow => [self.measures.bow_m, 0.0, bow_m],
+            Measure::LateralDeviation => [self.measures.lateral_m, 0.0, lateral_m],
             Measure::Direction => [degrees(bounds.axis.distance(self.measures.axis)), 0.0, degrees(axis)],
             Measure::Place => [bounds.place_m.distance(self.measures.place_m), 0.0, place_m],
         };

@@ -540,6 +540,6 @@ fn is_usable(iu: &NominalIu<'_>) -> bool {
         && is_ordered(&iu.reversals)
         && iu.measures.path_m.min <= iu.measures.path_m.max
         && iu.measures.max_detour_m >= 0.0
-        && iu.measures.max_bow_m >= 0.0
+        && iu.measures.max_lateral_m >= 0.0
         && iu.measures.stroke_m.min <= iu.measures.stroke_m.max
 }

@@ -27,7 +27,7 @@ pub struct Measures {
     pub detour_m: f32,
     /// How far off the straight line the way of the hand on the bench has led, from where it took `o_j`, or came with it to the `o_l` that it has
     /// left, to where it is now, in metres. It never becomes less until that way ends, with the time at the next `o_l`.
-    pub bow_m: f32,
+    pub lateral_m: f32,
     /// In how many frames just before that way the hand was not seen.
     pub unseen_before_way: u32,
     /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and
@@ -172,7 +172,7 @@ impl Meter {
             stroke_m: (self.reversals > 1).then(|| self.strokes_m / (self.reversals - 1) as f32),
             path_m: self.path_m,
             detour_m: self.path_m - self.step.map_or(0.0, |step| distance(self.began, step)),
-            bow_m: way.bow_m(),
+            lateral_m: way.lateral_m(),
             unseen_before_way: way.unseen_before(),
             axis: self.axis.map(per_path),
             place_m: self.sum.map(|sum| (sum / known) as f32),

@@ -180,7 +180,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
 
 /// What one demonstration shows.
 fn shown(iu: &Iu) -> Shown {
-    let Measures { reversals, stroke_m, path_m, detour_m, bow_m, .. } = iu.measures;
+    let Measures { reversals, stroke_m, path_m, detour_m, lateral_m, .. } = iu.measures;
     let metres = |metres: f32| Range { min: metres, max: metres };
     Shown {
         frames: Bounds { min: iu.frames, max: iu.frames },
@@ -188,7 +188,7 @@ fn shown(iu: &Iu) -> Shown {
         stroke_m: metres(stroke_m.unwrap_or_default()),
         path_m: metres(path_m),
         detour_m,
-        bow_m,
+        lateral_m,
         axis: 0.0,
         place_m: 0.0,
     }

@@ -25,8 +25,9 @@ pub struct ShownValues {
     pub path_m: Vec<f32>,
     /// How much longer than the straight way it was.
     pub detour_m: Vec<f32>,
-    /// How far off the straight line the way of the hand led.
-    pub bow_m: Vec<f32>,
+    /// The lateral deviation: how far off the straight line the way of the hand led. Its key in the file is the one that files have always had.
+    #[serde(rename = "bow_m")]
+    pub lateral_m: Vec<f32>,
     /// How far the direction of the path was away from the centre of the right ones; empty where any is right.
     pub axis: Vec<f32>,
     /// How far the mean position was away from the centre of the right ones; empty where any is right.
@@ -44,7 +45,7 @@ impl ShownValues {
             ("stroke_m", &self.stroke_m),
             ("path_m", &self.path_m),
             ("detour_m", &self.detour_m),
-            ("bow_m", &self.bow_m),
+            ("bow_m", &self.lateral_m),
             ("axis", &self.axis),
             ("place_m", &self.place_m),
             ("distance", &self.distance),
@@ -67,7 +68,7 @@ impl ShownValues {
             stroke_m: range(&self.stroke_m),
             path_m: range(&self.path_m),
             detour_m: range(&self.detour_m).max,
-            bow_m: range(&self.bow_m).max,
+            lateral_m: range(&self.lateral_m).max,
             axis: range(&self.axis).max,
             place_m: range(&self.place_m).max,
         }

@@ -298,7 +298,7 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
             line!(text, "{name} = [{min:?}, {max:?}]");
         }
     }
-    for (name, max) in [("max_detour_m", bounds.max_detour_m), ("max_bow_m", bounds.max_bow_m)] {
+    for (name, max) in [("max_detour_m", bounds.max_detour_m), ("max_bow_m", bounds.max_lateral_m)] {
         if max.is_finite() {
             line!(text, "{name} = {max:?}");
         }
@@ -314,11 +314,11 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
 }
 
 fn shown_text(text: &mut String, shown: &Shown) {
-    let Shown { frames, reversals, stroke_m, path_m, detour_m, bow_m, axis, place_m } = shown;
+    let Shown { frames, reversals, stroke_m, path_m, detour_m, lateral_m, axis, place_m } = shown;
     let range = |Range { min, max }: &Range| format!("[{min:?}, {max:?}]");
     line!(
         text,
-        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, bow_m = {bow_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
+        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, bow_m = {lateral_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
         bounds_text(*frames),
         bounds_text(*reversals),
         range(stroke_m),

@@ -7,7 +7,7 @@
 //! depends on where its part lay. So a detour is told by how much longer the path is than the straight way. It was found in 1 of 15 runs of
 //! motion capture by the path, and in 15 of 15 by the detour.
 //!
-//! The spread of the bow that people are given in general was chosen knowing the runs of motion capture, so these do not test it.
+//! The spread of the lateral deviation that people are given in general was chosen knowing the runs of motion capture, so these do not test it.
 
 use super::bounds::UNBOUNDED;
 use super::kind::{is_at_another, is_directed, is_on_the_way, is_repeated, is_timed};
@@ -29,8 +29,8 @@ const PRIOR_DETOUR: f64 = 0.14;
 /// How people in general differ in the logarithm of a path, of a detour and of the number of reversals at another part where they work by feel and
 /// count no strokes: 0.2 to 0.3 in the median of simulated people who do.
 const PRIOR_BY_FEEL: f64 = 0.3;
-/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`STRAY_BOW_M`].
-const PRIOR_BOW: f64 = 0.12;
+/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`STRAY_LATERAL_M`].
+const PRIOR_LATERAL: f64 = 0.12;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
@@ -54,7 +54,7 @@ const STRAY_DETOUR_M: f64 = 0.1;
 
 /// A way that leads off the straight line by this differs half as much as it would if people differed only in how much they are inclined to go
 /// round, in metres.
-const STRAY_BOW_M: f64 = 0.1;
+const STRAY_LATERAL_M: f64 = 0.1;
 
 /// The share of the job's rate of false alarms that each of the two measures has by which people differ so much that what is wrong is found
 /// only near the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole,
@@ -62,7 +62,7 @@ const STRAY_BOW_M: f64 = 0.1;
 const NEAR_SHARE: f64 = 0.35;
 
 /// The share that a way has that leads too far off the straight line.
-const BOW_SHARE: f64 = 0.15;
+const LATERAL_SHARE: f64 = 0.15;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
 /// that have it share that equally.
@@ -71,7 +71,7 @@ pub(super) struct Rates {
     reversals: f64,
     stroke: f64,
     path: f64,
-    bow: f64,
+    lateral: f64,
     axis: f64,
     place: f64,
     duration: f64,
@@ -91,12 +91,12 @@ impl Rates {
                 ius.clone().filter(|(context, shown)| context.is_touch() && has(*context, shown)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - 2.0 * NEAR_SHARE - BOW_SHARE) / 5.0;
+        let other = (1.0 - 2.0 * NEAR_SHARE - LATERAL_SHARE) / 5.0;
         Self {
             reversals: rate(other, &|_, _| true),
             stroke: rate(NEAR_SHARE, &|_, shown| is_repeated(shown)),
             path: rate(other, &|_, _| true),
-            bow: rate(BOW_SHARE, &|context, _| is_on_the_way(context)),
+            lateral: rate(LATERAL_SHARE, &|context, _| is_on_the_way(context)),
             axis: rate(other, &|context, shown| is_directed(context, shown)),
             place: rate(other, &|context, _| is_at_another(context)),
             duration: rate(NEAR_SHARE, &is_timed),
@@ -137,9 +137,11 @@ impl Rates {
             } else {
                 any.max_detour_m
             },
-            max_bow_m: way
-                .filter(|_| is_law(Measure::Bow))
-                .map_or(any.max_bow_m, |way| self.max_bow_m(way, strength(Measure::Bow))),
+            max_lateral_m: way
+                .filter(|_| is_law(Measure::LateralDeviation))
+                .map_or(any.max_lateral_m, |way| {
+                    self.max_lateral_m(way, strength(Measure::LateralDeviation))
+                }),
             axis: if is_directed(context, shown) && is_law(Measure::Direction) {
                 self.axis(shown, strength(Measure::Direction))
             } else {
@@ -266,10 +268,14 @@ impl Rates {
     }
 
     /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
-    fn max_bow_m(&self, shown: &[Measures], strength: Strength) -> f32 {
-        let bows: Vec<f64> = shown.iter().map(|measures| measures.bow_m.into()).collect();
-        let (centre, apart) =
-            self.interval(&bows, PRIOR_BOW * (mean(&bows) + STRAY_BOW_M), 2.0 * self.bow, strength);
+    fn max_lateral_m(&self, shown: &[Measures], strength: Strength) -> f32 {
+        let laterals: Vec<f64> = shown.iter().map(|measures| measures.lateral_m.into()).collect();
+        let (centre, apart) = self.interval(
+            &laterals,
+            PRIOR_LATERAL * (mean(&laterals) + STRAY_LATERAL_M),
+            2.0 * self.lateral,
+            strength,
+        );
         (centre + apart) as f32
     }
 
@@ -324,7 +330,7 @@ pub(super) fn what_was_shown(
         stroke_m: of_runs(shown.iter().filter_map(|measures| measures.stroke_m).map(f64::from)),
         path_m: each(&|measures| measures.path_m),
         detour_m: each(&|measures| measures.detour_m),
-        bow_m: of_runs(way.iter().map(|measures| measures.bow_m.into())),
+        lateral_m: of_runs(way.iter().map(|measures| measures.lateral_m.into())),
         axis: from(axis.max, &|measures| axis.distance(measures.axis)),
         place_m: from(place_m.max, &|measures| place_m.distance(measures.place_m)),
         distance: of_runs(distances.iter().copied()),
