@@ -15,8 +15,8 @@ wire! { "andon.HandCouple", 60;
         position_m: [f32; 3],
         /// The finger tips on the bench in metres; NaN where they were neither seen nor assumed, or the hand does not act.
         tips_m: [f32; 3],
-        /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by errors that last, in metres; 0 where that is not known.
-        wanders_m: f32,
+        /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by drift, in metres; 0 where that is not known.
+        drift_m: f32,
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
         /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`, `OBJECT_DISPLACED`.

@@ -198,7 +198,7 @@ impl Line<'_> {
             let is_bench_hidden = input.below(8) == 0;
             let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
             let is_object_displaced = input.below(8) == 0;
-            let wanders_m = [0.0, 0.02, f32::MAX][usize::from(input.below(3))];
+            let drift_m = [0.0, 0.02, f32::MAX][usize::from(input.below(3))];
             let waiting = [Waiting::No, Waiting::Unknown, Waiting::Yes][usize::from(input.below(3))];
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
@@ -212,7 +212,7 @@ impl Line<'_> {
                     context: contexts[side.index()],
                     position,
                     tips: position,
-                    wanders_m,
+                    drift_m,
                     sight,
                     is_clear,
                     is_doubtful,

@@ -176,7 +176,7 @@ fn without_points_runs_that_are_seen_inexactly_are_right_and_their_faults_are_fo
 }
 
 #[test]
-fn without_points_runs_that_are_seen_with_errors_that_last_are_right_and_their_faults_are_found() {
+fn without_points_runs_that_are_seen_with_drift_are_right_and_their_faults_are_found() {
     let seed = environment::number("ANDON_SEED", 72);
     let [right, accused, found] = judged_with_errors(|number, capture| {
         capture.recording_with_lasting_errors(DEVIATION_M, 100 * seed + u64::from(number))

@@ -23,7 +23,7 @@ pub fn write(couples: &Couples, message: &mut Message) {
             distances_m: couple.distances,
             position_m: place_of(couple.position),
             tips_m: place_of(couple.tips),
-            wanders_m: couple.wanders_m,
+            drift_m: couple.drift_m,
             x_m: couple.motion.unwrap_or_default().0,
             flags: bit(couple.motion.is_some(), flag::MEASURED)
                 | bit(couple.is_clear, flag::CLEAR)
@@ -48,7 +48,7 @@ pub fn read(message: &Message) -> Couples {
         context: Context(place.x_c),
         position: point_of(place.position_m),
         tips: point_of(place.tips_m),
-        wanders_m: if place.wanders_m.is_finite() { place.wanders_m } else { 0.0 },
+        drift_m: if place.drift_m.is_finite() { place.drift_m } else { 0.0 },
         distances: place.distances_m,
         sight: place.sight.map(sight),
         waiting: waiting(place.waiting),
@@ -117,7 +117,7 @@ mod tests {
             context: Context([1, 5, 5, 6]),
             position: Some([0.1, -0.2, 0.3]),
             tips: Some([0.3, 0.1, 0.2]),
-            wanders_m: 0.017,
+            drift_m: 0.017,
             distances: [0.01, 0.02],
             sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
             is_clear: true,

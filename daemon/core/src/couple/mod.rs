@@ -6,12 +6,12 @@ pub(crate) mod geometry;
 mod grid;
 mod interaction;
 mod kinematics;
+pub(crate) mod noise;
 mod poses;
-pub(crate) mod scatter;
 mod scene;
 
 pub use encoder::{Encoder, Refused, Unusable};
-pub use scatter::apart_by_chance_m;
+pub use noise::apart_by_chance_m;
 
 use crate::capacity::{HANDS, TWINS};
 use crate::input::{Point, Side};
@@ -125,9 +125,9 @@ pub struct Couple {
     /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
     /// hand carries, or the hand does not act.
     pub tips: Option<Point>,
-    /// How far apart two positions of `o_j`, in the frame of reference of `o_l` if there is one, may be by errors that last, in metres; 0 where that
+    /// How far apart two positions of `o_j`, in the frame of reference of `o_l` if there is one, may be by drift, in metres; 0 where that
     /// is not known.
-    pub wanders_m: f32,
+    pub drift_m: f32,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
     /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
@@ -161,7 +161,7 @@ impl Couple {
             context: Context::IDLE,
             position: None,
             tips: None,
-            wanders_m: 0.0,
+            drift_m: 0.0,
             distances: [f32::INFINITY; 2],
             sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
             waiting: Waiting::No,

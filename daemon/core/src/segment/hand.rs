@@ -115,7 +115,7 @@ impl Segmenter {
             iu.so_far.waited = iu.so_far.waited.saturating_add((couple.waiting == Waiting::Yes).into());
             iu.so_far.is_in_sight &= couple.is_in_sight();
             iu.so_far.seen = iu.so_far.seen.saturating_add((couple.worst_sight() == Sight::Seen).into());
-            iu.meter.push(couple.position, couple.wanders_m);
+            iu.meter.push(couple.position, couple.drift_m);
             let Some(motion) = couple.motion else {
                 iu.unmeasured = iu.unmeasured.saturating_add(1);
                 return;

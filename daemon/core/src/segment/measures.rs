@@ -2,7 +2,7 @@
 
 use super::way::Way;
 use crate::couple::geometry::{norm, subtract};
-pub use crate::couple::scatter::MOVED_M;
+pub use crate::couple::noise::MOVED_M;
 use crate::input::Point;
 
 /// In as many frames in a row that were not seen, a motion may have reversed.
@@ -17,11 +17,11 @@ const SINGLE_FRAME: f32 = 0.2;
 /// bench ([`Couple::position`](crate::couple::Couple::position)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// How often the motion reversed, that is came back by more than 15 mm, or more than errors that last. A stroke lies between two reversals.
+    /// How often the motion reversed, that is came back by more than 15 mm, or more than the drift. A stroke lies between two reversals.
     pub reversals: u32,
     /// Mean length of a stroke in metres; `None` before the first whole one.
     pub stroke_m: Option<f32>,
-    /// Length of the path in metres, in steps of 15 mm, or more where errors last.
+    /// Length of the path in metres, in steps of 15 mm, or more where positions drift.
     pub path_m: f32,
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
@@ -84,9 +84,9 @@ pub(super) struct Meter {
 }
 
 impl Meter {
-    /// Takes the next frame, with the position if it is known. What is shorter than `wanders_m` may be errors.
-    pub(super) fn push(&mut self, position: Option<Point>, wanders_m: f32) {
-        self.moved_m = MOVED_M.max(wanders_m);
+    /// Takes the next frame, with the position if it is known. What is shorter than `drift_m` may be errors.
+    pub(super) fn push(&mut self, position: Option<Point>, drift_m: f32) {
+        self.moved_m = MOVED_M.max(drift_m);
         self.frames = self.frames.saturating_add(1);
         let Some(position) = position else {
             self.unknown = self.unknown.saturating_add(1);

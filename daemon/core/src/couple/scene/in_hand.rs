@@ -123,7 +123,7 @@ impl Scene {
             && self.goes_away(object, age)
     }
 
-    /// Whether an object has gone farther than a contact is long when a change would be believed: errors that last do not.
+    /// Whether an object has gone farther than a contact is long when a change would be believed: drift does not take it there.
     fn goes_away(&self, object: usize, age: usize) -> bool {
         let seen = |age: usize| self.seen_object(object, age);
         let way = seen(age).zip(self.newest_known(age, seen));
@@ -319,7 +319,7 @@ impl Scene {
         let from_frame_to_frame_m =
             self.apart_by_chance_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
         // No tracker sees finger tips more exactly than parts.
-        from_frame_to_frame_m.max(SQRT_2 * self.wanders_m(object))
+        from_frame_to_frame_m.max(SQRT_2 * self.drift_m(object))
     }
 
     /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that.
@@ -336,7 +336,7 @@ impl Scene {
             let led = subtract(hands.ago(newest).grip(), hands.ago(age).grip());
             norm(followed) > f32::max(path_m / 2.0, self.rest_m())
                 && dot(led, followed) > dot(followed, followed) / 4.0
-                && norm(followed) > self.wanders_m(object)
+                && norm(followed) > self.drift_m(object)
                 && norm(followed) > self.apart_by_chance_m(age, |age| self.seen_object(object, age))
         })
     }

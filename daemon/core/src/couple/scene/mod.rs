@@ -1,5 +1,6 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
+mod drift;
 mod glimpse;
 mod grip;
 mod hold;
@@ -10,14 +11,13 @@ mod sides;
 mod sight;
 mod start;
 mod waiting;
-mod wander;
 
 use super::contact::Edge;
 use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
+use super::noise::{Drift, MOVED_M, apart_by_chance_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
-use super::scatter::{MOVED_M, Wandering, apart_by_chance_m};
 use super::{Context, Couple, Couples, Motion, Sight, Waiting};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES, TWINS};
 use crate::config::Method;
@@ -46,7 +46,7 @@ struct Node {
     /// For each hand, whether it was moved while it was hidden, and that hand has not been seen to begin with it since.
     is_displaced: [bool; HANDS],
     leap: Leap,
-    wandering: Wandering,
+    drift: Drift,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
@@ -71,7 +71,7 @@ impl Node {
             known_frames: 0,
             is_displaced: [false; HANDS],
             leap: Leap::default(),
-            wandering: Wandering::default(),
+            drift: Drift::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],
@@ -326,7 +326,7 @@ impl Scene {
         });
         let waiting = [0, 1].map(|hand| self.waiting(&hands[hand], &hands[1 - hand], age));
         hands.iter_mut().zip(waiting).for_each(|(couple, waiting)| couple.waiting = waiting);
-        self.push_wandering(age);
+        self.push_drift(age);
         Couples {
             captured_ns: *self.times_ns.ago(age),
             known_ns,
@@ -393,7 +393,7 @@ impl Scene {
                 .filter(|_| is_known)
                 .and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
             tips,
-            wanders_m: from_hand.map_or(0.0, |j| self.pair_wanders_m(j, l)),
+            drift_m: from_hand.map_or(0.0, |j| self.pair_drift_m(j, l)),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),

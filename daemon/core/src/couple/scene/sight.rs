@@ -85,7 +85,7 @@ impl Scene {
                     .all(|pair| pair.is_some_and(|(to, from)| norm(subtract(to, from)) > min_m))
             };
             is_farther(self.rest_m())
-                && is_farther(self.objects[object].wandering.apart_at_most_m())
+                && is_farther(self.objects[object].drift.max_bound_m())
                 && is_farther(self.apart_by_chance_m(persist, seen))
         };
         // What moves while both hands are seen elsewhere was pushed, or is touched farther away than contacts reach: no hand is unseen.
