@@ -11,7 +11,7 @@ mod poses;
 mod scene;
 
 pub use encoder::{Encoder, Refused, Unusable};
-pub use noise::apart_by_chance_m;
+pub use noise::jitter_bound_m;
 
 use crate::capacity::{HANDS, TWINS};
 use crate::input::{Point, Side};

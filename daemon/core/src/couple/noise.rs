@@ -14,19 +14,19 @@ pub const MOVED_M: f32 = 0.015;
 
 /// Two positions of what lies still are hardly ever farther apart than this multiple of the standard deviation of one: in the plane once in 270,000
 /// times if that is known, and once in some thousand times as it is estimated here.
-const APART_BY_CHANCE: f32 = 5.0;
+const NOISE_BOUND_SIGMAS: f32 = 5.0;
 
 /// The variance of a third difference, as a multiple of that of a position: 1 + 9 + 9 + 1.
-const OF_THIRD_DIFFERENCE: f32 = 20.0;
+const THIRD_DIFFERENCE_VARIANCE: f32 = 20.0;
 
-/// The square of a third difference counts up to this multiple of the one in the middle: of errors one in 500 exceeds it.
-const MAX_OF_MIDDLE: f32 = 9.0;
+/// Squares of third differences are clipped at this multiple of their median: of errors one in 500 exceeds it.
+const CLIP_AT_MEDIANS: f32 = 9.0;
 
 /// Fewer third differences tell nothing.
-const MIN_COUNT: usize = 4;
+const MIN_DIFFERENCES: usize = 4;
 
 /// As many are used, the first ones.
-const MAX_COUNT: usize = 2 * PERSIST_FRAMES;
+const MAX_DIFFERENCES: usize = 2 * PERSIST_FRAMES;
 
 /// Fewer frames tell nothing of the drift, and so many are remembered: 10 s of the default frame rate.
 const MIN_DRIFT_FRAMES: u16 = 10;
@@ -49,8 +49,8 @@ const CLIP_AT_MEANS: f32 = 9.0;
 /// Jitter is what differs from frame to frame. The errors of a tracker that filters are correlated, and only `Drift` shows them. Jitter is taken
 /// from third differences, in which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is
 /// misread is in four of them, which count no more than large errors do.
-pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
-    let mut squares: Vec<f32, MAX_COUNT> = Vec::new();
+pub fn jitter_bound_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
+    let mut squares: Vec<f32, MAX_DIFFERENCES> = Vec::new();
     // The newest three, the newest first.
     let mut before = [None; 3];
     for position in positions {
@@ -66,13 +66,13 @@ pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 
         }
         before = [position, before[0], before[1]];
     }
-    if squares.len() < MIN_COUNT {
+    if squares.len() < MIN_DIFFERENCES {
         return 0.0;
     }
     let middle = (squares.len() - 1) / 2;
-    let max = MAX_OF_MIDDLE * *squares.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let max = CLIP_AT_MEDIANS * *squares.select_nth_unstable_by(middle, f32::total_cmp).1;
     let mean = squares.iter().map(|square| square.min(max)).sum::<f32>() / squares.len() as f32;
-    APART_BY_CHANCE * libm::sqrtf(mean / OF_THIRD_DIFFERENCE)
+    NOISE_BOUND_SIGMAS * libm::sqrtf(mean / THIRD_DIFFERENCE_VARIANCE)
 }
 
 /// How far something that nobody acts on seems to move while a change is believed.
@@ -120,7 +120,7 @@ impl Drift {
         }
     }
 
-    /// As [`apart_by_chance_m`]; `None` where it has not been seen to lie still for long enough.
+    /// As [`jitter_bound_m`]; `None` where it has not been seen to lie still for long enough.
     pub(super) fn bound_m(&self) -> Option<f32> {
         self.known.bound_m()
     }
@@ -145,7 +145,7 @@ impl MeanSquare {
     /// How far apart two positions are if the variance is such a multiple of what it seems.
     fn apart_m(self, multiple: f32) -> f32 {
         // Two positions have their errors.
-        APART_BY_CHANCE * libm::sqrtf(self.mean / 2.0 * multiple)
+        NOISE_BOUND_SIGMAS * libm::sqrtf(self.mean / 2.0 * multiple)
     }
 
     /// How much larger the variance may be than it seems.
@@ -175,7 +175,7 @@ mod tests {
 
     /// Of positions on a line that are given for each frame.
     fn along(position: impl Fn(i32) -> f32) -> f32 {
-        apart_by_chance_m((0..2 * PERSIST_FRAMES as i32).map(|frame| Some([position(frame), 0.0, 0.0])))
+        jitter_bound_m((0..2 * PERSIST_FRAMES as i32).map(|frame| Some([position(frame), 0.0, 0.0])))
     }
 
     /// Each frame has an error of its own, of a standard deviation of 1 mm.
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn what_lies_still_shows_its_drift_and_nothing_of_being_moved_unseen() {
         let mut drift = Drift::default();
-        let drift_m = APART_BY_CHANCE * 0.002 / libm::sqrtf(2.0);
+        let drift_m = NOISE_BOUND_SIGMAS * 0.002 / libm::sqrtf(2.0);
         let is_about = |drift: &Drift, share: f32| {
             let apart_m = drift.bound_m();
             apart_m.is_some_and(|apart_m| (drift_m..share * drift_m).contains(&apart_m))
@@ -243,6 +243,6 @@ mod tests {
     #[test]
     fn where_every_fourth_frame_is_missing_nothing_is_known_of_errors() {
         let seen = |frame: i32| (frame % 4 > 0).then_some([(frame % 3) as f32, 0.0, 0.0]);
-        assert_eq!(apart_by_chance_m((0..100).map(seen)), 0.0);
+        assert_eq!(jitter_bound_m((0..100).map(seen)), 0.0);
     }
 }

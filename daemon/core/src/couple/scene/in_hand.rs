@@ -263,7 +263,7 @@ impl Scene {
         }
         let (speed, (_, path_m)) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
-        let seems_to_rest = || path_m <= AT_REST * self.slips_by_chance_m(hand, object, age);
+        let seems_to_rest = || path_m <= AT_REST * self.noise_displacement_m(hand, object, age);
         Some(speed < self.method.rest_speed_m_s && (path_m <= self.rest_m() || seems_to_rest()))
     }
 
@@ -310,16 +310,15 @@ impl Scene {
         // The errors come last, because they take longest.
         let slips = path_m > self.slipped_m()
             && !self.follows(hand, object, age)
-            && path_m > self.slips_by_chance_m(hand, object, age);
+            && path_m > self.noise_displacement_m(hand, object, age);
         slips.then_some(newest)
     }
 
     /// How far a hand that rests at an object seems to move along it at most, by the errors of both, in metres.
-    fn slips_by_chance_m(&self, hand: usize, object: usize, age: usize) -> f32 {
-        let from_frame_to_frame_m =
-            self.apart_by_chance_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
+    fn noise_displacement_m(&self, hand: usize, object: usize, age: usize) -> f32 {
+        let jitter_m = self.jitter_bound_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
         // No tracker sees finger tips more exactly than parts.
-        from_frame_to_frame_m.max(SQRT_2 * self.drift_m(object))
+        jitter_m.max(SQRT_2 * self.drift_m(object))
     }
 
     /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that.
@@ -337,7 +336,7 @@ impl Scene {
             norm(followed) > f32::max(path_m / 2.0, self.rest_m())
                 && dot(led, followed) > dot(followed, followed) / 4.0
                 && norm(followed) > self.drift_m(object)
-                && norm(followed) > self.apart_by_chance_m(age, |age| self.seen_object(object, age))
+                && norm(followed) > self.jitter_bound_m(age, |age| self.seen_object(object, age))
         })
     }
 

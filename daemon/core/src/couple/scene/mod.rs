@@ -16,7 +16,7 @@ use super::contact::Edge;
 use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
-use super::noise::{Drift, MOVED_M, apart_by_chance_m};
+use super::noise::{Drift, MOVED_M, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Sight, Waiting};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES, TWINS};
@@ -33,8 +33,8 @@ use meeting::Shape;
 use sides::Sides;
 use start::Start;
 
-/// Positions are off their parabola by errors alone if they are by no more than this share of how far apart they are by chance: a third.
-const ERRORS: f32 = 3.0;
+/// A parabola explains the positions if their noise bound is at least this multiple of its residual.
+const NOISE_PER_RESIDUAL: f32 = 3.0;
 
 /// An object as a node of the graph.
 #[derive(Clone, Debug)]
@@ -438,11 +438,12 @@ impl Scene {
     /// after it says where it was, unless they are farther off that than their errors: what moves so quickly stays as it is seen.
     fn steady(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> Option<Point> {
         let seen = known(age)?;
-        let by_chance_m = apart_by_chance_m(self.around(age).map(known));
-        if by_chance_m <= MOVED_M {
+        let jitter_m = jitter_bound_m(self.around(age).map(known));
+        if jitter_m <= MOVED_M {
             return Some(seen);
         }
-        let steady = self.kinematics(age, known).filter(|motion| ERRORS * motion.residual_m <= by_chance_m);
+        let steady =
+            self.kinematics(age, known).filter(|motion| NOISE_PER_RESIDUAL * motion.residual_m <= jitter_m);
         Some(steady.map_or(seen, |motion| motion.position))
     }
 
@@ -496,11 +497,8 @@ impl Scene {
 
     /// How far apart two positions of what lies still seem to be at most, by the errors of what sees it, in metres: as they are in all frames that
     /// are remembered, or in those around `age` if they are worse, as where fingers pass before a marker; 0 where they are not known.
-    fn apart_by_chance_m(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> f32 {
-        f32::max(
-            apart_by_chance_m((0..REMEMBERED).map(known)),
-            apart_by_chance_m(self.around(age).map(known)),
-        )
+    fn jitter_bound_m(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> f32 {
+        f32::max(jitter_bound_m((0..REMEMBERED).map(known)), jitter_bound_m(self.around(age).map(known)))
     }
 
     /// The ages of a frame and of the `persist_frames` before and after it.

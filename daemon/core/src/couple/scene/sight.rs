@@ -86,7 +86,7 @@ impl Scene {
             };
             is_farther(self.rest_m())
                 && is_farther(self.objects[object].drift.max_bound_m())
-                && is_farther(self.apart_by_chance_m(persist, seen))
+                && is_farther(self.jitter_bound_m(persist, seen))
         };
         // What moves while both hands are seen elsewhere was pushed, or is touched farther away than contacts reach: no hand is unseen.
         let is_any_hidden =

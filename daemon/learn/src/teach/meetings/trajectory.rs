@@ -88,7 +88,7 @@ impl Trajectories {
         let mut ways = Self {
             times_s: frames.iter().map(|frame| frame.captured_ns as f64 * 1e-9).collect(),
             hands: [0, 1].map(of_hand),
-            min_ways_m: objects.iter().map(|poses| apart_by_chance_m(poses).max(MIN_WAY_M)).collect(),
+            min_ways_m: objects.iter().map(|poses| jitter_bound_m(poses).max(MIN_WAY_M)).collect(),
             objects,
             carried: Vec::new(),
         };
@@ -374,7 +374,7 @@ fn strokes<'a>(
 }
 
 /// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.
-fn apart_by_chance_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
+fn jitter_bound_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
     let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
     statistics::noise_m(&poses.iter().map(place).collect::<Vec<_>>())
 }
