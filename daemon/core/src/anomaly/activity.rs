@@ -3,7 +3,7 @@
 //! A part of an optional step may be touched in other ways as well, because runs without that step were shown as right. What begins like
 //! the step and is not like it gets a note. It is an anomaly only with a part that the job does not know, or out of order.
 
-use super::missed::Cause;
+use super::occlusion::Cause;
 use super::places::{Junction, Places};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;

@@ -4,7 +4,7 @@ use super::activity::{Against, OpenActivity, Step, context_reason};
 use super::comparison::Memory;
 use super::extent::Extent;
 use super::hand::{Finding, HandJudge, OpenIu};
-use super::missed::{Cause, Missed, too_few_frames};
+use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Couple, Motion, Sight, Waiting};
@@ -51,10 +51,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, is_captured: bool, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
-        self.missed.skip_to(couple.captured_ns, is_captured);
+        self.occlusions.skip_to(couple.captured_ns, is_captured);
         let hidden = self.watch.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
-        progress.count_missed(couple, is_captured, hidden > 0);
+        progress.count_occluded(couple, is_captured, hidden > 0);
         self.note_never_seen(progress);
         if let Some(activity) = &mut self.activity {
             activity.add_hidden(self.watch.newly_hidden());
@@ -264,9 +264,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_rest;
         if is_forgotten {
-            self.missed.forget();
+            self.occlusions.forget();
         } else {
-            self.missed.count(couple, is_captured);
+            self.occlusions.count(couple, is_captured);
         }
         if !self.watch.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
             self.confirm_iu(couple, progress, emit);
@@ -453,14 +453,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if self.is_broken_off {
             Reason::BrokenOff.into()
         } else if self.iu.is_some_and(is_uncaptured) {
-            self.missed.frames_missing(min_captured)
-        } else if is_begun_late && self.missed.is_within(self.watch.min_idle_frames()) {
+            self.occlusions.frames_missing(min_captured)
+        } else if is_begun_late && self.occlusions.is_within(self.watch.min_idle_frames()) {
             Reason::BeginningNotSeen.into()
         } else {
-            let own = [self.missed];
-            Missed::main_cause(&own, min_captured, progress.persist_frames)
+            let own = [self.occlusions];
+            OcclusionLog::main_cause(&own, min_captured, progress.persist_frames)
                 .or(self.newest_unjudged)
-                .or(Missed::cause(&own, min_captured))
+                .or(OcclusionLog::cause(&own, min_captured))
                 .unwrap_or_else(|| progress.unseen_cause())
         }
     }

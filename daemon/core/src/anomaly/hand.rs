@@ -3,7 +3,7 @@
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
 use super::extent::Extent;
-use super::missed::{Cause, Missed, percent};
+use super::occlusion::{Cause, OcclusionLog, percent};
 use super::progress::Progress;
 use super::watch::Watch;
 use crate::config::Method;
@@ -60,7 +60,7 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
     /// Of the open activity, and of the doubt before it.
-    pub(super) missed: Missed,
+    pub(super) occlusions: OcclusionLog,
     /// Why its newest activity was not judged, of which the next one may be the rest.
     pub(super) newest_unjudged: Option<Cause>,
     /// The couples have broken off.
@@ -99,7 +99,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,
             iu: None,
-            missed: Missed::new(side, method.period_ns()),
+            occlusions: OcclusionLog::new(side, method.period_ns()),
             newest_unjudged: None,
             is_broken_off: false,
         }
@@ -319,7 +319,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             (outcome, cause) = (Outcome::Ok, Reason::None.into());
             progress.set_no_step(self.activity.as_ref().map_or(0, |activity| activity.number));
         }
-        let Cause { reason, missing } = self.missed.until_now(cause);
+        let Cause { reason, missing } = self.occlusions.until_now(cause);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
         if activity.step == Step::NotShown {

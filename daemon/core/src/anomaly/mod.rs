@@ -75,7 +75,7 @@ mod grip;
 mod hand;
 mod instead;
 mod measure;
-mod missed;
+mod occlusion;
 mod places;
 mod progress;
 mod settle;
@@ -94,7 +94,7 @@ use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
 use hand::HandJudge;
-use missed::Missed;
+use occlusion::OcclusionLog;
 use progress::Progress;
 use twice::Twice;
 
@@ -257,7 +257,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 progress: Progress::new(
                     job,
                     method.persist_frames.into(),
-                    Side::ALL.map(|side| Missed::new(side, method.period_ns())),
+                    Side::ALL.map(|side| OcclusionLog::new(side, method.period_ns())),
                 ),
             },
         })

@@ -40,7 +40,7 @@ pub(super) fn percent(frames: u32, of: u32) -> Option<u8> {
 
 /// How many frames did not show what a hand acts on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Missed {
+pub(super) struct OcclusionLog {
     side: Side,
     period_ns: u64,
     newest_ns: u64,
@@ -59,7 +59,7 @@ pub(super) struct Missed {
     objects: [(u16, u32); COUNTED],
 }
 
-impl Missed {
+impl OcclusionLog {
     pub(super) fn new(side: Side, period_ns: u64) -> Self {
         Self {
             side,
@@ -127,9 +127,9 @@ impl Missed {
 
     /// Why too little is known of what these hands did, as far as it is that frames never came or did not show it: whichever are more.
     /// `None` where all frames came and showed everything.
-    pub(super) fn cause(missed: &[Self], min_captured: f32) -> Option<Cause> {
-        let uncaptured = missed.iter().max_by_key(|missed| missed.uncaptured)?;
-        let captured = missed.iter().max_by_key(|missed| missed.captured)?;
+    pub(super) fn cause(logs: &[Self], min_captured: f32) -> Option<Cause> {
+        let uncaptured = logs.iter().max_by_key(|log| log.uncaptured)?;
+        let captured = logs.iter().max_by_key(|log| log.captured)?;
         if uncaptured.uncaptured > captured.captured {
             Some(uncaptured.frames_missing(min_captured))
         } else {
@@ -151,9 +151,9 @@ impl Missed {
     }
 
     /// The same, where so many frames are missing as a change takes to be believed (`persist_frames`): fewer seldom are the reason.
-    pub(super) fn main_cause(missed: &[Self], min_captured: f32, persist_frames: u32) -> Option<Cause> {
-        let is_any = missed.iter().any(|missed| !missed.is_within(persist_frames.saturating_sub(1)));
-        Self::cause(missed, min_captured).filter(|_| is_any)
+    pub(super) fn main_cause(logs: &[Self], min_captured: f32, persist_frames: u32) -> Option<Cause> {
+        let is_any = logs.iter().any(|log| !log.is_within(persist_frames.saturating_sub(1)));
+        Self::cause(logs, min_captured).filter(|_| is_any)
     }
 
     /// No more frames than this did not show what the hand acts on.
