@@ -2,7 +2,7 @@
 
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
-use super::extent::Extent;
+use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, percent};
 use super::progress::Progress;
 use super::watch::Watch;
@@ -19,7 +19,7 @@ pub(super) struct OpenIu {
     pub(super) number: u16,
     pub(super) context: Context,
     pub(super) began_ns: u64,
-    pub(super) extent: Extent,
+    pub(super) observation: IuObservation,
     /// How many of its frames were captured.
     pub(super) captured: u32,
     /// The measure that is out of its bounds, once that was decided.
@@ -35,17 +35,17 @@ pub(super) struct OpenIu {
 impl OpenIu {
     /// How many of a hundred frames were captured; `None` before the first.
     fn captured_percent(&self) -> Option<u8> {
-        percent(self.captured, self.extent.frames)
+        percent(self.captured, self.observation.frames)
     }
 
     /// In how many of a hundred frames the hand and each object that it acts on were seen; `None` before the first.
     fn seen_percent(&self) -> Option<u8> {
-        percent(self.extent.frames.saturating_sub(self.extent.assumed), self.extent.frames)
+        percent(self.observation.frames.saturating_sub(self.observation.assumed), self.observation.frames)
     }
 
     /// Whether enough frames were captured for the motion to be known as well as the job needs. One frame more or less is no difference.
     pub(super) fn is_captured(&self, min_share: f32) -> bool {
-        (self.captured + 1) as f32 >= min_share * self.extent.frames as f32
+        (self.captured + 1) as f32 >= min_share * self.observation.frames as f32
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which measure of an IU is not right.
 
-use super::extent::{ENDS, Extent, GIVES_WAY};
+use super::observation::{ENDS, GIVES_WAY, IuObservation};
 use crate::bounds::{Around, Range};
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
@@ -9,7 +9,7 @@ use crate::verdict::{Measure, Measured, Reason};
 /// A stroke goes to and fro.
 const PER_STROKE: u32 = 2;
 
-impl Extent {
+impl IuObservation {
     /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
     /// `may_be_hidden` only if no motion in the frames that were not seen could have kept it. A path that was seen is not
     /// too long only because something else was not.
@@ -168,16 +168,16 @@ mod tests {
         let broken = |gap: u32| {
             let measures = Measures { hidden: 0.03, ..Measures::default() };
             let (gap_before, gap_after, ended) = (gap, gap, true);
-            let extent = Extent {
+            let observation = IuObservation {
                 frames: 12,
                 assumed: 2,
                 measures,
                 gap_before,
                 gap_after,
                 ended,
-                ..Extent::default()
+                ..IuObservation::default()
             };
-            extent.broken(&iu, true)
+            observation.broken(&iu, true)
         };
         assert_eq!(broken(1), Some((Reason::TooShort, Measure::Duration)));
         assert_eq!(broken(5), None);

@@ -48,7 +48,7 @@
 //!   long as the quickest person needs, what may have come before the first frame, what a part that was never seen is used for. A law is broken,
 //!   and a step is missing, only if it is so at the wider end; the job is right only if it is so at the narrower one. The bench takes away: what
 //!   lies where the job begins has not come.
-//! - *A measure* lies between what was seen and that with what fits into the gaps (`extent`): strokes, path and frames that were hidden, ends
+//! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`): strokes, path and frames that were hidden, ends
 //!   that may have shifted, the time in which the hand may have waited. It is wrong if all of it is out of its bounds.
 //! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right,
 //!   and one of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
@@ -61,7 +61,7 @@
 //! rests on and in the doubt before it. An activity and a job have the first such thing in them.
 //!
 //! What is assumed, so that more is judged, is said where it is: hidden strokes go on at the pace of those that were seen, in at most a quarter of an
-//! IU (`extent`); the first step that is seen begins its piece, and both hands are at the same piece
+//! IU (`observation`); the first step that is seen begins its piece, and both hands are at the same piece
 //! (`progress::order`); what was not seen keeps the order of six runs or more (`progress`).
 //!
 //! [`Couple::is_doubtful`]: crate::couple::Couple::is_doubtful
@@ -70,11 +70,11 @@
 mod activity;
 mod algorithm;
 mod comparison;
-mod extent;
 mod grip;
 mod hand;
 mod instead;
 mod measure;
+mod observation;
 mod occlusion;
 mod places;
 mod progress;

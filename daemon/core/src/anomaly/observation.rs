@@ -9,7 +9,7 @@ pub(super) const GIVES_WAY: f32 = 2.0;
 
 /// How long the IU is, what it measures, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Extent {
+pub(super) struct IuObservation {
     pub(super) frames: u32,
     /// In how many of them the hand waited for the other one.
     pub(super) waited: u32,
@@ -39,7 +39,7 @@ pub(super) const ENDS: u32 = 2;
 /// half of the strokes could seem to be all of them.
 const MAX_ASSUMED: f32 = 0.25;
 
-impl Extent {
+impl IuObservation {
     /// How many frames the IU lasts without those in which the hand waited for the other one. A hand may wait for any time.
     pub(super) fn worked_frames(&self) -> u32 {
         self.frames.saturating_sub(self.waited)
