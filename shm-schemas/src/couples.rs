@@ -19,7 +19,7 @@ wire! { "andon.HandCouple", 60;
         drift_m: f32,
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
-        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
+        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `OBJECT_AMBIGUOUS`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
         flags: u8,
         /// The sight of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
         sight: [u8; 3],

@@ -257,9 +257,9 @@ fn assume(couples: &mut [Couples], what: usize) {
     }
 }
 
-/// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden; `is_rivalled` is whether the hand
+/// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden; `is_object_ambiguous` is whether the hand
 /// may have taken that instead, for as long as it holds what it took.
-fn taken_in_doubt(is_rivalled: bool) -> Vec<String> {
+fn taken_in_doubt(is_object_ambiguous: bool) -> Vec<String> {
     let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
     let mut couples = stream(&right, &[]);
     assume(&mut couples[15..25], 1);
@@ -267,7 +267,7 @@ fn taken_in_doubt(is_rivalled: bool) -> Vec<String> {
         couples.hands[0].is_doubtful = true;
     }
     for couples in &mut couples[20..128] {
-        couples.hands[0].is_rivalled = is_rivalled;
+        couples.hands[0].is_object_ambiguous = is_object_ambiguous;
     }
     judged(&polish_and_measure(), &couples).iter().map(short).collect()
 }
@@ -288,15 +288,17 @@ fn what_is_done_with_an_object_that_may_be_another_one_accuses_nobody() {
 
 #[test]
 fn what_is_done_with_an_object_beside_which_another_one_was_first_seen_accuses_nobody() {
-    let verdicts = |is_rivalled: bool, is_new: bool| -> Vec<String> {
+    let verdicts = |is_object_ambiguous: bool, is_new: bool| -> Vec<String> {
         let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
         let mut couples = stream(&right, &[]);
         couples[22..30].iter_mut().for_each(|couples| couples.hands[0].is_object_new = is_new);
-        couples[20..128].iter_mut().for_each(|couples| couples.hands[0].is_rivalled = is_rivalled);
+        couples[20..128]
+            .iter_mut()
+            .for_each(|couples| couples.hands[0].is_object_ambiguous = is_object_ambiguous);
         judged(&polish_and_measure(), &couples).iter().map(short).collect()
     };
-    for (is_rivalled, is_new) in [(true, false), (false, true)] {
-        assert_eq!(verdicts(is_rivalled, is_new).last().unwrap(), "JobAnomaly TooShort");
+    for (is_object_ambiguous, is_new) in [(true, false), (false, true)] {
+        assert_eq!(verdicts(is_object_ambiguous, is_new).last().unwrap(), "JobAnomaly TooShort");
     }
     let in_doubt = verdicts(true, true);
     assert!(in_doubt.iter().all(|verdict| !verdict.contains("Anomaly")), "{in_doubt:?}");

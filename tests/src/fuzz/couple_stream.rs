@@ -196,7 +196,7 @@ impl Line<'_> {
             let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
             let is_carried_unseen = input.below(8) == 0;
             let is_bench_hidden = input.below(8) == 0;
-            let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
+            let (is_object_ambiguous, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
             let is_object_displaced = input.below(8) == 0;
             let drift_m = [0.0, 0.02, f32::MAX][usize::from(input.below(3))];
             let waiting = [Waiting::No, Waiting::Unknown, Waiting::Yes][usize::from(input.below(3))];
@@ -216,7 +216,7 @@ impl Line<'_> {
                     sight,
                     is_clear,
                     is_doubtful,
-                    is_rivalled,
+                    is_object_ambiguous,
                     is_object_new,
                     is_object_displaced,
                     waiting,

@@ -28,7 +28,7 @@ pub fn write(couples: &Couples, message: &mut Message) {
             flags: bit(couple.motion.is_some(), flag::MEASURED)
                 | bit(couple.is_clear, flag::CLEAR)
                 | bit(couple.is_doubtful, flag::DOUBTFUL)
-                | bit(couple.is_rivalled, flag::RIVALLED)
+                | bit(couple.is_object_ambiguous, flag::OBJECT_AMBIGUOUS)
                 | bit(couple.is_object_new, flag::OBJECT_NEW)
                 | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED),
             sight: couple.sight.map(|sight| sight as u8),
@@ -54,7 +54,7 @@ pub fn read(message: &Message) -> Couples {
         waiting: waiting(place.waiting),
         is_clear: place.flags & flag::CLEAR != 0,
         is_doubtful: place.flags & flag::DOUBTFUL != 0,
-        is_rivalled: place.flags & flag::RIVALLED != 0,
+        is_object_ambiguous: place.flags & flag::OBJECT_AMBIGUOUS != 0,
         is_object_new: place.flags & flag::OBJECT_NEW != 0,
         is_object_displaced: place.flags & flag::OBJECT_DISPLACED != 0,
         hidden_object: place.hidden_object,
@@ -122,7 +122,7 @@ mod tests {
             sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
             is_clear: true,
             is_doubtful: false,
-            is_rivalled: true,
+            is_object_ambiguous: true,
             is_object_new: true,
             is_object_displaced: true,
             waiting: Waiting::Yes,

@@ -26,7 +26,7 @@
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
 //!   context has been shown without doubt; what was hidden before lies before it.
 //! - *Rival*: another object that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
-//!   ([`Couple::is_rivalled`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
+//!   ([`Couple::is_object_ambiguous`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
 //!   before the end.
@@ -65,7 +65,7 @@
 //! (`progress::order`); what was not seen keeps the order of six runs or more (`progress`).
 //!
 //! [`Couple::is_doubtful`]: crate::couple::Couple::is_doubtful
-//! [`Couple::is_rivalled`]: crate::couple::Couple::is_rivalled
+//! [`Couple::is_object_ambiguous`]: crate::couple::Couple::is_object_ambiguous
 
 mod activity;
 mod algorithm;

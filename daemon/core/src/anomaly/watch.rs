@@ -146,7 +146,7 @@ impl Watch {
         let matters = self.may_be_new || appears || self.is_object_new;
         let is_first_seen = couple.is_object_new && matters;
         self.is_object_new = is_first_seen || couple.is_object_displaced;
-        self.is_held_doubtful |= is_first_seen && couple.is_rivalled;
+        self.is_held_doubtful |= is_first_seen && couple.is_object_ambiguous;
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
@@ -166,7 +166,7 @@ impl Watch {
         if held != before && held != 0 {
             self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
         }
-        self.is_held_doubtful &= couple.is_rivalled;
+        self.is_held_doubtful &= couple.is_object_ambiguous;
     }
 
     /// Where the context changed with the newest couple, it may have changed as many frames before.

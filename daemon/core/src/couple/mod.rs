@@ -140,7 +140,7 @@ pub struct Couple {
     /// Too little was seen here: a context may have come, gone or changed unseen, or may be another one.
     pub is_doubtful: bool,
     /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
-    pub is_rivalled: bool,
+    pub is_object_ambiguous: bool,
     /// `o_j` or `o_l` had been seen only just before this began, so the hand may have done before what it is seen to do now.
     pub is_object_new: bool,
     /// `o_j` or `o_l` had been hidden before this began, and was then seen elsewhere than before: a hand has moved it, and may have done before
@@ -167,7 +167,7 @@ impl Couple {
             waiting: Waiting::No,
             is_clear: false,
             is_doubtful: true,
-            is_rivalled: false,
+            is_object_ambiguous: false,
             is_object_new: false,
             is_object_displaced: false,
             hidden_object: 0,

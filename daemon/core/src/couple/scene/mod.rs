@@ -55,7 +55,7 @@ struct Node {
     /// For each hand, whether it may have been near the object since that was last seen.
     may_be_touched: [bool; HANDS],
     /// For each hand, whether it may act on this object instead of its `o_j`.
-    is_rival: [bool; HANDS],
+    may_be_held_instead: [bool; HANDS],
     /// Where it was when a hand was last seen anywhere.
     attended: Option<Point>,
     /// No hand was seen for a while since then.
@@ -76,7 +76,7 @@ impl Node {
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],
             may_be_touched: [false; HANDS],
-            is_rival: [false; HANDS],
+            may_be_held_instead: [false; HANDS],
             attended: None,
             was_unattended: false,
             start: Start::new(start),
@@ -407,7 +407,7 @@ impl Scene {
                 || self.may_have_left(hand, interaction, age)
                 || self.may_have_met_or_parted(interaction, age)
                 || self.may_be_in_other_hand(hand, interaction, age),
-            is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
+            is_object_ambiguous: self.objects.iter().any(|node| node.may_be_held_instead[hand]),
             is_object_new: self.is_new[hand],
             is_object_displaced: self.is_displaced[hand],
             hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),

@@ -206,7 +206,7 @@ impl Scene {
                 let touched = &mut node.may_be_touched[hand];
                 *touched |= !edge.is_known() || edge.is_near();
                 let is_seen_apart = pose.source == Source::Seen && edge.is_known() && !edge.is_near();
-                node.is_rival[hand] &= match interaction {
+                node.may_be_held_instead[hand] &= match interaction {
                     _ if interaction.held() == Some(object) => {
                         pose.source != Source::Seen || !edge.is_known() || !edge.is_near()
                     }
@@ -214,7 +214,8 @@ impl Scene {
                     _ => !is_back || *touched,
                 };
                 // What it was when it was seen again is decided once and for all.
-                *touched = if pose.source == Source::Seen { node.is_rival[hand] } else { *touched };
+                *touched =
+                    if pose.source == Source::Seen { node.may_be_held_instead[hand] } else { *touched };
             }
         }
     }
@@ -242,7 +243,7 @@ impl Scene {
                 && node.poses.ago(0).source == Source::Seen
                 && held.is_some_and(|held| held != object && touch.is_near());
             let is_new = is_taken && is_in_doubt || appears;
-            node.is_rival[hand] = held.is_some() && (node.is_rival[hand] || is_new);
+            node.may_be_held_instead[hand] = held.is_some() && (node.may_be_held_instead[hand] || is_new);
             node.may_be_touched[hand] |= is_new && node.poses.ago(0).source == Source::Seen;
         }
     }
