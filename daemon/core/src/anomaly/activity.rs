@@ -34,7 +34,7 @@ pub(super) enum Step {
     Shown(Side),
     /// No activity of the job begins so, and all its parts belong to the job: a hand that rests, steadies or helps. It is not judged
     /// against anything.
-    NotShown,
+    Untaught,
     /// The job has nothing to do with its parts.
     Foreign,
 }
@@ -370,7 +370,7 @@ impl OpenActivity {
     }
 
     /// Something did not fit, and was not judged because something else may have happened unseen.
-    pub(super) fn is_astray(&self) -> bool {
+    pub(super) fn is_out_of_sequence(&self) -> bool {
         matches!(self.against, Against::Following(..)) && !self.is_concluded
     }
 
@@ -439,7 +439,7 @@ impl OpenActivity {
 
     /// Whether the hand only rests or steadies, where it was shown to.
     pub(super) fn is_rest(&self, job: &Job<'_>) -> bool {
-        self.step == Step::NotShown && job.rests.contains(&self.context.0[1])
+        self.step == Step::Untaught && job.rests.contains(&self.context.0[1])
     }
 
     /// Whether there is no fault in it, whatever was not seen: the hand rests where it was shown to, or does that or a step that the job can do
@@ -451,7 +451,7 @@ impl OpenActivity {
     /// What was not shown before in this activity of a hand.
     pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
         match self.step {
-            Step::NotShown => (self.may_differ || !self.is_rest(job)).then_some(Note::Step),
+            Step::Untaught => (self.may_differ || !self.is_rest(job)).then_some(Note::Step),
             Step::Shown(shown) if shown != side => Some(Note::OtherHand),
             _ => self.order_note,
         }
@@ -461,7 +461,7 @@ impl OpenActivity {
     pub(super) fn as_shown(&self, context: Context) -> Context {
         match self.step {
             Step::Shown(side) => context.by_hand(side),
-            Step::NotShown | Step::Foreign => context,
+            Step::Untaught | Step::Foreign => context,
         }
     }
 

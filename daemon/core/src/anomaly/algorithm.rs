@@ -20,7 +20,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (hidden, was_idle) = (self.watch.begin_activity(context), self.watch.was_idle());
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
-            None if progress.has_parts_of(context) => Step::NotShown,
+            None if progress.has_parts_of(context) => Step::Untaught,
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
@@ -33,7 +33,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
         activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
-        if step == Step::NotShown {
+        if step == Step::Untaught {
             activity.like = ActivitySet::first(progress.job.activities.len());
             activity.leave_all();
         }
@@ -82,7 +82,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
         let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
-        self.watch.may_be_rest &= activity.step == Step::NotShown;
+        self.watch.may_be_rest &= activity.step == Step::Untaught;
         self.watch.is_begun_late &= self.watch.may_be_rest;
         self.iu = Some(OpenIu {
             number,
@@ -121,7 +121,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &self.activity else { return };
         match activity.against {
-            _ if activity.step == Step::NotShown => {
+            _ if activity.step == Step::Untaught => {
                 self.conclude_not_shown(couple, progress, emit);
                 return;
             }
@@ -191,8 +191,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
-        let found =
-            activity.follow_on(job, context).filter(|_| !(activity.is_astray() && activity.may_be_right()));
+        let found = activity
+            .follow_on(job, context)
+            .filter(|_| !(activity.is_out_of_sequence() && activity.may_be_right()));
         match found {
             Some((nominal, index)) if context.is_touch() => {
                 self.comparisons.add(job, nominal, index);

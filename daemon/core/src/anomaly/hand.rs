@@ -124,8 +124,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// No IU is open in which the hand acts: there is none, or only a release state, or one of a step that was not shown.
     pub(super) fn is_resting(&self) -> bool {
-        let is_not_shown = self.activity.as_ref().is_some_and(|activity| activity.step == Step::NotShown);
-        self.iu.is_none_or(|iu| iu.is_concluded && (is_not_shown || iu.context.is_release()))
+        let is_untaught = self.activity.as_ref().is_some_and(|activity| activity.step == Step::Untaught);
+        self.iu.is_none_or(|iu| iu.is_concluded && (is_untaught || iu.context.is_release()))
     }
 
     /// This couple shows the hand at a step of the job.
@@ -135,10 +135,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// What the hand does was not shown to be done by it, or may be no step, so nothing in it is wrong.
-    pub(super) fn accuses_nobody(&self) -> bool {
+    pub(super) fn cannot_accuse(&self) -> bool {
         self.activity.as_ref().is_some_and(|activity| match activity.step {
             Step::Shown(side) => side != self.side || activity.may_differ,
-            Step::NotShown => true,
+            Step::Untaught => true,
             Step::Foreign => false,
         })
     }
@@ -236,9 +236,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
-        let accuses_nobody = self.accuses_nobody();
+        let cannot_accuse = self.cannot_accuse();
         let never_seen = self.activity.as_ref().and_then(|activity| activity.never_seen);
-        if let Some(object) = never_seen.filter(|_| is_wrong && !accuses_nobody) {
+        if let Some(object) = never_seen.filter(|_| is_wrong && !cannot_accuse) {
             self.conclude_unjudged(Cause::object_not_seen(object), progress, emit);
             return;
         }
@@ -248,7 +248,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         iu.is_concluded = true;
         let Finding { outcome, reason, missing, nominal, result, early } = match finding {
-            Finding { early, .. } if is_wrong && accuses_nobody => Finding::not_shown(early),
+            Finding { early, .. } if is_wrong && cannot_accuse => Finding::not_shown(early),
             finding => finding,
         };
         let measured = iu.measured.filter(|_| outcome != Outcome::Ok);
@@ -285,14 +285,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         &mut self,
         (outcome, cause, nominal): (Outcome, Cause, Option<usize>),
     ) -> (Outcome, Cause, Option<usize>) {
-        let accuses_nobody = self.accuses_nobody();
+        let cannot_accuse = self.cannot_accuse();
         let Some(activity) = self.activity.as_mut().filter(|_| outcome == Outcome::Anomaly) else {
             return (outcome, cause, nominal);
         };
         if let Some(object) = activity.never_seen {
             (Outcome::NotJudged, Cause::object_not_seen(object), nominal)
-        } else if accuses_nobody && activity.broken.is_none() {
-            activity.step = Step::NotShown;
+        } else if cannot_accuse && activity.broken.is_none() {
+            activity.step = Step::Untaught;
             let right = (Outcome::Ok, Reason::None.into(), None);
             activity.unjudged.map_or(right, |cause| (Outcome::NotJudged, cause, None))
         } else {
@@ -322,7 +322,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let Cause { reason, missing } = self.occlusions.until_now(cause);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
-        if activity.step == Step::NotShown {
+        if activity.step == Step::Untaught {
             progress.set_no_step(activity.number);
         }
         let note = activity.note(self.side, progress.job);
