@@ -189,7 +189,7 @@ pub struct Job<'a> {
     /// The law of each activity, by its number; one that has none is [`Law::FREE`].
     pub laws: &'a [Law],
     /// The objects at which a hand was shown to rest or to steady: that is neither a step nor a note.
-    pub rests: &'a [u16],
+    pub passive_contacts: &'a [u16],
     /// How motions are compared.
     pub cost: LocalCost,
     /// Maximum of [`slowdown_factor`], at least 1. A DTW distance grows with the number of frames, and a slower motion has less

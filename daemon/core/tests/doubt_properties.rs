@@ -69,7 +69,7 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
     Job {
         activities: nominal.leak(),
         laws: &IN_ORDER,
-        rests: &[],
+        passive_contacts: &[],
         cost,
         max_slowdown: 2.0,
         has_free_ends: false,

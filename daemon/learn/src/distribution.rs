@@ -62,7 +62,7 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// That on which a verdict on an IU rests that is not right, if it rests on a measure or on its motion.
+    /// That on which a verdict on an IU depends that is not right, if it is a measure or its motion.
     pub fn of_verdict(job: &JobFile, verdict: &Verdict) -> Option<Self> {
         if verdict.level != Level::Iu || verdict.outcome == Outcome::Ok {
             return None;

@@ -47,7 +47,8 @@ pub fn couple_stream(bytes: &[u8]) {
     let min_captured = input.below(3) as f32 / 2.0;
     let has_free_ends = input.below(2) == 0;
     let (activities, laws) = (&activities, &laws);
-    let job = Job { activities, laws, rests: &[6], cost, max_slowdown, has_free_ends, min_captured };
+    let job =
+        Job { activities, laws, passive_contacts: &[6], cost, max_slowdown, has_free_ends, min_captured };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {

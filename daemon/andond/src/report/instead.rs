@@ -38,7 +38,7 @@ impl Instead {
         Some(format!("took {taken}, and {} begins with {expected}; was it right?", names.step(self.step)))
     }
 
-    /// Why a verdict is as it is, where it rests on the step that was missed for this one.
+    /// Why a verdict is as it is, where it depends on the step that was missed for this one.
     pub(super) fn missed(&self, verdict: &Verdict, names: &Names) -> Option<String> {
         let is_missed = verdict.outcome != Outcome::Ok && missing(verdict) == Some(self.step);
         let [taken, expected] = self.parts(names).filter(|_| is_missed)?;

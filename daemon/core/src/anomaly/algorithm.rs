@@ -32,7 +32,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             progress.set_start_seen(number, activity.as_shown(context));
         }
         activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
-        activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
+        activity.is_begun_late = self.watch.may_be_remainder && self.watch.is_begun_late;
         if step == Step::Untaught {
             activity.like = ActivitySet::first(progress.job.activities.len());
             activity.leave_all();
@@ -80,17 +80,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let was_idle = self.watch.was_idle();
         let before = (self.watch.hidden_before(), self.watch.begin_iu());
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
-        let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
+        let may_be_remainder = number == 0 && self.watch.may_be_remainder && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
-        self.watch.may_be_rest &= activity.step == Step::Untaught;
-        self.watch.is_begun_late &= self.watch.may_be_rest;
+        self.watch.may_be_remainder &= activity.step == Step::Untaught;
+        self.watch.is_begun_late &= self.watch.may_be_remainder;
         self.iu = Some(OpenIu {
             number,
             context,
             began_ns: couple.captured_ns,
             observation: IuObservation {
                 gap_before: self.watch.gap(),
-                may_be_part: may_be_rest || self.watch.may_go_on(context) || self.watch.is_object_new(),
+                may_be_part: may_be_remainder || self.watch.may_go_on(context) || self.watch.is_object_new(),
                 ..IuObservation::default()
             },
             captured: 0,
@@ -263,7 +263,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_rest;
+        let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_remainder;
         if is_forgotten {
             self.occlusions.forget();
         } else {

@@ -61,7 +61,7 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) iu: Option<OpenIu>,
     /// Of the open activity, and of the doubt before it.
     pub(super) occlusions: OcclusionLog,
-    /// Why its newest activity was not judged, of which the next one may be the rest.
+    /// Why its newest activity was not judged, of which the next one may be the remainder.
     pub(super) newest_unjudged: Option<Cause>,
     /// The couples have broken off.
     pub(super) is_broken_off: bool,
@@ -334,7 +334,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Outcome::Ok => {}
             Outcome::Anomaly => progress.set_wrong(nominal, reason, measured, broken),
             Outcome::NotJudged => {
-                // Otherwise what comes next with the same object may be the rest of it.
+                // Otherwise what comes next with the same object may be the remainder of it.
                 if !activity.has_certainly_ended(progress.job) {
                     self.watch.set_unjudged(activity.context);
                 }

@@ -40,7 +40,7 @@
 //! # Doubt
 //!
 //! One law: **a verdict is what all completions of the unseen agree on; anything else is not judged.** Whatever observations are deleted from a
-//! recording, its verdicts stay or become not judged. It rests on four quantities, each of which less observation only makes wider:
+//! recording, its verdicts stay or become not judged. It depends on four quantities, each of which less observation only makes wider:
 //!
 //! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it. An IU
 //!   that may not have happened leaves the places before it and those after it.
@@ -58,7 +58,7 @@
 //! next, that may be another piece: no job is right that spans it.
 //!
 //! What is not judged says what was missing, and for how long ([`Missing`](crate::verdict::Missing)): that of which most was missing in what it
-//! rests on and in the doubt before it. An activity and a job have the first such thing in them.
+//! depends on and in the doubt before it. An activity and a job have the first such thing in them.
 //!
 //! What is assumed, so that more is judged, is said where it is: hidden strokes go on at the pace of those that were seen, in at most a quarter of an
 //! IU (`observation`); the first step that is seen begins its piece, and both hands are at the same piece
@@ -356,7 +356,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             let hands = bench.hands.iter_mut().zip(&couples.hands);
             hands
                 .filter(|(_, couple)| !couple.is_hand_seen())
-                .for_each(|(hand, _)| hand.watch.may_be_rest = true);
+                .for_each(|(hand, _)| hand.watch.may_be_remainder = true);
         }
         if couples.has_moved_unseen {
             bench.progress.set_moved_unseen();
@@ -367,7 +367,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 }
             }
         }
-        // What a hand does with the same part afterwards is not the rest of what it did before.
+        // What a hand does with the same part afterwards is not the remainder of what it did before.
         let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.is_doubtful;
         if bench.progress.is_set_anew() && couples.hands.iter().all(is_idle) {
             segmenter.finish(&mut |event| bench.take(&event, None, emit));

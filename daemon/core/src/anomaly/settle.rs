@@ -83,9 +83,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
             let mut continuations = activity.continuations(job);
-            // The job has its verdict, so a touch begins another activity, which may be the rest of this one.
+            // The job has its verdict, so a touch begins another activity, which may be the remainder of this one.
             if progress.is_concluded() {
-                self.watch.may_be_rest |= !continuations.is_empty();
+                self.watch.may_be_remainder |= !continuations.is_empty();
                 continuations.clear();
             }
             segmenter.activity_matched(&self.by_this_hand(continuations));
@@ -136,7 +136,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {
-                self.watch.may_be_rest = true;
+                self.watch.may_be_remainder = true;
                 progress.set_doubtful();
                 self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
             }

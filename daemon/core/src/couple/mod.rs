@@ -114,7 +114,7 @@ pub struct Couple {
     pub side: Side,
     /// The time that the couple describes, in nanoseconds: that of its frame, not that at which it became known.
     pub captured_ns: u64,
-    /// Motion features; `None` where a position that they rest on was seen too seldom to measure its motion, or it is not known whether `o_j` and
+    /// Motion features; `None` where a position that they depend on was seen too seldom to measure its motion, or it is not known whether `o_j` and
     /// `o_l` touch.
     pub motion: Option<Motion>,
     /// Context features.
@@ -194,13 +194,13 @@ impl Couple {
         self.sight[0] == Sight::Seen
     }
 
-    /// The worst sight of what the context rests on; a hand that touches nothing may be anywhere.
+    /// The worst sight of what the context depends on; a hand that touches nothing may be anywhere.
     pub fn worst_sight(&self) -> Sight {
         let relevant = if self.context.is_touch() { &self.sight[..] } else { &self.sight[1..] };
         relevant.iter().copied().max().unwrap_or_default()
     }
 
-    /// Whether nothing that the context rests on has been out of sight for longer than `blind_ms`.
+    /// Whether nothing that the context depends on has been out of sight for longer than `blind_ms`.
     pub fn is_in_sight(&self) -> bool {
         self.worst_sight() != Sight::Unseen
     }
@@ -211,7 +211,7 @@ impl Couple {
 pub struct Couples {
     /// The time that the couples describe, in nanoseconds: that of the frame, or of the grid where no frame came.
     pub captured_ns: u64,
-    /// The time of the newest frame that they rest on, in nanoseconds: `persist_frames` later, or less at the end of a recording.
+    /// The time of the newest frame that they depend on, in nanoseconds: `persist_frames` later, or less at the end of a recording.
     pub known_ns: u64,
     /// Whether there was a frame; false where the grid was filled.
     pub is_captured: bool,

@@ -13,7 +13,7 @@ const SINGLE_FRAME: f32 = 0.2;
 
 /// The measures of one IU, so far or whole.
 ///
-/// They rest on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the
+/// They depend on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the
 /// bench ([`Couple::position`](crate::couple::Couple::position)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {

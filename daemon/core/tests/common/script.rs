@@ -170,7 +170,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
     Job {
         activities: nominal.leak(),
         laws: &[],
-        rests: &[],
+        passive_contacts: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
         has_free_ends: false,

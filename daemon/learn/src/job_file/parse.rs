@@ -316,7 +316,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
     Ok(JobFile {
         id: text.id,
         name: text.name,
-        rests: text.rests,
+        passive_contacts: text.rests,
         steps: text.step.into_iter().map(step_of).collect(),
         cost,
         max_slowdown: text.method.max_slowdown,

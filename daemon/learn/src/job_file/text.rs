@@ -42,7 +42,7 @@ impl JobFile {
             text,
             "# The objects that a hand rests on or steadies in the runs: such a touch is not a step."
         );
-        line!(text, "rests = {:?}", self.rests);
+        line!(text, "rests = {:?}", self.passive_contacts);
         self.provenance_text(&mut text);
         self.method_text(&mut text);
         self.objects.iter().for_each(|object| object_text(&mut text, object));

@@ -305,7 +305,7 @@ fn job_file(
     let mut job = JobFile {
         id: options.id,
         name: options.name.clone(),
-        rests: agreement.rests.clone(),
+        passive_contacts: agreement.passive_contacts.clone(),
         steps: relation::steps(runs, agreement, options, strengths),
         cost: options.cost,
         max_slowdown: options.max_slowdown,

@@ -115,7 +115,7 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
     }
 }
 
-/// The colour and the word for what was seen of what the context rests on. A hand that touches nothing may be anywhere, and need not be in
+/// The colour and the word for what was seen of what the context depends on. A hand that touches nothing may be anywhere, and need not be in
 /// the picture; but then it is not known to be idle.
 fn sight(couple: &Couple) -> (&'static str, &'static str) {
     match couple.worst_sight() {

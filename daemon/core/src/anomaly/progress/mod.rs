@@ -42,7 +42,7 @@ pub(super) struct Progress<'a> {
     pub(super) persist_frames: u32,
     /// The time of the newest couples.
     pub(super) now_ns: u64,
-    /// The time of the newest frame that they rest on.
+    /// The time of the newest frame that they depend on.
     pub(super) known_ns: u64,
     began_ns: u64,
     /// Since when a hand that was not seen had worked before it. If the job is right, that was another piece.
@@ -309,7 +309,7 @@ impl<'a> Progress<'a> {
     pub(super) fn may_differ(&self, context: Context, has_been_seen_to_come: bool) -> bool {
         let opening = self.opening(context);
         let parts = if has_been_seen_to_come { &context.0[1..2] } else { &context.0[1..] };
-        parts.iter().any(|part| self.job.rests.contains(part))
+        parts.iter().any(|part| self.job.passive_contacts.contains(part))
             && !opening.is_empty()
             && !opening.intersects(self.required)
     }
@@ -320,7 +320,7 @@ impl<'a> Progress<'a> {
             let mut ius = self.job.activities.iter().flat_map(|nominal| nominal.ius);
             ius.any(|iu| iu.context.involves(id))
         };
-        context.0[1..].iter().all(|id| *id == 0 || self.job.rests.contains(id) || has(*id))
+        context.0[1..].iter().all(|id| *id == 0 || self.job.passive_contacts.contains(id) || has(*id))
     }
 
     /// The activities with which a job may begin: those that no law puts behind another one.

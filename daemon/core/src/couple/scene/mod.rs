@@ -412,7 +412,7 @@ impl Scene {
             is_object_displaced: self.is_displaced[hand],
             hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
         };
-        // Only now it is known which objects the context rests on.
+        // Only now it is known which objects the context depends on.
         couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
