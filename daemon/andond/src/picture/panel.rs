@@ -6,7 +6,7 @@ use andon_core::verdict::{Level, Outcome, Verdict};
 
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, GREY, RED, WHITE};
 use super::steps::{State, Step, Steps};
-use crate::report::{Cause, Names, acts, is_instead};
+use crate::report::{Cause, Names, has_contact, is_instead};
 
 /// The width of the panel and the height of the strip, in pixels.
 pub(super) const WIDTH: usize = 470;
@@ -122,7 +122,7 @@ pub(super) fn draw_strip(
     names: &Names,
 ) -> opencv::Result<()> {
     let [right, top] = canvas.picture_end();
-    let acting: Vec<&Couple> = couples.iter().filter(|couple| acts(couple.context)).collect();
+    let acting: Vec<&Couple> = couples.iter().filter(|couple| has_contact(couple.context)).collect();
     let has_lost_hand = lost.iter().any(|what| what.ends_with("hand"));
     let now = match acting.as_slice() {
         [] if has_lost_hand => "no hand is seen".to_owned(),

@@ -6,7 +6,7 @@ use andon_core::couple::Context;
 use andon_core::verdict::{Note, Outcome, Verdict};
 
 use super::Names;
-use super::words::{because, missing};
+use super::words::{missing, reason_text};
 
 /// What was done where a step of the job was next.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ impl Instead {
         let [taken, expected] = self.parts(names).filter(|_| is_missed)?;
         // The question whether it was right is answered.
         let verdict = Verdict { note: verdict.note.filter(|note| *note != Note::Step), ..*verdict };
-        let why = because(&verdict, names)?;
+        let why = reason_text(&verdict, names)?;
         Some(format!("{why}; took {taken} at {}, expected {expected}", self.when))
     }
 }
