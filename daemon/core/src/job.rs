@@ -112,19 +112,21 @@ pub struct NominalIu<'a> {
 }
 
 /// The share of the time that was shown in which a person in a hurry does the same.
-const QUICKEST: f32 = 0.6;
+const FASTEST_SHARE: f32 = 0.6;
 
-/// No less than one in as many frames of a reference is work, and not a wait.
-const WORK: u32 = 4;
+/// At least one in this many frames of a reference is work, and not a wait.
+const FRAMES_PER_WORK_FRAME: u32 = 4;
 
 impl NominalIu<'_> {
     /// In how few frames it may have been done where nobody saw it; 0 for what comes about without a hand. Who waited in it worked for less time
     /// than the reference lasts.
     pub(crate) fn quickest(&self) -> u32 {
         let length = self.reference.len() as u32;
-        let worked =
-            self.measures.shown.map_or(length, |shown| shown.frames.min.clamp(length / WORK, length));
-        let least = (QUICKEST * worked as f32) as u32;
+        let worked = self
+            .measures
+            .shown
+            .map_or(length, |shown| shown.frames.min.clamp(length / FRAMES_PER_WORK_FRAME, length));
+        let least = (FASTEST_SHARE * worked as f32) as u32;
         if self.context.is_touch() { self.frames.min.max(least) } else { 0 }
     }
 }

@@ -8,7 +8,7 @@
 //! the contact, this one may go on before the parts are far enough apart. Of 144 jobs of `learn_two_hands.rs` (`Workshop`) 139 are right
 //! without this and 141 with it.
 
-use super::observation::{GIVES_WAY, IuObservation};
+use super::observation::{HIDDEN_SLACK, IuObservation};
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
@@ -252,7 +252,7 @@ fn result(
     };
     // In frames that were not seen, and beside them, motion is measured worse.
     let assumed = observation.assumed as f32 / observation.frames.max(1) as f32;
-    let max = threshold * (1.0 + GIVES_WAY * assumed);
+    let max = threshold * (1.0 + HIDDEN_SLACK * assumed);
     let possible = observation.broken(comparison.iu, true);
     // What is right only if something happened unseen is neither right nor wrong.
     let is_certain = reason_of(possible, max) != Reason::None;

@@ -1,6 +1,6 @@
 //! Which measure of an IU is not right.
 
-use super::observation::{ENDS, GIVES_WAY, IuObservation};
+use super::observation::{ENDS, HIDDEN_SLACK, IuObservation};
 use crate::bounds::{Around, Range};
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
@@ -19,7 +19,7 @@ impl IuObservation {
             if may_be_hidden { self.possible_frames() } else { [self.worked_frames(), self.frames] };
         // With fewer frames contacts are believed later. Gaps at the ends are in the possible frames already.
         let missing = if may_be_hidden { self.measures.hidden } else { 0.0 };
-        let max_frames = max_frames as f32 * (1.0 + GIVES_WAY * missing);
+        let max_frames = max_frames as f32 * (1.0 + HIDDEN_SLACK * missing);
         let hidden_reversals =
             if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
@@ -56,7 +56,7 @@ impl IuObservation {
         } else if !self.ended {
             return None;
         }
-        let elsewhere = first(&self.elsewhere_broken(&iu.measures, GIVES_WAY * hidden, hidden_m));
+        let elsewhere = first(&self.elsewhere_broken(&iu.measures, HIDDEN_SLACK * hidden, hidden_m));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
             (Some(Measure::Strokes), Some(other))

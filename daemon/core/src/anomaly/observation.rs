@@ -5,7 +5,7 @@ use crate::verdict::Reason;
 
 /// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
 /// the rest.
-pub(super) const GIVES_WAY: f32 = 2.0;
+pub(super) const HIDDEN_SLACK: f32 = 2.0;
 
 /// How long the IU is, what it measures, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]

@@ -8,7 +8,7 @@ use crate::input::Side;
 use crate::verdict::{Missing, Reason};
 
 /// Objects that are counted: the two of a context, and two that the hand may have taken instead. Of others it is not said for how long.
-const COUNTED: usize = 4;
+const COUNTED_OBJECTS: usize = 4;
 
 /// Why something is not judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +56,7 @@ pub(super) struct OcclusionLog {
     /// In how many the hand was hidden.
     hand: u32,
     /// The ids of objects, and in how many they were hidden.
-    objects: [(u16, u32); COUNTED],
+    objects: [(u16, u32); COUNTED_OBJECTS],
 }
 
 impl OcclusionLog {
@@ -71,7 +71,7 @@ impl OcclusionLog {
             captured: 0,
             uncaptured: 0,
             hand: 0,
-            objects: [(0, 0); COUNTED],
+            objects: [(0, 0); COUNTED_OBJECTS],
         }
     }
 

@@ -3,8 +3,8 @@
 use crate::config::Method;
 use crate::couple::{Context, Couple};
 
-/// It takes less than the time of as many changes to see that a hand holds something.
-const IDLE_CHANGES: u32 = 3;
+/// After this many times `persist_frames` without contact a hand is certainly empty.
+const IDLE_PERSISTS: u32 = 3;
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
 #[derive(Clone, Copy, Debug)]
@@ -202,7 +202,7 @@ impl Watch {
 
     /// It takes less to see that a hand holds something.
     pub(super) fn min_idle_frames(&self) -> u32 {
-        IDLE_CHANGES * self.persist_frames
+        IDLE_PERSISTS * self.persist_frames
     }
 
     fn is_idle_for_long(&self) -> bool {

@@ -11,7 +11,7 @@ use crate::input::Side;
 use heapless::{Deque, Vec};
 
 /// Maximum number of frames in the filter: its delay of `4h` frames, and the newest one.
-const IN_FILTER: usize = 2 * FILTER_FRAMES;
+const FILTER_ROOM: usize = 2 * FILTER_FRAMES;
 
 /// An open ERU: frames in which `X` is constant.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ pub struct Segmenter {
     side: Side,
     filter: OpeningClosing,
     /// The frames in the filter: the time of each, and how many before it were not measured.
-    in_filter: Deque<(u64, u32), IN_FILTER>,
+    in_filter: Deque<(u64, u32), FILTER_ROOM>,
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,

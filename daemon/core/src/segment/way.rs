@@ -9,13 +9,13 @@ use crate::input::Point;
 use heapless::Vec;
 
 /// Maximum number of points that are kept of a way. One that is longer than as many steps is kept with every second of them.
-const POINTS: usize = 64;
+const MAX_POINTS: usize = 64;
 
 /// The way of a hand with a part, from where it took that, or came with it to a part that it has left, to where it is now; in fixed memory.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
     /// Where it has been, from where the way began.
-    points: Vec<Point, POINTS>,
+    points: Vec<Point, MAX_POINTS>,
     /// The minimum distance of two points that are kept, in metres.
     spacing_m: f32,
     /// Where the newest step ended.

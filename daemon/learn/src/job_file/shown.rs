@@ -6,7 +6,7 @@ use serde::Deserialize;
 use std::fmt::Write as _;
 
 /// So many values of a measure are kept. Of more runs these are kept in even steps from the minimum to the maximum.
-const KEPT: usize = 20;
+const MAX_KEPT: usize = 20;
 
 /// A tenth of a millimetre: more decimals say nothing to anybody.
 const PER_UNIT: f64 = 1e4;
@@ -87,7 +87,7 @@ impl ShownValues {
     /// The key of a measure whose values cannot have been written by [`of_runs`].
     pub(super) fn misfit(&self) -> Option<&'static str> {
         let is_kept = |values: &[f32]| {
-            values.len() <= KEPT
+            values.len() <= MAX_KEPT
                 && values.is_sorted()
                 && values.iter().all(|value| value.is_sign_positive() && *value < 1e9)
         };
@@ -101,8 +101,8 @@ pub(crate) fn of_runs(values: impl Iterator<Item = f64>) -> Vec<f32> {
     sorted.sort_by(f32::total_cmp);
     let last = sorted.len().saturating_sub(1);
     match sorted.len() {
-        ..=KEPT => sorted,
-        _ => (0..KEPT).map(|step| sorted[step * last / (KEPT - 1)]).collect(),
+        ..=MAX_KEPT => sorted,
+        _ => (0..MAX_KEPT).map(|step| sorted[step * last / (MAX_KEPT - 1)]).collect(),
     }
 }
 

@@ -29,7 +29,7 @@ const PRIOR_DETOUR: f64 = 0.14;
 /// How people in general differ in the logarithm of a path, of a detour and of the number of reversals at another part where they work by feel and
 /// count no strokes: 0.2 to 0.3 in the median of simulated people who do.
 const PRIOR_BY_FEEL: f64 = 0.3;
-/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`STRAY_LATERAL_M`].
+/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`LATERAL_SCALE_M`].
 const PRIOR_LATERAL: f64 = 0.12;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
@@ -40,21 +40,21 @@ const PRIOR_PLACE_M: f64 = 0.008;
 const BORDER_REVERSALS: u32 = 1;
 
 /// The length of the axis of strokes below which they are circles: it is 0 for a circle and 1 for a straight line.
-const MAX_ALONG: f64 = 0.5;
+const MAX_ALONG_AXIS: f64 = 0.5;
 
 /// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance as often as
 /// who counts them makes a mistake.
-pub(super) const COUNTED: (usize, usize) = (5, 6);
+pub(super) const COUNTED_SHARE: (usize, usize) = (5, 6);
 
 /// Nobody notices a path that is longer by this, in metres.
-const STRAY_PATH_M: f64 = 0.05;
+const TOLERATED_PATH_M: f64 = 0.05;
 
 /// Nobody notices a way that is less straight by this, in metres.
-const STRAY_DETOUR_M: f64 = 0.1;
+const TOLERATED_DETOUR_M: f64 = 0.1;
 
 /// A way that leads off the straight line by this differs half as much as it would if people differed only in how much they are inclined to go
 /// round, in metres.
-const STRAY_LATERAL_M: f64 = 0.1;
+const LATERAL_SCALE_M: f64 = 0.1;
 
 /// The share of the job's rate of false alarms that each of the two measures has by which people differ so much that what is wrong is found
 /// only near the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole,
@@ -249,10 +249,10 @@ impl Rates {
     /// lies within the contact, unless strokes are made there.
     fn path_m(&self, context: Context, shown: &[Measures], met_within_m: f32, strength: Strength) -> Range {
         let lengths: Vec<f64> =
-            shown.iter().map(|measures| (f64::from(measures.path_m) + STRAY_PATH_M).ln()).collect();
+            shown.iter().map(|measures| (f64::from(measures.path_m) + TOLERATED_PATH_M).ln()).collect();
         let (centre, apart) =
             self.interval(&lengths, prior_at(context, shown, PRIOR_PATH), self.path, strength);
-        let length = |logarithm: f64| (logarithm.exp() - STRAY_PATH_M) as f32;
+        let length = |logarithm: f64| (logarithm.exp() - TOLERATED_PATH_M) as f32;
         let in_and_out_m = if is_repeated(shown) { 0.0 } else { 2.0 * met_within_m };
         let [min, max] = [centre - apart, centre + apart].map(length);
         Range { min: (min - in_and_out_m).max(0.0), max }
@@ -261,10 +261,10 @@ impl Rates {
     /// People differ in where a part lies and in how straight they go, and a way can only become longer.
     fn max_detour_m(&self, context: Context, shown: &[Measures], strength: Strength) -> f32 {
         let detours: Vec<f64> =
-            shown.iter().map(|measures| (f64::from(measures.detour_m) + STRAY_DETOUR_M).ln()).collect();
+            shown.iter().map(|measures| (f64::from(measures.detour_m) + TOLERATED_DETOUR_M).ln()).collect();
         let (centre, apart) =
             self.interval(&detours, prior_at(context, shown, PRIOR_DETOUR), 2.0 * self.path, strength);
-        ((centre + apart).exp() - STRAY_DETOUR_M) as f32
+        ((centre + apart).exp() - TOLERATED_DETOUR_M) as f32
     }
 
     /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
@@ -272,7 +272,7 @@ impl Rates {
         let laterals: Vec<f64> = shown.iter().map(|measures| measures.lateral_m.into()).collect();
         let (centre, apart) = self.interval(
             &laterals,
-            PRIOR_LATERAL * (mean(&laterals) + STRAY_LATERAL_M),
+            PRIOR_LATERAL * (mean(&laterals) + LATERAL_SCALE_M),
             2.0 * self.lateral,
             strength,
         );
@@ -362,7 +362,7 @@ pub(super) fn do_agree(likely: &[u32], (share, of): (usize, usize)) -> bool {
 
 /// Whether the demonstrations repeat a motion, and not a certain number of times.
 pub(super) fn is_by_feel(shown: &[Measures]) -> bool {
-    is_repeated(shown) && !do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED)
+    is_repeated(shown) && !do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED_SHARE)
 }
 
 /// This spread of people in general, or how they differ at another part where they count no strokes.
@@ -374,7 +374,7 @@ fn prior_at(context: Context, shown: &[Measures], prior: f64) -> f64 {
 /// Whether the strokes are circles, or lead up and down, of which the axis does not tell.
 fn is_round(shown: &[Measures]) -> bool {
     let along = |measures: &Measures| f64::from(measures.axis[0].hypot(measures.axis[1]));
-    mean(&shown.iter().map(along).collect::<Vec<_>>()) < MAX_ALONG
+    mean(&shown.iter().map(along).collect::<Vec<_>>()) < MAX_ALONG_AXIS
 }
 
 /// By how many reversals a count is above these bounds, negative if it is below.
@@ -432,7 +432,7 @@ mod tests {
 
     #[test]
     fn strokes_are_counted_where_most_runs_have_as_many() {
-        let is_counted = |likely: &[u32]| do_agree(likely, COUNTED);
+        let is_counted = |likely: &[u32]| do_agree(likely, COUNTED_SHARE);
         assert!(is_counted(&[12, 13, 12, 12, 12]) && is_counted(&[13, 15, 13, 12, 13, 13, 13]));
         assert!(!is_counted(&[12, 13, 12, 12, 10]) && !is_counted(&[12, 12, 14]));
     }

@@ -12,7 +12,7 @@ use andon_core::couple::Context;
 use andon_core::object::Meeting;
 
 /// The shares of the missing reach that are tried, one after the other.
-const SHARES: [f32; 3] = [1.0, 0.5, 0.25];
+const TRIED_SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general, and what they have
 /// in common.
@@ -24,7 +24,7 @@ pub(super) fn widened(runs: Vec<Run>, options: &TeachOptions) -> Result<(Vec<Run
     let people = People::of(&runs, &agreement, options.method.rate_hz);
     if people.variety > 1.0 {
         let reaches = reaches(&runs, &agreement, options, people);
-        for share in SHARES {
+        for share in TRIED_SHARES {
             let mut objects = runs[0].objects.clone();
             for (context, reach_m) in &reaches {
                 widen(&mut objects, *context, *reach_m, share, options.method.object_contact);

@@ -22,7 +22,7 @@ use crate::object::REACH_M;
 use core::f32::consts::SQRT_2;
 
 /// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
-const AT_REST: f32 = 0.4;
+const MAX_REST_SHARE: f32 = 0.4;
 
 /// Whether a hand acts on an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -263,7 +263,7 @@ impl Scene {
         }
         let (speed, (_, path_m)) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
-        let seems_to_rest = || path_m <= AT_REST * self.noise_displacement_m(hand, object, age);
+        let seems_to_rest = || path_m <= MAX_REST_SHARE * self.noise_displacement_m(hand, object, age);
         Some(speed < self.method.rest_speed_m_s && (path_m <= self.rest_m() || seems_to_rest()))
     }
 

@@ -12,7 +12,7 @@ use crate::capacity::HANDS;
 use crate::set::ActivitySet;
 
 /// What a seen hand carries may be lost for as many times `blind_ms`: two seconds by default, in which nobody puts a part down and comes back for it.
-const CARRIED_BLINDS: u32 = 3;
+const CARRIED_BLIND_TIMES: u32 = 3;
 
 impl Scene {
     /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
@@ -347,7 +347,8 @@ impl Scene {
 
     /// What a seen hand carries goes with it for longer: how it is seen again shows whether it did.
     pub(super) fn object_sight(&self, pose: &ObjectPose) -> Sight {
-        let is_carried = pose.source == Source::Carried && pose.unseen <= CARRIED_BLINDS * self.blind_frames;
+        let is_carried =
+            pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
         if is_carried { Sight::Assumed } else { self.sight(pose.unseen) }
     }
 
