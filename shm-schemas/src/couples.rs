@@ -21,8 +21,8 @@ wire! { "andon.HandCouple", 60;
         x_m: [i8; 7],
         /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `OBJECT_AMBIGUOUS`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
         flags: u8,
-        /// The sight of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
-        sight: [u8; 3],
+        /// The visibility of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
+        visibility: [u8; 3],
         /// Whether the hand waits for the other one: 0 no, 1 not known, 2 yes.
         waiting: u8,
         /// The object because of which the frame does not show what the hand does, as it is hidden; 0 where there is none.

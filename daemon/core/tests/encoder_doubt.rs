@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Couple, Sight};
+use andon_core::couple::{Couple, Visibility};
 use andon_core::input::{Frame, Side};
 use andon_core::object::ObjectShape;
 use andon_core::set::ActivitySet;
@@ -383,7 +383,9 @@ fn what_is_elsewhere_for_a_few_frames_is_misread_and_what_stays_there_was_moved(
     };
     for couples in [leapt(40..41), leapt(40..45)] {
         assert!(couples[20..].iter().all(|couple| couple.context.0 == [1, TOOL, 0, 0]), "{couples:?}");
-        assert!(couples[40].sight[1] != Sight::Seen && couples[45].sight[1] == Sight::Seen);
+        assert!(
+            couples[40].visibility[1] != Visibility::Seen && couples[45].visibility[1] == Visibility::Seen
+        );
     }
     let couples = leapt(40..80);
     assert!(couples[50..].iter().all(|couple| couple.context.0[1] != TOOL), "the hand is not there");
@@ -395,7 +397,7 @@ fn what_moves_fast_is_seen_all_the_way() {
     // Half a metre in a third of a second.
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.5, 0.0], 10).rest(20);
     let couples = couples_of(&bench, Side::Right);
-    assert!(couples.iter().all(|couple| couple.sight == [Sight::Seen; 3]), "{couples:?}");
+    assert!(couples.iter().all(|couple| couple.visibility == [Visibility::Seen; 3]), "{couples:?}");
 }
 
 #[test]

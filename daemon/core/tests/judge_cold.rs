@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Couples, Sight};
+use andon_core::couple::{Couples, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
@@ -51,7 +51,7 @@ fn a_hand_that_was_hidden_is_named_even_where_nobody_saw_what_came_before() {
     }
     for couples in &mut couples[15..25] {
         let hand = &mut couples.hands[0];
-        (hand.sight[0], hand.is_clear) = (Sight::Assumed, false);
+        (hand.visibility[0], hand.is_clear) = (Visibility::Assumed, false);
     }
     let said = judged_cold_by(&job, couples);
     assert_eq!(said[0], "r0.0 NotJudged HandNotSeen!");

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Couples, Sight};
+use andon_core::couple::{Couples, Visibility};
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
@@ -252,7 +252,7 @@ fn a_job_that_breaks_off_anywhere_accuses_nobody() {
 /// Lets the right hand (0) or its `o_j` (1) be assumed.
 fn assume(couples: &mut [Couples], what: usize) {
     for couples in couples {
-        couples.hands[0].sight[what] = Sight::Assumed;
+        couples.hands[0].visibility[what] = Visibility::Assumed;
         couples.hands[0].is_clear = false;
     }
 }
@@ -386,7 +386,7 @@ fn strokes_with_gaps(strokes: usize) -> String {
     for gap in couples[34..30 + 16 * strokes].chunks_mut(8) {
         for couples in gap.iter_mut().take(4) {
             let hand = &mut couples.hands[0];
-            (hand.motion, hand.position, hand.sight[1]) = (None, None, Sight::Assumed);
+            (hand.motion, hand.position, hand.visibility[1]) = (None, None, Visibility::Assumed);
         }
     }
     short(judged(&forgiving(polish_and_measure()), &couples).last().unwrap())

@@ -239,9 +239,9 @@ fn an_order_that_may_have_been_kept_unseen_accuses_nobody() {
     let mut couples = stream(&right, &left);
     for (index, couples) in couples.iter_mut().enumerate().filter(|(index, _)| (from..to).contains(index)) {
         // The left hand is seen again while the right one measures already.
-        let sight = couples.hands[1].sight;
+        let visibility = couples.hands[1].visibility;
         couples.hands[1] = andon_core::couple::Couple::idle(couples.hands[1].side, couples.captured_ns);
-        couples.hands[1].sight = if index == from { sight } else { couples.hands[1].sight };
+        couples.hands[1].visibility = if index == from { visibility } else { couples.hands[1].visibility };
     }
     let verdicts = judged(&job, &couples);
     assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:#?}");

@@ -6,7 +6,7 @@ use andon_core::anomaly::Judge;
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight, Waiting};
+use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Visibility, Waiting};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, Side, Space};
 use andon_core::job::{Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
@@ -191,8 +191,9 @@ impl Line<'_> {
                 self.command();
             }
             let contexts = Side::ALL.map(|_| Context(CONTEXTS[usize::from(input.below(8))]));
-            let sight = [(); 3]
-                .map(|()| [Sight::Seen, Sight::Assumed, Sight::Unseen][usize::from(input.below(24) / 11)]);
+            let visibility = [(); 3].map(|()| {
+                [Visibility::Seen, Visibility::Assumed, Visibility::Unseen][usize::from(input.below(24) / 11)]
+            });
             let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
             let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
             let is_carried_unseen = input.below(8) == 0;
@@ -214,7 +215,7 @@ impl Line<'_> {
                     position,
                     tips: position,
                     drift_m,
-                    sight,
+                    visibility,
                     is_clear,
                     is_doubtful,
                     is_object_ambiguous,

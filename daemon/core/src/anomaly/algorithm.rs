@@ -7,7 +7,7 @@ use super::observation::IuObservation;
 use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
-use crate::couple::{Context, Couple, Motion, Sight, Waiting};
+use crate::couple::{Context, Couple, Motion, Visibility, Waiting};
 use crate::segment::{Iu, Measures};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason, Verdict};
@@ -283,7 +283,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         iu.observation.measured = iu.observation.measured.saturating_add(couple.motion.is_some().into());
         iu.observation.assumed =
-            iu.observation.assumed.saturating_add((couple.worst_sight() != Sight::Seen).into());
+            iu.observation.assumed.saturating_add((couple.worst_visibility() != Visibility::Seen).into());
         iu.observation.measures = measures;
         iu.has_rested |= couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
         iu.captured = iu.captured.saturating_add(is_captured.into());

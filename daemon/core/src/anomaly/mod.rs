@@ -25,7 +25,7 @@
 //! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]).
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
 //!   context has been shown without doubt; what was hidden before lies before it.
-//! - *Rival*: another object that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
+//! - *Ambiguous object*: another one that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
 //!   ([`Couple::is_object_ambiguous`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
@@ -87,7 +87,7 @@ pub use comparison::Memory;
 use crate::bounds::Bounds;
 use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Couples, Sight};
+use crate::couple::{Context, Couple, Couples, Visibility};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
@@ -295,9 +295,10 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             let until_ns = couples.captured_ns.saturating_sub(self.period_ns / 2);
             let mut elapsed_ns = self.period_ns;
             while newest.captured_ns + elapsed_ns < until_ns && elapsed_ns <= self.blind_ns + self.period_ns {
-                let sight = if elapsed_ns > self.blind_ns { Sight::Unseen } else { Sight::Assumed };
+                let visibility =
+                    if elapsed_ns > self.blind_ns { Visibility::Unseen } else { Visibility::Assumed };
                 let captured_ns = newest.captured_ns + elapsed_ns;
-                self.take(&newest.unseen_at(captured_ns, couples.known_ns, sight), emit);
+                self.take(&newest.unseen_at(captured_ns, couples.known_ns, visibility), emit);
                 elapsed_ns += self.period_ns;
             }
             if elapsed_ns > self.period_ns {

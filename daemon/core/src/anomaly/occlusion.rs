@@ -3,7 +3,7 @@
 //! Couples that never come count as frames in which nothing was seen. An `encode` that starts again loses what it held back, and an IU
 //! would seem too short without them.
 
-use crate::couple::{Couple, Sight};
+use crate::couple::{Couple, Visibility};
 use crate::input::Side;
 use crate::verdict::{Missing, Reason};
 
@@ -97,7 +97,7 @@ impl OcclusionLog {
     /// Takes that couple.
     pub(super) fn count(&mut self, couple: &Couple, is_captured: bool) {
         // What is seen and not clear behind frames that never came is so because of them.
-        let is_hidden = couple.sight != [Sight::Seen; 3] || self.uncaptured == 0;
+        let is_hidden = couple.visibility != [Visibility::Seen; 3] || self.uncaptured == 0;
         if !is_captured {
             self.uncaptured = self.uncaptured.saturating_add(1);
         } else if !couple.is_clear && is_hidden {
@@ -107,16 +107,22 @@ impl OcclusionLog {
     }
 
     fn count_hidden(&mut self, couple: &Couple) {
-        let [hand, ..] = couple.sight.map(|sight| sight != Sight::Seen);
+        let [hand, ..] = couple.visibility.map(|visibility| visibility != Visibility::Seen);
         self.hand = self.hand.saturating_add(hand.into());
         let [_, _, j, l] = couple.context.0;
         let j = j.max(couple.context.0[1]);
-        let ids = [(j, couple.sight[1]), (l, couple.sight[2]), (couple.hidden_object, Sight::Unseen)];
-        for (index, (id, sight)) in ids.into_iter().enumerate() {
-            let is_counted = ids[..index].iter().any(|(other, sight)| *other == id && *sight != Sight::Seen);
+        let ids = [
+            (j, couple.visibility[1]),
+            (l, couple.visibility[2]),
+            (couple.hidden_object, Visibility::Unseen),
+        ];
+        for (index, (id, visibility)) in ids.into_iter().enumerate() {
+            let is_counted = ids[..index]
+                .iter()
+                .any(|(other, visibility)| *other == id && *visibility != Visibility::Seen);
             let place = self.objects.iter_mut().find(|(object, _)| [id, 0].contains(object));
             if id != 0
-                && sight != Sight::Seen
+                && visibility != Visibility::Seen
                 && !is_counted
                 && let Some(place) = place
             {

@@ -85,7 +85,7 @@ impl Context {
 
 /// How far the pose of a hand or object can be relied on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Sight {
+pub enum Visibility {
     /// It was seen in this frame.
     #[default]
     Seen,
@@ -130,8 +130,8 @@ pub struct Couple {
     pub drift_m: f32,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
-    /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
-    pub sight: [Sight; 3],
+    /// The visibility of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
+    pub visibility: [Visibility; 3],
     /// Whether the hand waits for the other one.
     pub waiting: Waiting,
     /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at, may have taken or may
@@ -163,7 +163,7 @@ impl Couple {
             tips: None,
             drift_m: 0.0,
             distances: [f32::INFINITY; 2],
-            sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
+            visibility: [Visibility::Unseen, Visibility::Seen, Visibility::Seen],
             waiting: Waiting::No,
             is_clear: false,
             is_doubtful: true,
@@ -175,13 +175,13 @@ impl Couple {
     }
 
     /// The couple at another time of which no frame shows anything: what was done goes on for all that is known.
-    fn unseen_at(&self, captured_ns: u64, sight: Sight) -> Self {
+    fn unseen_at(&self, captured_ns: u64, visibility: Visibility) -> Self {
         Self {
             captured_ns,
             motion: None,
             position: None,
             tips: None,
-            sight: self.sight.map(|before| before.max(sight)),
+            visibility: self.visibility.map(|before| before.max(visibility)),
             waiting: if self.context.is_touch() { Waiting::Unknown } else { Waiting::No },
             is_clear: false,
             is_doubtful: true,
@@ -191,18 +191,18 @@ impl Couple {
 
     /// Whether the hand itself was seen in this frame, rather than held from an earlier one.
     pub fn is_hand_seen(&self) -> bool {
-        self.sight[0] == Sight::Seen
+        self.visibility[0] == Visibility::Seen
     }
 
-    /// The worst sight of what the context depends on; a hand that touches nothing may be anywhere.
-    pub fn worst_sight(&self) -> Sight {
-        let relevant = if self.context.is_touch() { &self.sight[..] } else { &self.sight[1..] };
+    /// The worst visibility of what the context depends on; a hand that touches nothing may be anywhere.
+    pub fn worst_visibility(&self) -> Visibility {
+        let relevant = if self.context.is_touch() { &self.visibility[..] } else { &self.visibility[1..] };
         relevant.iter().copied().max().unwrap_or_default()
     }
 
     /// Whether nothing that the context depends on has been out of sight for longer than `blind_ms`.
     pub fn is_in_sight(&self) -> bool {
-        self.worst_sight() != Sight::Unseen
+        self.worst_visibility() != Visibility::Unseen
     }
 }
 
@@ -235,7 +235,7 @@ pub struct Couples {
 
 impl Couples {
     /// The couples at another time of which no frame shows anything.
-    pub(crate) fn unseen_at(&self, captured_ns: u64, known_ns: u64, sight: Sight) -> Self {
+    pub(crate) fn unseen_at(&self, captured_ns: u64, known_ns: u64, visibility: Visibility) -> Self {
         Self {
             captured_ns,
             known_ns,
@@ -243,8 +243,8 @@ impl Couples {
             has_moved_unseen: false,
             is_carried_unseen: false,
             is_bench_hidden: true,
-            undone: if sight == Sight::Unseen { ActivitySet::EMPTY } else { self.undone },
-            hands: self.hands.map(|couple| couple.unseen_at(captured_ns, sight)),
+            undone: if visibility == Visibility::Unseen { ActivitySet::EMPTY } else { self.undone },
+            hands: self.hands.map(|couple| couple.unseen_at(captured_ns, visibility)),
             ..*self
         }
     }

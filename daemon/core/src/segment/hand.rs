@@ -6,7 +6,7 @@ use super::way::Way;
 use super::{Event, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Motion, Sight, Waiting};
+use crate::couple::{Context, Couple, Motion, Visibility, Waiting};
 use crate::input::Side;
 use heapless::{Deque, Vec};
 
@@ -114,7 +114,8 @@ impl Segmenter {
             iu.so_far.frames = iu.so_far.frames.saturating_add(1);
             iu.so_far.waited = iu.so_far.waited.saturating_add((couple.waiting == Waiting::Yes).into());
             iu.so_far.is_in_sight &= couple.is_in_sight();
-            iu.so_far.seen = iu.so_far.seen.saturating_add((couple.worst_sight() == Sight::Seen).into());
+            iu.so_far.seen =
+                iu.so_far.seen.saturating_add((couple.worst_visibility() == Visibility::Seen).into());
             iu.meter.push(couple.position, couple.drift_m);
             let Some(motion) = couple.motion else {
                 iu.unmeasured = iu.unmeasured.saturating_add(1);

@@ -8,8 +8,8 @@ mod in_hand;
 mod leap;
 mod meeting;
 mod sides;
-mod sight;
 mod start;
+mod unseen;
 mod waiting;
 
 use super::contact::Edge;
@@ -18,7 +18,7 @@ use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::noise::{Drift, MOVED_M, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
-use super::{Context, Couple, Couples, Motion, Sight, Waiting};
+use super::{Context, Couple, Couples, Motion, Visibility, Waiting};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES, TWINS};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
@@ -219,7 +219,7 @@ impl Scene {
         self.push_carried_unseen();
         self.push_bench_hidden();
         self.push_clear();
-        self.push_rivals();
+        self.push_alternatives();
     }
 
     /// Whether the newest frame calls each hand by the name of the other one.
@@ -317,7 +317,7 @@ impl Scene {
                     (0..count).any(|object| interaction.involves(object) && self.is_new(object, age));
                 self.is_displaced[hand] = self.take_displaced(hand, interaction);
             }
-            self.update_rivals(hand, before.held(), interaction.held(), age);
+            self.update_alternatives(hand, before.held(), interaction.held(), age);
             let mut couple = self.couple(hand, interaction, age);
             // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
             let is_assumed = interaction != next || couple.context.is_release() && !couple.is_clear;
@@ -367,8 +367,8 @@ impl Scene {
             Interaction::Released { j, l } => (false, Some(j), Some(l)),
         };
         let node = |object: usize| &self.objects[object];
-        let sight = |object: Option<usize>| {
-            object.map_or(Sight::Seen, |object| self.object_sight(node(object).poses.ago(age)))
+        let visibility = |object: Option<usize>| {
+            object.map_or(Visibility::Seen, |object| self.object_visibility(node(object).poses.ago(age)))
         };
         let from_hand = j.filter(|_| acts);
         let [h, o_j, o_l] = [
@@ -398,7 +398,7 @@ impl Scene {
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
             ],
-            sight: [self.sight(pose.unseen), sight(j), sight(l)],
+            visibility: [self.visibility(pose.unseen), visibility(j), visibility(l)],
             waiting: Waiting::No,
             is_clear: self.clear[hand] >> age & 1 == 1,
             is_doubtful: self.is_doubtful(hand, age)
@@ -413,7 +413,7 @@ impl Scene {
             hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
         };
         // Only now it is known which objects the context depends on.
-        couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
+        couple.is_clear &= couple.visibility[1..] == [Visibility::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
     }

@@ -4,18 +4,18 @@
 //! A [`Doubt`] speaks against learning from the runs. It accuses nobody: it is a sentence with the figure and with what to do, and whoever
 //! knows better teaches all the same. What was not seen of a run ([`Blind`]) is not learnt, and the rest of the run is.
 
+mod blind;
 mod doubt;
 mod order;
 mod outlier;
 mod rate;
-mod sight;
 mod summary;
 mod twice;
 
+pub use blind::Blind;
 pub use doubt::Doubt;
 pub use outlier::{Measure, Outlier};
 pub(super) use rate::too_few_frames;
-pub use sight::Blind;
 pub(super) use summary::summary;
 pub(super) use twice::without_copies;
 

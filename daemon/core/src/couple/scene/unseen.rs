@@ -1,6 +1,6 @@
 //! What the newest frames show, and what may have happened unseen.
 
-use super::super::Sight;
+use super::super::Visibility;
 use super::super::contact;
 use super::super::geometry::{norm, subtract};
 use super::super::interaction::Interaction;
@@ -194,7 +194,7 @@ impl Scene {
 
     /// An object that was hidden, lies where it lay, and that the hand was not near meanwhile, was not taken. One that is seen in the
     /// hand was. One that is seen apart from a hand that has let go is not what the hand takes next.
-    pub(super) fn push_rivals(&mut self) {
+    pub(super) fn push_alternatives(&mut self) {
         let moved_m = self.moved_m();
         for (object, node) in self.objects.iter_mut().enumerate() {
             let [pose, before] = [0, 1].map(|age| *node.poses.ago(age));
@@ -221,7 +221,7 @@ impl Scene {
     }
 
     /// The hand begins to act on `held`: finds whether it was seen to, and the other objects at which it may be, for all that is seen.
-    pub(super) fn update_rivals(
+    pub(super) fn update_alternatives(
         &mut self,
         hand: usize,
         before: Option<usize>,
@@ -333,23 +333,24 @@ impl Scene {
 
     fn used_out_of_sight(&self, age: usize) -> impl Iterator<Item = &Node> {
         self.objects.iter().filter(move |node| {
-            !node.shape.used_by.is_empty() && self.sight(node.poses.ago(age).unseen) == Sight::Unseen
+            !node.shape.used_by.is_empty()
+                && self.visibility(node.poses.ago(age).unseen) == Visibility::Unseen
         })
     }
 
-    pub(super) fn sight(&self, unseen: u32) -> Sight {
+    pub(super) fn visibility(&self, unseen: u32) -> Visibility {
         match unseen {
-            0 => Sight::Seen,
-            unseen if unseen <= self.blind_frames => Sight::Assumed,
-            _ => Sight::Unseen,
+            0 => Visibility::Seen,
+            unseen if unseen <= self.blind_frames => Visibility::Assumed,
+            _ => Visibility::Unseen,
         }
     }
 
     /// What a seen hand carries goes with it for longer: how it is seen again shows whether it did.
-    pub(super) fn object_sight(&self, pose: &ObjectPose) -> Sight {
+    pub(super) fn object_visibility(&self, pose: &ObjectPose) -> Visibility {
         let is_carried =
             pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
-        if is_carried { Sight::Assumed } else { self.sight(pose.unseen) }
+        if is_carried { Visibility::Assumed } else { self.visibility(pose.unseen) }
     }
 
     /// An object that lies as far from where it lay has been moved, in metres. Far above the noise of a marker that lies still, and below
