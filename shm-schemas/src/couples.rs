@@ -15,14 +15,14 @@ wire! { "andon.HandCouple", 60;
         position_m: [f32; 3],
         /// The finger tips on the bench in metres; NaN where they were neither seen nor assumed, or the hand does not act.
         tips_m: [f32; 3],
-        /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by errors that last, in metres; 0 where that is not known.
-        wanders_m: f32,
+        /// How far apart two positions of `o_j`, in the frame of `o_l` if there is one, may be by drift, in metres; 0 where that is not known.
+        drift_m: f32,
         /// `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]`; it means nothing without `MEASURED`.
         x_m: [i8; 7],
-        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `RIVALLED`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
+        /// Bits of [`crate::flag`]: `MEASURED`, `CLEAR`, `DOUBTFUL`, `OBJECT_AMBIGUOUS`, `OBJECT_NEW`, `OBJECT_DISPLACED`.
         flags: u8,
-        /// The sight of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
-        sight: [u8; 3],
+        /// The visibility of the hand, of `o_j` and of `o_l`: 0 seen, 1 assumed, 2 unseen.
+        visibility: [u8; 3],
         /// Whether the hand waits for the other one: 0 no, 1 not known, 2 yes.
         waiting: u8,
         /// The object because of which the frame does not show what the hand does, as it is hidden; 0 where there is none.

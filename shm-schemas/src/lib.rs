@@ -89,7 +89,7 @@ pub mod flag {
     /// So little was seen that the context may be another one.
     pub const DOUBTFUL: u8 = 1 << 2;
     /// Flag of a couple: the hand may have taken another object than `o_j`.
-    pub const RIVALLED: u8 = 1 << 3;
+    pub const OBJECT_AMBIGUOUS: u8 = 1 << 3;
     /// Flag of a couple: the hand may have acted on `o_j` and `o_l` before they were first seen.
     pub const OBJECT_NEW: u8 = 1 << 4;
     /// Flag of a couple: `o_j` or `o_l` had been hidden until just before, and was then seen elsewhere.

@@ -42,7 +42,7 @@ impl fmt::Display for MeasuredWords {
                 write!(f, "strokes of {value:.decimals$} cm, shown {} cm", Shown { min, max, decimals })
             }
             VerdictMeasure::Path => write_path(f, centimetres()),
-            VerdictMeasure::Bow => {
+            VerdictMeasure::LateralDeviation => {
                 let ([value, _, max], decimals) = (centimetres(), decimals(centimetres(), 0));
                 write!(f, "{value:.decimals$} cm off the straight way, shown up to {max:.decimals$} cm")
             }
@@ -127,8 +127,8 @@ mod tests {
     fn a_way_round_is_said_by_how_far_off_it_led() {
         let detour = "25 cm off the shown path (104 cm long, shown 49 to 54 cm)";
         check(VerdictMeasure::Path, [1.04, 0.49, 0.54], detour);
-        let bow = "30 cm off the straight way, shown up to 18 cm";
-        check(VerdictMeasure::Bow, [0.3, 0.0, 0.18], bow);
+        let words = "30 cm off the straight way, shown up to 18 cm";
+        check(VerdictMeasure::LateralDeviation, [0.3, 0.0, 0.18], words);
         check(VerdictMeasure::Path, [0.2, 0.49, 0.54], "a path of 20 cm, shown 49 to 54 cm");
     }
 

@@ -143,8 +143,8 @@ codes! {
         Direction = 5,
         /// How far its place lies from the one that was shown, in metres.
         Place = 6,
-        /// How far off the straight line the way of the hand leads, in metres.
-        Bow = 7,
+        /// The lateral deviation: how far off the straight line the way of the hand leads, in metres.
+        LateralDeviation = 7 as "Bow",
     }
 }
 
@@ -221,7 +221,7 @@ wire! { "andon.Verdict", 192;
         captured_percent: u8,
         /// In how many of a hundred frames of the IU the hand and each object that it acts on were seen; [`NO_PERCENT`] where that says nothing.
         seen_percent: u8,
-        /// How many of a hundred frames came of what the verdict rests on; [`NO_PERCENT`] where that is not the reason.
+        /// How many of a hundred frames came of what the verdict depends on; [`NO_PERCENT`] where that is not the reason.
         missing_percent: u8,
         /// How many of a hundred frames the job needs; [`NO_PERCENT`] where that is not the reason, or none are asked for.
         needed_percent: u8,

@@ -67,7 +67,7 @@ def need_tools():
 
 
 def check(machine, options, report):
-    """Runs the checks in their order up to the first that fails: each rests on those before it."""
+    """Runs the checks in their order up to the first that fails: each depends on those before it."""
     shutil.copy(options.package, machine.root / "mnt/andon.deb")
     seen = {"newer": newer(options.package, machine.root / "mnt/newer.deb")}
     seen["stopped_roles"] = ["judge"] if options.short else ROLES

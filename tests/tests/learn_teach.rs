@@ -338,9 +338,14 @@ fn what_each_run_measured_is_kept_sorted_with_the_job_and_verdicts_name_its_rang
     assert_eq!((&read, read.model_hash()), (&job, job.model_hash()));
     let polishing = &read.activities[0].ius[1];
     let (values, shown) = (polishing.shown.clone().unwrap(), polishing.measures.shown.unwrap());
-    for of in
-        [&values.frames, &values.reversals, &values.path_m, &values.bow_m, &values.place_m, &values.distance]
-    {
+    for of in [
+        &values.frames,
+        &values.reversals,
+        &values.path_m,
+        &values.lateral_m,
+        &values.place_m,
+        &values.distance,
+    ] {
         assert!(of.len() == 4 && of.is_sorted(), "{values:?}");
     }
     assert_eq!([values.frames[0], values.frames[3]], [shown.frames.min as f32, shown.frames.max as f32]);

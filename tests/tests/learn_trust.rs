@@ -278,7 +278,7 @@ fn where_each_run_does_another_step_otherwise_each_difference_is_named() {
 #[test]
 fn that_the_ius_rest_on_few_demonstrations_is_said_once() {
     let text = taught(&correct(3)).to_string();
-    assert_eq!(text.matches("rest on fewer than").count(), 1, "{text}");
+    assert_eq!(text.matches("depend on fewer than").count(), 1, "{text}");
     assert!(text.contains("show 2 more"), "{text}");
 }
 

@@ -122,7 +122,7 @@ fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
 }
 
 #[test]
-fn parts_that_wander_by_errors_that_last_put_right_jobs_in_doubt_no_more_than_others() {
+fn parts_that_drift_put_right_jobs_in_doubt_no_more_than_others() {
     expect_no_more_doubt_with(inexact(0.9));
 }
 

@@ -294,7 +294,7 @@ fn tracks_of(line: &Line, run: &str) -> Vec<u8> {
     tracks
 }
 
-/// A state lasts a little longer than the picture shows it, so what only touches its ends does not rest on it.
+/// A state lasts a little longer than the picture shows it, so what only touches its ends does not depend on it.
 fn assert_nothing_rests_on(spans: &[Span], unseen_s: [f64; 2]) {
     let rests = |(began_s, ended_s, _): &&Span| *began_s < unseen_s[1] - 0.2 && *ended_s > unseen_s[0] + 0.2;
     let resting: Vec<_> = spans.iter().filter(rests).collect();

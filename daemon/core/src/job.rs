@@ -54,7 +54,7 @@ pub struct Shown {
     /// How much longer than the straight way it was at most, in metres.
     pub detour_m: f32,
     /// How far off the straight line the way of the hand led at most, in metres.
-    pub bow_m: f32,
+    pub lateral_m: f32,
     /// How far the direction of the path was away from the centre of [`MeasureBounds::axis`] at most.
     pub axis: f32,
     /// How far the mean position was away from the centre of [`MeasureBounds::place_m`] at most, in metres.
@@ -71,7 +71,7 @@ pub struct MeasureBounds {
     /// Maximum of how much longer the path is than the straight way; it decides instead of the maximum of the path where it is finite.
     pub max_detour_m: f32,
     /// Maximum of how far off the straight line the way of the hand leads.
-    pub max_bow_m: f32,
+    pub max_lateral_m: f32,
     /// The direction of the path.
     pub axis: Around<2>,
     /// Mean position.
@@ -86,7 +86,7 @@ impl MeasureBounds {
         stroke_m: Range { min: 0.0, max: f32::INFINITY },
         path_m: Range { min: 0.0, max: f32::INFINITY },
         max_detour_m: f32::INFINITY,
-        max_bow_m: f32::INFINITY,
+        max_lateral_m: f32::INFINITY,
         axis: Around { centre: [0.0; 2], max: f32::INFINITY },
         place_m: Around { centre: [0.0; 3], max: f32::INFINITY },
         shown: None,
@@ -112,19 +112,21 @@ pub struct NominalIu<'a> {
 }
 
 /// The share of the time that was shown in which a person in a hurry does the same.
-const QUICKEST: f32 = 0.6;
+const FASTEST_SHARE: f32 = 0.6;
 
-/// No less than one in as many frames of a reference is work, and not a wait.
-const WORK: u32 = 4;
+/// At least one in this many frames of a reference is work, and not a wait.
+const FRAMES_PER_WORK_FRAME: u32 = 4;
 
 impl NominalIu<'_> {
     /// In how few frames it may have been done where nobody saw it; 0 for what comes about without a hand. Who waited in it worked for less time
     /// than the reference lasts.
     pub(crate) fn quickest(&self) -> u32 {
         let length = self.reference.len() as u32;
-        let worked =
-            self.measures.shown.map_or(length, |shown| shown.frames.min.clamp(length / WORK, length));
-        let least = (QUICKEST * worked as f32) as u32;
+        let worked = self
+            .measures
+            .shown
+            .map_or(length, |shown| shown.frames.min.clamp(length / FRAMES_PER_WORK_FRAME, length));
+        let least = (FASTEST_SHARE * worked as f32) as u32;
         if self.context.is_touch() { self.frames.min.max(least) } else { 0 }
     }
 }
@@ -189,7 +191,7 @@ pub struct Job<'a> {
     /// The law of each activity, by its number; one that has none is [`Law::FREE`].
     pub laws: &'a [Law],
     /// The objects at which a hand was shown to rest or to steady: that is neither a step nor a note.
-    pub rests: &'a [u16],
+    pub passive_contacts: &'a [u16],
     /// How motions are compared.
     pub cost: LocalCost,
     /// Maximum of [`slowdown_factor`], at least 1. A DTW distance grows with the number of frames, and a slower motion has less

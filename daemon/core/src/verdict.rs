@@ -75,7 +75,7 @@ pub struct Missing {
     pub object: Option<u16>,
     /// For how long the hand or object was not seen, in all, or no frame came, at most; in seconds.
     pub seconds: Option<f32>,
-    /// How many of a hundred frames of what the verdict rests on were captured.
+    /// How many of a hundred frames of what the verdict depends on were captured.
     pub captured_percent: Option<u8>,
     /// How many of a hundred frames the job needs.
     pub needed_percent: Option<u8>,
@@ -129,8 +129,8 @@ pub enum Measure {
     StrokeLength,
     /// The length of its path, in metres.
     Path,
-    /// How far off the straight line the way of the hand leads, in metres.
-    Bow,
+    /// The lateral deviation: how far off the straight line the way of the hand leads, in metres.
+    LateralDeviation,
     /// How far its direction lies from the one that was shown, in degrees.
     Direction,
     /// How far its place lies from the one that was shown, in metres.
@@ -192,7 +192,7 @@ pub struct Verdict {
     pub began_ns: u64,
     /// When it ended; for an early verdict, the time of the newest couples, in nanoseconds.
     pub ended_ns: u64,
-    /// The time of the newest frame that the verdict rests on, in nanoseconds: `persist_frames` after the newest couples.
+    /// The time of the newest frame that the verdict depends on, in nanoseconds: `persist_frames` after the newest couples.
     /// A verdict that needs more frames to be believed says so.
     pub decided_ns: u64,
 }

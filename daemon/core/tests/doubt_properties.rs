@@ -69,7 +69,7 @@ static JOB: LazyLock<Job<'static>> = LazyLock::new(|| {
     Job {
         activities: nominal.leak(),
         laws: &IN_ORDER,
-        rests: &[],
+        passive_contacts: &[],
         cost,
         max_slowdown: 2.0,
         has_free_ends: false,
@@ -84,7 +84,7 @@ fn measures(shown: &Measures) -> MeasureBounds {
         stroke_m: around(shown.stroke_m.unwrap_or_default()),
         path_m: around(shown.path_m),
         max_detour_m: around(shown.detour_m).max,
-        max_bow_m: around(shown.bow_m).max,
+        max_lateral_m: around(shown.lateral_m).max,
         axis: Around { centre: shown.axis, max: 0.5 },
         place_m: Around { centre: shown.place_m, max: 0.04 },
         shown: None,

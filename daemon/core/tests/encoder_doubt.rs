@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Couple, Sight};
+use andon_core::couple::{Couple, Visibility};
 use andon_core::input::{Frame, Side};
 use andon_core::object::ObjectShape;
 use andon_core::set::ActivitySet;
@@ -268,13 +268,13 @@ fn an_object_that_is_first_seen_in_the_hand_may_have_been_there_before() {
 
 #[test]
 fn an_object_that_is_first_seen_at_a_hand_that_holds_another_one_may_be_what_it_holds() {
-    let is_rivalled = |cup: [f32; 2]| {
+    let is_object_ambiguous = |cup: [f32; 2]| {
         let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (CUP, cup)]);
         bench.hide(CUP).hand(Side::Right, [0.0, 0.0]).rest(30).hold(Side::Right, TOOL).rest(20);
         bench.show(CUP).rest(20);
-        couples_of(&bench, Side::Right).last().unwrap().is_rivalled
+        couples_of(&bench, Side::Right).last().unwrap().is_object_ambiguous
     };
-    assert_eq!([[0.0, 0.02], [0.0, 0.3]].map(is_rivalled), [true, false]);
+    assert_eq!([[0.0, 0.02], [0.0, 0.3]].map(is_object_ambiguous), [true, false]);
 }
 
 #[test]
@@ -383,7 +383,9 @@ fn what_is_elsewhere_for_a_few_frames_is_misread_and_what_stays_there_was_moved(
     };
     for couples in [leapt(40..41), leapt(40..45)] {
         assert!(couples[20..].iter().all(|couple| couple.context.0 == [1, TOOL, 0, 0]), "{couples:?}");
-        assert!(couples[40].sight[1] != Sight::Seen && couples[45].sight[1] == Sight::Seen);
+        assert!(
+            couples[40].visibility[1] != Visibility::Seen && couples[45].visibility[1] == Visibility::Seen
+        );
     }
     let couples = leapt(40..80);
     assert!(couples[50..].iter().all(|couple| couple.context.0[1] != TOOL), "the hand is not there");
@@ -395,7 +397,7 @@ fn what_moves_fast_is_seen_all_the_way() {
     // Half a metre in a third of a second.
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.5, 0.0], 10).rest(20);
     let couples = couples_of(&bench, Side::Right);
-    assert!(couples.iter().all(|couple| couple.sight == [Sight::Seen; 3]), "{couples:?}");
+    assert!(couples.iter().all(|couple| couple.visibility == [Visibility::Seen; 3]), "{couples:?}");
 }
 
 #[test]
@@ -441,13 +443,13 @@ fn what_is_seen_apart_from_a_hand_that_has_let_go_is_not_what_it_took() {
         .rest(10);
     bench.show(CUP).go([0.3, 0.01], 30).rest(20).let_go(Side::Right).go([0.3, -0.3], 30).rest(30);
     let couples = couples_of(&bench, Side::Right);
-    let is_rivalled = |is_release: bool| -> Vec<bool> {
+    let is_object_ambiguous = |is_release: bool| -> Vec<bool> {
         let all = couples.iter().filter(|couple| couple.context.0[2] == TOOL && couple.context.0[3] == BOX);
         all.filter(|couple| couple.context.is_release() == is_release)
-            .map(|couple| couple.is_rivalled)
+            .map(|couple| couple.is_object_ambiguous)
             .collect()
     };
-    let (held, released) = (is_rivalled(false), is_rivalled(true));
+    let (held, released) = (is_object_ambiguous(false), is_object_ambiguous(true));
     assert!(!held.is_empty() && held.iter().all(|is| *is), "it may hold the cup: {held:?}");
     assert!(!released.is_empty() && !released[released.len() - 1], "it holds nothing: {released:?}");
 }

@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Couple, Sight};
+use andon_core::couple::{Couple, Visibility};
 use andon_core::input::{Frame, Side};
 use common::bench::{Bench, encode};
 
@@ -34,13 +34,13 @@ fn strokes() -> Bench {
 #[test]
 fn a_frame_in_which_nobody_watched_is_one_that_never_came() {
     let bench = strokes();
-    let seen = |couples: &Couple| (couples.context, couples.sight, couples.motion, couples.is_doubtful);
+    let seen = |couples: &Couple| (couples.context, couples.visibility, couples.motion, couples.is_doubtful);
     let mut unseen = bench.frames.clone();
     unseen[50..70].iter_mut().for_each(|frame| frame.is_unseen = true);
     let missing = [&bench.frames[..50], &bench.frames[70..]].concat();
     let [unseen, missing] = [unseen, missing].map(|frames| couples_in(&bench, &frames, Side::Right));
     assert_eq!(unseen.iter().map(seen).collect::<Vec<_>>(), missing.iter().map(seen).collect::<Vec<_>>());
-    assert!(unseen.iter().any(|couple| couple.sight[0] == Sight::Assumed));
+    assert!(unseen.iter().any(|couple| couple.visibility[0] == Visibility::Assumed));
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn what_lies_still_and_is_seen_inexactly_is_not_carried_by_a_hand_that_is_not_se
 const KEPT: f32 = 0.895;
 
 #[test]
-fn what_lies_still_and_wanders_by_errors_that_last_is_not_carried_by_a_hand_that_is_not_seen() {
+fn what_lies_still_and_drifts_is_not_carried_by_a_hand_that_is_not_seen() {
     for seed in 0..50 {
         let mut bench = Bench::new(&[(TOOL, [0.3, 0.2]), (BOX, [-0.3, 0.2])]);
         bench.hand(Side::Right, [0.0, -0.3]).rest(200);
@@ -75,7 +75,7 @@ fn what_lies_still_and_wanders_by_errors_that_last_is_not_carried_by_a_hand_that
 }
 
 #[test]
-fn a_hand_that_rests_at_a_part_that_wanders_by_errors_that_last_does_not_let_go() {
+fn a_hand_that_rests_at_a_part_that_drifts_does_not_let_go() {
     for seed in 0..50 {
         let mut bench = Bench::new(&[(BOX, [0.0, 0.0])]);
         bench.hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, -0.02], 20).rest(90);
@@ -95,8 +95,8 @@ fn what_a_hand_does_for_a_moment_before_it_is_first_seen_says_nothing_of_errors(
         bench.frames.iter_mut().for_each(|frame| frame.hands.clear());
         bench.let_go(Side::Right).hand(Side::Right, [0.0, -0.3]).rest(60).go([0.0, 0.0], 20).rest(20);
         let couples = seen_inexactly(bench, 0.1 * DEVIATION_M, unseen as u32);
-        let wanders_m = couples.last().unwrap().hands[0].wanders_m;
-        assert!((0.0001..0.005).contains(&wanders_m), "{wanders_m} after {unseen} frames");
+        let drift_m = couples.last().unwrap().hands[0].drift_m;
+        assert!((0.0001..0.005).contains(&drift_m), "{drift_m} after {unseen} frames");
     }
 }
 
@@ -259,7 +259,7 @@ fn a_hand_that_has_carried_something_with_the_other_one_does_not_leap_where_they
 }
 
 #[test]
-fn a_part_that_is_held_still_at_another_makes_no_strokes_by_errors_that_last() {
+fn a_part_that_is_held_still_at_another_makes_no_strokes_by_drift() {
     let makes_strokes = |seed: u32| {
         let mut bench = with_tool_in_hand(&[(BOX, [0.3, 0.1])]);
         bench.go([0.3, 0.08], 30).rest(150).go([0.0, 0.0], 30).rest(15).let_go(Side::Right);

@@ -1,11 +1,11 @@
-//! What a judge says that did not see what came before: of what the bench shows, of what may be the rest of something, and of the job after it.
+//! What a judge says that did not see what came before: of what the bench shows, of what may be the remainder of something, and of the job after it.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Couples, Sight};
+use andon_core::couple::{Couples, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
 use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
@@ -51,7 +51,7 @@ fn a_hand_that_was_hidden_is_named_even_where_nobody_saw_what_came_before() {
     }
     for couples in &mut couples[15..25] {
         let hand = &mut couples.hands[0];
-        (hand.sight[0], hand.is_clear) = (Sight::Assumed, false);
+        (hand.visibility[0], hand.is_clear) = (Visibility::Assumed, false);
     }
     let said = judged_cold_by(&job, couples);
     assert_eq!(said[0], "r0.0 NotJudged HandNotSeen!");
@@ -234,7 +234,7 @@ fn what_comes_while_a_hand_goes_on_with_an_earlier_step_comes_behind_it() {
     let later = Law { after_begin: ActivitySet::of(0), ..free };
     let job = Job { laws: &[free, later, free], ..teach(&[&hold, &polish(6), &measure()]) };
     let right = [&polish(6)[..], &measure()].concat();
-    // Only that the hand had begun before shows that what it does is not the rest of another piece.
+    // Only that the hand had begun before shows that what it does is not the remainder of another piece.
     let said = |hand_begins: usize, others_begin: usize| {
         let left = [&[idle(hand_begins)][..], &hold, &[idle(20)]].concat();
         let couples = stream(&[&[idle(others_begin)][..], &right].concat(), &left);
@@ -250,8 +250,11 @@ fn a_hand_that_was_not_seen_to_come_may_steady_the_other_part() {
     let optional = Law { is_required: false, runs: 6, ..Law::FREE };
     let required = Law { runs: 6, ..Law::FREE };
     let rests = |rests: &'static [u16], before: &[Part]| {
-        let job =
-            Job { rests, laws: &[required, optional], ..teach(&[&polish(6), &[steadies[0], idle(20)]]) };
+        let job = Job {
+            passive_contacts: rests,
+            laws: &[required, optional],
+            ..teach(&[&polish(6), &[steadies[0], idle(20)]])
+        };
         let left = [before, &[steadies[0], part([0, 0, 5, 6], 40, Still), idle(20)]].concat();
         let couples = stream(&[&[idle(40)][..], &polish(6)].concat(), &left);
         judged_cold_by(&job, couples).iter().any(|verdict| verdict.contains("Anomaly"))

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Couples, Sight};
+use andon_core::couple::{Couples, Visibility};
 use andon_core::job::Job;
 use andon_core::verdict::{Level, Outcome, Reason};
 use common::bench::PERIOD_NS;
@@ -252,14 +252,14 @@ fn a_job_that_breaks_off_anywhere_accuses_nobody() {
 /// Lets the right hand (0) or its `o_j` (1) be assumed.
 fn assume(couples: &mut [Couples], what: usize) {
     for couples in couples {
-        couples.hands[0].sight[what] = Sight::Assumed;
+        couples.hands[0].visibility[what] = Visibility::Assumed;
         couples.hands[0].is_clear = false;
     }
 }
 
-/// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden; `is_rivalled` is whether the hand
+/// A piece that is polished with half the strokes. While the hand takes the polisher, something is hidden; `is_object_ambiguous` is whether the hand
 /// may have taken that instead, for as long as it holds what it took.
-fn taken_in_doubt(is_rivalled: bool) -> Vec<String> {
+fn taken_in_doubt(is_object_ambiguous: bool) -> Vec<String> {
     let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
     let mut couples = stream(&right, &[]);
     assume(&mut couples[15..25], 1);
@@ -267,7 +267,7 @@ fn taken_in_doubt(is_rivalled: bool) -> Vec<String> {
         couples.hands[0].is_doubtful = true;
     }
     for couples in &mut couples[20..128] {
-        couples.hands[0].is_rivalled = is_rivalled;
+        couples.hands[0].is_object_ambiguous = is_object_ambiguous;
     }
     judged(&polish_and_measure(), &couples).iter().map(short).collect()
 }
@@ -288,15 +288,17 @@ fn what_is_done_with_an_object_that_may_be_another_one_accuses_nobody() {
 
 #[test]
 fn what_is_done_with_an_object_beside_which_another_one_was_first_seen_accuses_nobody() {
-    let verdicts = |is_rivalled: bool, is_new: bool| -> Vec<String> {
+    let verdicts = |is_object_ambiguous: bool, is_new: bool| -> Vec<String> {
         let right = [vec![idle(20)], polish(3).to_vec(), measure().to_vec()].concat();
         let mut couples = stream(&right, &[]);
         couples[22..30].iter_mut().for_each(|couples| couples.hands[0].is_object_new = is_new);
-        couples[20..128].iter_mut().for_each(|couples| couples.hands[0].is_rivalled = is_rivalled);
+        couples[20..128]
+            .iter_mut()
+            .for_each(|couples| couples.hands[0].is_object_ambiguous = is_object_ambiguous);
         judged(&polish_and_measure(), &couples).iter().map(short).collect()
     };
-    for (is_rivalled, is_new) in [(true, false), (false, true)] {
-        assert_eq!(verdicts(is_rivalled, is_new).last().unwrap(), "JobAnomaly TooShort");
+    for (is_object_ambiguous, is_new) in [(true, false), (false, true)] {
+        assert_eq!(verdicts(is_object_ambiguous, is_new).last().unwrap(), "JobAnomaly TooShort");
     }
     let in_doubt = verdicts(true, true);
     assert!(in_doubt.iter().all(|verdict| !verdict.contains("Anomaly")), "{in_doubt:?}");
@@ -384,7 +386,7 @@ fn strokes_with_gaps(strokes: usize) -> String {
     for gap in couples[34..30 + 16 * strokes].chunks_mut(8) {
         for couples in gap.iter_mut().take(4) {
             let hand = &mut couples.hands[0];
-            (hand.motion, hand.position, hand.sight[1]) = (None, None, Sight::Assumed);
+            (hand.motion, hand.position, hand.visibility[1]) = (None, None, Visibility::Assumed);
         }
     }
     short(judged(&forgiving(polish_and_measure()), &couples).last().unwrap())

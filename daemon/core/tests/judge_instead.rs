@@ -92,7 +92,7 @@ fn a_part_that_no_run_shows_at_the_other_one_is_used_instead_if_it_is_in_hand_fo
         let parts = [&carry(9, frames)[..], &measure()].concat();
         for (job, reason) in [in_order(), press_and_measure()].into_iter().zip(reasons) {
             // The part belongs to the job, which only has it rest.
-            let job = Job { rests: &[9], ..job };
+            let job = Job { passive_contacts: &[9], ..job };
             let word = job_of(&judged(&job, &stream(&parts, &[])));
             assert_eq!(
                 word,

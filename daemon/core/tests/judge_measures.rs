@@ -120,8 +120,8 @@ fn a_path_a_stroke_a_direction_and_a_place_are_measured_in_metres_and_degrees() 
     let (said, measure, metres) = of(&job(|bounds| bounds.path_m = Range { min: 0.0, max: 0.5 }));
     assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly TooLong!", Measure::Path));
     assert!((0.5..0.55).contains(&metres), "{metres}");
-    let (said, measure, metres) = of(&job(|bounds| bounds.max_bow_m = 0.05));
-    assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly TooLong!", Measure::Bow));
+    let (said, measure, metres) = of(&job(|bounds| bounds.max_lateral_m = 0.05));
+    assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly TooLong!", Measure::LateralDeviation));
     assert!((0.05..0.07).contains(&metres), "{metres}");
     let (said, measure, metres) = of(&job(|bounds| bounds.stroke_m = Range { min: 0.0, max: 0.01 }));
     assert_eq!((said.as_str(), measure), ("r0.1 IuAnomaly Motion", Measure::StrokeLength));
@@ -168,9 +168,9 @@ fn a_job_that_does_not_know_what_was_shown_names_no_measure() {
     assert_eq!(measured(&job, &[polish(3), measure()].concat()), []);
 }
 
-/// The bow of the way of the right hand with the brick away from the meter. It is at it for 20 frames, in the first 10 of which it goes round in
+/// The lateral deviation of the way of the right hand with the brick away from the meter. It is at it for 20 frames, in the first 10 of which it goes round in
 /// half a circle of 10 cm, and then rests.
-fn bow_away_m(is_known_to_touch: bool) -> f32 {
+fn lateral_away_m(is_known_to_touch: bool) -> f32 {
     let parts =
         [part([1, 6, 0, 0], 30, Toward(5)), part([1, 6, 6, 3], 20, Still), part([1, 6, 0, 0], 10, Still)];
     let mut segmenter = Segmenter::new(Side::Right, &Method::default()).unwrap();
@@ -181,13 +181,13 @@ fn bow_away_m(is_known_to_touch: bool) -> f32 {
         couple.position = couple.position.filter(|_| is_known_to_touch || frame >= 40);
         segmenter.step(&couple, &mut |_| {});
     }
-    segmenter.measures().bow_m
+    segmenter.measures().lateral_m
 }
 
 #[test]
 fn the_way_away_begins_where_the_two_are_known_to_be_together() {
-    assert!(bow_away_m(true) > 0.045);
-    assert!(bow_away_m(false) < 0.005);
+    assert!(lateral_away_m(true) > 0.045);
+    assert!(lateral_away_m(false) < 0.005);
 }
 
 /// The job in which both steps are ordered, and each has to move its part.

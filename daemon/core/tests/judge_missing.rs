@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Context, Couple, Couples, Sight};
+use andon_core::couple::{Context, Couple, Couples, Visibility};
 use andon_core::job::Job;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Verdict};
@@ -36,7 +36,7 @@ fn a_step_is_not_too_short_where_a_frame_shortly_before_it_was_missing() {
         let mut couples = stream(&[polish(6), parts].concat(), &[]);
         if let Some(missing) = missing {
             let hand = &mut couples[begins - missing].hands[0];
-            (hand.sight[0], hand.is_clear) = (Sight::Assumed, false);
+            (hand.visibility[0], hand.is_clear) = (Visibility::Assumed, false);
         }
         judged(&polish_and_measure(), &couples).iter().any(|verdict| verdict.outcome == Outcome::Anomaly)
     };
@@ -51,7 +51,10 @@ fn with_a_restart(job: &Job<'_>, whole: &[Couples], first: usize) -> Vec<Verdict
     left.drain(first..first + 6);
     for couples in &mut left[first..first + 8] {
         couples.hands = couples.hands.map(|hand| Couple::idle(hand.side, hand.captured_ns));
-        couples.hands.iter_mut().for_each(|hand| (hand.sight[0], hand.is_clear) = (Sight::Seen, true));
+        couples
+            .hands
+            .iter_mut()
+            .for_each(|hand| (hand.visibility[0], hand.is_clear) = (Visibility::Seen, true));
     }
     judged(job, &left)
 }

@@ -198,7 +198,7 @@ fn a_hand_that_rests_at_a_part_of_the_job_is_a_note_and_at_any_other_an_anomaly(
         let verdicts = judged(&job, &stream(&in_a_row(), &left));
         assert!(verdicts.iter().all(|verdict| verdict.outcome == Outcome::Ok), "{object}: {verdicts:#?}");
         assert_eq!(job_of(&verdicts).note, Some(Note::Step), "{object}");
-        let verdicts = judged(&Job { rests: &[object], ..job }, &stream(&in_a_row(), &left));
+        let verdicts = judged(&Job { passive_contacts: &[object], ..job }, &stream(&in_a_row(), &left));
         assert_eq!((short(&job_of(&verdicts)).as_str(), job_of(&verdicts).note), ("JobOk", None), "{object}");
     }
     let foreign = [&lift()[..], &[part([2, 9, 0, 0], 50, Still), idle(20)]].concat();
@@ -212,7 +212,7 @@ fn what_is_not_like_an_optional_step_is_none_where_its_part_is_touched_in_other_
     longer[0].frames = 400;
     let judged = |law: Law, rests: &[u16]| {
         let laws = [FREE, AFTER_POLISHING, law];
-        let job = Job { rests, ..job(&laws) };
+        let job = Job { passive_contacts: rests, ..job(&laws) };
         short(&job_of(&judged(&job, &stream(&in_a_row(), &longer))))
     };
     let object = longer[0].context[1];
@@ -239,9 +239,9 @@ fn an_order_that_may_have_been_kept_unseen_accuses_nobody() {
     let mut couples = stream(&right, &left);
     for (index, couples) in couples.iter_mut().enumerate().filter(|(index, _)| (from..to).contains(index)) {
         // The left hand is seen again while the right one measures already.
-        let sight = couples.hands[1].sight;
+        let visibility = couples.hands[1].visibility;
         couples.hands[1] = andon_core::couple::Couple::idle(couples.hands[1].side, couples.captured_ns);
-        couples.hands[1].sight = if index == from { sight } else { couples.hands[1].sight };
+        couples.hands[1].visibility = if index == from { visibility } else { couples.hands[1].visibility };
     }
     let verdicts = judged(&job, &couples);
     assert!(verdicts.iter().all(|verdict| verdict.outcome != Outcome::Anomaly), "{verdicts:#?}");

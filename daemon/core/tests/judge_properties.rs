@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couples, Motion, Sight};
+use andon_core::couple::{Context, Couples, Motion, Visibility};
 use andon_core::input::Side;
 use andon_core::job::{Job, Law, NominalActivity, NominalIu};
 use andon_core::verdict::{Level, Note, Outcome, Reason, Verdict};
@@ -272,7 +272,7 @@ proptest! {
         let mut couples = stream(&work, &[]);
         for from in blind {
             for couples in couples.iter_mut().skip(from).take(frames) {
-                couples.hands[0].sight[0] = Sight::Unseen;
+                couples.hands[0].visibility[0] = Visibility::Unseen;
                 (couples.hands[0].is_clear, couples.hands[0].is_doubtful) = (false, true);
             }
         }

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::Sight;
+use andon_core::couple::Visibility;
 use andon_core::input::Frame;
 use andon_core::object::ObjectShape;
 use andon_core::set::ActivitySet;
@@ -23,7 +23,7 @@ fn judged(twice: &[(core::ops::Range<usize>, u16)], at_start_of_job: bool) -> Ve
     let mut couples = stream(&[&polish(6)[..], &measure()].concat(), &[]);
     for couples in &mut couples[40..110] {
         let couple = &mut couples.hands[0];
-        couple.sight[1] = Sight::Unseen;
+        couple.visibility[1] = Visibility::Unseen;
         (couple.is_clear, couple.is_doubtful, couple.hidden_object) = (false, true, POLISHER);
     }
     for (frames, object) in twice {

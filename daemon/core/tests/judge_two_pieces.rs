@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Couples, Sight};
+use andon_core::couple::{Couples, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::verdict::Level;
 use common::script::{Part, idle, short, stream};
@@ -15,7 +15,7 @@ fn unwatched(parts: &[Part], hidden: core::ops::Range<usize>) -> Vec<Couples> {
     for couples in &mut couples[hidden] {
         (couples.is_captured, couples.is_bench_hidden) = (false, true);
         for couple in &mut couples.hands {
-            couple.sight[0] = Sight::Unseen;
+            couple.visibility[0] = Visibility::Unseen;
             (couple.is_clear, couple.is_doubtful) = (false, true);
         }
     }

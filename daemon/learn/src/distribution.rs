@@ -62,7 +62,7 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// That on which a verdict on an IU rests that is not right, if it rests on a measure or on its motion.
+    /// That on which a verdict on an IU depends that is not right, if it is a measure or its motion.
     pub fn of_verdict(job: &JobFile, verdict: &Verdict) -> Option<Self> {
         if verdict.level != Level::Iu || verdict.outcome == Outcome::Ok {
             return None;
@@ -127,7 +127,7 @@ impl Distribution {
             Some(Measure::Strokes) => "strokes",
             Some(Measure::StrokeLength) => "stroke length",
             Some(Measure::Path) => "path length",
-            Some(Measure::Bow) => "bow",
+            Some(Measure::LateralDeviation) => "lateral deviation",
             Some(Measure::Direction) => "direction",
             Some(Measure::Place) => "place",
         }
@@ -190,7 +190,9 @@ impl Distribution {
     const fn unit(&self) -> (&'static str, f32) {
         match self.measure {
             Some(Measure::Duration) => (" s", 1.0),
-            Some(Measure::StrokeLength | Measure::Path | Measure::Bow | Measure::Place) => (" cm", 100.0),
+            Some(Measure::StrokeLength | Measure::Path | Measure::LateralDeviation | Measure::Place) => {
+                (" cm", 100.0)
+            }
             Some(Measure::Direction) => (" degrees", 1.0),
             Some(Measure::Strokes) | None => ("", 1.0),
         }
@@ -339,14 +341,14 @@ impl<'a> Right<'a> {
                 .map(|bound| bound.map(|count| count as f32 / per))
         };
         let lengths = |min: f32, max: f32| [(min > 0.0).then_some(min), max.is_finite().then_some(max)];
-        let MeasureBounds { stroke_m, path_m, max_bow_m, axis, place_m, .. } = *self.measures;
+        let MeasureBounds { stroke_m, path_m, max_lateral_m, axis, place_m, .. } = *self.measures;
         match measure {
             Measure::Duration => counts(self.frames, self.rate_hz),
             Measure::Strokes => counts(self.reversals, PER_STROKE),
             Measure::StrokeLength => lengths(stroke_m.min, stroke_m.max),
             Measure::Path if self.measures.max_detour_m.is_finite() => lengths(path_m.min, f32::INFINITY),
             Measure::Path => lengths(path_m.min, path_m.max),
-            Measure::Bow => lengths(0.0, max_bow_m),
+            Measure::LateralDeviation => lengths(0.0, max_lateral_m),
             Measure::Direction => {
                 lengths(0.0, if axis.max.is_finite() { degrees(axis.max) } else { axis.max })
             }
@@ -396,13 +398,13 @@ fn with_half(strokes: f32, right: [Option<f32>; 2]) -> f32 {
 
 /// From the minimum to the maximum that was shown.
 pub(crate) fn range_of(measure: Measure, shown: Shown, rate_hz: f32) -> [f32; 2] {
-    let Shown { frames, reversals, stroke_m, path_m, bow_m, axis, place_m, .. } = shown;
+    let Shown { frames, reversals, stroke_m, path_m, lateral_m, axis, place_m, .. } = shown;
     match measure {
         Measure::Duration => [frames.min, frames.max].map(|frames| frames as f32 / rate_hz),
         Measure::Strokes => [reversals.min, reversals.max].map(|count| count as f32 / PER_STROKE),
         Measure::StrokeLength => [stroke_m.min, stroke_m.max],
         Measure::Path => [path_m.min, path_m.max],
-        Measure::Bow => [0.0, bow_m],
+        Measure::LateralDeviation => [0.0, lateral_m],
         Measure::Direction => [0.0, degrees(axis)],
         Measure::Place => [0.0, place_m],
     }
@@ -417,7 +419,7 @@ fn values_of(measure: Option<Measure>, shown: &ShownValues, rate_hz: f32) -> Vec
         Some(Measure::Strokes) => each(&shown.reversals, &|count| count / PER_STROKE),
         Some(Measure::StrokeLength) => shown.stroke_m.clone(),
         Some(Measure::Path) => shown.path_m.clone(),
-        Some(Measure::Bow) => shown.bow_m.clone(),
+        Some(Measure::LateralDeviation) => shown.lateral_m.clone(),
         Some(Measure::Direction) => each(&shown.axis, &degrees),
         Some(Measure::Place) => shown.place_m.clone(),
     }

@@ -84,11 +84,11 @@ pub fn text(bytes: &[u8]) -> Result<Cow<'_, str>, NotText> {
 
 /// Whether a text has two bytes for each character: by its mark, or because every other one of its first bytes is zero.
 pub(crate) fn is_utf16(bytes: &[u8]) -> bool {
-    const ENOUGH: usize = 16;
-    let zeros = |parity: usize| bytes.iter().skip(parity).step_by(2).take(ENOUGH).all(|byte| *byte == 0);
-    let none = |parity: usize| bytes.iter().skip(parity).step_by(2).take(ENOUGH).all(|byte| *byte != 0);
+    const MIN_BYTES: usize = 16;
+    let zeros = |parity: usize| bytes.iter().skip(parity).step_by(2).take(MIN_BYTES).all(|byte| *byte == 0);
+    let none = |parity: usize| bytes.iter().skip(parity).step_by(2).take(MIN_BYTES).all(|byte| *byte != 0);
     let has_mark = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
-    has_mark || bytes.len() >= ENOUGH && (zeros(0) && none(1) || zeros(1) && none(0))
+    has_mark || bytes.len() >= MIN_BYTES && (zeros(0) && none(1) || zeros(1) && none(0))
 }
 
 /// What is to be done about the line of a text at this byte, where a word processor has put other characters in place of plain ones: they look

@@ -67,9 +67,8 @@ const NOISE_FRAMES: usize = 12;
 /// How far apart two of these positions of an object that lies still seem to be at most, as a rule, in metres; 0 where it is not seen in enough
 /// frames to tell.
 pub(crate) fn noise_m(places: &[Option<[f32; 3]>]) -> f32 {
-    let of = |places: &[Option<[f32; 3]>]| {
-        f64::from(andon_core::couple::apart_by_chance_m(places.iter().copied()))
-    };
+    let of =
+        |places: &[Option<[f32; 3]>]| f64::from(andon_core::couple::jitter_bound_m(places.iter().copied()));
     let known: Vec<f64> = places.chunks(NOISE_FRAMES).map(of).filter(|noise_m| *noise_m > 0.0).collect();
     median(&known) as f32
 }

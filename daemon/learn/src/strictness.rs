@@ -27,7 +27,7 @@ impl Strictness {
     const CHANCE_OF_LAW: [f64; 5] = [0.002, 0.005, 0.01, 0.02, 0.05];
 
     /// By how much that is multiplied for steps that share a part: they are likely to need their order, so less evidence is enough.
-    const SHARED: f64 = 5.0;
+    const SHARED_PART_FACTOR: f64 = 5.0;
 
     /// How many runs must contradict a rule, each left out while the others teach, for it to give way.
     const CONTRADICTIONS: [usize; 5] = [1, 1, 1, 2, usize::MAX];
@@ -58,7 +58,8 @@ impl Strictness {
 
     /// The quantile of Student's t that the gap between two steps must exceed to be law, in this number of runs.
     pub(crate) fn law_quantile(self, runs: usize, is_shared: bool) -> f64 {
-        let chance = Self::CHANCE_OF_LAW[self.index()] * if is_shared { Self::SHARED } else { 1.0 };
+        let chance =
+            Self::CHANCE_OF_LAW[self.index()] * if is_shared { Self::SHARED_PART_FACTOR } else { 1.0 };
         student_t(runs.max(2) as f64 - 1.0, chance)
     }
 }

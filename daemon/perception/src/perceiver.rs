@@ -89,7 +89,7 @@ impl Perceiver {
         Ok(detections)
     }
 
-    /// Places the hands on the bench, whose scale rests on the markers of the same picture.
+    /// Places the hands on the bench, whose scale depends on the markers of the same picture.
     fn enter_hands(&mut self, seen: &SeenHands, detections: &mut Detections) {
         for found in &seen.hands {
             let landmarks_m = self.bench.hand(found.side as usize, &found.landmarks_px.map(PixelPoint::from));

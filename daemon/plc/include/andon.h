@@ -206,7 +206,7 @@ enum AndonMeasure {
    */
   ANDON_MEASURE_PLACE = 6,
   /**
-   * How far off the straight line the way of the hand leads, in metres.
+   * The lateral deviation: how far off the straight line the way of the hand leads, in metres.
    */
   ANDON_MEASURE_BOW = 7,
 };
@@ -319,7 +319,7 @@ typedef struct AndonVerdict {
    */
   uint64_t epoch;
   /**
-   * Number of the newest frame that the verdict rests on.
+   * Number of the newest frame that the verdict depends on.
    */
   uint64_t frame_seq;
   /**
@@ -343,7 +343,7 @@ typedef struct AndonVerdict {
    */
   uint64_t ended_ns;
   /**
-   * Time of the newest feature couple that the decision rests on, source time in nanoseconds.
+   * Time of the newest feature couple that the decision depends on, source time in nanoseconds.
    */
   uint64_t decided_ns;
   /**

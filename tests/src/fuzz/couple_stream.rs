@@ -6,7 +6,7 @@ use andon_core::anomaly::Judge;
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Sight, Waiting};
+use andon_core::couple::{Context, Couple, Couples, Encoder, Motion, Visibility, Waiting};
 use andon_core::dtw::OnlineDtw;
 use andon_core::input::{Frame, Hand, Object, Side, Space};
 use andon_core::job::{Job, Law, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
@@ -47,7 +47,8 @@ pub fn couple_stream(bytes: &[u8]) {
     let min_captured = input.below(3) as f32 / 2.0;
     let has_free_ends = input.below(2) == 0;
     let (activities, laws) = (&activities, &laws);
-    let job = Job { activities, laws, rests: &[6], cost, max_slowdown, has_free_ends, min_captured };
+    let job =
+        Job { activities, laws, passive_contacts: &[6], cost, max_slowdown, has_free_ends, min_captured };
     let Ok(judge) = Judge::with_memory(&job, method) else { return };
     let mut line = Line { judge, ledger: Ledger::default() };
     if input.below(3) == 0 {
@@ -131,7 +132,7 @@ fn measures(input: &mut Input<'_>) -> MeasureBounds {
         stroke_m: range(input),
         path_m: range(input),
         max_detour_m: if input.below(2) == 0 { metres(input) } else { f32::INFINITY },
-        max_bow_m: if input.below(2) == 0 { metres(input) } else { f32::INFINITY },
+        max_lateral_m: if input.below(2) == 0 { metres(input) } else { f32::INFINITY },
         axis: Around { centre: [metres(input), 0.0], max: metres(input) },
         place_m: Around { centre: [0.0, metres(input), 0.0], max: metres(input) },
         shown: (input.below(4) > 0).then(|| shown(input)),
@@ -142,8 +143,17 @@ fn measures(input: &mut Input<'_>) -> MeasureBounds {
 fn shown(input: &mut Input<'_>) -> Shown {
     let counts = Bounds { min: u32::from(input.below(8)), max: u32::from(input.byte()) };
     let metres = Range { min: 0.0, max: f32::from(input.byte()) / 100.0 };
-    let (stroke_m, path_m, detour_m, bow_m) = (metres, metres, metres.max, metres.max);
-    Shown { frames: counts, reversals: counts, stroke_m, path_m, detour_m, bow_m, axis: 0.5, place_m: 0.1 }
+    let (stroke_m, path_m, detour_m, lateral_m) = (metres, metres, metres.max, metres.max);
+    Shown {
+        frames: counts,
+        reversals: counts,
+        stroke_m,
+        path_m,
+        detour_m,
+        lateral_m,
+        axis: 0.5,
+        place_m: 0.1,
+    }
 }
 
 /// A motion whose features may be out of range.
@@ -181,15 +191,16 @@ impl Line<'_> {
                 self.command();
             }
             let contexts = Side::ALL.map(|_| Context(CONTEXTS[usize::from(input.below(8))]));
-            let sight = [(); 3]
-                .map(|()| [Sight::Seen, Sight::Assumed, Sight::Unseen][usize::from(input.below(24) / 11)]);
+            let visibility = [(); 3].map(|()| {
+                [Visibility::Seen, Visibility::Assumed, Visibility::Unseen][usize::from(input.below(24) / 11)]
+            });
             let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
             let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
             let is_carried_unseen = input.below(8) == 0;
             let is_bench_hidden = input.below(8) == 0;
-            let (is_rivalled, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
+            let (is_object_ambiguous, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
             let is_object_displaced = input.below(8) == 0;
-            let wanders_m = [0.0, 0.02, f32::MAX][usize::from(input.below(3))];
+            let drift_m = [0.0, 0.02, f32::MAX][usize::from(input.below(3))];
             let waiting = [Waiting::No, Waiting::Unknown, Waiting::Yes][usize::from(input.below(3))];
             // Now and then, an IU is longer than can be compared.
             let frames = match input.byte() {
@@ -203,11 +214,11 @@ impl Line<'_> {
                     context: contexts[side.index()],
                     position,
                     tips: position,
-                    wanders_m,
-                    sight,
+                    drift_m,
+                    visibility,
                     is_clear,
                     is_doubtful,
-                    is_rivalled,
+                    is_object_ambiguous,
                     is_object_new,
                     is_object_displaced,
                     waiting,

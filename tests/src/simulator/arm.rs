@@ -51,18 +51,18 @@ impl<'a> Arm<'a> {
         self.wait(time_s - self.now_s());
     }
 
-    /// Moves to a point in the person's own time, with the person's own bow.
+    /// Moves to a point in the person's own time, with the person's own lateral deviation.
     pub(super) fn go(&mut self, to: Vector) {
         let way = length(subtract(to, self.at));
         let seconds = self.person.movement_s(way) * self.random.factor(0.06);
-        let bow = (self.person.bow + 0.02 * self.random.normal()) * way;
-        self.go_in(to, seconds, bow);
+        let lateral = (self.person.lateral + 0.02 * self.random.normal()) * way;
+        self.go_in(to, seconds, lateral);
     }
 
-    /// Moves to a point in this time, with this sideways bow in metres.
-    pub(super) fn go_in(&mut self, to: Vector, seconds: f64, bow: f64) {
+    /// Moves to a point in this time, with this lateral deviation in metres.
+    pub(super) fn go_in(&mut self, to: Vector, seconds: f64, lateral: f64) {
         let (from, way) = (self.at, subtract(to, self.at));
-        let aside = scale(turn(way, std::f64::consts::FRAC_PI_2), bow / length(way).max(1e-6));
+        let aside = scale(turn(way, std::f64::consts::FRAC_PI_2), lateral / length(way).max(1e-6));
         let frames = (seconds * self.rate_hz).round().max(1.0) as usize;
         for frame in 1..=frames {
             let progress = minimum_jerk(frame as f64 / frames as f64);

@@ -242,16 +242,16 @@ impl Actor<'_> {
             return;
         }
         let seconds = self.person.movement_s(way) * self.random.factor(0.06);
-        let bow = (self.person.bow + 0.02 * self.random.normal()) * way;
-        self.move_hand(to, part, seconds, bow, flow);
+        let lateral = (self.person.lateral + 0.02 * self.random.normal()) * way;
+        self.move_hand(to, part, seconds, lateral, flow);
     }
 
-    /// Moves the hand, and the held part to a pose. `bow` is the sideways bow of the path in metres. `flow`, 0 to 1, says how much of the
+    /// Moves the hand, and the held part to a pose. `lateral` is the lateral deviation of the path in metres. `flow`, 0 to 1, says how much of the
     /// slowing down at the end is left out because the next movement takes over.
-    fn move_hand(&mut self, to: Vector, part: Option<Pose>, seconds: f64, bow: f64, flow: f64) {
+    fn move_hand(&mut self, to: Vector, part: Option<Pose>, seconds: f64, lateral: f64, flow: f64) {
         let Some(from) = self.grip else { return };
         let way = subtract(to, from);
-        let aside = scale(turn(way, std::f64::consts::FRAC_PI_2), bow / length(way).max(1e-6));
+        let aside = scale(turn(way, std::f64::consts::FRAC_PI_2), lateral / length(way).max(1e-6));
         let start = self.held.map(|(part, _)| self.bench.pose(part.id));
         let frames = (seconds * self.tempo * self.rate_hz).round().max(1.0) as usize;
         let pause_s = std::mem::take(&mut self.hesitate_s);

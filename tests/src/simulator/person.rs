@@ -8,8 +8,8 @@ use super::Random;
 pub struct Person {
     /// Movement time relative to the average.
     pub tempo: f64,
-    /// Sideways bow of a path, as a share of its length; positive values bow to the left.
-    pub bow: f64,
+    /// Lateral deviation of a path, as a share of its length; positive values deviate to the left.
+    pub lateral: f64,
     /// Time for which the hand is still after taking and before releasing a part, in seconds.
     pub dwell_s: f64,
     /// Half the distance between index tip and ring tip in a grip, in metres.
@@ -32,7 +32,7 @@ impl Person {
         let mut random = Random::new(seed, &[1, number]);
         Self {
             tempo: random.factor(0.18),
-            bow: random.between(-0.12, 0.12),
+            lateral: random.between(-0.12, 0.12),
             dwell_s: 0.2 * random.factor(0.3),
             grip_m: random.between(0.006, 0.011),
             grip_offset_m: [random.between(-0.007, 0.007), random.between(-0.007, 0.007)],
@@ -47,7 +47,7 @@ impl Person {
     pub fn repetition(&self, random: &mut Random) -> Self {
         Self {
             tempo: self.tempo * random.factor(0.07),
-            bow: self.bow + 0.03 * random.normal(),
+            lateral: self.lateral + 0.03 * random.normal(),
             dwell_s: self.dwell_s * random.factor(0.25),
             stroke_m: self.stroke_m * random.factor(0.06),
             half_stroke_s: self.half_stroke_s * random.factor(0.06),

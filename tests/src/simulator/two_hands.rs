@@ -239,10 +239,10 @@ impl Stage<'_> {
         left.wait(self.random.between(0.0, 0.5));
         left.take(PROFILE_ID, self.at(PROFILE_ID));
         let together_s = right.now_s().max(left.now_s()) + 0.1;
-        let (seconds, bow) = (1.0 * self.random.factor(0.15), 0.02 * self.random.normal());
+        let (seconds, lateral) = (1.0 * self.random.factor(0.15), 0.02 * self.random.normal());
         for arm in [right, left] {
             arm.wait_until(together_s);
-            arm.go_in(add(arm.at(), way), seconds, bow);
+            arm.go_in(add(arm.at(), way), seconds, lateral);
             arm.release();
         }
     }

@@ -176,7 +176,7 @@ fn without_points_runs_that_are_seen_inexactly_are_right_and_their_faults_are_fo
 }
 
 #[test]
-fn without_points_runs_that_are_seen_with_errors_that_last_are_right_and_their_faults_are_found() {
+fn without_points_runs_that_are_seen_with_drift_are_right_and_their_faults_are_found() {
     let seed = environment::number("ANDON_SEED", 72);
     let [right, accused, found] = judged_with_errors(|number, capture| {
         capture.recording_with_lasting_errors(DEVIATION_M, 100 * seed + u64::from(number))
@@ -324,7 +324,11 @@ fn a_detour_that_is_spread_over_the_whole_way_is_an_anomaly_while_it_happens() {
         let verdicts = run(&Capture::read(*number).over_an_arc(0.25)).judge(job).unwrap();
         let wrong = verdicts.iter().find(|verdict| verdict.outcome == Outcome::Anomaly).unwrap();
         let Measured { measure, value, shown_max, .. } = wrong.measured.unwrap();
-        assert_eq!((measure, wrong.reason), (Measure::Bow, Reason::TooLong), "run {number}: {wrong:?}");
+        assert_eq!(
+            (measure, wrong.reason),
+            (Measure::LateralDeviation, Reason::TooLong),
+            "run {number}: {wrong:?}"
+        );
         assert!(wrong.early && value > shown_max, "run {number}: {wrong:?}");
     }
 }

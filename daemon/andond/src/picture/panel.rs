@@ -1,12 +1,12 @@
 //! What is written beside and below the picture: the steps, what was expected and what came, what the hands do, and what is not seen.
 
-use andon_core::couple::{Couple, Sight};
+use andon_core::couple::{Couple, Visibility};
 use andon_core::input::Side;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
 use super::canvas::{AMBER, BLUE, Canvas, Colour, GREEN, GREY, RED, WHITE};
 use super::steps::{State, Step, Steps};
-use crate::report::{Cause, Names, acts, is_instead};
+use crate::report::{Cause, Names, has_contact, is_instead};
 
 /// The width of the panel and the height of the strip, in pixels.
 pub(super) const WIDTH: usize = 470;
@@ -122,7 +122,7 @@ pub(super) fn draw_strip(
     names: &Names,
 ) -> opencv::Result<()> {
     let [right, top] = canvas.picture_end();
-    let acting: Vec<&Couple> = couples.iter().filter(|couple| acts(couple.context)).collect();
+    let acting: Vec<&Couple> = couples.iter().filter(|couple| has_contact(couple.context)).collect();
     let has_lost_hand = lost.iter().any(|what| what.ends_with("hand"));
     let now = match acting.as_slice() {
         [] if has_lost_hand => "no hand is seen".to_owned(),
@@ -153,10 +153,10 @@ fn unseen_words(acting: &[&Couple], lost: &[String], names: &Names) -> String {
         let hand = format!("{} hand", couple.side.name());
         let parts =
             [hand].into_iter().chain([j, l].map(|id| if id == 0 { String::new() } else { names.object(id) }));
-        for (part, sight) in parts.zip(couple.sight).filter(|(part, _)| !part.is_empty()) {
-            match sight {
-                Sight::Assumed if !assumed.contains(&part) => assumed.push(part),
-                Sight::Unseen if !unseen.contains(&part) => unseen.push(part),
+        for (part, visibility) in parts.zip(couple.visibility).filter(|(part, _)| !part.is_empty()) {
+            match visibility {
+                Visibility::Assumed if !assumed.contains(&part) => assumed.push(part),
+                Visibility::Unseen if !unseen.contains(&part) => unseen.push(part),
                 _ => (),
             }
         }
@@ -230,7 +230,7 @@ mod tests {
         let couple = Couple {
             context: Context([1, 5, 5, 6]),
             motion: None,
-            sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
+            visibility: [Visibility::Seen, Visibility::Assumed, Visibility::Unseen],
             ..Couple::idle(Side::Right, 0)
         };
         assert_eq!(now_words(&couple, &names()), "right hand: polisher at brick");
@@ -242,7 +242,7 @@ mod tests {
             unseen_words(&[&couple], &["polisher".to_owned()], &names()),
             "not seen: polisher, brick; the motion is not measured"
         );
-        let seen = Couple { sight: [Sight::Seen; 3], motion: Some(Default::default()), ..couple };
+        let seen = Couple { visibility: [Visibility::Seen; 3], motion: Some(Default::default()), ..couple };
         assert_eq!(unseen_words(&[&seen], &[], &names()), "");
     }
 

@@ -3,7 +3,7 @@
 use andon_core::couple::Couple;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
-use crate::report::{Cause, Names, Teller, acts, on_recording};
+use crate::report::{Cause, Names, Teller, has_contact, on_recording};
 
 /// How far a step or an IU is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,7 +85,7 @@ impl Steps {
         if self.job.is_some() {
             return;
         }
-        for couple in couples.iter().filter(|couple| acts(couple.context)) {
+        for couple in couples.iter().filter(|couple| has_contact(couple.context)) {
             let place =
                 self.steps.iter().zip(self.names.steps()).enumerate().find_map(|(step, (state, taught))| {
                     let is_open = !matches!(state.state, State::Judged(Outcome::Ok));

@@ -6,7 +6,7 @@ use andon_core::couple::Context;
 use andon_core::verdict::{Note, Outcome, Verdict};
 
 use super::Names;
-use super::words::{because, missing};
+use super::words::{missing, reason_text};
 
 /// What was done where a step of the job was next.
 #[derive(Debug)]
@@ -38,13 +38,13 @@ impl Instead {
         Some(format!("took {taken}, and {} begins with {expected}; was it right?", names.step(self.step)))
     }
 
-    /// Why a verdict is as it is, where it rests on the step that was missed for this one.
+    /// Why a verdict is as it is, where it depends on the step that was missed for this one.
     pub(super) fn missed(&self, verdict: &Verdict, names: &Names) -> Option<String> {
         let is_missed = verdict.outcome != Outcome::Ok && missing(verdict) == Some(self.step);
         let [taken, expected] = self.parts(names).filter(|_| is_missed)?;
         // The question whether it was right is answered.
         let verdict = Verdict { note: verdict.note.filter(|note| *note != Note::Step), ..*verdict };
-        let why = because(&verdict, names)?;
+        let why = reason_text(&verdict, names)?;
         Some(format!("{why}; took {taken} at {}, expected {expected}", self.when))
     }
 }

@@ -60,7 +60,7 @@ const fn unit(measure: Measure) -> &'static str {
     match measure {
         Measure::Duration => "s",
         Measure::Strokes => "strokes",
-        Measure::StrokeLength | Measure::Path | Measure::Bow | Measure::Place => "m",
+        Measure::StrokeLength | Measure::Path | Measure::LateralDeviation | Measure::Place => "m",
         Measure::Direction => "degrees",
     }
 }
@@ -336,7 +336,7 @@ mod tests {
         .unwrap();
         assert_eq!(
             line,
-            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"captured_percent":98,"seen_percent":90,"nearest":1,"step":"polish","expected":"polisher at brick","got":"polisher at brick, in another motion","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
+            r#"{"seq":7,"kind":"IuAnomaly","level":"iu","outcome":"anomaly","reason":"Motion","hand":"right","activity":0,"iu":2,"context":[1,5,5,6],"distance":1.1,"threshold":null,"captured_percent":98,"seen_percent":90,"nearest":1,"step":"polish","expected":"polisher at brick","got":"polisher at brick, in a wrong motion","measures":null,"broken":null,"note":null,"early":true,"began_s":1.5,"ended_s":2.0,"decided_s":2.1,"part":"A-17"}"#
         );
     }
 

@@ -17,7 +17,7 @@ pub use json::{EventLine, VerdictLine};
 pub use names::{Names, Step};
 pub use teller::{Cause, Line, Teller};
 pub(crate) use watch::WatchLine;
-pub use words::{acts, is_instead, outcome_word, verdict_sentence};
+pub use words::{has_contact, is_instead, outcome_word, verdict_sentence};
 
 /// The time of a verdict on a recording, in a column.
 pub fn on_recording(ns: u64) -> String {

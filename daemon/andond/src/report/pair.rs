@@ -74,7 +74,7 @@ fn otherwise(verdict: &Verdict) -> &'static str {
         Reason::TooLong => "longer than shown",
         Reason::NotCompleted if verdict.level == Level::Job => "left out",
         Reason::NotCompleted => "not completed",
-        _ => "in another motion",
+        _ => "in a wrong motion",
     }
 }
 
@@ -90,7 +90,7 @@ fn measures(measured: Measured) -> [String; 2] {
             let got = got.split_once(" (").map_or(got, |(off, _)| off);
             [format!("a path of {}", shown.trim_end_matches(')')), got.to_owned()]
         }
-        Measure::Duration | Measure::StrokeLength | Measure::Bow | Measure::Place => {
+        Measure::Duration | Measure::StrokeLength | Measure::LateralDeviation | Measure::Place => {
             [shown.to_owned(), got.to_owned()]
         }
     }
@@ -117,7 +117,7 @@ mod tests {
         says(Verdict { iu: Some(7), ..iu }, "the end of step 1 (polish)", "polisher at brick");
         says(Verdict { nearest: None, ..iu }, "", "polisher at brick");
         let as_shown = |reason, got: &str| says(wrong(reason), "polisher at brick", got);
-        as_shown(Reason::Motion, "polisher at brick, in another motion");
+        as_shown(Reason::Motion, "polisher at brick, in a wrong motion");
         as_shown(Reason::TooShort, "polisher at brick, shorter than shown");
         as_shown(Reason::TooLong, "polisher at brick, longer than shown");
         says(Verdict { outcome: Outcome::Ok, ..iu }, "polisher at brick", "polisher at brick");

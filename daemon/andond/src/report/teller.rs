@@ -7,7 +7,7 @@ use anstyle::{AnsiColor, Style};
 
 use super::Names;
 use super::instead::Instead;
-use super::words::{because, is_instead, sentence, verdict_sentence};
+use super::words::{is_instead, reason_text, sentence, verdict_sentence};
 
 /// What has been told of the job that is under way.
 #[derive(Debug, Default)]
@@ -31,7 +31,7 @@ impl Fault {
     /// Of an IU in which something else was done than was expected, its step and both; only its own verdict knows them.
     fn other_parts(&self, names: &Names) -> Option<String> {
         let verdict = Some(&self.verdict).filter(|of| of.level == Level::Iu && is_instead(of))?;
-        Some(format!("{}: {}", names.step(verdict.nearest?), because(verdict, names)?))
+        Some(format!("{}: {}", names.step(verdict.nearest?), reason_text(verdict, names)?))
     }
 }
 
@@ -110,7 +110,7 @@ impl Teller {
         let known = self.faults.iter().find(|fault| follows(verdict, &fault.verdict));
         let about = known.map_or(*verdict, |fault| fault.verdict);
         let missed = self.instead.as_ref().and_then(|instead| instead.missed(&about, names));
-        let why = missed.or_else(|| because(&about, names)).unwrap_or_default();
+        let why = missed.or_else(|| reason_text(&about, names)).unwrap_or_default();
         (verdict.outcome != Outcome::Ok).then_some(Cause { verdict: about, why })
     }
 

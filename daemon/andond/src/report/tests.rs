@@ -193,7 +193,7 @@ fn a_job_that_ends_after_another_part_was_taken_tells_both_again() {
         teller.tell("14:03:09", &job, &names()).text,
         "14:03:09         ANOMALY     job, for the fault at 14:03:07: step 1 (polish): took the brick; expected the polisher"
     );
-    reads(job, "       ANOMALY     job: step 1 (polish): another part was used than was shown");
+    reads(job, "       ANOMALY     job: step 1 (polish): wrong part used");
 }
 
 /// The meter is used instead of the polisher.

@@ -18,7 +18,7 @@ pub const fn outcome_word(outcome: Outcome) -> &'static str {
 
 /// One line without its time: the hand, the outcome, what was judged, and why.
 pub fn verdict_sentence(verdict: &Verdict, names: &Names) -> String {
-    sentence(verdict, names, because(verdict, names))
+    sentence(verdict, names, reason_text(verdict, names))
 }
 
 /// As [`verdict_sentence`], with this reason.
@@ -26,11 +26,11 @@ pub(super) fn sentence(verdict: &Verdict, names: &Names, why: Option<String>) ->
     let hand = verdict.side.map_or("", Side::name);
     let outcome = outcome_word(verdict.outcome);
     let why = why.map(|why| format!(": {why}")).unwrap_or_default();
-    format!("{hand:5}  {outcome:10}  {}{why}", what(verdict, names))
+    format!("{hand:5}  {outcome:10}  {}{why}", subject(verdict, names))
 }
 
 /// What is judged: the step, counted from 1, the IU in it, and what was done.
-fn what(verdict: &Verdict, names: &Names) -> String {
+fn subject(verdict: &Verdict, names: &Names) -> String {
     let step = verdict.nearest.map_or("other step".to_owned(), |step| format!("step {}", step + 1));
     let done = || names.context(verdict.context);
     match (verdict.level, verdict.nearest) {
@@ -74,9 +74,9 @@ pub(super) fn missing(verdict: &Verdict) -> Option<u16> {
 }
 
 /// Why, or what is to be looked at; `None` of what is simply right.
-pub(super) fn because(verdict: &Verdict, names: &Names) -> Option<String> {
+pub(super) fn reason_text(verdict: &Verdict, names: &Names) -> Option<String> {
     let measured = verdict.measured.map(|measured| measured_words(measured).to_string());
-    let rule = rule(verdict, names);
+    let rule = rule_text(verdict, names);
     let why = match (verdict.outcome, rule, measured) {
         (Outcome::NotJudged, Some(rule), Some(measured)) => Some(format!("{rule}; measured: {measured}")),
         (_, rule, measured) => measured.or(rule),
@@ -130,16 +130,14 @@ fn broken_words(broken: BrokenOrder, verdict: &Verdict, names: &Names) -> String
 }
 
 /// The rule that decided.
-fn rule(verdict: &Verdict, names: &Names) -> Option<String> {
+fn rule_text(verdict: &Verdict, names: &Names) -> Option<String> {
     Some(match verdict.reason {
         Reason::None => return None,
         Reason::WrongObject | Reason::WrongOrder => match (verdict.broken, instead(verdict, names)) {
             (Some(broken), _) => broken_words(broken, verdict, names),
             (None, Some(instead)) => instead,
-            (None, None) if verdict.reason == Reason::WrongObject => {
-                "this part is not in the job here".to_owned()
-            }
-            (None, None) => "not now: its place is elsewhere in the job".to_owned(),
+            (None, None) if verdict.reason == Reason::WrongObject => "unexpected part".to_owned(),
+            (None, None) => "wrong order: this step belongs elsewhere in the job".to_owned(),
         },
         Reason::Motion => match (verdict.distance, verdict.threshold) {
             (Some(distance), Some(threshold)) => {
@@ -205,8 +203,8 @@ fn instead(verdict: &Verdict, names: &Names) -> Option<String> {
     // Which parts were meant is said of the IU.
     if verdict.level != Level::Iu {
         let is_part = verdict.reason == Reason::WrongObject;
-        let what = if is_part { "another part was used" } else { "something else was done" };
-        return Some(format!("{what} than was shown"));
+        let fault = if is_part { "wrong part used" } else { "wrong step done" };
+        return Some(fault.to_owned());
     }
     let (got, shown) = (verdict.context, names.nominal(step, verdict.iu));
     if shown == Some(got) {
@@ -238,15 +236,15 @@ impl Names {
             (_, Some((Measure::Duration, false))) => "too long",
             (_, Some((Measure::Strokes, true))) => "too few strokes",
             (_, Some((Measure::Strokes, false))) => "too many strokes",
-            (_, Some((Measure::StrokeLength, true))) => "strokes too small",
-            (_, Some((Measure::StrokeLength, false))) => "strokes too large",
-            (_, Some((Measure::Path, _))) => "another path",
-            (_, Some((Measure::Bow, _))) => "a detour",
-            (_, Some((Measure::Direction, _))) => "another direction",
-            (_, Some((Measure::Place, _))) => "another place",
+            (_, Some((Measure::StrokeLength, true))) => "strokes too short",
+            (_, Some((Measure::StrokeLength, false))) => "strokes too long",
+            (_, Some((Measure::Path, _))) => "wrong path",
+            (_, Some((Measure::LateralDeviation, _))) => "off the straight path",
+            (_, Some((Measure::Direction, _))) => "wrong direction",
+            (_, Some((Measure::Place, _))) => "wrong place",
             (Reason::WrongObject, _) => "wrong part",
             (Reason::WrongOrder, _) => "wrong order",
-            (Reason::Motion, _) => "another motion",
+            (Reason::Motion, _) => "wrong motion",
             (Reason::TooShort, _) => "too short",
             (Reason::TooLong, _) => "too long",
             (Reason::NotCompleted, _) if verdict.level == Level::Job => "left out",
@@ -271,6 +269,6 @@ impl Names {
 }
 
 /// Whether a context says that a hand has something.
-pub fn acts(context: Context) -> bool {
+pub fn has_contact(context: Context) -> bool {
     context.0 != [0; 4]
 }

@@ -1,6 +1,6 @@
 //! Feature couples, from the method to shared memory and back.
 
-use andon_core::couple::{Context, Couple, Couples, Motion, Sight, Waiting};
+use andon_core::couple::{Context, Couple, Couples, Motion, Visibility, Waiting};
 use andon_core::input::{Point, Side};
 use andon_core::set::ActivitySet;
 use shm_schemas::{Couples as Message, HandCouple, flag};
@@ -23,15 +23,15 @@ pub fn write(couples: &Couples, message: &mut Message) {
             distances_m: couple.distances,
             position_m: place_of(couple.position),
             tips_m: place_of(couple.tips),
-            wanders_m: couple.wanders_m,
+            drift_m: couple.drift_m,
             x_m: couple.motion.unwrap_or_default().0,
             flags: bit(couple.motion.is_some(), flag::MEASURED)
                 | bit(couple.is_clear, flag::CLEAR)
                 | bit(couple.is_doubtful, flag::DOUBTFUL)
-                | bit(couple.is_rivalled, flag::RIVALLED)
+                | bit(couple.is_object_ambiguous, flag::OBJECT_AMBIGUOUS)
                 | bit(couple.is_object_new, flag::OBJECT_NEW)
                 | bit(couple.is_object_displaced, flag::OBJECT_DISPLACED),
-            sight: couple.sight.map(|sight| sight as u8),
+            visibility: couple.visibility.map(|visibility| visibility as u8),
             waiting: couple.waiting as u8,
             hidden_object: couple.hidden_object,
             padding: 0,
@@ -48,13 +48,13 @@ pub fn read(message: &Message) -> Couples {
         context: Context(place.x_c),
         position: point_of(place.position_m),
         tips: point_of(place.tips_m),
-        wanders_m: if place.wanders_m.is_finite() { place.wanders_m } else { 0.0 },
+        drift_m: if place.drift_m.is_finite() { place.drift_m } else { 0.0 },
         distances: place.distances_m,
-        sight: place.sight.map(sight),
+        visibility: place.visibility.map(visibility),
         waiting: waiting(place.waiting),
         is_clear: place.flags & flag::CLEAR != 0,
         is_doubtful: place.flags & flag::DOUBTFUL != 0,
-        is_rivalled: place.flags & flag::RIVALLED != 0,
+        is_object_ambiguous: place.flags & flag::OBJECT_AMBIGUOUS != 0,
         is_object_new: place.flags & flag::OBJECT_NEW != 0,
         is_object_displaced: place.flags & flag::OBJECT_DISPLACED != 0,
         hidden_object: place.hidden_object,
@@ -88,12 +88,12 @@ fn bit<T: Default>(is_set: bool, bit: T) -> T {
     if is_set { bit } else { T::default() }
 }
 
-/// Numbers that do not exist are taken for the least sight.
-fn sight(number: u8) -> Sight {
+/// Numbers that do not exist are taken for the worst visibility.
+fn visibility(number: u8) -> Visibility {
     match number {
-        0 => Sight::Seen,
-        1 => Sight::Assumed,
-        _ => Sight::Unseen,
+        0 => Visibility::Seen,
+        1 => Visibility::Assumed,
+        _ => Visibility::Unseen,
     }
 }
 
@@ -117,12 +117,12 @@ mod tests {
             context: Context([1, 5, 5, 6]),
             position: Some([0.1, -0.2, 0.3]),
             tips: Some([0.3, 0.1, 0.2]),
-            wanders_m: 0.017,
+            drift_m: 0.017,
             distances: [0.01, 0.02],
-            sight: [Sight::Seen, Sight::Assumed, Sight::Unseen],
+            visibility: [Visibility::Seen, Visibility::Assumed, Visibility::Unseen],
             is_clear: true,
             is_doubtful: false,
-            is_rivalled: true,
+            is_object_ambiguous: true,
             is_object_new: true,
             is_object_displaced: true,
             waiting: Waiting::Yes,

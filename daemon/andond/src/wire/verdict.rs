@@ -120,7 +120,7 @@ macro_rules! twins_or_none {
 twins_or_none!(Note as VerdictNote, note, note_of_method: Order Again OtherHand Step);
 twins_or_none!(
     Measure as VerdictMeasure, measure, measure_of_method:
-    Duration Strokes StrokeLength Path Bow Direction Place
+    Duration Strokes StrokeLength Path LateralDeviation Direction Place
 );
 twins_or_none!(OrderFault as WireFault, order_fault, order_fault_of_method: NotBegun NotEnded TooLate Again);
 twins_or_none!(Side as HandCode, hand, side: Right Left);

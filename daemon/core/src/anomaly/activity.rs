@@ -3,7 +3,7 @@
 //! A part of an optional step may be touched in other ways as well, because runs without that step were shown as right. What begins like
 //! the step and is not like it gets a note. It is an anomaly only with a part that the job does not know, or out of order.
 
-use super::missed::Cause;
+use super::occlusion::Cause;
 use super::places::{Junction, Places};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
@@ -34,7 +34,7 @@ pub(super) enum Step {
     Shown(Side),
     /// No activity of the job begins so, and all its parts belong to the job: a hand that rests, steadies or helps. It is not judged
     /// against anything.
-    NotShown,
+    Untaught,
     /// The job has nothing to do with its parts.
     Foreign,
 }
@@ -82,8 +82,8 @@ pub(super) struct OpenActivity {
     newest: (Context, Junction),
     /// What was not seen since the newest IU began.
     junction: Junction,
-    /// It may be the rest of one that was done before.
-    may_be_rest: bool,
+    /// It may be the remainder of one that was done before.
+    may_be_remainder: bool,
     /// A hand that is idle for no longer than this may not have let go.
     min_idle_frames: u32,
     /// All its IUs may have come before the newest one, which then belongs to another activity with the same part.
@@ -91,7 +91,7 @@ pub(super) struct OpenActivity {
     /// An object that it may use and that had not been seen up to some time in it, or 0 where it is not known which. What it looks like
     /// without that is not known.
     pub(super) never_seen: Option<u16>,
-    /// It may be the rest of one because nothing was watched before it.
+    /// It may be the remainder of one because nothing was watched before it.
     pub(super) is_begun_late: bool,
     /// It has its verdict.
     pub(super) is_concluded: bool,
@@ -138,7 +138,7 @@ impl OpenActivity {
             places_before: places,
             newest: (context, Junction::default()),
             junction: Junction::default(),
-            may_be_rest: hidden == u32::MAX,
+            may_be_remainder: hidden == u32::MAX,
             min_idle_frames,
             may_have_ended: false,
             never_seen: None,
@@ -353,9 +353,9 @@ impl OpenActivity {
         })
     }
 
-    /// Whether it is also certain that all of it comes now, and not only the rest.
+    /// Whether it is also certain that all of it comes now, and not only the remainder.
     pub(super) fn is_order_certain(&self) -> bool {
-        self.is_place_certain() && !self.may_be_rest
+        self.is_place_certain() && !self.may_be_remainder
     }
 
     /// Its only IU did not count: it has no verdict.
@@ -370,7 +370,7 @@ impl OpenActivity {
     }
 
     /// Something did not fit, and was not judged because something else may have happened unseen.
-    pub(super) fn is_astray(&self) -> bool {
+    pub(super) fn is_out_of_sequence(&self) -> bool {
         matches!(self.against, Against::Following(..)) && !self.is_concluded
     }
 
@@ -438,20 +438,20 @@ impl OpenActivity {
     }
 
     /// Whether the hand only rests or steadies, where it was shown to.
-    pub(super) fn is_rest(&self, job: &Job<'_>) -> bool {
-        self.step == Step::NotShown && job.rests.contains(&self.context.0[1])
+    pub(super) fn is_passive(&self, job: &Job<'_>) -> bool {
+        self.step == Step::Untaught && job.passive_contacts.contains(&self.context.0[1])
     }
 
     /// Whether there is no fault in it, whatever was not seen: the hand rests where it was shown to, or does that or a step that the job can do
     /// without, and no order is broken.
     pub(super) fn can_be_no_fault(&self, job: &Job<'_>) -> bool {
-        self.is_rest(job) || self.may_differ && self.broken.is_none()
+        self.is_passive(job) || self.may_differ && self.broken.is_none()
     }
 
     /// What was not shown before in this activity of a hand.
     pub(super) fn note(&self, side: Side, job: &Job<'_>) -> Option<Note> {
         match self.step {
-            Step::NotShown => (self.may_differ || !self.is_rest(job)).then_some(Note::Step),
+            Step::Untaught => (self.may_differ || !self.is_passive(job)).then_some(Note::Step),
             Step::Shown(shown) if shown != side => Some(Note::OtherHand),
             _ => self.order_note,
         }
@@ -461,7 +461,7 @@ impl OpenActivity {
     pub(super) fn as_shown(&self, context: Context) -> Context {
         match self.step {
             Step::Shown(side) => context.by_hand(side),
-            Step::NotShown | Step::Foreign => context,
+            Step::Untaught | Step::Foreign => context,
         }
     }
 

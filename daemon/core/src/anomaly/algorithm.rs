@@ -2,12 +2,12 @@
 
 use super::activity::{Against, OpenActivity, Step, context_reason};
 use super::comparison::Memory;
-use super::extent::Extent;
 use super::hand::{Finding, HandJudge, OpenIu};
-use super::missed::{Cause, Missed, too_few_frames};
+use super::observation::IuObservation;
+use super::occlusion::{Cause, OcclusionLog, too_few_frames};
 use super::progress::Progress;
 use crate::capacity::ACTIVITIES;
-use crate::couple::{Context, Couple, Motion, Sight, Waiting};
+use crate::couple::{Context, Couple, Motion, Visibility, Waiting};
 use crate::segment::{Iu, Measures};
 use crate::set::ActivitySet;
 use crate::verdict::{Outcome, Reason, Verdict};
@@ -20,7 +20,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let (hidden, was_idle) = (self.watch.begin_activity(context), self.watch.was_idle());
         let step = match progress.shown_hand(self.side, context) {
             Some(side) => Step::Shown(side),
-            None if progress.has_parts_of(context) => Step::NotShown,
+            None if progress.has_parts_of(context) => Step::Untaught,
             None => Step::Foreign,
         };
         let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
@@ -32,8 +32,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             progress.set_start_seen(number, activity.as_shown(context));
         }
         activity.may_differ = progress.may_differ(activity.as_shown(context), hidden == 0 || was_idle);
-        activity.is_begun_late = self.watch.may_be_rest && self.watch.is_begun_late;
-        if step == Step::NotShown {
+        activity.is_begun_late = self.watch.may_be_remainder && self.watch.is_begun_late;
+        if step == Step::Untaught {
             activity.like = ActivitySet::first(progress.job.activities.len());
             activity.leave_all();
         }
@@ -51,10 +51,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Takes note of how well the hand is seen in the next couple, before anything is decided on it.
     pub(super) fn observe(&mut self, couple: &Couple, is_captured: bool, progress: &mut Progress<'a>) {
         self.watch.observe(couple);
-        self.missed.skip_to(couple.captured_ns, is_captured);
+        self.occlusions.skip_to(couple.captured_ns, is_captured);
         let hidden = self.watch.hidden_frames();
         progress.set_hidden(self.side, hidden, hidden > 0 || self.watch.is_doubtful());
-        progress.count_missed(couple, is_captured, hidden > 0);
+        progress.count_occluded(couple, is_captured, hidden > 0);
         self.note_never_seen(progress);
         if let Some(activity) = &mut self.activity {
             activity.add_hidden(self.watch.newly_hidden());
@@ -80,18 +80,18 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let was_idle = self.watch.was_idle();
         let before = (self.watch.hidden_before(), self.watch.begin_iu());
         let number = activity.next_iu(job, activity.as_shown(context), is_certain, before);
-        let may_be_rest = number == 0 && self.watch.may_be_rest && !was_idle;
+        let may_be_remainder = number == 0 && self.watch.may_be_remainder && !was_idle;
         // A step that was not shown may come between two parts of one activity, so the doubt outlasts it.
-        self.watch.may_be_rest &= activity.step == Step::NotShown;
-        self.watch.is_begun_late &= self.watch.may_be_rest;
+        self.watch.may_be_remainder &= activity.step == Step::Untaught;
+        self.watch.is_begun_late &= self.watch.may_be_remainder;
         self.iu = Some(OpenIu {
             number,
             context,
             began_ns: couple.captured_ns,
-            extent: Extent {
+            observation: IuObservation {
                 gap_before: self.watch.gap(),
-                may_be_part: may_be_rest || self.watch.may_go_on(context) || self.watch.is_object_new(),
-                ..Extent::default()
+                may_be_part: may_be_remainder || self.watch.may_go_on(context) || self.watch.is_object_new(),
+                ..IuObservation::default()
             },
             captured: 0,
             measured: None,
@@ -121,7 +121,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &self.activity else { return };
         match activity.against {
-            _ if activity.step == Step::NotShown => {
+            _ if activity.step == Step::Untaught => {
                 self.conclude_not_shown(couple, progress, emit);
                 return;
             }
@@ -191,8 +191,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     ) {
         let Some(activity) = &mut self.activity else { return };
         let (job, context) = (progress.job, activity.as_shown(couple.context));
-        let found =
-            activity.follow_on(job, context).filter(|_| !(activity.is_astray() && activity.may_be_right()));
+        let found = activity
+            .follow_on(job, context)
+            .filter(|_| !(activity.is_out_of_sequence() && activity.may_be_right()));
         match found {
             Some((nominal, index)) if context.is_touch() => {
                 self.comparisons.add(job, nominal, index);
@@ -262,32 +263,33 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
-        let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_rest;
+        let is_forgotten = self.activity.is_none() && self.watch.is_certain() && !self.watch.may_be_remainder;
         if is_forgotten {
-            self.missed.forget();
+            self.occlusions.forget();
         } else {
-            self.missed.count(couple, is_captured);
+            self.occlusions.count(couple, is_captured);
         }
         if !self.watch.is_doubtful() && self.iu.is_some_and(|iu| !iu.is_certain) {
             self.confirm_iu(couple, progress, emit);
         }
         let Some(iu) = self.iu.as_mut().filter(|iu| !iu.is_concluded) else { return };
-        iu.extent.frames = iu.extent.frames.saturating_add(1);
+        iu.observation.frames = iu.observation.frames.saturating_add(1);
         match couple.waiting {
-            Waiting::Yes if self.has_other => iu.extent.waited = iu.extent.waited.saturating_add(1),
+            Waiting::Yes if self.has_other => iu.observation.waited = iu.observation.waited.saturating_add(1),
             Waiting::Unknown if self.has_other => {
-                iu.extent.may_have_waited = iu.extent.may_have_waited.saturating_add(1);
+                iu.observation.may_have_waited = iu.observation.may_have_waited.saturating_add(1);
             }
             _ => {}
         }
-        iu.extent.measured = iu.extent.measured.saturating_add(couple.motion.is_some().into());
-        iu.extent.assumed = iu.extent.assumed.saturating_add((couple.worst_sight() != Sight::Seen).into());
-        iu.extent.measures = measures;
+        iu.observation.measured = iu.observation.measured.saturating_add(couple.motion.is_some().into());
+        iu.observation.assumed =
+            iu.observation.assumed.saturating_add((couple.worst_visibility() != Visibility::Seen).into());
+        iu.observation.measures = measures;
         iu.has_rested |= couple.motion.is_some_and(|motion| motion.is_pair_at_rest());
         iu.captured = iu.captured.saturating_add(is_captured.into());
-        iu.extent.is_doubtful |= couple.is_doubtful;
+        iu.observation.is_doubtful |= couple.is_doubtful;
         // While the hand is hidden, the IU may have ended already.
-        iu.extent.gap_after = if couple.is_clear { 0 } else { self.watch.gap() };
+        iu.observation.gap_after = if couple.is_clear { 0 } else { self.watch.gap() };
         let Some(iu) = self.iu else { return };
         let candidates = self.activity.as_ref().map_or(ActivitySet::EMPTY, OpenActivity::candidates);
         if !couple.is_in_sight() {
@@ -295,26 +297,26 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         } else if iu.context.is_release() && (iu.is_certain || !candidates.is_empty()) {
             // It has no motion of a hand and may last for any time, so its context decides.
             self.conclude_right(None, true, progress, emit);
-        } else if iu.is_certain && !self.watch.is_doubtful() && self.is_certainly_wrong(iu.extent) {
-            self.decide_by_motion(iu.extent, progress, emit);
+        } else if iu.is_certain && !self.watch.is_doubtful() && self.is_certainly_wrong(iu.observation) {
+            self.decide_by_motion(iu.observation, progress, emit);
         }
     }
 
     /// Whether the open IU fits no nominal IU any more, whatever comes and whatever was not seen.
-    fn is_certainly_wrong(&mut self, extent: Extent) -> bool {
+    fn is_certainly_wrong(&mut self, observation: IuObservation) -> bool {
         let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
-        let is_lost = self.comparisons.all_lost(extent);
+        let is_lost = self.comparisons.all_lost(observation);
         is_lost
             && is_place_certain
             && !self.has_moved_nothing_yet()
-            && !self.may_pass(extent)
-            && self.comparisons.nearest(extent).is_none_or(|nearest| !nearest.is_doubtful)
+            && !self.may_pass(observation)
+            && self.comparisons.nearest(observation).is_none_or(|nearest| !nearest.is_doubtful)
     }
 
     /// Whether the two parts of the open IU were shown to rest beside each other, and have only moved so far.
-    fn may_pass(&self, extent: Extent) -> bool {
+    fn may_pass(&self, observation: IuObservation) -> bool {
         let has_rested = self.iu.is_none_or(|iu| iu.has_rested);
-        !has_rested && extent.measures.reversals == 0 && self.comparisons.were_shown_at_rest()
+        !has_rested && observation.measures.reversals == 0 && self.comparisons.were_shown_at_rest()
     }
 
     /// The IU has ended, and the hand goes on in the `next` context, if any comes.
@@ -330,37 +332,37 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         {
             activity.ended_ns = iu.ended_ns;
             // Where frames are missing, a contact that came and went soon may only have seemed to.
-            if self.iu.is_some_and(|open| !self.watch.is_believable(open.captured, open.extent.frames)) {
+            if self.iu.is_some_and(|open| !self.watch.is_believable(open.captured, open.observation.frames)) {
                 activity.doubt_newest_iu();
             }
         }
         if let Some(open) = self.iu {
-            let extent = Extent {
+            let observation = IuObservation {
                 frames: iu.frames,
                 measured: iu.measured,
                 measures: iu.measures,
                 ended: true,
                 gap_after: self.watch.gap(),
                 may_be_part: self.is_broken_off
-                    || open.extent.may_be_part
+                    || open.observation.may_be_part
                     || !open.is_certain
                     || self.watch.is_doubtful(),
-                ..open.extent
+                ..open.observation
             };
-            if extent.gap_after > 0 && !open.is_concluded {
+            if observation.gap_after > 0 && !open.is_concluded {
                 self.comparisons.append_unknown();
             }
             let activity = self.activity.as_ref();
             let goes_on = |next| activity.is_some_and(|activity| activity.goes_on_with(progress.job, next));
-            let may_pass = self.may_pass(extent) && next.is_some_and(|next| !goes_on(next));
-            if self.gives_up(extent, next, progress, emit) || open.is_concluded {
+            let may_pass = self.may_pass(observation) && next.is_some_and(|next| !goes_on(next));
+            if self.gives_up(observation, next, progress, emit) || open.is_concluded {
                 // It was no IU, or has its verdict.
             } else if self.comparisons.end().is_err() {
                 self.conclude_unjudged(Reason::Overload.into(), progress, emit);
             } else if may_pass {
                 self.conclude_passing(progress, emit);
             } else {
-                self.decide_by_motion(extent, progress, emit);
+                self.decide_by_motion(observation, progress, emit);
             }
         }
         if self.iu.is_some_and(|open| open.is_certain) {
@@ -381,17 +383,17 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Gives the verdict on the IU by its motion and bounds.
     fn decide_by_motion(
         &mut self,
-        extent: Extent,
+        observation: IuObservation,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) {
         let min_captured = progress.job.min_captured;
         if let Some(iu) = self.iu.filter(|iu| !iu.is_captured(min_captured)) {
-            let cause = too_few_frames(iu.captured, iu.extent.frames, min_captured);
+            let cause = too_few_frames(iu.captured, iu.observation.frames, min_captured);
             self.conclude_unjudged(cause, progress, emit);
             return;
         }
-        let Some(nearest) = self.comparisons.nearest(extent) else {
+        let Some(nearest) = self.comparisons.nearest(observation) else {
             let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
             let cause = if is_certain { Reason::Unknown.into() } else { self.unseen_cause(progress) };
             self.conclude_unjudged(cause, progress, emit);
@@ -400,13 +402,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if let Some(iu) = &mut self.iu {
             iu.measured = nearest.measured;
         }
-        let early = !extent.ended;
+        let early = !observation.ended;
         let is_place_certain = self.activity.as_ref().is_some_and(OpenActivity::is_place_certain);
         let is_right = nearest.reason == Reason::None;
-        if is_right && !extent.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
+        if is_right && !observation.is_known() || !is_right && (nearest.is_doubtful || !is_place_certain) {
             self.conclude_unseen(progress, emit);
         } else if is_right {
-            self.keep_right(extent);
+            self.keep_right(observation);
             self.conclude_right(Some(nearest), early, progress, emit);
         } else {
             let nominal = Some(nearest.nominal);
@@ -421,14 +423,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// The open IU is right: nominal activities of which it is certainly no IU are no candidates any more. Where in one the hand is, its motion does
     /// not say: bounds are those of few people, and a place that they rule out would make the next context wrong.
-    fn keep_right(&mut self, extent: Extent) {
+    fn keep_right(&mut self, observation: IuObservation) {
         let is_certain = self.iu.is_some_and(|iu| iu.is_certain);
         let Some(activity) = self.activity.as_mut().filter(|activity| !activity.candidates().is_empty())
         else {
             return;
         };
         let mut possible = ActivitySet::EMPTY;
-        for result in self.comparisons.results(extent) {
+        for result in self.comparisons.results(observation) {
             let is_right = result.reason == Reason::None;
             if is_right {
                 activity.ratios[result.nominal] += result.ratio();
@@ -446,21 +448,21 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// they did not show it. If all showed it, something before it was not seen.
     pub(super) fn unseen_cause(&self, progress: &Progress<'a>) -> Cause {
         let min_captured = progress.job.min_captured;
-        let is_uncaptured = |iu: OpenIu| 2 * iu.captured < iu.extent.frames;
+        let is_uncaptured = |iu: OpenIu| 2 * iu.captured < iu.observation.frames;
         // Where something of the open IU was hidden, that is the reason.
-        let is_seen = self.iu.is_none_or(|iu| iu.extent.assumed == 0);
+        let is_seen = self.iu.is_none_or(|iu| iu.observation.assumed == 0);
         let is_begun_late = is_seen && self.activity.as_ref().is_some_and(|activity| activity.is_begun_late);
         if self.is_broken_off {
             Reason::BrokenOff.into()
         } else if self.iu.is_some_and(is_uncaptured) {
-            self.missed.frames_missing(min_captured)
-        } else if is_begun_late && self.missed.is_within(self.watch.min_idle_frames()) {
+            self.occlusions.frames_missing(min_captured)
+        } else if is_begun_late && self.occlusions.is_within(self.watch.min_idle_frames()) {
             Reason::BeginningNotSeen.into()
         } else {
-            let own = [self.missed];
-            Missed::main_cause(&own, min_captured, progress.persist_frames)
+            let own = [self.occlusions];
+            OcclusionLog::main_cause(&own, min_captured, progress.persist_frames)
                 .or(self.newest_unjudged)
-                .or(Missed::cause(&own, min_captured))
+                .or(OcclusionLog::cause(&own, min_captured))
                 .unwrap_or_else(|| progress.unseen_cause())
         }
     }

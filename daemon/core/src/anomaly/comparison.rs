@@ -8,7 +8,7 @@
 //! the contact, this one may go on before the parts are far enough apart. Of 144 jobs of `learn_two_hands.rs` (`Workshop`) 139 are right
 //! without this and 141 with it.
 
-use super::extent::{Extent, GIVES_WAY};
+use super::observation::{HIDDEN_SLACK, IuObservation};
 use crate::capacity::ACTIVITIES;
 use crate::couple::{Context, Motion};
 use crate::dtw::{LocalCosts, OnlineDtw, Refused};
@@ -133,10 +133,10 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     }
 
     /// Whether the open IU is not seen to have moved what every first IU that it can be was shown to move.
-    pub(super) fn has_moved_nothing(&self, extent: Extent) -> bool {
+    pub(super) fn has_moved_nothing(&self, observation: IuObservation) -> bool {
         let moves = |comparison: &Comparison<'_>| comparison.iu.measures.path_m.min > 0.0;
         let mut first = self.comparisons.iter().filter(|comparison| comparison.index == 0).peekable();
-        extent.measures.path_m == 0.0 && first.peek().is_some() && first.all(moves)
+        observation.measures.path_m == 0.0 && first.peek().is_some() && first.all(moves)
     }
 
     /// Adds a nominal IU that has the context of the open one. There is room for all.
@@ -205,24 +205,25 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
     }
 
     /// Marks the comparisons that cannot come out right any more as lost. Returns whether all are.
-    pub(super) fn all_lost(&mut self, extent: Extent) -> bool {
+    pub(super) fn all_lost(&mut self, observation: IuObservation) -> bool {
         for (comparison, distance) in self.comparisons.iter_mut().zip(self.distances.as_ref()) {
-            comparison.is_lost |= result(comparison, distance, extent, self.rules).reason != Reason::None;
+            comparison.is_lost |=
+                result(comparison, distance, observation, self.rules).reason != Reason::None;
         }
         self.comparisons.iter().all(|comparison| comparison.is_lost)
     }
 
     /// The results of all comparisons.
-    pub(super) fn results(&self, extent: Extent) -> impl Iterator<Item = ComparisonResult> {
+    pub(super) fn results(&self, observation: IuObservation) -> impl Iterator<Item = ComparisonResult> {
         self.comparisons
             .iter()
             .zip(self.distances.as_ref())
-            .map(move |(comparison, distance)| result(comparison, distance, extent, self.rules))
+            .map(move |(comparison, distance)| result(comparison, distance, observation, self.rules))
     }
 
     /// The nearest result of those that are right, or of all if none is.
-    pub(super) fn nearest(&self, extent: Extent) -> Option<ComparisonResult> {
-        self.results(extent).min_by(|one, other| {
+    pub(super) fn nearest(&self, observation: IuObservation) -> Option<ComparisonResult> {
+        self.results(observation).min_by(|one, other| {
             let is_wrong = |result: &ComparisonResult| result.reason != Reason::None;
             is_wrong(one).cmp(&is_wrong(other)).then(one.ratio().total_cmp(&other.ratio()))
         })
@@ -233,15 +234,15 @@ impl<'a, M: Memory<'a>> Comparisons<'a, M> {
 fn result(
     comparison: &Comparison<'_>,
     dtw: &OnlineDtw<'_>,
-    extent: Extent,
+    observation: IuObservation,
     rules: Rules,
 ) -> ComparisonResult {
     let NominalIu { frames, reference, threshold, .. } = *comparison.iu;
-    let whole = dtw.distance().filter(|_| extent.ended && !comparison.is_lost);
+    let whole = dtw.distance().filter(|_| observation.ended && !comparison.is_lost);
     let distance = whole.unwrap_or_else(|| dtw.lower_bound());
     let distance = comparison.newest.into_iter().skip(1).fold(distance, f64::min);
     // An open IU may still become as slow as the bounds allow.
-    let length = if extent.ended { extent.worked_frames() } else { frames.max };
+    let length = if observation.ended { observation.worked_frames() } else { frames.max };
     let length = length.saturating_add(2 * u32::from(rules.has_free_ends));
     let threshold = threshold * slowdown_factor(length, reference.len(), rules.max_slowdown);
     let reason_of = |broken: Option<(Reason, Measure)>, threshold: f32| match broken {
@@ -250,16 +251,17 @@ fn result(
         None => Reason::None,
     };
     // In frames that were not seen, and beside them, motion is measured worse.
-    let assumed = extent.assumed as f32 / extent.frames.max(1) as f32;
-    let max = threshold * (1.0 + GIVES_WAY * assumed);
-    let possible = extent.broken(comparison.iu, true);
+    let assumed = observation.assumed as f32 / observation.frames.max(1) as f32;
+    let max = threshold * (1.0 + HIDDEN_SLACK * assumed);
+    let possible = observation.broken(comparison.iu, true);
     // What is right only if something happened unseen is neither right nor wrong.
     let is_certain = reason_of(possible, max) != Reason::None;
     let (broken, max) =
-        if is_certain { (possible, max) } else { (extent.broken(comparison.iu, false), threshold) };
+        if is_certain { (possible, max) } else { (observation.broken(comparison.iu, false), threshold) };
     let reason = reason_of(broken, max);
-    let is_doubtful = !is_certain && reason != Reason::None || extent.explains(reason, comparison.is_unique);
-    let measured = broken.and_then(|broken| extent.measured(comparison.iu, broken, rules.rate_hz));
+    let is_doubtful =
+        !is_certain && reason != Reason::None || observation.explains(reason, comparison.is_unique);
+    let measured = broken.and_then(|broken| observation.measured(comparison.iu, broken, rules.rate_hz));
     let Comparison { nominal, index, .. } = *comparison;
     ComparisonResult { nominal, index, reason, distance, threshold, measured, is_doubtful }
 }

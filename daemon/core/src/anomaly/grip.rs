@@ -3,8 +3,8 @@
 //! Of 60 right runs by feel 9 were accused without this rule, and 4 are with it; with a hand lost for two seconds 15 and 3 of 120.
 
 use super::comparison::Memory;
-use super::extent::Extent;
 use super::hand::HandJudge;
+use super::observation::IuObservation;
 use super::progress::Progress;
 use crate::couple::Context;
 use crate::set::ActivitySet;
@@ -13,23 +13,23 @@ use crate::verdict::{Outcome, Verdict};
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Whether the hand is at the first IU of an activity, and is not seen to have moved yet what that moves.
     pub(super) fn has_moved_nothing_yet(&self) -> bool {
-        self.iu.is_some_and(|iu| iu.number == 0 && self.comparisons.has_moved_nothing(iu.extent))
+        self.iu.is_some_and(|iu| iu.number == 0 && self.comparisons.has_moved_nothing(iu.observation))
     }
 
     /// The first IU has ended, and the hand goes on in the `next` context, if any comes. Whether that was no IU, or may have been none because not
     /// all of it was seen; then the activity is not judged. What the hand does next is another activity.
     pub(super) fn gives_up(
         &mut self,
-        extent: Extent,
+        observation: IuObservation,
         next: Option<Context>,
         progress: &mut Progress<'a>,
         emit: &mut impl FnMut(Verdict),
     ) -> bool {
         let Some((open, activity)) = self.iu.zip(self.activity.as_ref()) else { return false };
-        let is_whole = extent.assumed == 0 && extent.hidden() == 0.0 && !extent.may_be_part;
+        let is_whole = observation.assumed == 0 && observation.hidden() == 0.0 && !observation.may_be_part;
         let is_seen = is_whole && !open.is_concluded;
         let is_first = open.number == 0 && !activity.is_concluded;
-        let has_moved = !self.comparisons.has_moved_nothing(extent);
+        let has_moved = !self.comparisons.has_moved_nothing(observation);
         if !is_first || has_moved || is_seen && next != Some(Context::IDLE) {
             return false;
         }
@@ -37,7 +37,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             self.conclude_unseen(progress, emit);
             let cause = self.unseen_cause(progress);
             let nearest = self.activity.as_ref().and_then(|activity| activity.nearest);
-            self.watch.may_be_rest = true;
+            self.watch.may_be_remainder = true;
             progress.set_doubtful();
             self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
         }

@@ -2,8 +2,8 @@
 
 use super::activity::{OpenActivity, Step};
 use super::comparison::{ComparisonResult, Comparisons, Memory};
-use super::extent::Extent;
-use super::missed::{Cause, Missed, percent};
+use super::observation::IuObservation;
+use super::occlusion::{Cause, OcclusionLog, percent};
 use super::progress::Progress;
 use super::watch::Watch;
 use crate::config::Method;
@@ -19,7 +19,7 @@ pub(super) struct OpenIu {
     pub(super) number: u16,
     pub(super) context: Context,
     pub(super) began_ns: u64,
-    pub(super) extent: Extent,
+    pub(super) observation: IuObservation,
     /// How many of its frames were captured.
     pub(super) captured: u32,
     /// The measure that is out of its bounds, once that was decided.
@@ -35,17 +35,17 @@ pub(super) struct OpenIu {
 impl OpenIu {
     /// How many of a hundred frames were captured; `None` before the first.
     fn captured_percent(&self) -> Option<u8> {
-        percent(self.captured, self.extent.frames)
+        percent(self.captured, self.observation.frames)
     }
 
     /// In how many of a hundred frames the hand and each object that it acts on were seen; `None` before the first.
     fn seen_percent(&self) -> Option<u8> {
-        percent(self.extent.frames.saturating_sub(self.extent.assumed), self.extent.frames)
+        percent(self.observation.frames.saturating_sub(self.observation.assumed), self.observation.frames)
     }
 
     /// Whether enough frames were captured for the motion to be known as well as the job needs. One frame more or less is no difference.
     pub(super) fn is_captured(&self, min_share: f32) -> bool {
-        (self.captured + 1) as f32 >= min_share * self.extent.frames as f32
+        (self.captured + 1) as f32 >= min_share * self.observation.frames as f32
     }
 }
 
@@ -60,8 +60,8 @@ pub(super) struct HandJudge<'a, M> {
     pub(super) activity: Option<OpenActivity>,
     pub(super) iu: Option<OpenIu>,
     /// Of the open activity, and of the doubt before it.
-    pub(super) missed: Missed,
-    /// Why its newest activity was not judged, of which the next one may be the rest.
+    pub(super) occlusions: OcclusionLog,
+    /// Why its newest activity was not judged, of which the next one may be the remainder.
     pub(super) newest_unjudged: Option<Cause>,
     /// The couples have broken off.
     pub(super) is_broken_off: bool,
@@ -99,7 +99,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             comparisons: Comparisons::new(job, method.rate_hz),
             activity: None,
             iu: None,
-            missed: Missed::new(side, method.period_ns()),
+            occlusions: OcclusionLog::new(side, method.period_ns()),
             newest_unjudged: None,
             is_broken_off: false,
         }
@@ -124,8 +124,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
 
     /// No IU is open in which the hand acts: there is none, or only a release state, or one of a step that was not shown.
     pub(super) fn is_resting(&self) -> bool {
-        let is_not_shown = self.activity.as_ref().is_some_and(|activity| activity.step == Step::NotShown);
-        self.iu.is_none_or(|iu| iu.is_concluded && (is_not_shown || iu.context.is_release()))
+        let is_untaught = self.activity.as_ref().is_some_and(|activity| activity.step == Step::Untaught);
+        self.iu.is_none_or(|iu| iu.is_concluded && (is_untaught || iu.context.is_release()))
     }
 
     /// This couple shows the hand at a step of the job.
@@ -135,10 +135,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     }
 
     /// What the hand does was not shown to be done by it, or may be no step, so nothing in it is wrong.
-    pub(super) fn accuses_nobody(&self) -> bool {
+    pub(super) fn cannot_accuse(&self) -> bool {
         self.activity.as_ref().is_some_and(|activity| match activity.step {
             Step::Shown(side) => side != self.side || activity.may_differ,
-            Step::NotShown => true,
+            Step::Untaught => true,
             Step::Foreign => false,
         })
     }
@@ -236,9 +236,9 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         emit: &mut impl FnMut(Verdict),
     ) {
         let is_wrong = finding.outcome == Outcome::Anomaly;
-        let accuses_nobody = self.accuses_nobody();
+        let cannot_accuse = self.cannot_accuse();
         let never_seen = self.activity.as_ref().and_then(|activity| activity.never_seen);
-        if let Some(object) = never_seen.filter(|_| is_wrong && !accuses_nobody) {
+        if let Some(object) = never_seen.filter(|_| is_wrong && !cannot_accuse) {
             self.conclude_unjudged(Cause::object_not_seen(object), progress, emit);
             return;
         }
@@ -248,7 +248,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         }
         iu.is_concluded = true;
         let Finding { outcome, reason, missing, nominal, result, early } = match finding {
-            Finding { early, .. } if is_wrong && accuses_nobody => Finding::not_shown(early),
+            Finding { early, .. } if is_wrong && cannot_accuse => Finding::not_shown(early),
             finding => finding,
         };
         let measured = iu.measured.filter(|_| outcome != Outcome::Ok);
@@ -285,14 +285,14 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         &mut self,
         (outcome, cause, nominal): (Outcome, Cause, Option<usize>),
     ) -> (Outcome, Cause, Option<usize>) {
-        let accuses_nobody = self.accuses_nobody();
+        let cannot_accuse = self.cannot_accuse();
         let Some(activity) = self.activity.as_mut().filter(|_| outcome == Outcome::Anomaly) else {
             return (outcome, cause, nominal);
         };
         if let Some(object) = activity.never_seen {
             (Outcome::NotJudged, Cause::object_not_seen(object), nominal)
-        } else if accuses_nobody && activity.broken.is_none() {
-            activity.step = Step::NotShown;
+        } else if cannot_accuse && activity.broken.is_none() {
+            activity.step = Step::Untaught;
             let right = (Outcome::Ok, Reason::None.into(), None);
             activity.unjudged.map_or(right, |cause| (Outcome::NotJudged, cause, None))
         } else {
@@ -319,10 +319,10 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             (outcome, cause) = (Outcome::Ok, Reason::None.into());
             progress.set_no_step(self.activity.as_ref().map_or(0, |activity| activity.number));
         }
-        let Cause { reason, missing } = self.missed.until_now(cause);
+        let Cause { reason, missing } = self.occlusions.until_now(cause);
         let Some(activity) = &mut self.activity else { return };
         activity.is_concluded = true;
-        if activity.step == Step::NotShown {
+        if activity.step == Step::Untaught {
             progress.set_no_step(activity.number);
         }
         let note = activity.note(self.side, progress.job);
@@ -334,7 +334,7 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
             Outcome::Ok => {}
             Outcome::Anomaly => progress.set_wrong(nominal, reason, measured, broken),
             Outcome::NotJudged => {
-                // Otherwise what comes next with the same object may be the rest of it.
+                // Otherwise what comes next with the same object may be the remainder of it.
                 if !activity.has_certainly_ended(progress.job) {
                     self.watch.set_unjudged(activity.context);
                 }

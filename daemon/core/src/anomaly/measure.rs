@@ -1,6 +1,6 @@
 //! Which measure of an IU is not right.
 
-use super::extent::{ENDS, Extent, GIVES_WAY};
+use super::observation::{ENDS, HIDDEN_SLACK, IuObservation};
 use crate::bounds::{Around, Range};
 use crate::job::{MeasureBounds, NominalIu, Shown};
 use crate::segment::{MOVED_M, Measures};
@@ -9,7 +9,7 @@ use crate::verdict::{Measure, Measured, Reason};
 /// A stroke goes to and fro.
 const PER_STROKE: u32 = 2;
 
-impl Extent {
+impl IuObservation {
     /// The rule that a measure breaks, with the one that says most to a person: strokes rather than the time they take. With
     /// `may_be_hidden` only if no motion in the frames that were not seen could have kept it. A path that was seen is not
     /// too long only because something else was not.
@@ -19,13 +19,14 @@ impl Extent {
             if may_be_hidden { self.possible_frames() } else { [self.worked_frames(), self.frames] };
         // With fewer frames contacts are believed later. Gaps at the ends are in the possible frames already.
         let missing = if may_be_hidden { self.measures.hidden } else { 0.0 };
-        let max_frames = max_frames as f32 * (1.0 + GIVES_WAY * missing);
+        let max_frames = max_frames as f32 * (1.0 + HIDDEN_SLACK * missing);
         let hidden_reversals =
             if may_be_hidden { self.possible_reversals() } else { self.assumed_reversals() };
         let MeasureBounds { path_m, .. } = iu.measures;
         let speed = path_m.max.min(f32::MAX) / iu.quickest().max(1) as f32;
         let hidden_m = hidden * self.frames as f32 * speed;
-        let Measures { reversals, path_m: walked_m, detour_m, bow_m, unseen_before_way, .. } = self.measures;
+        let Measures { reversals, path_m: walked_m, detour_m, lateral_m, unseen_before_way, .. } =
+            self.measures;
         // Which frames were seen decides where the steps of a path end, at each reversal and at last.
         let step_m = if hidden > 0.0 { (reversals + 1) as f32 * MOVED_M } else { 0.0 };
         let is_detour = if iu.measures.max_detour_m.is_finite() {
@@ -35,12 +36,12 @@ impl Extent {
         };
         // Where the hand was not seen before its way, that may have begun elsewhere.
         let unseen = if may_be_hidden { unseen_before_way as f32 } else { 0.0 };
-        let bow_step_m = if hidden + unseen > 0.0 { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
-        let is_bow = bow_m > iu.measures.max_bow_m + bow_step_m;
+        let lateral_step_m = if hidden + unseen > 0.0 { ENDS as f32 * MOVED_M + unseen * speed } else { 0.0 };
+        let is_lateral = lateral_m > iu.measures.max_lateral_m + lateral_step_m;
         let too_long = first(&[
             (reversals > iu.reversals.max, Measure::Strokes),
             (min_frames > iu.frames.max, Measure::Duration),
-            (is_bow, Measure::Bow),
+            (is_lateral, Measure::LateralDeviation),
             (is_detour, Measure::Path),
         ]);
         let too_short = || {
@@ -55,7 +56,7 @@ impl Extent {
         } else if !self.ended {
             return None;
         }
-        let elsewhere = first(&self.elsewhere_broken(&iu.measures, GIVES_WAY * hidden, hidden_m));
+        let elsewhere = first(&self.elsewhere_broken(&iu.measures, HIDDEN_SLACK * hidden, hidden_m));
         match (too_short(), elsewhere) {
             // Strokes that are small or go across are counted badly.
             (Some(Measure::Strokes), Some(other))
@@ -91,7 +92,7 @@ impl Extent {
         rate_hz: f32,
     ) -> Option<Measured> {
         let bounds = &iu.measures;
-        let Shown { frames, reversals, stroke_m, path_m, bow_m, axis, place_m, .. } = bounds.shown?;
+        let Shown { frames, reversals, stroke_m, path_m, lateral_m, axis, place_m, .. } = bounds.shown?;
         let seconds = |frames: u32| frames as f32 / rate_hz;
         let [value, shown_min, shown_max] = match measure {
             Measure::Duration => {
@@ -101,7 +102,7 @@ impl Extent {
             Measure::Strokes => strokes([self.measures.reversals, reversals.min, reversals.max]),
             Measure::StrokeLength => [self.measures.stroke_m?, stroke_m.min, stroke_m.max],
             Measure::Path => [self.measures.path_m, path_m.min, path_m.max],
-            Measure::Bow => [self.measures.bow_m, 0.0, bow_m],
+            Measure::LateralDeviation => [self.measures.lateral_m, 0.0, lateral_m],
             Measure::Direction => [degrees(bounds.axis.distance(self.measures.axis)), 0.0, degrees(axis)],
             Measure::Place => [bounds.place_m.distance(self.measures.place_m), 0.0, place_m],
         };
@@ -167,16 +168,16 @@ mod tests {
         let broken = |gap: u32| {
             let measures = Measures { hidden: 0.03, ..Measures::default() };
             let (gap_before, gap_after, ended) = (gap, gap, true);
-            let extent = Extent {
+            let observation = IuObservation {
                 frames: 12,
                 assumed: 2,
                 measures,
                 gap_before,
                 gap_after,
                 ended,
-                ..Extent::default()
+                ..IuObservation::default()
             };
-            extent.broken(&iu, true)
+            observation.broken(&iu, true)
         };
         assert_eq!(broken(1), Some((Reason::TooShort, Measure::Duration)));
         assert_eq!(broken(5), None);

@@ -25,8 +25,8 @@
 //! - *Doubtful*: so little was seen that a context may have come, gone or been another one ([`Couple::is_doubtful`]).
 //! - *Certain*: seen well enough that it has happened. An IU that began in doubt becomes certain, and is judged as any other, once its
 //!   context has been shown without doubt; what was hidden before lies before it.
-//! - *Rival*: another object that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
-//!   ([`Couple::is_rivalled`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
+//! - *Ambiguous object*: another one that the hand may have taken, because it was hidden or not seen yet when the hand took `o_j`
+//!   ([`Couple::is_object_ambiguous`]). It is none any more when it is seen where it lay and the hand was not near it meanwhile.
 //! - *Start seen*: nothing of the open job can have happened before what was seen of it. Otherwise what is missing accuses nobody.
 //! - *Conclude*: to give the verdict on an IU, an activity or a job, which happens exactly once. A verdict is *early* if it is given
 //!   before the end.
@@ -40,7 +40,7 @@
 //! # Doubt
 //!
 //! One law: **a verdict is what all completions of the unseen agree on; anything else is not judged.** Whatever observations are deleted from a
-//! recording, its verdicts stay or become not judged. It rests on four quantities, each of which less observation only makes wider:
+//! recording, its verdicts stay or become not judged. It depends on four quantities, each of which less observation only makes wider:
 //!
 //! - *Where a hand is in an activity* is the set of its places (`places`). What takes less than twice as long as a gap may have come in it. An IU
 //!   that may not have happened leaves the places before it and those after it.
@@ -48,7 +48,7 @@
 //!   long as the quickest person needs, what may have come before the first frame, what a part that was never seen is used for. A law is broken,
 //!   and a step is missing, only if it is so at the wider end; the job is right only if it is so at the narrower one. The bench takes away: what
 //!   lies where the job begins has not come.
-//! - *A measure* lies between what was seen and that with what fits into the gaps (`extent`): strokes, path and frames that were hidden, ends
+//! - *A measure* lies between what was seen and that with what fits into the gaps (`observation`): strokes, path and frames that were hidden, ends
 //!   that may have shifted, the time in which the hand may have waited. It is wrong if all of it is out of its bounds.
 //! - *A DTW distance* over a gap is the least that any motion there could have led to. An IU of which less than half was measured is never right,
 //!   and one of which fewer frames were captured than the job needs ([`Job::min_captured`]) is neither right nor wrong.
@@ -58,24 +58,24 @@
 //! next, that may be another piece: no job is right that spans it.
 //!
 //! What is not judged says what was missing, and for how long ([`Missing`](crate::verdict::Missing)): that of which most was missing in what it
-//! rests on and in the doubt before it. An activity and a job have the first such thing in them.
+//! depends on and in the doubt before it. An activity and a job have the first such thing in them.
 //!
 //! What is assumed, so that more is judged, is said where it is: hidden strokes go on at the pace of those that were seen, in at most a quarter of an
-//! IU (`extent`); the first step that is seen begins its piece, and both hands are at the same piece
+//! IU (`observation`); the first step that is seen begins its piece, and both hands are at the same piece
 //! (`progress::order`); what was not seen keeps the order of six runs or more (`progress`).
 //!
 //! [`Couple::is_doubtful`]: crate::couple::Couple::is_doubtful
-//! [`Couple::is_rivalled`]: crate::couple::Couple::is_rivalled
+//! [`Couple::is_object_ambiguous`]: crate::couple::Couple::is_object_ambiguous
 
 mod activity;
 mod algorithm;
 mod comparison;
-mod extent;
 mod grip;
 mod hand;
 mod instead;
 mod measure;
-mod missed;
+mod observation;
+mod occlusion;
 mod places;
 mod progress;
 mod settle;
@@ -87,14 +87,14 @@ pub use comparison::Memory;
 use crate::bounds::Bounds;
 use crate::capacity::{ACTIVITIES, ACTIVITY_IUS, COMPARISONS, HANDS, IU_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Couples, Sight};
+use crate::couple::{Context, Couple, Couples, Visibility};
 use crate::dtw::OnlineDtw;
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::segment::{self, JobSegmenter};
 use crate::verdict::Verdict;
 use hand::HandJudge;
-use missed::Missed;
+use occlusion::OcclusionLog;
 use progress::Progress;
 use twice::Twice;
 
@@ -257,7 +257,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 progress: Progress::new(
                     job,
                     method.persist_frames.into(),
-                    Side::ALL.map(|side| Missed::new(side, method.period_ns())),
+                    Side::ALL.map(|side| OcclusionLog::new(side, method.period_ns())),
                 ),
             },
         })
@@ -295,9 +295,10 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             let until_ns = couples.captured_ns.saturating_sub(self.period_ns / 2);
             let mut elapsed_ns = self.period_ns;
             while newest.captured_ns + elapsed_ns < until_ns && elapsed_ns <= self.blind_ns + self.period_ns {
-                let sight = if elapsed_ns > self.blind_ns { Sight::Unseen } else { Sight::Assumed };
+                let visibility =
+                    if elapsed_ns > self.blind_ns { Visibility::Unseen } else { Visibility::Assumed };
                 let captured_ns = newest.captured_ns + elapsed_ns;
-                self.take(&newest.unseen_at(captured_ns, couples.known_ns, sight), emit);
+                self.take(&newest.unseen_at(captured_ns, couples.known_ns, visibility), emit);
                 elapsed_ns += self.period_ns;
             }
             if elapsed_ns > self.period_ns {
@@ -356,7 +357,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
             let hands = bench.hands.iter_mut().zip(&couples.hands);
             hands
                 .filter(|(_, couple)| !couple.is_hand_seen())
-                .for_each(|(hand, _)| hand.watch.may_be_rest = true);
+                .for_each(|(hand, _)| hand.watch.may_be_remainder = true);
         }
         if couples.has_moved_unseen {
             bench.progress.set_moved_unseen();
@@ -367,7 +368,7 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
                 }
             }
         }
-        // What a hand does with the same part afterwards is not the rest of what it did before.
+        // What a hand does with the same part afterwards is not the remainder of what it did before.
         let is_idle = |couple: &Couple| couple.context == Context::IDLE && !couple.is_doubtful;
         if bench.progress.is_set_anew() && couples.hands.iter().all(is_idle) {
             segmenter.finish(&mut |event| bench.take(&event, None, emit));
@@ -540,6 +541,6 @@ fn is_usable(iu: &NominalIu<'_>) -> bool {
         && is_ordered(&iu.reversals)
         && iu.measures.path_m.min <= iu.measures.path_m.max
         && iu.measures.max_detour_m >= 0.0
-        && iu.measures.max_bow_m >= 0.0
+        && iu.measures.max_lateral_m >= 0.0
         && iu.measures.stroke_m.min <= iu.measures.stroke_m.max
 }

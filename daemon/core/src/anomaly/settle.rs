@@ -13,13 +13,13 @@ use heapless::Vec;
 impl<'a, M: Memory<'a>> HandJudge<'a, M> {
     /// Concludes that the activity is out of order, as soon as every candidate is, once all events of one frame for both hands are known.
     pub(super) fn check_order(&mut self, progress: &mut Progress<'a>, emit: &mut impl FnMut(Verdict)) {
-        let (accuses_nobody, may_give_up) = (self.accuses_nobody(), self.has_moved_nothing_yet());
+        let (cannot_accuse, may_give_up) = (self.cannot_accuse(), self.has_moved_nothing_yet());
         let Some(activity) = &mut self.activity else { return };
         let candidates = activity.candidates();
         let is_order_certain = activity.is_order_certain();
         let is_certain = is_order_certain || self.iu.is_some_and(|iu| iu.is_certain);
         // A hand that was not shown to do it may only rest there. What may be no step has its place in the order all the same.
-        let has_no_place = accuses_nobody && !activity.may_differ || candidates.is_empty();
+        let has_no_place = cannot_accuse && !activity.may_differ || candidates.is_empty();
         if activity.is_concluded || has_no_place || !is_certain || may_give_up {
             return;
         }
@@ -83,13 +83,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         if activity.is_followed_to_its_end(job) {
             // If it is done again at once, that is another activity, unless a longer one may go on so.
             let mut continuations = activity.continuations(job);
-            // The job has its verdict, so a touch begins another activity, which may be the rest of this one.
+            // The job has its verdict, so a touch begins another activity, which may be the remainder of this one.
             if progress.is_concluded() {
-                self.watch.may_be_rest |= !continuations.is_empty();
+                self.watch.may_be_remainder |= !continuations.is_empty();
                 continuations.clear();
             }
             segmenter.activity_matched(&self.by_this_hand(continuations));
-            if activity.is_astray() {
+            if activity.is_out_of_sequence() {
                 let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
                 let nearest = activity.nearest;
                 self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
@@ -130,13 +130,13 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         let may_go_on = progress.is_end_assumed()
             || self.watch.may_hold_another()
             || activity.may_be_complete(progress.job)
-            || activity.is_astray() && activity.unjudged.is_some();
+            || activity.is_out_of_sequence() && activity.unjudged.is_some();
         let cause = activity.unjudged.unwrap_or_else(|| self.unseen_cause(progress));
         match activity.matched(self.side, progress) {
             Some(nominal) => self.conclude_matched(nominal, false, progress, emit),
             // What is missing may have happened unseen, and the activity may have been another one, or may still go on.
             None if may_go_on && !activity.is_concluded => {
-                self.watch.may_be_rest = true;
+                self.watch.may_be_remainder = true;
                 progress.set_doubtful();
                 self.conclude_activity(Outcome::NotJudged, cause, nearest, false, progress, emit);
             }

@@ -5,10 +5,10 @@ use crate::capacity::TWINS;
 use crate::verdict::{Missing, Outcome, Reason, Verdict};
 
 /// When no marker was in view twice for so long, somebody has taken the other print away, in nanoseconds.
-const GONE_NS: u64 = 2_000_000_000;
+const REMOVED_NS: u64 = 2_000_000_000;
 
 /// Of the time that an object was not seen, its marker was in view twice for this share, but for a few frames, in seconds.
-const SHARE: f32 = 0.5;
+const MIN_TWICE_SHARE: f32 = 0.5;
 const SLACK_S: f32 = 0.1;
 
 /// The objects whose markers are or were in view twice.
@@ -31,7 +31,7 @@ impl Twice {
         for &object in objects.iter().filter(|object| **object != 0) {
             let new = Twin { object, began_ns: now_ns, newest_ns: now_ns };
             match self.twins.iter_mut().flatten().find(|twin| twin.object == object) {
-                Some(twin) if now_ns.saturating_sub(twin.newest_ns) < GONE_NS => twin.newest_ns = now_ns,
+                Some(twin) if now_ns.saturating_sub(twin.newest_ns) < REMOVED_NS => twin.newest_ns = now_ns,
                 Some(twin) => *twin = new,
                 None => self.add(new),
             }
@@ -68,7 +68,7 @@ impl Twin {
                 let is_it = verdict.missing.object.is_none_or(|object| object == self.object);
                 let lasted_ns = self.newest_ns.saturating_sub(self.began_ns.max(verdict.began_ns));
                 let unseen_s = verdict.missing.seconds.unwrap_or(0.0);
-                is_it && lasted_ns as f32 / 1e9 + SLACK_S >= SHARE * unseen_s
+                is_it && lasted_ns as f32 / 1e9 + SLACK_S >= MIN_TWICE_SHARE * unseen_s
             }
             Reason::BeginningNotSeen => self.began_ns <= verdict.began_ns,
             Reason::Blind | Reason::Unknown => true,

@@ -3,10 +3,10 @@
 use crate::config::Method;
 use crate::couple::{Context, Couple};
 
-/// It takes less than the time of as many changes to see that a hand holds something.
-const IDLE_CHANGES: u32 = 3;
+/// After this many times `persist_frames` without contact a hand is certainly empty.
+const IDLE_PERSISTS: u32 = 3;
 
-/// What was not seen of one hand, as far as a verdict may rest on it.
+/// What was not seen of one hand, as far as a verdict may depend on it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Watch {
     persist_frames: u32,
@@ -50,8 +50,8 @@ pub(super) struct Watch {
     unjudged: u16,
     /// The hand has been seen.
     has_been_clear: bool,
-    /// The next activity may be the rest of one that was not seen to begin.
-    pub(super) may_be_rest: bool,
+    /// The next activity may be the remainder of one that was not seen to begin.
+    pub(super) may_be_remainder: bool,
     /// It may be so because nothing was watched before it.
     pub(super) is_begun_late: bool,
 }
@@ -82,7 +82,7 @@ impl Watch {
             may_be_new: true,
             unjudged: 0,
             has_been_clear: false,
-            may_be_rest: true,
+            may_be_remainder: true,
             is_begun_late: true,
         }
     }
@@ -92,7 +92,7 @@ impl Watch {
         (self.hidden_frames, self.gap, self.since_doubt, self.unjudged) = (0, 0, u32::MAX, 0);
         self.clear_frames = u32::MAX;
         (self.certain, self.since_certain) = (Some(Context::IDLE), 0);
-        (self.has_been_clear, self.may_be_rest, self.is_begun_late) = (false, false, false);
+        (self.has_been_clear, self.may_be_remainder, self.is_begun_late) = (false, false, false);
         (self.is_object_new, self.may_be_new) = (false, false);
         self.is_held_doubtful = false;
     }
@@ -103,9 +103,9 @@ impl Watch {
         self.is_begun_late = true;
     }
 
-    /// The encoder has started again: nothing was watched before, so the next activity may be the rest of one.
+    /// The encoder has started again: nothing was watched before, so the next activity may be the remainder of one.
     pub(super) fn doubt_beginning(&mut self) {
-        (self.may_be_rest, self.is_begun_late) = (true, true);
+        (self.may_be_remainder, self.is_begun_late) = (true, true);
     }
 
     /// Takes the next couple.
@@ -146,7 +146,7 @@ impl Watch {
         let matters = self.may_be_new || appears || self.is_object_new;
         let is_first_seen = couple.is_object_new && matters;
         self.is_object_new = is_first_seen || couple.is_object_displaced;
-        self.is_held_doubtful |= is_first_seen && couple.is_rivalled;
+        self.is_held_doubtful |= is_first_seen && couple.is_object_ambiguous;
         if couple.is_clear && !self.is_doubtful() {
             (self.certain, self.since_certain) = (Some(couple.context), 0);
         } else {
@@ -166,7 +166,7 @@ impl Watch {
         if held != before && held != 0 {
             self.is_held_doubtful = before != 0 && self.is_held_doubtful || self.is_recent();
         }
-        self.is_held_doubtful &= couple.is_rivalled;
+        self.is_held_doubtful &= couple.is_object_ambiguous;
     }
 
     /// Where the context changed with the newest couple, it may have changed as many frames before.
@@ -202,7 +202,7 @@ impl Watch {
 
     /// It takes less to see that a hand holds something.
     pub(super) fn min_idle_frames(&self) -> u32 {
-        IDLE_CHANGES * self.persist_frames
+        IDLE_PERSISTS * self.persist_frames
     }
 
     fn is_idle_for_long(&self) -> bool {
@@ -229,26 +229,27 @@ impl Watch {
         }
     }
 
-    /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context: it may be the rest of one with the same object,
-    /// and may have begun before it was seen that the hand holds something. Takes note of whether it may be a rest.
+    /// [`hidden_before`](Self::hidden_before) for an activity that begins with this context: it may be the remainder of one with the same object,
+    /// and may have begun before it was seen that the hand holds something. Takes note of whether it may be a remainder.
     pub(super) fn begin_activity(&mut self, context: Context) -> u32 {
         let is_same = self.certain.is_some_and(|certain| certain.0[2].max(certain.0[1]) == context.0[1]);
-        let is_rest = is_same && self.is_doubtful() || self.is_object_new || self.unjudged == context.0[1];
-        let hidden = if self.may_be_rest || is_rest {
+        let is_remainder =
+            is_same && self.is_doubtful() || self.is_object_new || self.unjudged == context.0[1];
+        let hidden = if self.may_be_remainder || is_remainder {
             u32::MAX
         } else if self.since_doubt <= self.min_idle_frames() {
             self.lately_hidden
         } else {
             self.hidden_before()
         };
-        self.may_be_rest |= hidden == u32::MAX;
+        self.may_be_remainder |= hidden == u32::MAX;
         self.unjudged = 0;
         hidden
     }
 
-    /// What begins now is not the rest of anything.
+    /// What begins now is not the remainder of anything.
     pub(super) fn forget_rest(&mut self) {
-        (self.may_be_rest, self.is_object_new, self.unjudged) = (false, false, 0);
+        (self.may_be_remainder, self.is_object_new, self.unjudged) = (false, false, 0);
         self.is_begun_late = false;
     }
 
@@ -282,7 +283,7 @@ impl Watch {
         if self.has_been_clear { self.gap } else { 0 }
     }
 
-    /// Whether a change of context with the newest couple rests on too little.
+    /// Whether a change of context with the newest couple depends on too little.
     pub(super) fn is_doubtful(&self) -> bool {
         self.is_recent() || self.may_hold_another()
     }

@@ -6,12 +6,12 @@ pub(crate) mod geometry;
 mod grid;
 mod interaction;
 mod kinematics;
+pub(crate) mod noise;
 mod poses;
-pub(crate) mod scatter;
 mod scene;
 
 pub use encoder::{Encoder, Refused, Unusable};
-pub use scatter::apart_by_chance_m;
+pub use noise::jitter_bound_m;
 
 use crate::capacity::{HANDS, TWINS};
 use crate::input::{Point, Side};
@@ -85,7 +85,7 @@ impl Context {
 
 /// How far the pose of a hand or object can be relied on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Sight {
+pub enum Visibility {
     /// It was seen in this frame.
     #[default]
     Seen,
@@ -114,7 +114,7 @@ pub struct Couple {
     pub side: Side,
     /// The time that the couple describes, in nanoseconds: that of its frame, not that at which it became known.
     pub captured_ns: u64,
-    /// Motion features; `None` where a position that they rest on was seen too seldom to measure its motion, or it is not known whether `o_j` and
+    /// Motion features; `None` where a position that they depend on was seen too seldom to measure its motion, or it is not known whether `o_j` and
     /// `o_l` touch.
     pub motion: Option<Motion>,
     /// Context features.
@@ -125,13 +125,13 @@ pub struct Couple {
     /// The finger tips in the bench frame, in metres, known in the same way; `None` where they were neither seen nor assumed to be at what the
     /// hand carries, or the hand does not act.
     pub tips: Option<Point>,
-    /// How far apart two positions of `o_j`, in the frame of reference of `o_l` if there is one, may be by errors that last, in metres; 0 where that
+    /// How far apart two positions of `o_j`, in the frame of reference of `o_l` if there is one, may be by drift, in metres; 0 where that
     /// is not known.
-    pub wanders_m: f32,
+    pub drift_m: f32,
     /// Minimum distances from the hand to `o_j` and from `o_j` to `o_l`, in metres; infinite where there is no such contact.
     pub distances: [f32; 2],
-    /// The sight of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
-    pub sight: [Sight; 3],
+    /// The visibility of the hand, of `o_j` and of `o_l`; what the context does not have is seen.
+    pub visibility: [Visibility; 3],
     /// Whether the hand waits for the other one.
     pub waiting: Waiting,
     /// Whether the frame itself shows the context: the hand was seen in it, and each object that it acts on, was at, may have taken or may
@@ -140,7 +140,7 @@ pub struct Couple {
     /// Too little was seen here: a context may have come, gone or changed unseen, or may be another one.
     pub is_doubtful: bool,
     /// Whether the hand may have taken another object than `o_j`, because too little was seen when it took that.
-    pub is_rivalled: bool,
+    pub is_object_ambiguous: bool,
     /// `o_j` or `o_l` had been seen only just before this began, so the hand may have done before what it is seen to do now.
     pub is_object_new: bool,
     /// `o_j` or `o_l` had been hidden before this began, and was then seen elsewhere than before: a hand has moved it, and may have done before
@@ -161,13 +161,13 @@ impl Couple {
             context: Context::IDLE,
             position: None,
             tips: None,
-            wanders_m: 0.0,
+            drift_m: 0.0,
             distances: [f32::INFINITY; 2],
-            sight: [Sight::Unseen, Sight::Seen, Sight::Seen],
+            visibility: [Visibility::Unseen, Visibility::Seen, Visibility::Seen],
             waiting: Waiting::No,
             is_clear: false,
             is_doubtful: true,
-            is_rivalled: false,
+            is_object_ambiguous: false,
             is_object_new: false,
             is_object_displaced: false,
             hidden_object: 0,
@@ -175,13 +175,13 @@ impl Couple {
     }
 
     /// The couple at another time of which no frame shows anything: what was done goes on for all that is known.
-    fn unseen_at(&self, captured_ns: u64, sight: Sight) -> Self {
+    fn unseen_at(&self, captured_ns: u64, visibility: Visibility) -> Self {
         Self {
             captured_ns,
             motion: None,
             position: None,
             tips: None,
-            sight: self.sight.map(|before| before.max(sight)),
+            visibility: self.visibility.map(|before| before.max(visibility)),
             waiting: if self.context.is_touch() { Waiting::Unknown } else { Waiting::No },
             is_clear: false,
             is_doubtful: true,
@@ -191,18 +191,18 @@ impl Couple {
 
     /// Whether the hand itself was seen in this frame, rather than held from an earlier one.
     pub fn is_hand_seen(&self) -> bool {
-        self.sight[0] == Sight::Seen
+        self.visibility[0] == Visibility::Seen
     }
 
-    /// The worst sight of what the context rests on; a hand that touches nothing may be anywhere.
-    pub fn worst_sight(&self) -> Sight {
-        let relevant = if self.context.is_touch() { &self.sight[..] } else { &self.sight[1..] };
+    /// The worst visibility of what the context depends on; a hand that touches nothing may be anywhere.
+    pub fn worst_visibility(&self) -> Visibility {
+        let relevant = if self.context.is_touch() { &self.visibility[..] } else { &self.visibility[1..] };
         relevant.iter().copied().max().unwrap_or_default()
     }
 
-    /// Whether nothing that the context rests on has been out of sight for longer than `blind_ms`.
+    /// Whether nothing that the context depends on has been out of sight for longer than `blind_ms`.
     pub fn is_in_sight(&self) -> bool {
-        self.worst_sight() != Sight::Unseen
+        self.worst_visibility() != Visibility::Unseen
     }
 }
 
@@ -211,7 +211,7 @@ impl Couple {
 pub struct Couples {
     /// The time that the couples describe, in nanoseconds: that of the frame, or of the grid where no frame came.
     pub captured_ns: u64,
-    /// The time of the newest frame that they rest on, in nanoseconds: `persist_frames` later, or less at the end of a recording.
+    /// The time of the newest frame that they depend on, in nanoseconds: `persist_frames` later, or less at the end of a recording.
     pub known_ns: u64,
     /// Whether there was a frame; false where the grid was filled.
     pub is_captured: bool,
@@ -235,7 +235,7 @@ pub struct Couples {
 
 impl Couples {
     /// The couples at another time of which no frame shows anything.
-    pub(crate) fn unseen_at(&self, captured_ns: u64, known_ns: u64, sight: Sight) -> Self {
+    pub(crate) fn unseen_at(&self, captured_ns: u64, known_ns: u64, visibility: Visibility) -> Self {
         Self {
             captured_ns,
             known_ns,
@@ -243,8 +243,8 @@ impl Couples {
             has_moved_unseen: false,
             is_carried_unseen: false,
             is_bench_hidden: true,
-            undone: if sight == Sight::Unseen { ActivitySet::EMPTY } else { self.undone },
-            hands: self.hands.map(|couple| couple.unseen_at(captured_ns, sight)),
+            undone: if visibility == Visibility::Unseen { ActivitySet::EMPTY } else { self.undone },
+            hands: self.hands.map(|couple| couple.unseen_at(captured_ns, visibility)),
             ..*self
         }
     }

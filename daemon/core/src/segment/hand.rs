@@ -6,12 +6,12 @@ use super::way::Way;
 use super::{Event, Iu};
 use crate::capacity::{ACTIVITIES, FILTER_FRAMES};
 use crate::config::{Method, MethodFault};
-use crate::couple::{Context, Couple, Motion, Sight, Waiting};
+use crate::couple::{Context, Couple, Motion, Visibility, Waiting};
 use crate::input::Side;
 use heapless::{Deque, Vec};
 
 /// Maximum number of frames in the filter: its delay of `4h` frames, and the newest one.
-const IN_FILTER: usize = 2 * FILTER_FRAMES;
+const FILTER_ROOM: usize = 2 * FILTER_FRAMES;
 
 /// An open ERU: frames in which `X` is constant.
 #[derive(Clone, Copy, Debug)]
@@ -57,7 +57,7 @@ pub struct Segmenter {
     side: Side,
     filter: OpeningClosing,
     /// The frames in the filter: the time of each, and how many before it were not measured.
-    in_filter: Deque<(u64, u32), IN_FILTER>,
+    in_filter: Deque<(u64, u32), FILTER_ROOM>,
     /// The context of the newest couple.
     context: Context,
     iu: Option<OpenIu>,
@@ -114,8 +114,9 @@ impl Segmenter {
             iu.so_far.frames = iu.so_far.frames.saturating_add(1);
             iu.so_far.waited = iu.so_far.waited.saturating_add((couple.waiting == Waiting::Yes).into());
             iu.so_far.is_in_sight &= couple.is_in_sight();
-            iu.so_far.seen = iu.so_far.seen.saturating_add((couple.worst_sight() == Sight::Seen).into());
-            iu.meter.push(couple.position, couple.wanders_m);
+            iu.so_far.seen =
+                iu.so_far.seen.saturating_add((couple.worst_visibility() == Visibility::Seen).into());
+            iu.meter.push(couple.position, couple.drift_m);
             let Some(motion) = couple.motion else {
                 iu.unmeasured = iu.unmeasured.saturating_add(1);
                 return;

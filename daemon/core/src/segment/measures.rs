@@ -2,7 +2,7 @@
 
 use super::way::Way;
 use crate::couple::geometry::{norm, subtract};
-pub use crate::couple::scatter::MOVED_M;
+pub use crate::couple::noise::MOVED_M;
 use crate::input::Point;
 
 /// In as many frames in a row that were not seen, a motion may have reversed.
@@ -13,21 +13,21 @@ const SINGLE_FRAME: f32 = 0.2;
 
 /// The measures of one IU, so far or whole.
 ///
-/// They rest on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the
+/// They depend on the position of `o_j` in the frame of reference of `o_l` if there is an `o_l`, else on that of the finger tips on the
 /// bench ([`Couple::position`](crate::couple::Couple::position)).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
-    /// How often the motion reversed, that is came back by more than 15 mm, or more than errors that last. A stroke lies between two reversals.
+    /// How often the motion reversed, that is came back by more than 15 mm, or more than the drift. A stroke lies between two reversals.
     pub reversals: u32,
     /// Mean length of a stroke in metres; `None` before the first whole one.
     pub stroke_m: Option<f32>,
-    /// Length of the path in metres, in steps of 15 mm, or more where errors last.
+    /// Length of the path in metres, in steps of 15 mm, or more where positions drift.
     pub path_m: f32,
     /// How much longer the path is than the straight way from its beginning to where it is now, in metres. It never becomes less.
     pub detour_m: f32,
     /// How far off the straight line the way of the hand on the bench has led, from where it took `o_j`, or came with it to the `o_l` that it has
     /// left, to where it is now, in metres. It never becomes less until that way ends, with the time at the next `o_l`.
-    pub bow_m: f32,
+    pub lateral_m: f32,
     /// In how many frames just before that way the hand was not seen.
     pub unseen_before_way: u32,
     /// The direction of the path in the plane of `o_l`, weighted by its length, where opposite directions are the same: `cos 2α` and
@@ -84,9 +84,9 @@ pub(super) struct Meter {
 }
 
 impl Meter {
-    /// Takes the next frame, with the position if it is known. What is shorter than `wanders_m` may be errors.
-    pub(super) fn push(&mut self, position: Option<Point>, wanders_m: f32) {
-        self.moved_m = MOVED_M.max(wanders_m);
+    /// Takes the next frame, with the position if it is known. What is shorter than `drift_m` may be errors.
+    pub(super) fn push(&mut self, position: Option<Point>, drift_m: f32) {
+        self.moved_m = MOVED_M.max(drift_m);
         self.frames = self.frames.saturating_add(1);
         let Some(position) = position else {
             self.unknown = self.unknown.saturating_add(1);
@@ -172,7 +172,7 @@ impl Meter {
             stroke_m: (self.reversals > 1).then(|| self.strokes_m / (self.reversals - 1) as f32),
             path_m: self.path_m,
             detour_m: self.path_m - self.step.map_or(0.0, |step| distance(self.began, step)),
-            bow_m: way.bow_m(),
+            lateral_m: way.lateral_m(),
             unseen_before_way: way.unseen_before(),
             axis: self.axis.map(per_path),
             place_m: self.sum.map(|sum| (sum / known) as f32),

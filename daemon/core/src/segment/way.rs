@@ -9,18 +9,18 @@ use crate::input::Point;
 use heapless::Vec;
 
 /// Maximum number of points that are kept of a way. One that is longer than as many steps is kept with every second of them.
-const POINTS: usize = 64;
+const MAX_POINTS: usize = 64;
 
 /// The way of a hand with a part, from where it took that, or came with it to a part that it has left, to where it is now; in fixed memory.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
     /// Where it has been, from where the way began.
-    points: Vec<Point, POINTS>,
+    points: Vec<Point, MAX_POINTS>,
     /// The minimum distance of two points that are kept, in metres.
     spacing_m: f32,
     /// Where the newest step ended.
     step: Point,
-    bow_m: f32,
+    lateral_m: f32,
     /// In how many frames just before its first point the hand was not seen.
     unseen_before: u32,
 }
@@ -28,13 +28,13 @@ pub(super) struct Way {
 impl Way {
     /// A way that begins after as many frames in which the hand was not seen.
     pub(super) const fn after(unseen: u32) -> Self {
-        Self { points: Vec::new(), spacing_m: MOVED_M, step: [0.0; 3], bow_m: 0.0, unseen_before: unseen }
+        Self { points: Vec::new(), spacing_m: MOVED_M, step: [0.0; 3], lateral_m: 0.0, unseen_before: unseen }
     }
 
     /// How far it has led off the straight line so far, in metres: the greatest distance that a point of it had, at any time, from the line
     /// between where it began and where the hand was then. It never becomes less.
-    pub(super) fn bow_m(&self) -> f32 {
-        self.bow_m
+    pub(super) fn lateral_m(&self) -> f32 {
+        self.lateral_m
     }
 
     /// In how many frames just before its first point the hand was not seen: it may have begun elsewhere.
@@ -62,7 +62,7 @@ impl Way {
         }
         self.step = tips;
         let off = self.points.iter().map(|point| squared_distance_from_line(*point, began, tips));
-        self.bow_m = self.bow_m.max(libm::sqrtf(off.fold(0.0, f32::max)));
+        self.lateral_m = self.lateral_m.max(libm::sqrtf(off.fold(0.0, f32::max)));
         if self.points.last().is_none_or(|last| distance(*last, tips) >= self.spacing_m) {
             self.keep(tips);
         }
@@ -97,14 +97,14 @@ mod tests {
     use core::f32::consts::PI;
     use std::vec::Vec;
 
-    /// The bow after each frame of this way.
-    fn bows(way: impl IntoIterator<Item = Option<Point>>) -> Vec<f32> {
+    /// The lateral deviation after each frame of this way.
+    fn laterals(way: impl IntoIterator<Item = Option<Point>>) -> Vec<f32> {
         let mut measured = Way::after(0);
-        let bow = |tips| {
+        let lateral = |tips| {
             measured.push(tips);
-            measured.bow_m()
+            measured.lateral_m()
         };
-        way.into_iter().map(bow).collect()
+        way.into_iter().map(lateral).collect()
     }
 
     /// A metre along x in 60 frames, and so far off it in the middle.
@@ -115,8 +115,8 @@ mod tests {
 
     #[track_caller]
     fn check(way: impl IntoIterator<Item = Option<Point>>, expected_m: f32) {
-        let bow_m = bows(way).pop().unwrap_or_default();
-        assert!((bow_m - expected_m).abs() < 0.01, "{bow_m} instead of {expected_m}");
+        let lateral_m = laterals(way).pop().unwrap_or_default();
+        assert!((lateral_m - expected_m).abs() < 0.01, "{lateral_m} instead of {expected_m}");
     }
 
     #[test]
@@ -134,9 +134,9 @@ mod tests {
 
     #[test]
     fn how_far_off_a_way_has_led_is_known_before_its_end_and_never_taken_back() {
-        let bows = bows(arc(0.3));
-        assert!(bows.is_sorted());
-        assert!(bows[45] > 0.15, "{}", bows[45]);
+        let laterals = laterals(arc(0.3));
+        assert!(laterals.is_sorted());
+        assert!(laterals[45] > 0.15, "{}", laterals[45]);
     }
 
     #[test]
@@ -150,8 +150,8 @@ mod tests {
         // Three full circles, which come no farther from the line than their diameter.
         let angle = |frame: i32| 6.0 * PI * frame as f32 / 600.0;
         let circle = |frame: i32| Some([libm::cosf(angle(frame)), libm::sinf(angle(frame)), 0.0]);
-        let bow_m = bows((0..=600).map(circle)).pop().unwrap_or_default();
-        assert!((bow_m - 2.0).abs() < 0.02, "{bow_m}");
+        let lateral_m = laterals((0..=600).map(circle)).pop().unwrap_or_default();
+        assert!((lateral_m - 2.0).abs() < 0.02, "{lateral_m}");
     }
 
     #[test]

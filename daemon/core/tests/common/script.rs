@@ -2,7 +2,7 @@
 
 use andon_core::bounds::{Bounds, Range};
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Motion, Sight};
+use andon_core::couple::{Context, Couple, Couples, Motion, Visibility};
 use andon_core::input::{Point, Side};
 use andon_core::job::{Job, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
 use andon_core::segment::{Event, Iu, Measures, Segmenter};
@@ -73,8 +73,8 @@ fn walked(position: &mut Point, direction: i8) -> Point {
     *position
 }
 
-fn sight(is_seen: bool) -> Sight {
-    if is_seen { Sight::Seen } else { Sight::Unseen }
+fn visibility(is_seen: bool) -> Visibility {
+    if is_seen { Visibility::Seen } else { Visibility::Unseen }
 }
 
 fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
@@ -90,7 +90,7 @@ fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
                 tips: position,
                 context: Context(part.context),
                 distances: [0.01, 0.01],
-                sight: [sight(part.seen), sight(part.sighted), Sight::Seen],
+                visibility: [visibility(part.seen), visibility(part.sighted), Visibility::Seen],
                 is_clear: part.seen && part.sighted,
                 is_doubtful: !(part.seen && part.sighted),
                 ..Couple::idle(side, index as u64 * PERIOD_NS)
@@ -170,7 +170,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
     Job {
         activities: nominal.leak(),
         laws: &[],
-        rests: &[],
+        passive_contacts: &[],
         cost: LocalCost::Circular { bins: 8 },
         max_slowdown: 2.0,
         has_free_ends: false,
@@ -180,7 +180,7 @@ pub(crate) fn teach(activities: &[&[Part]]) -> Job<'static> {
 
 /// What one demonstration shows.
 fn shown(iu: &Iu) -> Shown {
-    let Measures { reversals, stroke_m, path_m, detour_m, bow_m, .. } = iu.measures;
+    let Measures { reversals, stroke_m, path_m, detour_m, lateral_m, .. } = iu.measures;
     let metres = |metres: f32| Range { min: metres, max: metres };
     Shown {
         frames: Bounds { min: iu.frames, max: iu.frames },
@@ -188,7 +188,7 @@ fn shown(iu: &Iu) -> Shown {
         stroke_m: metres(stroke_m.unwrap_or_default()),
         path_m: metres(path_m),
         detour_m,
-        bow_m,
+        lateral_m,
         axis: 0.0,
         place_m: 0.0,
     }

@@ -78,7 +78,7 @@ pub struct Cycle<'n> {
     /// When it was logged last that nothing of it comes.
     deaf_logged: Option<Instant>,
     wake: Wake,
-    /// Of the newest message taken: what is sent now rests on it.
+    /// Of the newest message taken: what is sent now depends on it.
     stamp: Stamp,
     flags: u32,
     /// The message that was taken in this turn is the last one of its source.
@@ -198,7 +198,7 @@ impl<'n> Cycle<'n> {
         self.is_at_end
     }
 
-    /// The next message of the role's data channel. What is sent from now on rests on it and goes at its pace.
+    /// The next message of the role's data channel. What is sent from now on depends on it and goes at its pace.
     ///
     /// # Errors
     /// The station's shared memory.
@@ -233,7 +233,7 @@ impl<'n> Cycle<'n> {
         Ok(())
     }
 
-    /// What is sent from now on rests on this: for a role that is itself the source.
+    /// What is sent from now on depends on this: for a role that is itself the source.
     pub fn rest_on(&mut self, stamp: Stamp, flags: u32) {
         (self.stamp, self.flags) = (stamp, flags);
         self.is_at_end = flags & flag::END_OF_STREAM != 0;

@@ -14,7 +14,7 @@ pub trait Input {
     /// The station's shared memory.
     fn take(&mut self, is_paced: bool) -> Result<Option<Self::Sample>, andon_ipc::Error>;
 
-    /// What a message rests on, and its flags.
+    /// What a message depends on, and its flags.
     fn head(sample: &Self::Sample) -> (&Stamp, u32);
 
     /// Messages that were lost, here or at the source, or given up; and restarts of the writer.

@@ -77,7 +77,7 @@ impl<W: Publish> Output<W> {
 }
 
 impl<T: ChannelMessage> Output<Writer<T>> {
-    /// Sends one message, which rests on the newest message taken.
+    /// Sends one message, which depends on the newest message taken.
     ///
     /// # Errors
     /// As [`Output::wait_for_room`].

@@ -32,7 +32,7 @@ pub trait Recording<L> {
 
 /// A message of a recording, as far as the player writes it.
 pub trait Played {
-    /// Writes what it rests on, its time, and its flags beside those that it has.
+    /// Writes what it depends on, its time, and its flags beside those that it has.
     fn put(&mut self, stamp: &Stamp, time: SourceTime, flags: u32);
 }
 

@@ -172,7 +172,7 @@ pub struct JobFile {
     /// What the order asks of each activity, by its number.
     pub steps: Vec<TaughtStep>,
     /// The objects at which a hand was shown to rest or to steady.
-    pub rests: Vec<u16>,
+    pub passive_contacts: Vec<u16>,
     /// How motions are compared.
     pub cost: LocalCost,
     /// The job's [`max_slowdown`](Job::max_slowdown), 1 or more.
@@ -214,7 +214,7 @@ impl JobFile {
         judge(&Job {
             activities: &activities,
             laws: &laws,
-            rests: &self.rests,
+            passive_contacts: &self.passive_contacts,
             cost,
             max_slowdown,
             has_free_ends,

@@ -151,7 +151,9 @@ struct IuText {
     stroke_m: Option<[f32; 2]>,
     path_m: Option<[f32; 2]>,
     max_detour_m: Option<f32>,
-    max_bow_m: Option<f32>,
+    /// The lateral deviation, by the key that job files have always had for it.
+    #[serde(rename = "max_bow_m")]
+    max_lateral_m: Option<f32>,
     axis: Option<[f32; 3]>,
     place_m: Option<[f32; 4]>,
     /// A file with this key was taught before the values of the runs were kept, and one without it before verdicts named it.
@@ -171,8 +173,8 @@ struct ShownText {
     #[serde(default)]
     detour_m: f32,
     /// The same.
-    #[serde(default)]
-    bow_m: f32,
+    #[serde(default, rename = "bow_m")]
+    lateral_m: f32,
     axis: f32,
     place_m: f32,
 }
@@ -252,7 +254,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
     Ok(JobFile {
         id: text.id,
         name: text.name,
-        rests: text.rests,
+        passive_contacts: text.rests,
         steps: text.step,
         cost,
         max_slowdown: text.method.max_slowdown,
@@ -345,7 +347,7 @@ fn measures_of(iu: &IuText) -> MeasureBounds {
         stroke_m: range(iu.stroke_m, any.stroke_m),
         path_m: range(iu.path_m, any.path_m),
         max_detour_m: iu.max_detour_m.unwrap_or(any.max_detour_m),
-        max_bow_m: iu.max_bow_m.unwrap_or(any.max_bow_m),
+        max_lateral_m: iu.max_lateral_m.unwrap_or(any.max_lateral_m),
         axis: iu.axis.map_or(any.axis, |[x, y, max]| Around { centre: [x, y], max }),
         place_m: iu.place_m.map_or(any.place_m, |[x, y, z, max]| Around { centre: [x, y, z], max }),
         shown: iu.runs.as_ref().map(ShownValues::ranges).or(iu.shown.as_ref().map(shown_of)),
@@ -360,7 +362,7 @@ fn shown_of(text: &ShownText) -> Shown {
         stroke_m: range_of(text.stroke_m),
         path_m: range_of(text.path_m),
         detour_m: text.detour_m,
-        bow_m: text.bow_m,
+        lateral_m: text.lateral_m,
         axis: text.axis,
         place_m: text.place_m,
     }

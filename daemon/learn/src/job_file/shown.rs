@@ -6,7 +6,7 @@ use serde::Deserialize;
 use std::fmt::Write as _;
 
 /// So many values of a measure are kept. Of more runs these are kept in even steps from the minimum to the maximum.
-const KEPT: usize = 20;
+const MAX_KEPT: usize = 20;
 
 /// A tenth of a millimetre: more decimals say nothing to anybody.
 const PER_UNIT: f64 = 1e4;
@@ -25,8 +25,9 @@ pub struct ShownValues {
     pub path_m: Vec<f32>,
     /// How much longer than the straight way it was.
     pub detour_m: Vec<f32>,
-    /// How far off the straight line the way of the hand led.
-    pub bow_m: Vec<f32>,
+    /// The lateral deviation: how far off the straight line the way of the hand led. Its key in the file is the one that files have always had.
+    #[serde(rename = "bow_m")]
+    pub lateral_m: Vec<f32>,
     /// How far the direction of the path was away from the centre of the right ones; empty where any is right.
     pub axis: Vec<f32>,
     /// How far the mean position was away from the centre of the right ones; empty where any is right.
@@ -44,7 +45,7 @@ impl ShownValues {
             ("stroke_m", &self.stroke_m),
             ("path_m", &self.path_m),
             ("detour_m", &self.detour_m),
-            ("bow_m", &self.bow_m),
+            ("bow_m", &self.lateral_m),
             ("axis", &self.axis),
             ("place_m", &self.place_m),
             ("distance", &self.distance),
@@ -67,7 +68,7 @@ impl ShownValues {
             stroke_m: range(&self.stroke_m),
             path_m: range(&self.path_m),
             detour_m: range(&self.detour_m).max,
-            bow_m: range(&self.bow_m).max,
+            lateral_m: range(&self.lateral_m).max,
             axis: range(&self.axis).max,
             place_m: range(&self.place_m).max,
         }
@@ -86,7 +87,7 @@ impl ShownValues {
     /// The key of a measure whose values cannot have been written by [`of_runs`].
     pub(super) fn misfit(&self) -> Option<&'static str> {
         let is_kept = |values: &[f32]| {
-            values.len() <= KEPT
+            values.len() <= MAX_KEPT
                 && values.is_sorted()
                 && values.iter().all(|value| value.is_sign_positive() && *value < 1e9)
         };
@@ -100,8 +101,8 @@ pub(crate) fn of_runs(values: impl Iterator<Item = f64>) -> Vec<f32> {
     sorted.sort_by(f32::total_cmp);
     let last = sorted.len().saturating_sub(1);
     match sorted.len() {
-        ..=KEPT => sorted,
-        _ => (0..KEPT).map(|step| sorted[step * last / (KEPT - 1)]).collect(),
+        ..=MAX_KEPT => sorted,
+        _ => (0..MAX_KEPT).map(|step| sorted[step * last / (MAX_KEPT - 1)]).collect(),
     }
 }
 

@@ -42,7 +42,7 @@ impl JobFile {
             text,
             "# The objects that a hand rests on or steadies in the runs: such a touch is not a step."
         );
-        line!(text, "rests = {:?}", self.rests);
+        line!(text, "rests = {:?}", self.passive_contacts);
         self.provenance_text(&mut text);
         self.method_text(&mut text);
         self.objects.iter().for_each(|object| object_text(&mut text, object));
@@ -266,7 +266,7 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
             line!(text, "{name} = [{min:?}, {max:?}]");
         }
     }
-    for (name, max) in [("max_detour_m", bounds.max_detour_m), ("max_bow_m", bounds.max_bow_m)] {
+    for (name, max) in [("max_detour_m", bounds.max_detour_m), ("max_bow_m", bounds.max_lateral_m)] {
         if max.is_finite() {
             line!(text, "{name} = {max:?}");
         }
@@ -282,11 +282,11 @@ fn measures_text(text: &mut String, bounds: &MeasureBounds) {
 }
 
 fn shown_text(text: &mut String, shown: &Shown) {
-    let Shown { frames, reversals, stroke_m, path_m, detour_m, bow_m, axis, place_m } = shown;
+    let Shown { frames, reversals, stroke_m, path_m, detour_m, lateral_m, axis, place_m } = shown;
     let range = |Range { min, max }: &Range| format!("[{min:?}, {max:?}]");
     line!(
         text,
-        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, bow_m = {bow_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
+        "shown = {{ frames = {}, reversals = {}, stroke_m = {}, path_m = {}, detour_m = {detour_m:?}, bow_m = {lateral_m:?}, axis = {axis:?}, place_m = {place_m:?} }}",
         bounds_text(*frames),
         bounds_text(*reversals),
         range(stroke_m),

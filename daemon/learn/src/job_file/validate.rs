@@ -112,7 +112,7 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
     for (key, Bounds { min, max }) in [("frames", iu.frames), ("reversals", iu.reversals)] {
         rule(min <= max, &key_of(key), || format!("the minimum {min} is greater than the maximum {max}"))?;
     }
-    let MeasureBounds { stroke_m, path_m, max_detour_m, max_bow_m, axis, place_m, shown } = iu.measures;
+    let MeasureBounds { stroke_m, path_m, max_detour_m, max_lateral_m, axis, place_m, shown } = iu.measures;
     for (key, Range { min, max }) in [("stroke_m", stroke_m), ("path_m", path_m)] {
         rule(0.0 <= min && min <= max, &key_of(key), || format!("{min} to {max} is no range of lengths"))?;
     }
@@ -120,7 +120,7 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
         ("axis", axis.max),
         ("place_m", place_m.max),
         ("max_detour_m", max_detour_m),
-        ("max_bow_m", max_bow_m),
+        ("max_bow_m", max_lateral_m),
     ] {
         rule(max >= 0.0, &key_of(key), || {
             format!("the maximum distance {max} is not a number of at least 0")
@@ -129,8 +129,8 @@ fn iu(job: &JobFile, iu: &TaughtIu, key_of: &dyn Fn(&str) -> String) -> Result<(
     let is_finite = axis.centre.iter().chain(&place_m.centre).all(|value| value.is_finite());
     rule(is_finite, &key_of("axis"), || "a centre of axis or place_m is not a number".to_owned())?;
     let is_finite = |shown: Shown| {
-        let Shown { stroke_m, path_m, detour_m, bow_m, axis, place_m, .. } = shown;
-        let values = [stroke_m.min, stroke_m.max, path_m.min, path_m.max, detour_m, bow_m, axis, place_m];
+        let Shown { stroke_m, path_m, detour_m, lateral_m, axis, place_m, .. } = shown;
+        let values = [stroke_m.min, stroke_m.max, path_m.min, path_m.max, detour_m, lateral_m, axis, place_m];
         values.into_iter().all(f32::is_finite)
     };
     rule(shown.is_none_or(is_finite), &key_of("shown"), || "a value is not a number".to_owned())?;

@@ -3,7 +3,7 @@
 //! The number of strokes is law where five of six runs make as many, but for one reversal at the border. Else they are made by feel, and
 //! their number has bounds. Of 80 right jobs of people who stir by feel 39 were accepted while the number was law, and 74 are.
 
-use super::measures::{COUNTED, do_agree, likely_reversals};
+use super::measures::{COUNTED_SHARE, do_agree, likely_reversals};
 use andon_core::couple::Context;
 use andon_core::segment::Measures;
 use std::ops::RangeInclusive;
@@ -37,7 +37,7 @@ impl MotionKind {
     pub(super) fn of(context: Context, shown: &[Measures]) -> Self {
         let strokes = if shown.iter().any(|measures| measures.reversals < MIN_REPEATED_REVERSALS) {
             Strokes::None
-        } else if do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED) {
+        } else if do_agree(&likely_reversals(shown).collect::<Vec<_>>(), COUNTED_SHARE) {
             Strokes::Counted
         } else {
             Strokes::ByFeel

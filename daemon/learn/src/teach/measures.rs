@@ -7,7 +7,7 @@
 //! depends on where its part lay. So a detour is told by how much longer the path is than the straight way. It was found in 1 of 15 runs of
 //! motion capture by the path, and in 15 of 15 by the detour.
 //!
-//! The spread of the bow that people are given in general was chosen knowing the runs of motion capture, so these do not test it.
+//! The spread of the lateral deviation that people are given in general was chosen knowing the runs of motion capture, so these do not test it.
 
 use super::bounds::UNBOUNDED;
 use super::kind::{MotionKind, Strokes, is_on_the_way};
@@ -29,8 +29,8 @@ const PRIOR_DETOUR: f64 = 0.14;
 /// How people in general differ in the logarithm of a path, of a detour and of the number of reversals at another part where they work by feel and
 /// count no strokes: 0.2 to 0.3 in the median of simulated people who do.
 const PRIOR_BY_FEEL: f64 = 0.3;
-/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`STRAY_BOW_M`].
-const PRIOR_BOW: f64 = 0.12;
+/// How people in general differ in how far off the straight line their way leads: as a share of how far it does and [`LATERAL_SCALE_M`].
+const PRIOR_LATERAL: f64 = 0.12;
 const PRIOR_REVERSALS: f64 = 0.2;
 const PRIOR_AXIS: f64 = 0.15;
 const PRIOR_PLACE_M: f64 = 0.008;
@@ -43,21 +43,21 @@ const BORDER_REVERSALS: u32 = 1;
 const MIN_DIRECTED_M: f32 = 0.1;
 
 /// The length of the axis of strokes below which they are circles: it is 0 for a circle and 1 for a straight line.
-const MAX_ALONG: f64 = 0.5;
+const MAX_ALONG_AXIS: f64 = 0.5;
 
 /// Strokes are counted if this share of the runs has as many. Who makes five or so by feel makes as many in four of five runs by chance as often as
 /// who counts them makes a mistake.
-pub(super) const COUNTED: (usize, usize) = (5, 6);
+pub(super) const COUNTED_SHARE: (usize, usize) = (5, 6);
 
 /// Nobody notices a path that is longer by this, in metres.
-const STRAY_PATH_M: f64 = 0.05;
+const TOLERATED_PATH_M: f64 = 0.05;
 
 /// Nobody notices a way that is less straight by this, in metres.
-const STRAY_DETOUR_M: f64 = 0.1;
+const TOLERATED_DETOUR_M: f64 = 0.1;
 
 /// A way that leads off the straight line by this differs half as much as it would if people differed only in how much they are inclined to go
 /// round, in metres.
-const STRAY_BOW_M: f64 = 0.1;
+const LATERAL_SCALE_M: f64 = 0.1;
 
 /// The share of the job's rate of false alarms that each of the two measures has by which people differ so much that what is wrong is found
 /// only near the limit: strokes half as long, no pause at a part. The five measures without a share of their own have the rest: counts are whole,
@@ -65,7 +65,7 @@ const STRAY_BOW_M: f64 = 0.1;
 const NEAR_SHARE: f64 = 0.35;
 
 /// The share that a way has that leads too far off the straight line.
-const BOW_SHARE: f64 = 0.15;
+const LATERAL_SHARE: f64 = 0.15;
 
 /// How often each measure of an IU may be out of its bounds in a right job. Each measure has a share of the rate of the job, and the IUs
 /// that have it share that equally.
@@ -74,7 +74,7 @@ pub(super) struct Rates {
     reversals: f64,
     stroke: f64,
     path: f64,
-    bow: f64,
+    lateral: f64,
     axis: f64,
     place: f64,
     duration: f64,
@@ -89,12 +89,12 @@ impl Rates {
             let count = agreement.ius().filter(|iu| iu.context.is_touch() && has(iu)).count();
             false_alarms * share / count.max(1) as f64
         };
-        let other = (1.0 - 2.0 * NEAR_SHARE - BOW_SHARE) / 5.0;
+        let other = (1.0 - 2.0 * NEAR_SHARE - LATERAL_SHARE) / 5.0;
         Self {
             reversals: rate(other, &|_| true),
             stroke: rate(NEAR_SHARE, &|iu| iu.kind.is_repeated()),
             path: rate(other, &|_| true),
-            bow: rate(BOW_SHARE, &|iu| is_on_the_way(iu.context)),
+            lateral: rate(LATERAL_SHARE, &|iu| is_on_the_way(iu.context)),
             axis: rate(other, &is_directed),
             place: rate(other, &|iu| iu.context.is_pair()),
             duration: rate(NEAR_SHARE, &|iu| iu.kind.is_timed()),
@@ -119,13 +119,13 @@ impl Rates {
         // How strong it is where it is law.
         let law = |measure, has: bool| Some(strength(measure)).filter(|of| has && *of != Strength::None);
         let path = law(Measure::Path, true);
-        let bow = way.zip(law(Measure::Bow, true));
+        let lateral = way.zip(law(Measure::LateralDeviation, true));
         let bounds = MeasureBounds {
             stroke_m: law(Measure::StrokeLength, iu.kind.is_repeated())
                 .map_or(any.stroke_m, |of| self.stroke_m(iu, of)),
             path_m: path.map_or(any.path_m, |of| self.path_m(iu, met_within_m, of)),
             max_detour_m: path.map_or(any.max_detour_m, |of| self.max_detour_m(iu, of)),
-            max_bow_m: bow.map_or(any.max_bow_m, |(way, of)| self.max_bow_m(way, of)),
+            max_lateral_m: lateral.map_or(any.max_lateral_m, |(way, of)| self.max_lateral_m(way, of)),
             axis: law(Measure::Direction, is_directed(iu)).map_or(any.axis, |of| self.axis(iu, of)),
             place_m: law(Measure::Place, iu.context.is_pair())
                 .map_or(any.place_m, |of| self.place_m(iu, met_within_m, of)),
@@ -219,7 +219,7 @@ impl Rates {
     /// lies within the contact, unless strokes are made there.
     fn path_m(&self, iu: &ShownIu, met_within_m: f32, strength: Strength) -> Range {
         let length = |measures: &Measures| measures.path_m;
-        let [min, max] = self.length_m(iu, &length, (PRIOR_PATH, STRAY_PATH_M), self.path, strength);
+        let [min, max] = self.length_m(iu, &length, (PRIOR_PATH, TOLERATED_PATH_M), self.path, strength);
         let in_and_out_m = if iu.kind.is_repeated() { 0.0 } else { 2.0 * met_within_m };
         Range { min: (min - in_and_out_m).max(0.0), max }
     }
@@ -227,7 +227,7 @@ impl Rates {
     /// People differ in where a part lies and in how straight they go, and a way can only become longer.
     fn max_detour_m(&self, iu: &ShownIu, strength: Strength) -> f32 {
         let detour = |measures: &Measures| measures.detour_m;
-        self.length_m(iu, &detour, (PRIOR_DETOUR, STRAY_DETOUR_M), 2.0 * self.path, strength)[1]
+        self.length_m(iu, &detour, (PRIOR_DETOUR, TOLERATED_DETOUR_M), 2.0 * self.path, strength)[1]
     }
 
     /// From which length to which one is right, in metres: beside what nobody notices, people differ by a factor. They differ more at another part
@@ -251,10 +251,14 @@ impl Rates {
     }
 
     /// The more a way leads off the straight line, the more people differ in it; and who goes straight does not always do so.
-    fn max_bow_m(&self, shown: &[Measures], strength: Strength) -> f32 {
-        let bows: Vec<f64> = shown.iter().map(|measures| measures.bow_m.into()).collect();
-        let (centre, apart) =
-            self.interval(&bows, PRIOR_BOW * (mean(&bows) + STRAY_BOW_M), 2.0 * self.bow, strength);
+    fn max_lateral_m(&self, shown: &[Measures], strength: Strength) -> f32 {
+        let laterals: Vec<f64> = shown.iter().map(|measures| measures.lateral_m.into()).collect();
+        let (centre, apart) = self.interval(
+            &laterals,
+            PRIOR_LATERAL * (mean(&laterals) + LATERAL_SCALE_M),
+            2.0 * self.lateral,
+            strength,
+        );
         (centre + apart) as f32
     }
 
@@ -309,7 +313,7 @@ pub(super) fn what_was_shown(
         stroke_m: of_runs(iu.measured.iter().filter_map(|measures| measures.stroke_m).map(f64::from)),
         path_m: each(&|measures| measures.path_m),
         detour_m: each(&|measures| measures.detour_m),
-        bow_m: of_runs(way.iter().map(|measures| measures.bow_m.into())),
+        lateral_m: of_runs(way.iter().map(|measures| measures.lateral_m.into())),
         axis: from(axis.max, &|measures| axis.distance(measures.axis)),
         place_m: from(place_m.max, &|measures| place_m.distance(measures.place_m)),
         distance: of_runs(distances.iter().copied()),
@@ -347,7 +351,7 @@ fn is_directed(iu: &ShownIu) -> bool {
 /// Whether the strokes are circles, or lead up and down, of which the axis does not tell.
 fn is_round(shown: &[Measures]) -> bool {
     let along = |measures: &Measures| f64::from(measures.axis[0].hypot(measures.axis[1]));
-    mean(&shown.iter().map(along).collect::<Vec<_>>()) < MAX_ALONG
+    mean(&shown.iter().map(along).collect::<Vec<_>>()) < MAX_ALONG_AXIS
 }
 
 /// By how many reversals a count is above these bounds, negative if it is below.
@@ -418,7 +422,7 @@ mod tests {
 
     #[test]
     fn strokes_are_counted_where_most_runs_have_as_many() {
-        let is_counted = |likely: &[u32]| do_agree(likely, COUNTED);
+        let is_counted = |likely: &[u32]| do_agree(likely, COUNTED_SHARE);
         assert!(is_counted(&[12, 13, 12, 12, 12]) && is_counted(&[13, 15, 13, 12, 13, 13, 13]));
         assert!(!is_counted(&[12, 13, 12, 12, 10]) && !is_counted(&[12, 12, 14]));
     }

@@ -243,7 +243,7 @@ impl<'a> Teaching<'a> {
 
     /// Finds the order of the steps.
     fn order(&mut self) {
-        self.job.rests.clone_from(&self.agreement.rests);
+        self.job.passive_contacts.clone_from(&self.agreement.passive_contacts);
         self.job.steps = relation::steps(&self.runs, &self.agreement, self.options, &self.strengths);
     }
 

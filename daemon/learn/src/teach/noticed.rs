@@ -27,7 +27,7 @@ impl fmt::Display for Noticed<'_> {
         writeln!(f, "what would be noticed: the smallest difference from what was shown, less and more")?;
         writeln!(
             f,
-            "step  IU  strokes       seconds        path cm      bow cm  stroke cm      place cm  degrees"
+            "step  IU  strokes       seconds        path cm      lateral cm  stroke cm      place cm  degrees"
         )?;
         self.ius.iter().try_for_each(|iu| self.line(iu, f))
     }
@@ -36,10 +36,10 @@ impl fmt::Display for Noticed<'_> {
 impl Noticed<'_> {
     fn line(&self, iu: &IuReport, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some(cells) = self.cells(iu) else { return Ok(()) };
-        let [strokes, seconds, path, bow, stroke, place, degrees] = cells;
+        let [strokes, seconds, path, lateral, stroke, place, degrees] = cells;
         writeln!(
             f,
-            "{:>4}  {:>2}  {strokes:<12}  {seconds:<13}  {path:<11}  {bow:<6}  {stroke:<13}  {place:<8}  {degrees}",
+            "{:>4}  {:>2}  {strokes:<12}  {seconds:<13}  {path:<11}  {lateral:<10}  {stroke:<13}  {place:<8}  {degrees}",
             iu.activity + 1,
             iu.iu + 1,
         )
@@ -66,7 +66,7 @@ impl Noticed<'_> {
             both(differs(Measure::Strokes, 1.0, stroke), 1),
             both(differs(Measure::Duration, 1.0, frame), 1),
             both([path_less, detour.or(path_more)], 0),
-            both(differs(Measure::Bow, CENTIMETRES, 0.0), 0),
+            both(differs(Measure::LateralDeviation, CENTIMETRES, 0.0), 0),
             both(differs(Measure::StrokeLength, CENTIMETRES, 0.0), 1),
             one(most(Measure::Place, CENTIMETRES), 1),
             one(most(Measure::Direction, 1.0), 0),
@@ -114,7 +114,7 @@ mod tests {
             stroke_m: Range { min: 0.05, max: 0.06 },
             path_m: Range { min: 0.5, max: 0.6 },
             detour_m: 0.1,
-            bow_m: 0.05,
+            lateral_m: 0.05,
             axis: 0.0,
             place_m: 0.01,
         };

@@ -80,7 +80,7 @@ impl TeachOptions {
         JobFile {
             id: self.id,
             name: self.name.clone(),
-            rests: Vec::new(),
+            passive_contacts: Vec::new(),
             steps: Vec::new(),
             cost: self.cost,
             max_slowdown: self.max_slowdown,

@@ -1,4 +1,4 @@
-//! The order of a job in words, with the evidence that it rests on.
+//! The order of a job in words, with the evidence that it depends on.
 
 use super::relation::chance_of_one_order;
 use crate::job_file::{JobFile, Relation, RelationKind};
@@ -10,7 +10,7 @@ use std::fmt;
 pub struct OrderReport {
     /// The name of each step, and the sentences about it.
     pub steps: Vec<(String, Vec<String>)>,
-    /// How many runs it rests on.
+    /// How many runs it depends on.
     pub runs: usize,
 }
 

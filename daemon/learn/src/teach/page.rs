@@ -73,7 +73,8 @@ fn noticed(job: &JobFile, report: &TeachReport) -> String {
         let [name, number] = place(job, iu);
         Some([name, number].into_iter().chain(noticed.cells(iu)?).collect())
     });
-    let head = ["step", "IU", "strokes", "seconds", "path cm", "bow cm", "stroke cm", "place cm", "degrees"];
+    let head =
+        ["step", "IU", "strokes", "seconds", "path cm", "lateral cm", "stroke cm", "place cm", "degrees"];
     let table = table(
         &head,
         &["step"],

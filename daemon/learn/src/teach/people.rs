@@ -33,11 +33,11 @@ pub(super) const OF_ONE_PERSON: f64 = BETWEEN_RUNS * BETWEEN_RUNS / IN_GENERAL;
 
 /// How sure it must be that these people differ more than people in general do before they count for more. People in general are taken for
 /// such ones by chance as seldom as that, and their bounds then let half of the faults pass that they would find.
-const SURE: f64 = 0.99;
+const CONFIDENCE: f64 = 0.99;
 
-/// How probable it is that people who do differ more differ less than they are taken to. Runs that stand out are not learnt from, so that what is
+/// The upper confidence bound of the variance ratio that people who do differ more are taken to have. Runs that stand out are not learnt from, so that what is
 /// left is more alike than people are: of groups who differ three times as much, the accepted ones seem to differ 2.2 times as much.
-const LESS: f64 = 0.9;
+const UPPER_CONFIDENCE: f64 = 0.9;
 
 /// What the runs tell of the people who showed them.
 #[derive(Clone, Copy, Debug)]
@@ -94,8 +94,8 @@ pub(super) fn border_frames(rate_hz: f32) -> f64 {
 fn variety(deviations: &[Vec<f64>]) -> (f64, f64) {
     let freedom = deviations.iter().map(|of_one| of_one.len().saturating_sub(1)).sum::<usize>() as f64;
     let squares: f64 = deviations.iter().flatten().map(|deviation| deviation.powi(2)).sum();
-    if squares > chi_squared(freedom, SURE) {
-        ((squares / chi_squared(freedom, 1.0 - LESS)).sqrt(), freedom)
+    if squares > chi_squared(freedom, CONFIDENCE) {
+        ((squares / chi_squared(freedom, 1.0 - UPPER_CONFIDENCE)).sqrt(), freedom)
     } else {
         (1.0, f64::INFINITY)
     }

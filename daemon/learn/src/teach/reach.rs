@@ -13,7 +13,7 @@ use andon_core::couple::Context;
 use andon_core::object::Meeting;
 
 /// The shares of the missing reach that are tried, one after the other.
-const SHARES: [f32; 3] = [1.0, 0.5, 0.25];
+const TRIED_SHARES: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// The runs, with contacts that last for strokes of any right length where their people differ more than they do in general, and what they then
 /// have in common; `None` where nothing is widened.
@@ -32,7 +32,7 @@ pub(super) fn widened(
     let rates = Rates::new(options.bounds.false_alarms, people, agreement);
     let reaches: Vec<(Context, f32)> =
         agreement.ius().filter_map(|iu| Some((iu.context, reach_m(runs, iu, &rates)?))).collect();
-    for share in SHARES {
+    for share in TRIED_SHARES {
         let mut objects = runs[0].objects.clone();
         for (context, reach_m) in &reaches {
             widen(&mut objects, *context, *reach_m, share, options.method.object_contact);

@@ -19,7 +19,7 @@ use andon_core::bounds::Bounds;
 use andon_core::couple::Context;
 use std::fmt;
 
-/// A threshold that rests on fewer demonstrations than this is reported: people are asked to show a job five times.
+/// A threshold that depends on fewer demonstrations than this is reported: people are asked to show a job five times.
 const ENOUGH_DEMONSTRATIONS: usize = 5;
 
 /// What teaching found. `Display` prints it for people.
@@ -136,7 +136,7 @@ impl TeachReport {
         let missing =
             ENOUGH_DEMONSTRATIONS.checked_sub(fewest.demonstrations).filter(|missing| *missing > 0)?;
         Some(format!(
-            "{few} of {} IUs rest on fewer than {ENOUGH_DEMONSTRATIONS} demonstrations, step {}, IU {} on {}: show {missing} more",
+            "{few} of {} IUs depend on fewer than {ENOUGH_DEMONSTRATIONS} demonstrations, step {}, IU {} on {}: show {missing} more",
             self.ius.len(),
             fewest.activity + 1,
             fewest.iu + 1,

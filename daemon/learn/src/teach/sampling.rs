@@ -9,17 +9,17 @@ use andon_core::couple::Context;
 use andon_core::verdict::{Level, Outcome, Verdict};
 
 /// At fewer frames per second than this, nobody runs a line.
-const LEAST_HZ: f32 = 1.0;
+const MIN_HZ: f32 = 1.0;
 
 /// Shares of the frames that are tried before every second, third, fourth frame and so on: numerator and denominator.
-const MOST: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
+const FRACTIONS: [[u32; 2]; 3] = [[5, 6], [3, 4], [2, 3]];
 
 /// The share that is tried where no smaller one is enough: no camera delivers every frame, and a job that needed each would not be judged for the
 /// loss of one.
-const ALMOST_ALL: [u32; 2] = [19, 20];
+const NEARLY_ALL: [u32; 2] = [19, 20];
 
 /// One in this number of thinned runs may fail to be judged: what a run itself hides may lie where a frame is left out.
-const UNJUDGED: usize = 10;
+const RUNS_PER_FAILURE: usize = 10;
 
 /// Thins the runs to fewer and fewer frames, beginning with each possible frame, until one of them is segmented in another way or accused, or
 /// several are not judged. The last rate before that is what the job needs. Runs that are not right with all their frames say nothing;
@@ -43,11 +43,11 @@ pub(super) fn needed_rate_hz(runs: &[&Run], job: &JobFile) -> f32 {
         let unjudged = outcomes.iter().filter(|outcome| **outcome == Some(Outcome::NotJudged)).count();
         outcomes.len() == shown.len() * share[1] as usize
             && outcomes.iter().all(|outcome| outcome.is_some_and(|outcome| outcome != Outcome::Anomaly))
-            && unjudged <= outcomes.len() / UNJUDGED
+            && unjudged <= outcomes.len() / RUNS_PER_FAILURE
     };
-    let every = (2..=(rate_hz / LEAST_HZ) as u32).map(|every| [1, every]);
-    let least = MOST.into_iter().chain(every).take_while(is_enough).last();
-    let least = least.or_else(|| Some(ALMOST_ALL).filter(is_enough));
+    let every = (2..=(rate_hz / MIN_HZ) as u32).map(|every| [1, every]);
+    let least = FRACTIONS.into_iter().chain(every).take_while(is_enough).last();
+    let least = least.or_else(|| Some(NEARLY_ALL).filter(is_enough));
     least.filter(|_| !shown.is_empty()).map_or(rate_hz, rate_of)
 }
 

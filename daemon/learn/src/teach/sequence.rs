@@ -146,7 +146,7 @@ pub(super) struct Agreement {
     /// The runs that do something else, one entry per run. They are left out.
     pub(super) disagreements: Vec<Disagreement>,
     /// The objects at which a hand rests or steadies in some of the runs that are used.
-    pub(super) rests: Vec<u16>,
+    pub(super) passive_contacts: Vec<u16>,
     /// The runs that are used, by their indices.
     pub(super) used: Vec<usize>,
     /// For each activity of the job and each run that is used, the index of the activity in the run that is this step.
@@ -263,7 +263,7 @@ pub(super) fn agree(runs: &[Run], strengths: &Strengths) -> Agreement {
     Agreement {
         sequences: (0u16..).zip(&shown_steps).flat_map(of_step).collect(),
         disagreements: disagreeing.into_iter().filter_map(|(_, found)| found).collect(),
-        rests: steps.rests(&used).into_iter().collect(),
+        passive_contacts: steps.passive_contacts(&used).into_iter().collect(),
         steps: shown_steps.iter().map(|step| at(step)).collect(),
         keys: shown_steps.into_iter().copied().collect(),
         used,
@@ -345,10 +345,10 @@ impl<'a> Steps<'a> {
     }
 
     /// The objects at which a hand rests or steadies in these runs.
-    fn rests(&self, runs: &[usize]) -> BTreeSet<u16> {
+    fn passive_contacts(&self, runs: &[usize]) -> BTreeSet<u16> {
         let of_run = |run: &usize| self.runs[*run].activities.iter().zip(&self.steps[*run]);
-        let rests = runs.iter().flat_map(of_run).filter(|(_, step)| step.is_none());
-        rests.map(|(activity, _)| object(activity)).collect()
+        let passive = runs.iter().flat_map(of_run).filter(|(_, step)| step.is_none());
+        passive.map(|(activity, _)| object(activity)).collect()
     }
 
     /// The index in a run of the activity that is this step.

@@ -17,7 +17,7 @@ use andon_core::object::StartPlace;
 use andon_core::set::ActivitySet;
 
 /// Beyond what the runs show, a part may lie so far from where they have it, in metres.
-const STRAY_M: f32 = 0.01;
+const START_TOLERANCE_M: f32 = 0.01;
 
 /// A part that the runs do not put back to within this, in metres, has no place of its own.
 const MAX_M: f32 = 0.05;
@@ -26,7 +26,7 @@ const MAX_M: f32 = 0.05;
 const PRIOR_PUT_DOWN_M: f64 = 0.02;
 
 /// How often a part that is moved for good may come to lie where it lay first: that ends a job, and begins the next one.
-const PUT_BACK: f64 = 0.005;
+const PUT_BACK_RATE: f64 = 0.005;
 
 /// The objects of the runs, each with where it lies first, if the runs show that.
 pub(super) fn found(runs: &[Run], agreement: &Agreement, space: Space) -> Vec<NamedObject> {
@@ -47,7 +47,7 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
     let centre = median_point(firsts.iter().copied());
     let place = |max: f32| Around { centre, max };
     let shown_m = firsts.iter().map(|first| place(0.0).distance(*first)).fold(0.0, f32::max);
-    let place = place(shown_m + STRAY_M);
+    let place = place(shown_m + START_TOLERANCE_M);
     let moves = |activity: &usize| -> bool {
         let of_runs = agreement.steps[*activity].iter().zip(&agreement.used);
         let shown = of_runs.filter_map(|(index, run)| Some((&runs[*run], (*index)?)));
@@ -55,7 +55,7 @@ fn start_of(id: u16, runs: &[Run], agreement: &Agreement, space: Space) -> Optio
             shown.map(|(run, index)| away_m(id, run, &run.activities[index], &place, space)).collect();
         away.filter(|away| !away.is_empty()).is_some_and(|away| {
             let (centre, apart) =
-                interval(&away, PRIOR_PUT_DOWN_M, 2.0 * PUT_BACK, People::IN_GENERAL, Strength::General);
+                interval(&away, PRIOR_PUT_DOWN_M, 2.0 * PUT_BACK_RATE, People::IN_GENERAL, Strength::General);
             centre - apart > f64::from(place.max)
         })
     };

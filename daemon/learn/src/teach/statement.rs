@@ -1,4 +1,4 @@
-//! A sentence of the report, with what it rests on.
+//! A sentence of the report, with what it depends on.
 
 use crate::distribution::Distribution;
 use crate::html::escaped;
@@ -9,7 +9,7 @@ use std::fmt;
 pub struct Statement {
     /// The sentence.
     pub text: String,
-    /// What it rests on, each with the name of the run where the sentence does not say it.
+    /// What it depends on, each with the name of the run where the sentence does not say it.
     pub shown: Vec<(Option<String>, Distribution)>,
 }
 

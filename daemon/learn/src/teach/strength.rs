@@ -36,7 +36,7 @@ pub(super) enum Strength {
     /// As strong as what is known of people in general and these runs make it.
     #[default]
     General,
-    /// As strong as that, but wider by [`WIDER`] so many times.
+    /// As strong as that, but wider by [`WIDENING_STEP`] so many times.
     Widened(u8),
     /// It is no law.
     None,
@@ -44,17 +44,17 @@ pub(super) enum Strength {
 
 /// What a bound is widened by each time that a run that was left out still lies beyond it. In smaller steps each run costs more judgements; where one
 /// run of seven made strokes of 8.7 cm against a bound of 8.4 cm, one step was enough.
-const WIDER: f64 = 1.25;
+const WIDENING_STEP: f64 = 1.25;
 
 /// A bound that is widened by more than this means nothing: with it, half or twice as much as the runs show is right.
-const MAX_WIDER: f64 = 2.5;
+const MAX_WIDENING: f64 = 2.5;
 
 impl Strength {
     /// How much wider a bound is than the runs make it.
     pub(super) fn wider(self) -> f64 {
         match self {
             Self::General => 1.0,
-            Self::Widened(times) => WIDER.powi(times.into()),
+            Self::Widened(times) => WIDENING_STEP.powi(times.into()),
             Self::None => f64::INFINITY,
         }
     }
@@ -63,7 +63,9 @@ impl Strength {
     fn weaker(self) -> Self {
         match self {
             Self::General => Self::Widened(1),
-            Self::Widened(times) if Self::Widened(times + 1).wider() <= MAX_WIDER => Self::Widened(times + 1),
+            Self::Widened(times) if Self::Widened(times + 1).wider() <= MAX_WIDENING => {
+                Self::Widened(times + 1)
+            }
             _ => Self::None,
         }
     }

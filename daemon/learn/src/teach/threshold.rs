@@ -33,10 +33,10 @@ const PRIOR_SPREAD: f64 = 0.3;
 
 /// Another person's distance is greater than that of whom the reference is from: the variance between people is about that between the runs
 /// of one of them.
-const OTHER_PEOPLE: f64 = std::f64::consts::SQRT_2;
+const BETWEEN_PEOPLE_FACTOR: f64 = std::f64::consts::SQRT_2;
 
 /// Squared local cost of a frame in the opposite direction, under both costs: the square of the diameter of the unit circle.
-const OPPOSITE: f64 = 4.0;
+const OPPOSITE_COST: f64 = 4.0;
 
 /// What was learned from the demonstrations of one IU.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,8 +162,8 @@ impl Learned {
                 let spread = variance_of_one_more(&self.left_out, (PRIOR_SPREAD * centre).powi(2)).sqrt();
                 let apart = strength.wider() * sigmas * spread;
                 // Costs add up under the root.
-                let of_others = people.variety * (1.0 + people.one_person * (OTHER_PEOPLE - 1.0));
-                (of_others * (centre + apart)).hypot((border_s * rate_hz * OPPOSITE).sqrt())
+                let of_others = people.variety * (1.0 + people.one_person * (BETWEEN_PEOPLE_FACTOR - 1.0));
+                (of_others * (centre + apart)).hypot((border_s * rate_hz * OPPOSITE_COST).sqrt())
             }
             ThresholdRule::Conformal { false_alarms } => {
                 let mut sorted = self.left_out.clone();

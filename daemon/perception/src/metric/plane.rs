@@ -13,7 +13,7 @@ pub(super) struct Patch {
     pub(super) rms_m: f64,
     /// Root mean square distance of its points from their mean, across its narrower side, in metres.
     pub(super) spread_m: f64,
-    /// Number of points that it rests on.
+    /// Number of points that it depends on.
     pub(super) points: usize,
 }
 

@@ -49,7 +49,7 @@ pub struct AndonVerdict {
     pub seq: u64,
     /// Number of this start of the judge.
     pub epoch: u64,
-    /// Number of the newest frame that the verdict rests on.
+    /// Number of the newest frame that the verdict depends on.
     pub frame_seq: u64,
     /// When that frame was captured, CLOCK_MONOTONIC in nanoseconds.
     pub captured_ns: u64,
@@ -61,7 +61,7 @@ pub struct AndonVerdict {
     pub began_ns: u64,
     /// When it ended, or when it was decided if that was earlier, source time in nanoseconds.
     pub ended_ns: u64,
-    /// Time of the newest feature couple that the decision rests on, source time in nanoseconds.
+    /// Time of the newest feature couple that the decision depends on, source time in nanoseconds.
     pub decided_ns: u64,
     /// When it was decided, nanoseconds since 1970 UTC.
     pub decided_utc_ns: u64,

@@ -98,9 +98,10 @@ pub(crate) const fn measure_scale(measure: VerdictMeasure) -> (f32, &'static str
         VerdictMeasure::None => (0.0, "none"),
         VerdictMeasure::Duration => (100.0, "hundredths of a second"),
         VerdictMeasure::Strokes => (10.0, "tenths of a stroke"),
-        VerdictMeasure::StrokeLength | VerdictMeasure::Path | VerdictMeasure::Bow | VerdictMeasure::Place => {
-            (1000.0, "millimetres")
-        }
+        VerdictMeasure::StrokeLength
+        | VerdictMeasure::Path
+        | VerdictMeasure::LateralDeviation
+        | VerdictMeasure::Place => (1000.0, "millimetres"),
         VerdictMeasure::Direction => (10.0, "tenths of a degree"),
     }
 }

@@ -1,7 +1,7 @@
 //! The elbow of a falling curve.
 
 /// Of the WCSS of one cluster: what is less is nothing.
-const LEAST_SHARE: f64 = 1e-6;
+const MIN_SHARE: f64 = 1e-6;
 
 /// The k at the elbow of a curve of WCSS over k = 1, 2, ...: the point furthest below the straight line from the first point to the last,
 /// with both axes scaled to 0..1, that of the sums by their logarithms (the "kneedle" rule, Satopää et al. 2011). Ties go to the smaller k. A
@@ -13,7 +13,7 @@ pub(super) fn elbow(wcss: &[f64]) -> usize {
         return 1;
     }
     // The sums fall by ratios: a cluster more may take away a third of what is left, whether that is much or little of the whole.
-    let logarithm = |sum: f64| sum.max(LEAST_SHARE * first).ln();
+    let logarithm = |sum: f64| sum.max(MIN_SHARE * first).ln();
     let depth = |index: usize| {
         let along = index as f64 / (wcss.len() - 1) as f64;
         1.0 - along - (logarithm(wcss[index]) - logarithm(*last)) / (logarithm(*first) - logarithm(*last))

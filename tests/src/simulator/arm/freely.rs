@@ -26,12 +26,12 @@ impl Arm<'_> {
         (self.rest, self.at) = (at, at);
     }
 
-    /// Moves to a point, now faster and now slower, by a way that may bow to either side.
+    /// Moves to a point, now faster and now slower, by a way that may deviate to either side.
     pub(in crate::simulator) fn wander_to(&mut self, to: Vector) {
         let way = length(subtract(to, self.at));
         let seconds = self.person.movement_s(way) * self.random.factor(0.2);
-        let bow = (self.person.bow + 0.08 * self.random.normal()) * way;
-        self.go_in(to, seconds, bow);
+        let lateral = (self.person.lateral + 0.08 * self.random.normal()) * way;
+        self.go_in(to, seconds, lateral);
     }
 
     /// Reaches for a part, takes it, and at times corrects the grip.

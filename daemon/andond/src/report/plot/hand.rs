@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use andon_core::couple::{Context, Couple, Sight};
+use andon_core::couple::{Context, Couple, Visibility};
 
 use super::{
     ASSUMED, Angles, Axis, Band, GAP, LEFT, NO_HAND, RIGHT, SEEN, Timeline, UNSEEN, WIDTH, dot, rectangle,
@@ -100,7 +100,7 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
     let mut contexts: Vec<_> = timeline.couples.iter().map(|couple| couple.context).collect();
     contexts.sort_unstable();
     contexts.dedup();
-    let look = |couple: &Couple| (couple.context, sight(couple));
+    let look = |couple: &Couple| (couple.context, visibility(couple));
     let mut runs = timeline.couples.chunk_by(|a, b| look(a) == look(b)).peekable();
     while let Some(run) = runs.next() {
         let (first, last) = (&run[0], &run[run.len() - 1]);
@@ -109,20 +109,20 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
         let width = axis.x(next_ns) - x;
         let level = contexts.binary_search(&first.context).unwrap_or(0) as f64;
         let step = LANE / contexts.len().max(1) as f64;
-        let (colour, sight) = sight(first);
-        let label = format!("{:?} {}, {sight}", first.context.0, names.context(first.context));
+        let (colour, visibility) = visibility(first);
+        let label = format!("{:?} {}, {visibility}", first.context.0, names.context(first.context));
         rectangle(out, x, y + LANE - (level + 1.0) * step, width.max(2.0), step, colour, &label);
     }
 }
 
-/// The colour and the word for what was seen of what the context rests on. A hand that touches nothing may be anywhere, and need not be in
+/// The colour and the word for what was seen of what the context depends on. A hand that touches nothing may be anywhere, and need not be in
 /// the picture; but then it is not known to be idle.
-fn sight(couple: &Couple) -> (&'static str, &'static str) {
+fn visibility(couple: &Couple) -> (&'static str, &'static str) {
     match couple.worst_sight() {
-        Sight::Seen if is_out_of_picture(couple) => NO_HAND,
-        Sight::Seen => SEEN,
-        Sight::Assumed => ASSUMED,
-        Sight::Unseen => UNSEEN,
+        Visibility::Seen if is_out_of_picture(couple) => NO_HAND,
+        Visibility::Seen => SEEN,
+        Visibility::Assumed => ASSUMED,
+        Visibility::Unseen => UNSEEN,
     }
 }
 

@@ -105,7 +105,7 @@ impl Counts {
         let running = "1 while the role says that it works, or that its recording has ended";
         r.register("role_running", running, self.running.clone());
         r.register("verdicts", "Verdicts by level and outcome", self.verdicts.clone());
-        let latency = "From the capture of a frame to the message that rests on it";
+        let latency = "From the capture of a frame to the message that depends on it";
         r.register_with_unit("latency", latency, Unit::Seconds, self.latency.clone());
         r.register("ready", "1 while the line could judge a part", self.ready.clone());
         let disk = "Room on the disk of the journal, and in shared memory";

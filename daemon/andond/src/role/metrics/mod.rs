@@ -149,7 +149,7 @@ fn answer(request: &Request, text: impl FnOnce() -> String) -> Response {
     }
 }
 
-/// From the frame that a message rests on to the message; `None` where there was no frame.
+/// From the frame that a message depends on to the message; `None` where there was no frame.
 fn latency(stamp: &Stamp) -> Option<Duration> {
     let captured = MonotonicTime::from_nanoseconds(stamp.captured_ns);
     (stamp.captured_ns > 0).then(|| MonotonicTime::sent(stamp).since(captured))

@@ -6,7 +6,7 @@ mod order;
 mod outcome;
 mod unseen;
 
-use super::missed::{Cause, Missed};
+use super::occlusion::{Cause, OcclusionLog};
 use crate::capacity::HANDS;
 use crate::couple::{Context, Couple};
 use crate::input::Side;
@@ -42,7 +42,7 @@ pub(super) struct Progress<'a> {
     pub(super) persist_frames: u32,
     /// The time of the newest couples.
     pub(super) now_ns: u64,
-    /// The time of the newest frame that they rest on.
+    /// The time of the newest frame that they depend on.
     pub(super) known_ns: u64,
     began_ns: u64,
     /// Since when a hand that was not seen had worked before it. If the job is right, that was another piece.
@@ -96,8 +96,8 @@ pub(super) struct Progress<'a> {
     /// What came, or may have, and may belong to the next job: nothing after a job that was right.
     carried_over: ActivitySet,
     unwatched: Unwatched,
-    /// For each hand, what has been missed since then.
-    missed: [Missed; HANDS],
+    /// For each hand, what was occluded or never came since then.
+    occlusions: [OcclusionLog; HANDS],
     /// Why what a hand goes on with from the job before was not judged.
     carried_on_cause: Option<Cause>,
     fault: Option<Fault>,
@@ -114,7 +114,7 @@ pub(super) struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    pub(super) fn new(job: &'a Job<'a>, persist_frames: u32, missed: [Missed; HANDS]) -> Self {
+    pub(super) fn new(job: &'a Job<'a>, persist_frames: u32, occlusions: [OcclusionLog; HANDS]) -> Self {
         let all = job.numbers();
         Self {
             job,
@@ -150,7 +150,7 @@ impl<'a> Progress<'a> {
             overlooked_object: 0,
             carried_over: all,
             unwatched: Unwatched::new(),
-            missed,
+            occlusions,
             carried_on_cause: None,
             fault: None,
             first_unjudged: None,
@@ -189,7 +189,7 @@ impl<'a> Progress<'a> {
             overlooked_object: self.overlooked_object,
             unwatched: self.unwatched,
             is_open: true,
-            ..Self::new(self.job, self.persist_frames, self.missed)
+            ..Self::new(self.job, self.persist_frames, self.occlusions)
         };
     }
 
@@ -239,11 +239,11 @@ impl<'a> Progress<'a> {
     }
 
     /// Takes how well the next couple of a hand shows what it does. A hand that has never been seen is not hidden.
-    pub(super) fn count_missed(&mut self, couple: &Couple, is_captured: bool, is_hidden: bool) {
-        let missed = &mut self.missed[couple.side.index()];
-        missed.skip_to(couple.captured_ns, is_captured);
+    pub(super) fn count_occluded(&mut self, couple: &Couple, is_captured: bool, is_hidden: bool) {
+        let log = &mut self.occlusions[couple.side.index()];
+        log.skip_to(couple.captured_ns, is_captured);
         if is_hidden || !is_captured {
-            missed.count(couple, is_captured);
+            log.count(couple, is_captured);
         }
     }
 
@@ -251,7 +251,7 @@ impl<'a> Progress<'a> {
     fn forget_hidden(&mut self) {
         (self.unseen, self.overlooked_object) = (ActivitySet::EMPTY, 0);
         self.unwatched.forget();
-        self.missed.iter_mut().for_each(Missed::forget);
+        self.occlusions.iter_mut().for_each(OcclusionLog::forget);
     }
 
     /// An activity came that was not seen well enough to say which one it is.
@@ -309,7 +309,7 @@ impl<'a> Progress<'a> {
     pub(super) fn may_differ(&self, context: Context, has_been_seen_to_come: bool) -> bool {
         let opening = self.opening(context);
         let parts = if has_been_seen_to_come { &context.0[1..2] } else { &context.0[1..] };
-        parts.iter().any(|part| self.job.rests.contains(part))
+        parts.iter().any(|part| self.job.passive_contacts.contains(part))
             && !opening.is_empty()
             && !opening.intersects(self.required)
     }
@@ -320,7 +320,7 @@ impl<'a> Progress<'a> {
             let mut ius = self.job.activities.iter().flat_map(|nominal| nominal.ius);
             ius.any(|iu| iu.context.involves(id))
         };
-        context.0[1..].iter().all(|id| *id == 0 || self.job.rests.contains(id) || has(*id))
+        context.0[1..].iter().all(|id| *id == 0 || self.job.passive_contacts.contains(id) || has(*id))
     }
 
     /// The activities with which a job may begin: those that no law puts behind another one.

@@ -1,6 +1,6 @@
 //! The verdict on the job, and why.
 
-use super::super::missed::Cause;
+use super::super::occlusion::Cause;
 use super::{Fault, Progress};
 use crate::couple::Context;
 use crate::set::ActivitySet;

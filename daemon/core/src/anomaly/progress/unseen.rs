@@ -3,7 +3,7 @@
 //! A station may have objects that lie on its bench for other jobs only. Waiting for them would leave every job in doubt, so a part that
 //! was never seen is not expected. A step whose part is out of sight looks like another step, or like none: it accuses nobody.
 
-use super::super::missed::{Cause, Missed};
+use super::super::occlusion::{Cause, OcclusionLog};
 use super::Progress;
 use crate::set::ActivitySet;
 use crate::verdict::Reason;
@@ -90,10 +90,10 @@ impl Progress<'_> {
         }
     }
 
-    /// Why too little is known of the job: what was missed, or else its beginning.
+    /// Why too little is known of the job: what was occluded or never came, or else its beginning.
     pub(in crate::anomaly) fn unseen_cause(&self) -> Cause {
         let beginning = if self.is_start_seen { Reason::Blind } else { Reason::BeginningNotSeen };
-        Missed::main_cause(&self.missed, self.job.min_captured, self.persist_frames)
+        OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames)
             .or(self.carried_on_cause)
             .unwrap_or(beginning.into())
     }
@@ -103,11 +103,11 @@ impl Progress<'_> {
     pub(super) fn mixed_cause(&self) -> Option<Cause> {
         let is_undone_again = self.seen_undone.intersects(self.done);
         is_undone_again
-            .then(|| Missed::main_cause(&self.missed, self.job.min_captured, self.persist_frames))?
+            .then(|| OcclusionLog::main_cause(&self.occlusions, self.job.min_captured, self.persist_frames))?
     }
 
-    /// Why it is not known who moved objects: what was missed, or else that no hand was seen at them.
+    /// Why it is not known who moved objects: what was occluded or never came, or else that no hand was seen at them.
     fn moved_unseen_cause(&self) -> Cause {
-        Missed::cause(&self.missed, self.job.min_captured).unwrap_or(Reason::HandNotSeen.into())
+        OcclusionLog::cause(&self.occlusions, self.job.min_captured).unwrap_or(Reason::HandNotSeen.into())
     }
 }

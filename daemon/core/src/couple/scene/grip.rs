@@ -71,9 +71,9 @@ impl Scene {
         let now = self.seen_object(object, 0)?;
         let earlier = self.seen_object(object, self.method.persist_frames.into())?;
         let exceeds = |metres: f32| squared_distance(now, earlier) > metres * metres;
-        let by_chance_m = || self.apart_by_chance_m(0, |age| self.seen_object(object, age));
+        let jitter_m = || self.jitter_bound_m(0, |age| self.seen_object(object, age));
         // The errors come last, because they take longest.
-        Some(exceeds(self.moved_m()) && exceeds(self.wanders_m(object)) && exceeds(by_chance_m()))
+        Some(exceeds(self.moved_m()) && exceeds(self.drift_m(object)) && exceeds(jitter_m()))
     }
 
     /// The object that a hand would carry if it were hidden from now on. One that the hand has been seen to leave behind stays where it is:

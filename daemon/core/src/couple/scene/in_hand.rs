@@ -22,7 +22,7 @@ use crate::object::REACH_M;
 use core::f32::consts::SQRT_2;
 
 /// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
-const AT_REST: f32 = 0.4;
+const MAX_REST_SHARE: f32 = 0.4;
 
 /// Whether a hand acts on an object.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -123,7 +123,7 @@ impl Scene {
             && self.goes_away(object, age)
     }
 
-    /// Whether an object has gone farther than a contact is long when a change would be believed: errors that last do not.
+    /// Whether an object has gone farther than a contact is long when a change would be believed: drift does not take it there.
     fn goes_away(&self, object: usize, age: usize) -> bool {
         let seen = |age: usize| self.seen_object(object, age);
         let way = seen(age).zip(self.newest_known(age, seen));
@@ -263,7 +263,7 @@ impl Scene {
         }
         let (speed, (_, path_m)) =
             self.relative_speed(hand, object, age).zip(self.relative_path(hand, object, age))?;
-        let seems_to_rest = || path_m <= AT_REST * self.slips_by_chance_m(hand, object, age);
+        let seems_to_rest = || path_m <= MAX_REST_SHARE * self.noise_displacement_m(hand, object, age);
         Some(speed < self.method.rest_speed_m_s && (path_m <= self.rest_m() || seems_to_rest()))
     }
 
@@ -310,16 +310,15 @@ impl Scene {
         // The errors come last, because they take longest.
         let slips = path_m > self.slipped_m()
             && !self.follows(hand, object, age)
-            && path_m > self.slips_by_chance_m(hand, object, age);
+            && path_m > self.noise_displacement_m(hand, object, age);
         slips.then_some(newest)
     }
 
     /// How far a hand that rests at an object seems to move along it at most, by the errors of both, in metres.
-    fn slips_by_chance_m(&self, hand: usize, object: usize, age: usize) -> f32 {
-        let from_frame_to_frame_m =
-            self.apart_by_chance_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
+    fn noise_displacement_m(&self, hand: usize, object: usize, age: usize) -> f32 {
+        let jitter_m = self.jitter_bound_m(age, |age| Some(self.relative_positions(hand, object, age)?[0]));
         // No tracker sees finger tips more exactly than parts.
-        from_frame_to_frame_m.max(SQRT_2 * self.wanders_m(object))
+        jitter_m.max(SQRT_2 * self.drift_m(object))
     }
 
     /// What a hand has moved along an object or away from it so far, in metres, it does not do while it holds that.
@@ -336,8 +335,8 @@ impl Scene {
             let led = subtract(hands.ago(newest).grip(), hands.ago(age).grip());
             norm(followed) > f32::max(path_m / 2.0, self.rest_m())
                 && dot(led, followed) > dot(followed, followed) / 4.0
-                && norm(followed) > self.wanders_m(object)
-                && norm(followed) > self.apart_by_chance_m(age, |age| self.seen_object(object, age))
+                && norm(followed) > self.drift_m(object)
+                && norm(followed) > self.jitter_bound_m(age, |age| self.seen_object(object, age))
         })
     }
 

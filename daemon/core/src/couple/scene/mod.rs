@@ -1,5 +1,6 @@
 //! The scene graphs of both hands: poses as nodes, contacts as edges, and the couple that is read off them (paper III-A).
 
+mod drift;
 mod glimpse;
 mod grip;
 mod hold;
@@ -7,18 +8,17 @@ mod in_hand;
 mod leap;
 mod meeting;
 mod sides;
-mod sight;
 mod start;
+mod unseen;
 mod waiting;
-mod wander;
 
 use super::contact::Edge;
 use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
+use super::noise::{Drift, MOVED_M, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
-use super::scatter::{MOVED_M, Wandering, apart_by_chance_m};
-use super::{Context, Couple, Couples, Motion, Sight, Waiting};
+use super::{Context, Couple, Couples, Motion, Visibility, Waiting};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES, TWINS};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
@@ -33,8 +33,8 @@ use meeting::Shape;
 use sides::Sides;
 use start::Start;
 
-/// Positions are off their parabola by errors alone if they are by no more than this share of how far apart they are by chance: a third.
-const ERRORS: f32 = 3.0;
+/// A parabola explains the positions if their noise bound is at least this multiple of its residual.
+const NOISE_PER_RESIDUAL: f32 = 3.0;
 
 /// An object as a node of the graph.
 #[derive(Clone, Debug)]
@@ -46,7 +46,7 @@ struct Node {
     /// For each hand, whether it was moved while it was hidden, and that hand has not been seen to begin with it since.
     is_displaced: [bool; HANDS],
     leap: Leap,
-    wandering: Wandering,
+    drift: Drift,
     glimpses: Glimpses,
     /// How it lies in each hand that holds it; it moves by this while it is hidden.
     grips: [Option<Grip>; HANDS],
@@ -55,7 +55,7 @@ struct Node {
     /// For each hand, whether it may have been near the object since that was last seen.
     may_be_touched: [bool; HANDS],
     /// For each hand, whether it may act on this object instead of its `o_j`.
-    is_rival: [bool; HANDS],
+    may_be_held_instead: [bool; HANDS],
     /// Where it was when a hand was last seen anywhere.
     attended: Option<Point>,
     /// No hand was seen for a while since then.
@@ -71,12 +71,12 @@ impl Node {
             known_frames: 0,
             is_displaced: [false; HANDS],
             leap: Leap::default(),
-            wandering: Wandering::default(),
+            drift: Drift::default(),
             glimpses: Glimpses::default(),
             grips: [None; HANDS],
             may_be_taken: [false; HANDS],
             may_be_touched: [false; HANDS],
-            is_rival: [false; HANDS],
+            may_be_held_instead: [false; HANDS],
             attended: None,
             was_unattended: false,
             start: Start::new(start),
@@ -219,7 +219,7 @@ impl Scene {
         self.push_carried_unseen();
         self.push_bench_hidden();
         self.push_clear();
-        self.push_rivals();
+        self.push_alternatives();
     }
 
     /// Whether the newest frame calls each hand by the name of the other one.
@@ -317,7 +317,7 @@ impl Scene {
                     (0..count).any(|object| interaction.involves(object) && self.is_new(object, age));
                 self.is_displaced[hand] = self.take_displaced(hand, interaction);
             }
-            self.update_rivals(hand, before.held(), interaction.held(), age);
+            self.update_alternatives(hand, before.held(), interaction.held(), age);
             let mut couple = self.couple(hand, interaction, age);
             // Nobody saw when the hand ended what it did before, so it may be doing already what comes after this.
             let is_assumed = interaction != next || couple.context.is_release() && !couple.is_clear;
@@ -326,7 +326,7 @@ impl Scene {
         });
         let waiting = [0, 1].map(|hand| self.waiting(&hands[hand], &hands[1 - hand], age));
         hands.iter_mut().zip(waiting).for_each(|(couple, waiting)| couple.waiting = waiting);
-        self.push_wandering(age);
+        self.push_drift(age);
         Couples {
             captured_ns: *self.times_ns.ago(age),
             known_ns,
@@ -367,8 +367,8 @@ impl Scene {
             Interaction::Released { j, l } => (false, Some(j), Some(l)),
         };
         let node = |object: usize| &self.objects[object];
-        let sight = |object: Option<usize>| {
-            object.map_or(Sight::Seen, |object| self.object_sight(node(object).poses.ago(age)))
+        let visibility = |object: Option<usize>| {
+            object.map_or(Visibility::Seen, |object| self.object_visibility(node(object).poses.ago(age)))
         };
         let from_hand = j.filter(|_| acts);
         let [h, o_j, o_l] = [
@@ -393,12 +393,12 @@ impl Scene {
                 .filter(|_| is_known)
                 .and_then(|j| l.map_or(tips, |l| self.position(j, l, age))),
             tips,
-            wanders_m: from_hand.map_or(0.0, |j| self.pair_wanders_m(j, l)),
+            drift_m: from_hand.map_or(0.0, |j| self.pair_drift_m(j, l)),
             distances: [
                 from_hand.map_or(f32::INFINITY, |j| self.distance_from_hand(hand, j, age)),
                 interaction.pair().map_or(f32::INFINITY, |(j, l)| self.distance_of_objects(j, l, age)),
             ],
-            sight: [self.sight(pose.unseen), sight(j), sight(l)],
+            visibility: [self.visibility(pose.unseen), visibility(j), visibility(l)],
             waiting: Waiting::No,
             is_clear: self.clear[hand] >> age & 1 == 1,
             is_doubtful: self.is_doubtful(hand, age)
@@ -407,13 +407,13 @@ impl Scene {
                 || self.may_have_left(hand, interaction, age)
                 || self.may_have_met_or_parted(interaction, age)
                 || self.may_be_in_other_hand(hand, interaction, age),
-            is_rivalled: self.objects.iter().any(|node| node.is_rival[hand]),
+            is_object_ambiguous: self.objects.iter().any(|node| node.may_be_held_instead[hand]),
             is_object_new: self.is_new[hand],
             is_object_displaced: self.is_displaced[hand],
             hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
         };
-        // Only now it is known which objects the context rests on.
-        couple.is_clear &= couple.sight[1..] == [Sight::Seen; 2];
+        // Only now it is known which objects the context depends on.
+        couple.is_clear &= couple.visibility[1..] == [Visibility::Seen; 2];
         couple.is_doubtful |= !couple.is_in_sight();
         couple
     }
@@ -438,11 +438,12 @@ impl Scene {
     /// after it says where it was, unless they are farther off that than their errors: what moves so quickly stays as it is seen.
     fn steady(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> Option<Point> {
         let seen = known(age)?;
-        let by_chance_m = apart_by_chance_m(self.around(age).map(known));
-        if by_chance_m <= MOVED_M {
+        let jitter_m = jitter_bound_m(self.around(age).map(known));
+        if jitter_m <= MOVED_M {
             return Some(seen);
         }
-        let steady = self.kinematics(age, known).filter(|motion| ERRORS * motion.residual_m <= by_chance_m);
+        let steady =
+            self.kinematics(age, known).filter(|motion| NOISE_PER_RESIDUAL * motion.residual_m <= jitter_m);
         Some(steady.map_or(seen, |motion| motion.position))
     }
 
@@ -496,11 +497,8 @@ impl Scene {
 
     /// How far apart two positions of what lies still seem to be at most, by the errors of what sees it, in metres: as they are in all frames that
     /// are remembered, or in those around `age` if they are worse, as where fingers pass before a marker; 0 where they are not known.
-    fn apart_by_chance_m(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> f32 {
-        f32::max(
-            apart_by_chance_m((0..REMEMBERED).map(known)),
-            apart_by_chance_m(self.around(age).map(known)),
-        )
+    fn jitter_bound_m(&self, age: usize, known: impl Fn(usize) -> Option<Point> + Copy) -> f32 {
+        f32::max(jitter_bound_m((0..REMEMBERED).map(known)), jitter_bound_m(self.around(age).map(known)))
     }
 
     /// The ages of a frame and of the `persist_frames` before and after it.

@@ -9,8 +9,8 @@
 use super::leap::{is_reached, off_course_m};
 use crate::capacity::HANDS;
 use crate::config::Method;
+use crate::couple::noise::MOVED_M;
 use crate::couple::poses::{HandPose, Recent, Source};
-use crate::couple::scatter::MOVED_M;
 
 /// A frame now and then is missing between two that show the same hand.
 const MAX_UNSEEN: u32 = 2;

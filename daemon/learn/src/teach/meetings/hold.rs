@@ -10,7 +10,7 @@ use andon_core::config::Contact;
 use andon_core::object::{Meeting, ObjectShape};
 
 /// Two finger tips that hold an object are at one interaction point if they are no farther apart, in metres.
-const TIPS_M: f32 = 0.02;
+const SAME_POINT_M: f32 = 0.02;
 
 /// How a hand meets an object; `None` if it does as the station says, or never carries it.
 pub(super) fn of(
@@ -30,7 +30,7 @@ pub(super) fn of(
     let learnt = if shape.has_points() {
         Vec::new()
     } else {
-        centres(&holds.iter().flat_map(held_at).collect::<Vec<_>>(), TIPS_M)
+        centres(&holds.iter().flat_map(held_at).collect::<Vec<_>>(), SAME_POINT_M)
     };
     let points = if shape.has_points() { points_of(shape) } else { learnt.clone() };
     // All but the farthest tenth: markers jump.

@@ -11,31 +11,31 @@ use nalgebra::Point3;
 use std::collections::BTreeSet;
 
 /// Two places where an object dwells at another are one if they are no farther apart, in metres.
-const PLACES_M: f32 = 0.03;
+const SAME_PLACE_M: f32 = 0.03;
 
 /// The positions of two objects that come near each other so may touch, in metres: most parts of a bench are no larger.
 pub(super) const TOUCH_M: f32 = 0.15;
 
 /// No part of a bench is larger, in metres. Markers lie at the far ends of two long parts that touch.
-const FAR_M: f32 = 0.25;
+const MAX_PART_M: f32 = 0.25;
 
 /// What is put down beside a part is not at the same place in all runs, in metres.
-const SAME_M: f32 = 0.01;
+const MIN_SPREAD_M: f32 = 0.01;
 
 /// What is put back lies where it lay before, in metres.
-const BACK_M: f32 = 0.05;
+const PUT_BACK_M: f32 = 0.05;
 
 /// Two parts of which one is only put back beside the other touch where their points come as near as this, in metres.
-const BESIDE_M: f32 = 0.005;
+const BESIDE_CONTACT_M: f32 = 0.005;
 
 /// In fewer runs than this, two parts come to the same place beside each other by chance, or a hand to the same place at a part.
 pub(super) const SAME_RUNS: usize = 3;
 
 /// A place that is learnt is no wider than this, in metres: a shelf is wider than the runs show.
-const WIDE_M: f32 = 0.1;
+const MAX_REGION_M: f32 = 0.1;
 
 /// A distance that exceeds the one before by less than this factor is of the same kind.
-const NEXT: f32 = 1.25;
+const MAX_STEP_RATIO: f32 = 1.25;
 
 /// How the first one meets the second; `None` if it does as the station says, or never.
 pub(super) fn of(
@@ -50,7 +50,8 @@ pub(super) fn of(
     if shapes[with].has_points() || shapes[at].has_points() {
         let may_meet = may_meet(&places);
         let met: Vec<&(Dwell, Place)> = dwells.iter().filter(|(_, place)| may_meet(place)).collect();
-        let elsewhere = || if met.len() < dwells.len() { in_proportion(default, BESIDE_M) } else { default };
+        let elsewhere =
+            || if met.len() < dwells.len() { in_proportion(default, BESIDE_CONTACT_M) } else { default };
         let contact = at_given_points([with, at], shapes, shown, &met, default);
         return meeting(id, &[], contact.unwrap_or_else(elsewhere), default);
     }
@@ -95,7 +96,7 @@ impl Place {
         let is_at_another = shown.is_brought_to_another(objects, dwell);
         let at = shown.place(objects[0], objects[1], dwell);
         let first = shown.first_place(objects[0], objects[1]);
-        let is_back = first.is_some_and(|first| nalgebra::distance(&at, &first) < BACK_M);
+        let is_back = first.is_some_and(|first| nalgebra::distance(&at, &first) < PUT_BACK_M);
         let is_put_down =
             dwell.iter().any(|(frame, _)| objects.iter().all(|object| shown.is_let_go(*object, *frame)));
         let is_beside =
@@ -116,11 +117,12 @@ fn touching(places: &[Place], runs: usize) -> (Vec<Place>, Vec<Place>) {
     let met = places.iter().filter(|place| may_meet(place)).map(|place| place.at);
     let near: Vec<Point3<f32>> = met.filter(|place| place.coords.norm() < TOUCH_M).collect();
     let split: (Vec<Place>, Vec<Place>) =
-        places.iter().partition(|place| apart_m(&[place.at], &near) < SAME_M);
+        places.iter().partition(|place| apart_m(&[place.at], &near) < MIN_SPREAD_M);
     if 2 * runs_of(&split.0) >= runs {
         return split;
     }
-    let is_far = |place: &&Place| place.at.coords.norm() < FAR_M && !place.is_at_another && !place.is_back;
+    let is_far =
+        |place: &&Place| place.at.coords.norm() < MAX_PART_M && !place.is_at_another && !place.is_back;
     let (far, others): (Vec<Place>, Vec<Place>) = places.iter().partition(is_far);
     let is_shown = runs_of(&far) >= SAME_RUNS && 2 * runs_of(&far) >= runs;
     if are_same(&far) && is_shown { (far, others) } else { split }
@@ -135,7 +137,7 @@ fn may_meet(places: &[Place]) -> impl Fn(&Place) -> bool {
 }
 
 fn are_same(places: &[Place]) -> bool {
-    are_within(SAME_M, &places.iter().map(|place| place.at).collect::<Vec<_>>())
+    are_within(MIN_SPREAD_M, &places.iter().map(|place| place.at).collect::<Vec<_>>())
 }
 
 /// Whether places are as near to their middle as this, in metres.
@@ -146,13 +148,13 @@ fn are_within(max_m: f32, places: &[Point3<f32>]) -> bool {
 
 /// Where a run shows the first of the two to dwell beside the other, farther away than two that come near each other so may touch.
 pub(super) fn beside([one, other]: [usize; 2], shown: &Trajectories) -> Option<Point3<f32>> {
-    let is_beside = |place: &Point3<f32>| (TOUCH_M..FAR_M).contains(&place.coords.norm());
+    let is_beside = |place: &Point3<f32>| (TOUCH_M..MAX_PART_M).contains(&place.coords.norm());
     shown.dwells(one, other).iter().map(|dwell| shown.place(one, other, dwell)).find(is_beside)
 }
 
 /// Whether places in several runs are one.
 pub(super) fn are_one_place(places: &[Point3<f32>]) -> bool {
-    are_within(PLACES_M, places)
+    are_within(SAME_PLACE_M, places)
 }
 
 /// How near the two come to each other where their points are given, in the dwells in which they may meet; `None` if not as near as by default.
@@ -178,7 +180,7 @@ fn at_given_points(
     let mut reached = distances.partition_point(|distance| *distance <= default.on_m);
     while reached > 0
         && reached < distances.len()
-        && distances[reached] <= NEXT * distances[reached - 1]
+        && distances[reached] <= MAX_STEP_RATIO * distances[reached - 1]
         && distances[reached] <= 2.0 * default.on_m
     {
         reached += 1;
@@ -205,13 +207,13 @@ fn at_learnt_places(
     if near.is_empty() || 2 * runs_of(&near) < runs {
         return None;
     }
-    let points = centres(&near.iter().map(|place| place.at).collect::<Vec<_>>(), PLACES_M);
+    let points = centres(&near.iter().map(|place| place.at).collect::<Vec<_>>(), SAME_PLACE_M);
     let apart = |place: &Point3<f32>| apart_m(&[*place], &points);
     let distances: Vec<f64> = near.iter().map(|place| f64::from(apart(&place.at))).collect();
-    let elsewhere = first.iter().map(apart).filter(|apart_m| *apart_m > WIDE_M);
+    let elsewhere = first.iter().map(apart).filter(|apart_m| *apart_m > MAX_REGION_M);
     let next_m = others.iter().map(|place| apart(&place.at)).chain(elsewhere).fold(f32::INFINITY, f32::min);
     let contact = contact_of(&distances, default);
-    let wide = widened(default, contact.on_m.max(WIDE_M.min(next_m / 2.0)));
+    let wide = widened(default, contact.on_m.max(MAX_REGION_M.min(next_m / 2.0)));
     meeting(id, &points, wide, default)
 }
 

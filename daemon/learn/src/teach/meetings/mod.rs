@@ -31,7 +31,7 @@ const PRIOR_M: f64 = 0.004;
 
 /// How often one more execution may not come near enough. Who does not is accused of having left the step out, so it is rare beside the stated
 /// rate of false alarms, of which every pair of parts would take its share.
-const MISSED: f64 = 0.005;
+const MISS_RATE: f64 = 0.005;
 
 /// The objects of the runs, with where and how near they are met, and what is not sure of it.
 pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Unsure>) {
@@ -91,7 +91,8 @@ fn contact_of(distances_m: &[f64], default: Contact) -> Contact {
     if distances_m.is_empty() {
         return default;
     }
-    let (centre, apart) = interval(distances_m, PRIOR_M, 2.0 * MISSED, People::IN_GENERAL, Strength::General);
+    let (centre, apart) =
+        interval(distances_m, PRIOR_M, 2.0 * MISS_RATE, People::IN_GENERAL, Strength::General);
     widened(default, (centre + apart) as f32)
 }
 

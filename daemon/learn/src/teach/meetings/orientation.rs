@@ -8,8 +8,8 @@ const MIN_RUNS: usize = 4;
 
 /// The mean of directions that are the same, and of directions that have nothing in common: the length of the mean of unit vectors is 1 where
 /// all are alike, and about one by the root of their number where none is.
-const ALIKE: f32 = 0.95;
-const UNLIKE: f32 = 0.7;
+const ALIGNED_MEAN: f32 = 0.95;
+const UNALIGNED_MEAN: f32 = 0.7;
 
 /// Whether the orientation of an object differs from run to run where the way on which it is carried first does not: then it would turn all
 /// directions that are measured in its frame of reference.
@@ -17,5 +17,5 @@ pub(super) fn means_nothing(object: usize, shown: &[Trajectories]) -> bool {
     let ways: Vec<[Vector3<f32>; 2]> = shown.iter().filter_map(|run| run.first_way(object)).collect();
     let mean =
         |which: usize| ways.iter().map(|way| way[which]).sum::<Vector3<f32>>().norm() / ways.len() as f32;
-    ways.len() >= MIN_RUNS && mean(0) > ALIKE && mean(1) < UNLIKE
+    ways.len() >= MIN_RUNS && mean(0) > ALIGNED_MEAN && mean(1) < UNALIGNED_MEAN
 }

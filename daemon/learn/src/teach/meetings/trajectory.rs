@@ -8,19 +8,19 @@ use andon_core::input::{Frame, Hand, Point, Space};
 use andon_core::object::{ObjectShape, REACH_M};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
-/// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`CHANGE_S`], in metres. Where markers are
+/// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`PERSIST_S`], in metres. Where markers are
 /// seen less exactly, it is as much as their errors.
 const MIN_WAY_M: f32 = 0.015;
 
 /// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default.
-const CHANGE_S: f64 = 1.0 / 6.0;
+const PERSIST_S: f64 = 1.0 / 6.0;
 
 /// An object dwells where it goes no farther than this in this time, in metres and seconds.
 const DWELL_M: f32 = 0.05;
 const DWELL_S: f64 = 0.5;
 
 /// What leaves the place where it dwells and comes back this often makes strokes there. One time is that it comes.
-const BACK: usize = 3;
+const MIN_RETURNS: usize = 3;
 
 /// Farther away than this it has left, in metres.
 const STROKE_M: f32 = 0.15;
@@ -88,7 +88,7 @@ impl Trajectories {
         let mut ways = Self {
             times_s: frames.iter().map(|frame| frame.captured_ns as f64 * 1e-9).collect(),
             hands: [0, 1].map(of_hand),
-            min_ways_m: objects.iter().map(|poses| apart_by_chance_m(poses).max(MIN_WAY_M)).collect(),
+            min_ways_m: objects.iter().map(|poses| jitter_bound_m(poses).max(MIN_WAY_M)).collect(),
             objects,
             carried: Vec::new(),
         };
@@ -214,7 +214,7 @@ impl Trajectories {
 
     /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.
     pub(super) fn first_way(&self, object: usize) -> Option<[Vector3<f32>; 2]> {
-        let hold = self.carried[object].chunk_by(|one, next| self.is_within(CHANGE_S, one, next)).next()?;
+        let hold = self.carried[object].chunk_by(|one, next| self.is_within(PERSIST_S, one, next)).next()?;
         let pose = |frame: usize| self.objects[object][frame];
         let (began, ended) = pose(hold.first()?.0).zip(pose(hold.last()?.0))?;
         let way = (ended.translation.vector - began.translation.vector).try_normalize(MIN_WAY_M)?;
@@ -332,7 +332,7 @@ impl Trajectories {
 
     /// The hands that move with the object, where it moves and one does.
     fn carriers(&self, object: usize, frame: usize) -> Option<Carriers> {
-        let later = self.after(frame, CHANGE_S)?;
+        let later = self.after(frame, PERSIST_S)?;
         let (pose, moved) = self.objects[object][frame].zip(self.objects[object][later])?;
         let way = moved.translation.vector - pose.translation.vector;
         let held = |hand: &Vec<Option<Tips>>| {
@@ -370,11 +370,11 @@ fn strokes<'a>(
         back.extend((was_out && !is_out).then_some(index));
     }
     let (first, last) = back.first().zip(back.last())?;
-    (back.len() >= BACK).then(|| &places[*first..=*last])
+    (back.len() >= MIN_RETURNS).then(|| &places[*first..=*last])
 }
 
 /// How far apart two positions of an object that lies still seem to be at most, in metres; 0 where it is not seen in enough frames to tell.
-fn apart_by_chance_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
+fn jitter_bound_m(poses: &[Option<Isometry3<f32>>]) -> f32 {
     let place = |pose: &Option<Isometry3<f32>>| pose.map(|pose| pose.translation.vector.into());
     statistics::noise_m(&poses.iter().map(place).collect::<Vec<_>>())
 }

@@ -7,7 +7,7 @@ use super::MIN_RUNS;
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
 use crate::teach::kind::MIN_REPEATED_REVERSALS;
-use crate::teach::measures::{COUNTED, PRIOR_PATH, do_agree, likely_reversals};
+use crate::teach::measures::{COUNTED_SHARE, PRIOR_PATH, do_agree, likely_reversals};
 use crate::teach::options::TeachOptions;
 use crate::teach::sequence::{Agreement, Sequence};
 use crate::teach::threshold::compared;
@@ -29,10 +29,10 @@ const MIN_REVERSALS: f64 = 4.0;
 const SEEN_REVERSALS: f64 = 0.8;
 
 /// The way in and out of the widest contact that is learnt, in metres.
-const IN_AND_OUT_M: f64 = 0.3;
+const MAX_CONTACT_PATH_M: f64 = 0.3;
 
 /// Where this share of the demonstrations make as many strokes, the others are exceptions, though they be two.
-const MOST: (usize, usize) = (2, 3);
+const MAJORITY: (usize, usize) = (2, 3);
 
 /// How demonstrations are compared in one measure.
 struct Comparison {
@@ -142,14 +142,14 @@ impl Comparison {
 /// Whether most of the demonstrations make as many strokes.
 fn do_most_agree(count: f64, others: &[f64]) -> bool {
     let counts: Vec<u32> = others.iter().chain([&count]).map(|count| *count as u32).collect();
-    do_agree(&counts, MOST)
+    do_agree(&counts, MAJORITY)
 }
 
 /// Whether a count of reversals contradicts what the others prove: the number that they make, or that half of it is too few, whatever people make
 /// by feel.
 fn contradicts_number(count: f64, others: &[f64]) -> bool {
     let counts: Vec<u32> = others.iter().map(|count| *count as u32).collect();
-    do_agree(&counts, COUNTED) || count <= median(others) / 2.0 + 1.0
+    do_agree(&counts, COUNTED_SHARE) || count <= median(others) / 2.0 + 1.0
 }
 
 /// A demonstration of one IU that stands out.
@@ -250,7 +250,7 @@ fn of_iu(
 fn in_and_out_m(context: Context, shown: &[Measures]) -> f64 {
     let reversals: Vec<f64> = shown.iter().map(|measures| f64::from(measures.reversals)).collect();
     let is_repeated = median(&reversals) as u32 >= MIN_REPEATED_REVERSALS;
-    if context.is_pair() && !is_repeated { IN_AND_OUT_M } else { 0.0 }
+    if context.is_pair() && !is_repeated { MAX_CONTACT_PATH_M } else { 0.0 }
 }
 
 /// The value of each demonstration; those of the distance depend on which one is left out.

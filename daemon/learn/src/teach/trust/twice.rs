@@ -10,7 +10,7 @@ use andon_core::input::{Frame, Point, Side};
 /// The hands of two recordings of one run are no farther apart than this in nine of ten instants, in metres. The shipped films encoded again, turned,
 /// enlarged, and with little data, are 1.5 to 3.7 mm apart; of two different runs of one person the nearest are 4 cm apart.
 const MAX_APART_M: f64 = 0.008;
-const SHARE: f64 = 0.9;
+const MIN_NEAR_SHARE: f64 = 0.9;
 
 /// At least this share of the instants with a hand must be in both.
 const MIN_COMMON: f64 = 0.8;
@@ -135,6 +135,6 @@ fn apart_m(pairs: &[[[f64; 3]; 2]]) -> Option<f64> {
             ((x - u).powi(2) + (y - v).powi(2) + (z - w).powi(2)).sqrt()
         })
         .collect();
-    let index = ((apart.len() - 1) as f64 * SHARE) as usize;
+    let index = ((apart.len() - 1) as f64 * MIN_NEAR_SHARE) as usize;
     Some(*apart.select_nth_unstable_by(index, f64::total_cmp).1)
 }

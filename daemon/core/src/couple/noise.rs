@@ -1,8 +1,8 @@
-//! How exactly positions are seen, from the positions themselves: what moves about by less than their errors does not move.
+//! The noise of positions, from the positions themselves: a displacement within the noise is no motion.
 //!
-//! Errors that differ from frame to frame show in third differences, in which a hand's motion leaves next to nothing. Errors that last show
-//! in how far a part drifts while all hands are seen and none acts on anything. Constants would fit one tracker only: with errors of 2.5
-//! mm, 277 of 288 right jobs of two hands are accepted, and none was with constants.
+//! Jitter differs from frame to frame. It shows in third differences, in which a hand's motion leaves next to nothing. Drift is correlated
+//! over frames. It shows in how far a part seems to move while all hands are seen and none acts on anything. Constants would fit one tracker
+//! only: with errors of 2.5 mm, 277 of 288 right jobs of two hands are accepted, and none was with constants.
 
 use super::geometry::{dot, squared_distance};
 use crate::capacity::PERSIST_FRAMES;
@@ -14,43 +14,43 @@ pub const MOVED_M: f32 = 0.015;
 
 /// Two positions of what lies still are hardly ever farther apart than this multiple of the standard deviation of one: in the plane once in 270,000
 /// times if that is known, and once in some thousand times as it is estimated here.
-const APART_BY_CHANCE: f32 = 5.0;
+const NOISE_BOUND_SIGMAS: f32 = 5.0;
 
 /// The variance of a third difference, as a multiple of that of a position: 1 + 9 + 9 + 1.
-const OF_THIRD_DIFFERENCE: f32 = 20.0;
+const THIRD_DIFFERENCE_VARIANCE: f32 = 20.0;
 
-/// The square of a third difference counts up to this multiple of the one in the middle: of errors one in 500 exceeds it.
-const MAX_OF_MIDDLE: f32 = 9.0;
+/// Squares of third differences are clipped at this multiple of their median: of errors one in 500 exceeds it.
+const CLIP_AT_MEDIANS: f32 = 9.0;
 
 /// Fewer third differences tell nothing.
-const MIN_COUNT: usize = 4;
+const MIN_DIFFERENCES: usize = 4;
 
 /// As many are used, the first ones.
-const MAX_COUNT: usize = 2 * PERSIST_FRAMES;
+const MAX_DIFFERENCES: usize = 2 * PERSIST_FRAMES;
 
-/// Fewer frames tell nothing of how far something wanders, and so many are remembered: 10 s of the default frame rate.
-const MIN_WANDERING: u16 = 10;
-const MAX_WANDERING: u16 = 300;
+/// Fewer frames tell nothing of the drift, and so many are remembered: 10 s of the default frame rate.
+const MIN_DRIFT_FRAMES: u16 = 10;
+const MAX_DRIFT_FRAMES: u16 = 300;
 
-/// A few frames hold few different errors if these last, so that they seem less than they are, or more: in so many frames their variance is taken
-/// for twice as large, or for half as large where it is asked whether something moves.
-const FEW_WANDERING: f32 = 30.0;
+/// A few frames hold few independent errors of a drift, so that it seems less than it is, or more. In so many frames its variance is taken for
+/// twice as large, or for half as large where it is asked whether something moves.
+const UNCERTAIN_FRAMES: f32 = 30.0;
 
-/// What moves by more than this does not wander, in metres, neither while a change is believed nor while the hands rest: who sees no better than
-/// that sees no touch.
-const MAX_WANDER_M: f32 = 0.03;
+/// A displacement above this is motion, not drift, in metres, both while a change is believed and while the hands rest. A tracker that
+/// drifts more cannot resolve a contact.
+const MAX_DRIFT_M: f32 = 0.03;
 
-/// Who moves a part unseen moves it farther than it wanders: a square counts up to this multiple of their mean.
-const MAX_OF_MEAN: f32 = 9.0;
+/// Squares of the drift are clipped at this multiple of their mean: a part that is moved unseen moves farther than it drifts.
+const CLIP_AT_MEANS: f32 = 9.0;
 
 /// How far apart two positions of something that lies still seem to be at most, in metres, by the errors of what sees it: as they are in these
 /// `positions`, one per frame, of which those that are not known are `None`; 0 where too few are known in a row to tell.
 ///
-/// Errors are what differs from frame to frame: those that last, as of a tracker that filters, only `Wandering` shows. They are taken from
-/// third differences, in which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is
+/// Jitter is what differs from frame to frame. The errors of a tracker that filters are correlated, and only `Drift` shows them. Jitter is taken
+/// from third differences, in which the motion of a hand leaves next to nothing: of two strokes of 7 cm per second 0.2 mm. One position that is
 /// misread is in four of them, which count no more than large errors do.
-pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
-    let mut squares: Vec<f32, MAX_COUNT> = Vec::new();
+pub fn jitter_bound_m(positions: impl Iterator<Item = Option<Point>>) -> f32 {
+    let mut squares: Vec<f32, MAX_DIFFERENCES> = Vec::new();
     // The newest three, the newest first.
     let mut before = [None; 3];
     for position in positions {
@@ -66,20 +66,20 @@ pub fn apart_by_chance_m(positions: impl Iterator<Item = Option<Point>>) -> f32 
         }
         before = [position, before[0], before[1]];
     }
-    if squares.len() < MIN_COUNT {
+    if squares.len() < MIN_DIFFERENCES {
         return 0.0;
     }
     let middle = (squares.len() - 1) / 2;
-    let max = MAX_OF_MIDDLE * *squares.select_nth_unstable_by(middle, f32::total_cmp).1;
+    let max = CLIP_AT_MEDIANS * *squares.select_nth_unstable_by(middle, f32::total_cmp).1;
     let mean = squares.iter().map(|square| square.min(max)).sum::<f32>() / squares.len() as f32;
-    APART_BY_CHANCE * libm::sqrtf(mean / OF_THIRD_DIFFERENCE)
+    NOISE_BOUND_SIGMAS * libm::sqrtf(mean / THIRD_DIFFERENCE_VARIANCE)
 }
 
 /// How far something that nobody acts on seems to move while a change is believed.
 ///
-/// Most trackers filter, so that their errors last, and third differences show little of them. What lies still shows all of them.
+/// Most trackers filter, so that their errors are correlated, and third differences show little of them. A part at rest shows all of them.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Wandering {
+pub(super) struct Drift {
     known: MeanSquare,
     /// What was known when the hands came to rest, and where it lay first since then.
     before: MeanSquare,
@@ -95,10 +95,10 @@ struct MeanSquare {
     count: u16,
 }
 
-impl Wandering {
+impl Drift {
     /// The hands have come to rest: what is known so far counts, unless too little was seen to tell whether it is motion.
     pub(super) fn begin(&mut self) {
-        if self.known.count < MIN_WANDERING {
+        if self.known.count < MIN_DRIFT_FRAMES {
             self.known = MeanSquare::default();
         }
         (self.before, self.lay, self.is_moved) = (self.known, None, false);
@@ -120,50 +120,50 @@ impl Wandering {
         }
     }
 
-    /// As [`apart_by_chance_m`]; `None` where it has not been seen to lie still for long enough.
-    pub(super) fn apart_by_chance_m(&self) -> Option<f32> {
-        self.known.apart_by_chance_m()
+    /// As [`jitter_bound_m`]; `None` where it has not been seen to lie still for long enough.
+    pub(super) fn bound_m(&self) -> Option<f32> {
+        self.known.bound_m()
     }
 
     /// The same where nobody may be wronged: the maximum where it is not known.
-    pub(super) fn apart_at_most_m(&self) -> f32 {
-        self.apart_by_chance_m().unwrap_or(MAX_WANDER_M)
+    pub(super) fn max_bound_m(&self) -> f32 {
+        self.bound_m().unwrap_or(MAX_DRIFT_M)
     }
 }
 
 impl MeanSquare {
-    fn apart_by_chance_m(self) -> Option<f32> {
-        let is_known = self.count >= MIN_WANDERING;
-        is_known.then(|| self.apart_m(self.uncertainty()).min(MAX_WANDER_M))
+    fn bound_m(self) -> Option<f32> {
+        let is_known = self.count >= MIN_DRIFT_FRAMES;
+        is_known.then(|| self.apart_m(self.uncertainty()).min(MAX_DRIFT_M))
     }
 
-    /// Whether it is more than anything wanders.
+    /// Whether it is more than any drift.
     fn is_motion(self) -> bool {
-        self.count >= MIN_WANDERING && self.apart_m(1.0 / self.uncertainty()) > MAX_WANDER_M
+        self.count >= MIN_DRIFT_FRAMES && self.apart_m(1.0 / self.uncertainty()) > MAX_DRIFT_M
     }
 
     /// How far apart two positions are if the variance is such a multiple of what it seems.
     fn apart_m(self, multiple: f32) -> f32 {
         // Two positions have their errors.
-        APART_BY_CHANCE * libm::sqrtf(self.mean / 2.0 * multiple)
+        NOISE_BOUND_SIGMAS * libm::sqrtf(self.mean / 2.0 * multiple)
     }
 
     /// How much larger the variance may be than it seems.
     fn uncertainty(self) -> f32 {
-        1.0 + FEW_WANDERING / f32::from(self.count)
+        1.0 + UNCERTAIN_FRAMES / f32::from(self.count)
     }
 
-    /// How far apart two positions are at most at any times: errors that last are nearly the same while a change is believed.
+    /// How far apart two positions are at most at any times: a drift is nearly the same while a change is believed.
     fn max_apart_m(self) -> f32 {
-        self.apart_by_chance_m().map_or(MAX_WANDER_M, |apart_m| (2.0 * apart_m).clamp(MOVED_M, MAX_WANDER_M))
+        self.bound_m().map_or(MAX_DRIFT_M, |apart_m| (2.0 * apart_m).clamp(MOVED_M, MAX_DRIFT_M))
     }
 
     fn push(&mut self, square: f32) {
         // What is exactly where it was is the same measurement once more.
         if square > 0.0 {
-            let is_known = self.count >= MIN_WANDERING;
-            let square = if is_known { square.min(MAX_OF_MEAN * self.mean) } else { square };
-            self.count = (self.count + 1).min(MAX_WANDERING);
+            let is_known = self.count >= MIN_DRIFT_FRAMES;
+            let square = if is_known { square.min(CLIP_AT_MEANS * self.mean) } else { square };
+            self.count = (self.count + 1).min(MAX_DRIFT_FRAMES);
             self.mean += (square - self.mean) / f32::from(self.count);
         }
     }
@@ -175,7 +175,7 @@ mod tests {
 
     /// Of positions on a line that are given for each frame.
     fn along(position: impl Fn(i32) -> f32) -> f32 {
-        apart_by_chance_m((0..2 * PERSIST_FRAMES as i32).map(|frame| Some([position(frame), 0.0, 0.0])))
+        jitter_bound_m((0..2 * PERSIST_FRAMES as i32).map(|frame| Some([position(frame), 0.0, 0.0])))
     }
 
     /// Each frame has an error of its own, of a standard deviation of 1 mm.
@@ -195,43 +195,43 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_still_shows_how_far_it_wanders_and_nothing_of_being_moved_unseen() {
-        let mut wandering = Wandering::default();
-        let wanders_m = APART_BY_CHANCE * 0.002 / libm::sqrtf(2.0);
-        let is_about = |wandering: &Wandering, share: f32| {
-            let apart_m = wandering.apart_by_chance_m();
-            apart_m.is_some_and(|apart_m| (wanders_m..share * wanders_m).contains(&apart_m))
+    fn what_lies_still_shows_its_drift_and_nothing_of_being_moved_unseen() {
+        let mut drift = Drift::default();
+        let drift_m = NOISE_BOUND_SIGMAS * 0.002 / libm::sqrtf(2.0);
+        let is_about = |drift: &Drift, share: f32| {
+            let apart_m = drift.bound_m();
+            apart_m.is_some_and(|apart_m| (drift_m..share * drift_m).contains(&apart_m))
         };
-        let lie = |wandering: &mut Wandering, frames: usize| {
+        let lie = |drift: &mut Drift, frames: usize| {
             (0..frames).for_each(|frame| {
                 let [now, before] = [frame, frame + 1].map(|frame| [(frame % 2) as f32 * 0.002, 0.0, 0.0]);
-                wandering.push(now, before, true);
+                drift.push(now, before, true);
             });
         };
         // Strokes of 4.5 cm about where it was first seen, and at 10 cm from there: nothing in them lies still.
-        let stroke = |brought_m: f32, frames: u16, wandering: &mut Wandering| {
+        let stroke = |brought_m: f32, frames: u16, drift: &mut Drift| {
             for frame in 0..frames {
                 let way_m = (f32::from(frame) / 100.0).min(brought_m);
                 let at = |frame: u16| [way_m + 0.0225 * libm::sinf(f32::from(frame) / 4.0), 0.0, 0.0];
-                wandering.push(at(frame + 5), at(frame), false);
+                drift.push(at(frame + 5), at(frame), false);
             }
         };
-        stroke(0.0, 9, &mut wandering);
+        stroke(0.0, 9, &mut drift);
         for brought_m in [0.0, 0.1] {
-            wandering.begin();
-            stroke(brought_m, 300, &mut wandering);
-            lie(&mut wandering, 20);
-            assert_eq!(wandering.apart_by_chance_m(), None);
+            drift.begin();
+            stroke(brought_m, 300, &mut drift);
+            lie(&mut drift, 20);
+            assert_eq!(drift.bound_m(), None);
         }
-        wandering.begin();
-        lie(&mut wandering, 9);
-        assert_eq!(wandering.apart_by_chance_m(), None, "too little to tell");
-        lie(&mut wandering, 291);
-        assert!(is_about(&wandering, 1.1), "{wandering:?}");
-        wandering.begin();
-        wandering.push([0.3, 0.0, 0.0], [0.0; 3], true);
-        lie(&mut wandering, 10);
-        assert!(is_about(&wandering, 1.1), "{wandering:?}");
+        drift.begin();
+        lie(&mut drift, 9);
+        assert_eq!(drift.bound_m(), None, "too little to tell");
+        lie(&mut drift, 291);
+        assert!(is_about(&drift, 1.1), "{drift:?}");
+        drift.begin();
+        drift.push([0.3, 0.0, 0.0], [0.0; 3], true);
+        lie(&mut drift, 10);
+        assert!(is_about(&drift, 1.1), "{drift:?}");
     }
 
     #[test]
@@ -243,6 +243,6 @@ mod tests {
     #[test]
     fn where_every_fourth_frame_is_missing_nothing_is_known_of_errors() {
         let seen = |frame: i32| (frame % 4 > 0).then_some([(frame % 3) as f32, 0.0, 0.0]);
-        assert_eq!(apart_by_chance_m((0..100).map(seen)), 0.0);
+        assert_eq!(jitter_bound_m((0..100).map(seen)), 0.0);
     }
 }

@@ -5,11 +5,11 @@ use crate::verdict::Reason;
 
 /// How far a bound gives way, as a multiple of the share of the IU that was not seen: what was hidden may have been twice as fast as
 /// the rest.
-pub(super) const GIVES_WAY: f32 = 2.0;
+pub(super) const HIDDEN_SLACK: f32 = 2.0;
 
 /// How long the IU is, what it measures, and what was not seen of it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Extent {
+pub(super) struct IuObservation {
     pub(super) frames: u32,
     /// In how many of them the hand waited for the other one.
     pub(super) waited: u32,
@@ -39,7 +39,7 @@ pub(super) const ENDS: u32 = 2;
 /// half of the strokes could seem to be all of them.
 const MAX_ASSUMED: f32 = 0.25;
 
-impl Extent {
+impl IuObservation {
     /// How many frames the IU lasts without those in which the hand waited for the other one. A hand may wait for any time.
     pub(super) fn worked_frames(&self) -> u32 {
         self.frames.saturating_sub(self.waited)

@@ -1,6 +1,6 @@
 //! What the newest frames show, and what may have happened unseen.
 
-use super::super::Sight;
+use super::super::Visibility;
 use super::super::contact;
 use super::super::geometry::{norm, subtract};
 use super::super::interaction::Interaction;
@@ -12,7 +12,7 @@ use crate::capacity::HANDS;
 use crate::set::ActivitySet;
 
 /// What a seen hand carries may be lost for as many times `blind_ms`: two seconds by default, in which nobody puts a part down and comes back for it.
-const CARRIED_BLINDS: u32 = 3;
+const CARRIED_BLIND_TIMES: u32 = 3;
 
 impl Scene {
     /// An object that was hidden is seen again. Where it is elsewhere than was assumed, all that was assumed of it is forgotten.
@@ -85,8 +85,8 @@ impl Scene {
                     .all(|pair| pair.is_some_and(|(to, from)| norm(subtract(to, from)) > min_m))
             };
             is_farther(self.rest_m())
-                && is_farther(self.objects[object].wandering.apart_at_most_m())
-                && is_farther(self.apart_by_chance_m(persist, seen))
+                && is_farther(self.objects[object].drift.max_bound_m())
+                && is_farther(self.jitter_bound_m(persist, seen))
         };
         // What moves while both hands are seen elsewhere was pushed, or is touched farther away than contacts reach: no hand is unseen.
         let is_any_hidden =
@@ -194,7 +194,7 @@ impl Scene {
 
     /// An object that was hidden, lies where it lay, and that the hand was not near meanwhile, was not taken. One that is seen in the
     /// hand was. One that is seen apart from a hand that has let go is not what the hand takes next.
-    pub(super) fn push_rivals(&mut self) {
+    pub(super) fn push_alternatives(&mut self) {
         let moved_m = self.moved_m();
         for (object, node) in self.objects.iter_mut().enumerate() {
             let [pose, before] = [0, 1].map(|age| *node.poses.ago(age));
@@ -206,7 +206,7 @@ impl Scene {
                 let touched = &mut node.may_be_touched[hand];
                 *touched |= !edge.is_known() || edge.is_near();
                 let is_seen_apart = pose.source == Source::Seen && edge.is_known() && !edge.is_near();
-                node.is_rival[hand] &= match interaction {
+                node.may_be_held_instead[hand] &= match interaction {
                     _ if interaction.held() == Some(object) => {
                         pose.source != Source::Seen || !edge.is_known() || !edge.is_near()
                     }
@@ -214,13 +214,14 @@ impl Scene {
                     _ => !is_back || *touched,
                 };
                 // What it was when it was seen again is decided once and for all.
-                *touched = if pose.source == Source::Seen { node.is_rival[hand] } else { *touched };
+                *touched =
+                    if pose.source == Source::Seen { node.may_be_held_instead[hand] } else { *touched };
             }
         }
     }
 
     /// The hand begins to act on `held`: finds whether it was seen to, and the other objects at which it may be, for all that is seen.
-    pub(super) fn update_rivals(
+    pub(super) fn update_alternatives(
         &mut self,
         hand: usize,
         before: Option<usize>,
@@ -242,7 +243,7 @@ impl Scene {
                 && node.poses.ago(0).source == Source::Seen
                 && held.is_some_and(|held| held != object && touch.is_near());
             let is_new = is_taken && is_in_doubt || appears;
-            node.is_rival[hand] = held.is_some() && (node.is_rival[hand] || is_new);
+            node.may_be_held_instead[hand] = held.is_some() && (node.may_be_held_instead[hand] || is_new);
             node.may_be_touched[hand] |= is_new && node.poses.ago(0).source == Source::Seen;
         }
     }
@@ -332,22 +333,24 @@ impl Scene {
 
     fn used_out_of_sight(&self, age: usize) -> impl Iterator<Item = &Node> {
         self.objects.iter().filter(move |node| {
-            !node.shape.used_by.is_empty() && self.sight(node.poses.ago(age).unseen) == Sight::Unseen
+            !node.shape.used_by.is_empty()
+                && self.visibility(node.poses.ago(age).unseen) == Visibility::Unseen
         })
     }
 
-    pub(super) fn sight(&self, unseen: u32) -> Sight {
+    pub(super) fn visibility(&self, unseen: u32) -> Visibility {
         match unseen {
-            0 => Sight::Seen,
-            unseen if unseen <= self.blind_frames => Sight::Assumed,
-            _ => Sight::Unseen,
+            0 => Visibility::Seen,
+            unseen if unseen <= self.blind_frames => Visibility::Assumed,
+            _ => Visibility::Unseen,
         }
     }
 
     /// What a seen hand carries goes with it for longer: how it is seen again shows whether it did.
-    pub(super) fn object_sight(&self, pose: &ObjectPose) -> Sight {
-        let is_carried = pose.source == Source::Carried && pose.unseen <= CARRIED_BLINDS * self.blind_frames;
-        if is_carried { Sight::Assumed } else { self.sight(pose.unseen) }
+    pub(super) fn object_visibility(&self, pose: &ObjectPose) -> Visibility {
+        let is_carried =
+            pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
+        if is_carried { Visibility::Assumed } else { self.visibility(pose.unseen) }
     }
 
     /// An object that lies as far from where it lay has been moved, in metres. Far above the noise of a marker that lies still, and below

@@ -3,12 +3,12 @@
 //! Couples that never come count as frames in which nothing was seen. An `encode` that starts again loses what it held back, and an IU
 //! would seem too short without them.
 
-use crate::couple::{Couple, Sight};
+use crate::couple::{Couple, Visibility};
 use crate::input::Side;
 use crate::verdict::{Missing, Reason};
 
 /// Objects that are counted: the two of a context, and two that the hand may have taken instead. Of others it is not said for how long.
-const COUNTED: usize = 4;
+const COUNTED_OBJECTS: usize = 4;
 
 /// Why something is not judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +40,7 @@ pub(super) fn percent(frames: u32, of: u32) -> Option<u8> {
 
 /// How many frames did not show what a hand acts on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Missed {
+pub(super) struct OcclusionLog {
     side: Side,
     period_ns: u64,
     newest_ns: u64,
@@ -56,10 +56,10 @@ pub(super) struct Missed {
     /// In how many the hand was hidden.
     hand: u32,
     /// The ids of objects, and in how many they were hidden.
-    objects: [(u16, u32); COUNTED],
+    objects: [(u16, u32); COUNTED_OBJECTS],
 }
 
-impl Missed {
+impl OcclusionLog {
     pub(super) fn new(side: Side, period_ns: u64) -> Self {
         Self {
             side,
@@ -71,7 +71,7 @@ impl Missed {
             captured: 0,
             uncaptured: 0,
             hand: 0,
-            objects: [(0, 0); COUNTED],
+            objects: [(0, 0); COUNTED_OBJECTS],
         }
     }
 
@@ -97,7 +97,7 @@ impl Missed {
     /// Takes that couple.
     pub(super) fn count(&mut self, couple: &Couple, is_captured: bool) {
         // What is seen and not clear behind frames that never came is so because of them.
-        let is_hidden = couple.sight != [Sight::Seen; 3] || self.uncaptured == 0;
+        let is_hidden = couple.visibility != [Visibility::Seen; 3] || self.uncaptured == 0;
         if !is_captured {
             self.uncaptured = self.uncaptured.saturating_add(1);
         } else if !couple.is_clear && is_hidden {
@@ -107,16 +107,22 @@ impl Missed {
     }
 
     fn count_hidden(&mut self, couple: &Couple) {
-        let [hand, ..] = couple.sight.map(|sight| sight != Sight::Seen);
+        let [hand, ..] = couple.visibility.map(|visibility| visibility != Visibility::Seen);
         self.hand = self.hand.saturating_add(hand.into());
         let [_, _, j, l] = couple.context.0;
         let j = j.max(couple.context.0[1]);
-        let ids = [(j, couple.sight[1]), (l, couple.sight[2]), (couple.hidden_object, Sight::Unseen)];
-        for (index, (id, sight)) in ids.into_iter().enumerate() {
-            let is_counted = ids[..index].iter().any(|(other, sight)| *other == id && *sight != Sight::Seen);
+        let ids = [
+            (j, couple.visibility[1]),
+            (l, couple.visibility[2]),
+            (couple.hidden_object, Visibility::Unseen),
+        ];
+        for (index, (id, visibility)) in ids.into_iter().enumerate() {
+            let is_counted = ids[..index]
+                .iter()
+                .any(|(other, visibility)| *other == id && *visibility != Visibility::Seen);
             let place = self.objects.iter_mut().find(|(object, _)| [id, 0].contains(object));
             if id != 0
-                && sight != Sight::Seen
+                && visibility != Visibility::Seen
                 && !is_counted
                 && let Some(place) = place
             {
@@ -127,9 +133,9 @@ impl Missed {
 
     /// Why too little is known of what these hands did, as far as it is that frames never came or did not show it: whichever are more.
     /// `None` where all frames came and showed everything.
-    pub(super) fn cause(missed: &[Self], min_captured: f32) -> Option<Cause> {
-        let uncaptured = missed.iter().max_by_key(|missed| missed.uncaptured)?;
-        let captured = missed.iter().max_by_key(|missed| missed.captured)?;
+    pub(super) fn cause(logs: &[Self], min_captured: f32) -> Option<Cause> {
+        let uncaptured = logs.iter().max_by_key(|log| log.uncaptured)?;
+        let captured = logs.iter().max_by_key(|log| log.captured)?;
         if uncaptured.uncaptured > captured.captured {
             Some(uncaptured.frames_missing(min_captured))
         } else {
@@ -151,9 +157,9 @@ impl Missed {
     }
 
     /// The same, where so many frames are missing as a change takes to be believed (`persist_frames`): fewer seldom are the reason.
-    pub(super) fn main_cause(missed: &[Self], min_captured: f32, persist_frames: u32) -> Option<Cause> {
-        let is_any = missed.iter().any(|missed| !missed.is_within(persist_frames.saturating_sub(1)));
-        Self::cause(missed, min_captured).filter(|_| is_any)
+    pub(super) fn main_cause(logs: &[Self], min_captured: f32, persist_frames: u32) -> Option<Cause> {
+        let is_any = logs.iter().any(|log| !log.is_within(persist_frames.saturating_sub(1)));
+        Self::cause(logs, min_captured).filter(|_| is_any)
     }
 
     /// No more frames than this did not show what the hand acts on.

@@ -1,4 +1,4 @@
-//! How far objects that lie still seem to move, by errors that last.
+//! How far objects that lie still seem to move, by drift.
 
 use super::super::interaction::Interaction;
 use super::super::poses::{HandPose, Recent, Source};
@@ -6,7 +6,7 @@ use super::Scene;
 
 impl Scene {
     /// While all hands are seen and none acts on anything, nothing moves. A hand that has never been seen may not be there.
-    pub(super) fn push_wandering(&mut self, age: usize) {
+    pub(super) fn push_drift(&mut self, age: usize) {
         let acts = self.interactions.iter().any(|what| matches!(what, Interaction::Acts { .. }));
         let is_hidden =
             |hand: &Recent<HandPose>| !matches!(hand.ago(age).source, Source::Seen | Source::Never);
@@ -18,7 +18,7 @@ impl Scene {
         self.idle_frames = if is_idle { self.idle_frames.saturating_add(1) } else { 0 };
         let persist = self.method.persist_frames;
         if self.idle_frames == persist.into() {
-            self.objects.iter_mut().for_each(|node| node.wandering.begin());
+            self.objects.iter_mut().for_each(|node| node.drift.begin());
         }
         if self.idle_frames <= persist.into() {
             return;
@@ -27,19 +27,19 @@ impl Scene {
         for object in 0..self.objects.len() {
             let before = self.seen_object(object, age + usize::from(persist));
             if let Some((now, before)) = self.seen_object(object, age).zip(before) {
-                self.objects[object].wandering.push(now, before, has_seen_hand);
+                self.objects[object].drift.push(now, before, has_seen_hand);
             }
         }
     }
 
-    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by errors that last, in metres. Finger tips
+    /// How far apart two positions of an object, or of one in the frame of reference of another, may be by drift, in metres. Finger tips
     /// err at least as much.
-    pub(super) fn pair_wanders_m(&self, j: usize, l: Option<usize>) -> f32 {
-        libm::hypotf(self.wanders_m(j), l.map_or(0.0, |l| self.wanders_m(l)))
+    pub(super) fn pair_drift_m(&self, j: usize, l: Option<usize>) -> f32 {
+        libm::hypotf(self.drift_m(j), l.map_or(0.0, |l| self.drift_m(l)))
     }
 
     /// How far an object that lies still seems to move at most while a change is believed, in metres; 0 where that is not known.
-    pub(super) fn wanders_m(&self, object: usize) -> f32 {
-        self.objects[object].wandering.apart_by_chance_m().unwrap_or_default()
+    pub(super) fn drift_m(&self, object: usize) -> f32 {
+        self.objects[object].drift.bound_m().unwrap_or_default()
     }
 }
