@@ -119,7 +119,6 @@ impl Distribution {
         }
     }
 
-    /// Its name.
     pub(crate) const fn name(measure: Option<Measure>) -> &'static str {
         match measure {
             None => "motion",
@@ -181,7 +180,6 @@ impl Distribution {
         })
     }
 
-    /// Where it lies, and what is right.
     fn words(&self) -> String {
         [self.place()].into_iter().chain(self.right_words()).collect::<Vec<_>>().join("; ")
     }
@@ -211,7 +209,6 @@ impl Distribution {
         format!("{:.decimals$}", factor * value)
     }
 
-    /// The bounds that there are.
     fn bounds(&self) -> [Option<f32>; 2] {
         self.right.unwrap_or_default()
     }
@@ -234,7 +231,6 @@ impl Distribution {
         (0.0..=1.0).contains(&share).then_some(share)
     }
 
-    /// The column of a value in a row.
     fn column(&self, value: f32) -> Option<usize> {
         let last = (COLUMNS - 1 - 2 * MARGIN) as f32;
         self.share(value).map(|share| MARGIN + (share * last).round() as usize)
@@ -330,11 +326,10 @@ impl fmt::Display for Distribution {
 }
 
 impl<'a> Right<'a> {
-    fn of(iu: &'a TaughtIu, rate_hz: f32) -> Self {
+    pub(crate) fn of(iu: &'a TaughtIu, rate_hz: f32) -> Self {
         Self { frames: iu.frames, reversals: iu.reversals, measures: &iu.measures, rate_hz }
     }
 
-    /// The bounds of a measure; `None` where there is none.
     pub(crate) fn of_measure(&self, measure: Measure) -> [Option<f32>; 2] {
         let counts = |Bounds { min, max }: Bounds, per: f32| {
             [(min > 0).then_some(min), (max < u32::MAX).then_some(max)]

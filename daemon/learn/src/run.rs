@@ -360,13 +360,11 @@ pub fn verdicts(couples: &[Couples], job: &JobFile) -> Result<Vec<Verdict>, anom
     })
 }
 
-/// Collects the events of the segmenter into activities and IUs.
 #[derive(Default)]
 struct Collector {
     activities: Vec<Activity>,
     /// Index of the open activity of each hand, by [`Side::index`].
     open: [Option<usize>; 2],
-    /// The motion of the open IU of each hand.
     motion: [Vec<Motion>; 2],
 }
 

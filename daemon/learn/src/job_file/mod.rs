@@ -29,10 +29,8 @@ use andon_core::object::ObjectShape;
 use andon_core::set::ActivitySet;
 use serde::Deserialize;
 
-/// The value of `format`.
 pub(crate) const FORMAT: &str = "andon.job";
 
-/// The value of `version`.
 pub(crate) const VERSION: i64 = 2;
 
 /// One IU of a nominal activity, owned.

@@ -5,7 +5,7 @@ use super::{
     VERSION, checksum, runs, validate,
 };
 use crate::file::{self, typographic};
-use crate::recording::NamedObject;
+use crate::recording::{NamedObject, SpaceName};
 use andon_core::bounds::{Around, Bounds, Range};
 use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
@@ -55,13 +55,6 @@ struct NamesText {
 }
 
 #[derive(Deserialize)]
-#[serde(remote = "Space", rename_all = "lowercase")]
-enum SpaceText {
-    Plane,
-    Metric,
-}
-
-#[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum CostText {
     Normalised,
@@ -79,7 +72,7 @@ struct ContactText {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MethodText {
-    #[serde(with = "SpaceText")]
+    #[serde(with = "SpaceName")]
     space: Space,
     cost: CostText,
     /// A file without this key was taught without it.
@@ -179,7 +172,6 @@ struct ShownText {
     place_m: f32,
 }
 
-/// Minimum and maximum.
 #[derive(Deserialize)]
 struct BoundsText(u32, MaxText);
 
@@ -310,7 +302,6 @@ fn start_of(StartText { place_m: [x, y, z, max], moved_by }: StartText) -> Start
     StartPlace { place: Around { centre: [x, y, z], max }, moved_by: moved_by.into_iter().collect() }
 }
 
-/// As many items as there may be.
 fn fitting<T: Clone, const MAX: usize>(items: &[T], key: &str) -> Result<heapless::Vec<T, MAX>, JobFault> {
     heapless::Vec::from_slice(items).map_err(|_| JobFault::Invalid {
         key: key.to_owned(),

@@ -36,7 +36,6 @@ const MIN_TURN_WITHOUT_TILT: f64 = 0.005;
 const SAME_M: f32 = 0.001;
 const APART_M: f32 = 0.05;
 
-/// What the frames so far show.
 #[derive(Debug)]
 pub(super) struct Conventions {
     rate_hz: f64,
@@ -86,7 +85,6 @@ impl Conventions {
         if self.steps.len() < STEPS { Ok(()) } else { self.look_at_steps() }
     }
 
-    /// Takes what was seen in a frame.
     pub(super) fn frame(&mut self, hands: &[Hand], objects: &[Object]) -> Result<(), TrackFault> {
         if !self.has_looked_at_hands {
             self.hands.extend(hands.iter().map(length));
@@ -185,13 +183,11 @@ impl Conventions {
     }
 }
 
-/// From the wrist to the tip of the middle finger.
 fn length(hand: &Hand) -> f64 {
     let [x, y, z] = [0, 1, 2].map(|axis| f64::from(hand.tips[1][axis]) - f64::from(hand.wrist[axis]));
     (x * x + y * y + z * z).sqrt()
 }
 
-/// That a file is compressed.
 pub(super) fn packed(line: &[u8]) -> Option<&'static str> {
     line.starts_with(&[0x1f, 0x8b]).then_some("it is compressed; unpack it with gunzip")
 }
@@ -219,7 +215,6 @@ pub(super) fn other_text(line: &[u8]) -> Option<&'static str> {
     })
 }
 
-/// Checks a point of an object in the header.
 pub(super) fn point(id: u16, point: &[f64; 3]) -> Result<(), TrackFault> {
     let far = point.iter().fold(0.0_f64, |far, value| far.max(value.abs()));
     if far > MAX_POINT_M { Err(TrackFault::FarPoint(id, far)) } else { Ok(()) }

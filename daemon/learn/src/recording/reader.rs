@@ -2,11 +2,11 @@
 
 use super::convention::{self, Conventions};
 use super::error::{TrackError, TrackFault};
-use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, SpaceName, VERSION, all};
+use super::line::{FORMAT, FrameLine, HandEntry, HeaderLine, Magic, ObjectEntry, VERSION, all};
 use super::{Header, Landmarks, NamedObject, Recording};
 use crate::file::{BYTE_ORDER_MARK, NotText, is_utf16};
 use andon_core::capacity::{HANDS, OBJECTS};
-use andon_core::input::{Frame, Hand, Object, Point, Side, Space};
+use andon_core::input::{Frame, Hand, Object, Point, Side};
 use andon_core::object::ObjectShape;
 use std::fmt;
 use std::io::{BufRead, Read};
@@ -148,7 +148,6 @@ impl<R: BufRead> Iterator for TrackReader<R> {
 struct Lines<R> {
     source: R,
     file: String,
-    /// The number of the newest line, from 1.
     line: usize,
     buffer: Vec<u8>,
 }
@@ -247,10 +246,7 @@ fn header_of_line(line: HeaderLine) -> Result<Header, TrackFault> {
     }
     Ok(Header {
         rate_hz: line.rate_hz as f32,
-        space: match line.space {
-            SpaceName::Plane => Space::Plane,
-            SpaceName::Metric => Space::Metric,
-        },
+        space: line.space,
         hands,
         landmarks,
         objects: objects_of(line)?,

@@ -71,7 +71,6 @@ impl<R: BufRead> Iterator for SeenTracks<R> {
 #[derive(Debug)]
 struct Repeats {
     blind_ns: u64,
-    /// The newest frames.
     ahead: VecDeque<Frame>,
     /// The newest frame as it came.
     newest: Option<Frame>,
@@ -94,7 +93,6 @@ struct Part {
 }
 
 impl Repeats {
-    /// Before the first frame.
     fn new(blind_ms: u32) -> Self {
         Self {
             blind_ns: u64::from(blind_ms) * 1_000_000,
@@ -106,7 +104,6 @@ impl Repeats {
         }
     }
 
-    /// Takes the next frame.
     fn push(&mut self, frame: Frame) {
         let now_ns = frame.captured_ns;
         let before = self.newest.replace(frame.clone());

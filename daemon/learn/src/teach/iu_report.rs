@@ -4,35 +4,19 @@ use super::kind::MotionKind;
 use super::threshold::Learned;
 use crate::job_file::TaughtIu;
 use crate::statistics::{deviation, mean};
-use andon_core::bounds::Bounds;
-use andon_core::couple::Context;
-use andon_core::job::MeasureBounds;
 
-/// What teaching found for one IU of a nominal activity.
+/// What was taught of one IU of a nominal activity, and what it depends on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct IuReport {
+pub(super) struct IuReport {
     /// Index of the activity in the job, from 0.
-    pub activity: u16,
+    pub(super) activity: u16,
     /// Index of the IU in the activity, from 0.
-    pub iu: usize,
-    /// The context of the IU.
-    pub context: Context,
-    /// Number of demonstrations.
-    pub demonstrations: usize,
-    /// Mean of the DTW distances that the threshold is derived from.
-    pub mean_distance: f64,
-    /// Their standard deviation.
-    pub distance_deviation: f64,
-    /// Maximum DTW distance of a correct execution.
-    pub threshold: f32,
-    /// Bounds of duration, in frames of the grid.
-    pub frames: Bounds,
-    /// Bounds of the number of reversals.
-    pub reversals: Bounds,
+    pub(super) iu: usize,
+    pub(super) taught: TaughtIu,
+    /// Mean and standard deviation of the DTW distances that the threshold is derived from.
+    pub(super) distance: [f64; 2],
     /// The demonstrations do not agree in the number of strokes.
-    pub is_by_feel: bool,
-    /// Bounds of what it measures in metres, and what was shown.
-    pub measures: MeasureBounds,
+    pub(super) is_by_feel: bool,
 }
 
 impl IuReport {
@@ -47,20 +31,15 @@ impl IuReport {
         Self {
             activity,
             iu,
-            context: taught.context,
-            demonstrations: learned.own.len(),
-            mean_distance: mean(distances),
-            distance_deviation: deviation(distances, 1),
-            threshold: taught.threshold,
-            frames: taught.frames,
-            reversals: taught.reversals,
+            taught: taught.clone(),
+            distance: [mean(distances), deviation(distances, 1)],
             is_by_feel: kind.is_by_feel(),
-            measures: taught.measures,
         }
     }
 
     /// The threshold, in words where the motion is no law.
     pub(super) fn threshold_words(&self) -> String {
-        if self.threshold < f32::MAX { format!("{:.2}", self.threshold) } else { "any".to_owned() }
+        let threshold = self.taught.threshold;
+        if threshold < f32::MAX { format!("{threshold:.2}") } else { "any".to_owned() }
     }
 }

@@ -10,7 +10,7 @@
 
 use super::strength::{Rule, Strengths};
 use super::threshold::Memory;
-use super::{TeachOptions, Teaching};
+use super::{TeachOptions, TeachReport, Teaching};
 use crate::distribution::Distribution;
 use crate::run::Run;
 use andon_core::verdict::{Outcome, Verdict};
@@ -20,7 +20,6 @@ use std::collections::BTreeMap;
 /// With fewer runs, the others would be one, which shows neither an order nor a spread.
 pub(super) const MIN_RUNS: usize = 3;
 
-/// What leaving one run out shows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct LeftOut {
     /// How much is left of each rule.
@@ -33,13 +32,11 @@ pub(super) struct LeftOut {
     pub(super) shown: BTreeMap<(Rule, String), Distribution>,
 }
 
-/// One run, and what the others show.
 struct Fold<'a> {
     left_out: &'a Run,
     others: Teaching<'a>,
 }
 
-/// What rejects a run that was left out.
 struct Rejection {
     name: String,
     /// The rules that it breaks, with where it lies; empty if the others teach no job, or it does something else that they do not know.
@@ -112,7 +109,7 @@ impl<'a> Fold<'a> {
         if self.others.learn().is_err() {
             return Some(Rejection { name, rules: Vec::new() });
         }
-        let Teaching { job, agreement, .. } = &self.others;
+        let Teaching { report: TeachReport { job, .. }, agreement, .. } = &self.others;
         let verdicts = self.left_out.judge(job).unwrap_or_default();
         let broken = |verdict: &Verdict| {
             Some((Rule::broken_by(verdict, &agreement.keys)?, Distribution::of_verdict(job, verdict)))

@@ -33,10 +33,7 @@ mod threshold;
 mod trust;
 mod widened;
 
-pub use iu_report::IuReport;
-pub use meetings::Unsure;
 pub use options::{TeachError, TeachOptions};
-pub use order::OrderReport;
 pub use page::page;
 pub use report::TeachReport;
 pub use sequence::{Blind, Disagreement};
@@ -44,8 +41,8 @@ pub use statement::Statement;
 pub use threshold::Memory;
 pub use trust::{Doubt, Outlier};
 
-use crate::job_file::{JobFile, context_words};
-use crate::recording::{NamedObject, object_name};
+use crate::job_file::JobFile;
+use crate::recording::NamedObject;
 use crate::run::Run;
 use andon_core::capacity::{ACTIVITIES, ACTIVITY_IUS, OBJECTS};
 use ius::Teacher;
@@ -95,10 +92,10 @@ pub fn teach_again(runs: &[Run], options: &TeachOptions, memory: &mut Memory) ->
     std::mem::swap(&mut teaching.memory, memory);
     learnt?;
     teaching.rate();
-    Ok(teaching.job)
+    Ok(teaching.report.job)
 }
 
-/// Runs on their way to a job. The job and the report grow from stage to stage.
+/// Runs on their way to a job. The report, which has the job, grows from stage to stage.
 struct Teaching<'a> {
     options: &'a TeachOptions,
     /// The different runs as they were given.
@@ -110,7 +107,6 @@ struct Teaching<'a> {
     left_out: Option<LeftOut>,
     people: People,
     memory: Memory,
-    job: JobFile,
     report: TeachReport,
 }
 
@@ -125,8 +121,7 @@ impl<'a> Teaching<'a> {
             left_out: None,
             people: People::IN_GENERAL,
             memory: Memory::default(),
-            job: options.job(),
-            report: TeachReport::of(options),
+            report: TeachReport::of(options.job()),
         }
     }
 
@@ -168,14 +163,14 @@ impl<'a> Teaching<'a> {
     fn pairs(&mut self) -> Result<(), TeachError> {
         self.runs = pairs::choose(std::mem::take(&mut self.runs))?;
         let objects = self.runs.first().map_or(&[][..], |run| &run.objects);
-        self.report.unsure.extend(Unsure::incidental(objects));
+        self.report.unsure.extend(meetings::incidental(objects));
         Ok(())
     }
 
     /// Finds what the runs have in common where rules are as strong as they are.
     fn agree(&mut self) {
         self.agreement = agree(&self.runs, &self.strengths);
-        self.job.provenance.sources = self.agreement.sources(&self.runs);
+        self.report.job.provenance.sources = self.agreement.sources(&self.runs);
     }
 
     /// Lets contacts last for strokes of any right length, where people differ more than in general.
@@ -236,31 +231,32 @@ impl<'a> Teaching<'a> {
         let mut memory = std::mem::take(&mut self.memory);
         let learnt = Teacher::new(self, &mut memory).teach();
         self.memory = memory;
-        (self.job.activities, self.report.ius) = learnt?;
+        (self.report.job.activities, self.report.ius) = learnt?;
         self.report.blind = self.agreement.ius().flat_map(|iu| iu.blind.iter().cloned()).collect();
         Ok(())
     }
 
     /// Finds the order of the steps.
     fn order(&mut self) {
-        self.job.passive_contacts.clone_from(&self.agreement.passive_contacts);
-        self.job.steps = relation::steps(&self.runs, &self.agreement, self.options, &self.strengths);
+        self.report.job.passive_contacts.clone_from(&self.agreement.passive_contacts);
+        self.report.job.steps = relation::steps(&self.runs, &self.agreement, self.options, &self.strengths);
     }
 
     /// Finds where parts lie before the job moves them.
     fn start(&mut self) {
-        self.job.objects = start::found(&self.runs, &self.agreement, self.options.method.space);
+        self.report.job.objects = start::found(&self.runs, &self.agreement, self.options.method.space);
     }
 
     /// Gives each step the name that it had, or else proposes one.
     fn names(&mut self) {
-        self.job.name_steps(&self.options.step_names);
+        self.report.job.name_steps(&self.options.step_names);
     }
 
     /// Measures how many frames per second the job needs.
     fn rate(&mut self) {
         if self.options.measure_rate {
-            self.job.min_rate_hz = needed_rate_hz(&self.agreement.used_runs(&self.runs), &self.job);
+            self.report.job.min_rate_hz =
+                needed_rate_hz(&self.agreement.used_runs(&self.runs), &self.report.job);
         }
     }
 
@@ -277,21 +273,16 @@ impl<'a> Teaching<'a> {
 
     /// The job and what is said of it.
     fn report(self) -> (JobFile, TeachReport) {
-        let Self { options, runs, agreement, left_out, job, report, .. } = self;
-        let used = agreement.used.len();
-        let words = |context| context_words(context, |id| job.object_name(id));
-        let sentences = || widened::sentences(used, left_out.as_ref(), &agreement.keys, &words);
-        let report = TeachReport {
-            runs: runs.len(),
-            order: OrderReport::new(&job, used),
-            left_out: options.leave_one_out.then(sentences).unwrap_or_default(),
-            rejected: left_out.as_ref().map(|left_out| left_out.rejected.clone()),
-            disagreements: agreement.disagreements,
-            min_rate_hz: job.min_rate_hz,
-            objects: job.objects.clone(),
-            ..report
-        };
-        (job, report)
+        let Self { options, runs, agreement, left_out, mut report, .. } = self;
+        if options.leave_one_out {
+            let words = |context| report.words(context);
+            report.left_out =
+                widened::sentences(agreement.used.len(), left_out.as_ref(), &agreement.keys, &words);
+        }
+        report.rejected = left_out.map(|left_out| left_out.rejected);
+        report.runs = runs.len();
+        report.disagreements = agreement.disagreements;
+        (report.job.clone(), report)
     }
 
     /// Why nothing was taught, with what speaks against the runs.
@@ -299,8 +290,7 @@ impl<'a> Teaching<'a> {
         if self.report.doubts.is_empty() || !nothing.is_of_runs() {
             return nothing;
         }
-        let words = |context| context_words(context, |id| object_name(&self.given[0].objects, id));
-        let sentence = |doubt: &Doubt| format!("{}: {}", doubt.sentence(&words), doubt.remedy());
+        let sentence = |doubt: &Doubt| format!("{}: {}", doubt.sentence, doubt.remedy);
         TeachError::Doubtful {
             doubts: self.report.doubts.iter().map(sentence).collect(),
             nothing: Box::new(nothing),

@@ -42,7 +42,6 @@ pub(super) fn choose(mut runs: Vec<Run>) -> Result<Vec<Run>, TeachError> {
     }
 }
 
-/// A description without one pair more.
 struct Tried {
     bits: f64,
     pair: Pair,

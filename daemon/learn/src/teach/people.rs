@@ -84,7 +84,6 @@ pub(super) fn beyond_border(frames: u32, border: f64) -> f64 {
     (f64::from(frames) - border).max(1.0)
 }
 
-/// How many frames the way in and out of a contact takes.
 pub(super) fn border_frames(rate_hz: f32) -> f64 {
     BORDER_S * f64::from(rate_hz)
 }

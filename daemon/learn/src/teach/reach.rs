@@ -50,7 +50,6 @@ pub(super) fn widened(
     Ok(None)
 }
 
-/// The activity and the contexts of each step.
 fn steps(agreement: &Agreement) -> impl Iterator<Item = (u16, &[Context])> {
     agreement.sequences.iter().map(|step| (step.activity, step.contexts.as_slice()))
 }

@@ -31,7 +31,6 @@ pub(super) fn chance_of_one_order(runs: usize) -> f64 {
     0.5_f64.powi(runs as i32 - 1)
 }
 
-/// What one step of one run was.
 struct Occurrence<'a> {
     activity: &'a Activity,
     began_s: f64,

@@ -70,7 +70,6 @@ pub struct Blind {
 pub(super) struct Sequence {
     /// Index of the activity in the job, from 0.
     pub(super) activity: u16,
-    /// The contexts in order.
     pub(super) contexts: Vec<Context>,
     /// The demonstrations have only these in common, and other IUs between them.
     pub(super) allows_insertions: bool,
@@ -78,7 +77,6 @@ pub(super) struct Sequence {
     pub(super) is_steadied: bool,
     /// The demonstrations: index of the run, and index of the activity in that run.
     pub(super) shown: Vec<(usize, usize)>,
-    /// What they show of each IU.
     pub(super) ius: Vec<ShownIu>,
 }
 
@@ -89,7 +87,6 @@ pub(super) struct ShownIu {
     pub(super) kind: MotionKind,
     /// The demonstrations from which it can be learnt: index of the run, of the activity in it, and of the IU in that.
     pub(super) shown: Vec<[usize; 3]>,
-    /// What was measured of these.
     pub(super) measured: Vec<Measures>,
     /// How many frames of the grid the hand worked in these.
     pub(super) frames: Vec<u32>,
@@ -197,7 +194,6 @@ impl Agreement {
         TeachError::NoneAgrees { runs: runs.len(), differences }
     }
 
-    /// The IUs of all sequences.
     pub(super) fn ius(&self) -> impl Iterator<Item = &ShownIu> {
         self.sequences.iter().flat_map(|sequence| &sequence.ius)
     }
@@ -351,12 +347,10 @@ impl<'a> Steps<'a> {
         passive.map(|(activity, _)| object(activity)).collect()
     }
 
-    /// The index in a run of the activity that is this step.
     fn index(&self, run: usize, step: &StepKey) -> Option<usize> {
         self.steps[run].iter().position(|other| other.as_ref() == Some(step))
     }
 
-    /// How many runs have this step.
     fn count(&self, step: &StepKey) -> usize {
         (0..self.runs.len()).filter(|run| self.index(*run, step).is_some()).count()
     }

@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 /// A step of a job, whatever its number there is: the hand and the object that it begins with, and how many steps before it begin so.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct StepKey {
-    /// Hand and object.
     pub(super) opening: [u16; 2],
     /// The number of earlier steps with the same opening.
     pub(super) nth: usize,
@@ -71,7 +70,6 @@ impl Strength {
     }
 }
 
-/// The strength of each rule of a job.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Strengths(BTreeMap<Rule, Strength>);
 
@@ -80,7 +78,6 @@ impl Strengths {
         self.0.get(&rule).copied().unwrap_or_default()
     }
 
-    /// Whether the rule is law.
     pub(super) fn is_law(&self, rule: Rule) -> bool {
         self.of(rule) == Strength::General
     }

@@ -80,7 +80,6 @@ fn dwells([with, at]: [usize; 2], shown: &[Trajectories]) -> Vec<(Dwell, Place)>
 /// Where one object dwells at another.
 #[derive(Clone, Copy)]
 struct Place {
-    /// The number of the run.
     run: usize,
     at: Point3<f32>,
     /// What was carried there is nearer to a third object that lies.

@@ -24,7 +24,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::object::{Meeting, ObjectShape};
 use nalgebra::Point3;
 use trajectory::Trajectories;
-pub use unsure::Unsure;
+pub(super) use unsure::incidental;
 
 /// How people in general differ in how near they come, in metres.
 const PRIOR_M: f64 = 0.004;
@@ -34,7 +34,7 @@ const PRIOR_M: f64 = 0.004;
 const MISS_RATE: f64 = 0.005;
 
 /// The objects of the runs, with where and how near they are met, and what is not sure of it.
-pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<Unsure>) {
+pub(super) fn learn(runs: &[Run], method: &Method) -> (Vec<NamedObject>, Vec<String>) {
     let mut objects: Vec<NamedObject> = Vec::new();
     for object in runs.iter().flat_map(|run| &run.objects) {
         if objects.iter().all(|other| other.shape.id != object.shape.id) {
@@ -106,7 +106,6 @@ fn in_proportion(default: Contact, on_m: f32) -> Contact {
     Contact { on_m, off_m: (10_000.0 * on_m * default.off_m / default.on_m).round() / 10_000.0 }
 }
 
-/// The distance of two sets of points.
 fn apart_m(one: &[Point3<f32>], other: &[Point3<f32>]) -> f32 {
     let all = one.iter().flat_map(|one| other.iter().map(move |other| (one - other).norm()));
     all.fold(f32::INFINITY, f32::min)
@@ -130,7 +129,6 @@ fn centres(points: &[Point3<f32>], near_m: f32) -> Vec<Point3<f32>> {
     centres.iter().map(|point| point.map(|value| (1000.0 * value).round() / 1000.0)).collect()
 }
 
-/// The median of each coordinate.
 fn median(points: impl Iterator<Item = Point3<f32>> + Clone) -> Point3<f32> {
     Point3::from(median_point(points.map(|point| [point.x, point.y, point.z])))
 }

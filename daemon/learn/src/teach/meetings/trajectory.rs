@@ -41,7 +41,6 @@ const BOTH_HOLD: (usize, usize) = (3, 4);
 /// The nearer one holds it if it is the nearer one in this share of the time: the object is handed over, or both hold it.
 const ONE_HOLDS: (usize, usize) = (1, 4);
 
-/// The finger tips of a hand, in metres.
 pub(super) type Tips = [Point3<f32>; 3];
 
 /// The finger tips of the hands that move with an object, in its frame of reference, by the index of the side; at least one does.
@@ -50,7 +49,6 @@ type Carriers = [Option<Tips>; HANDS];
 /// The frames of a dwelling, and the places in metres.
 pub(super) type Dwell = Vec<(usize, Point3<f32>)>;
 
-/// The poses in the frames of a run.
 pub(super) struct Trajectories {
     times_s: Vec<f64>,
     hands: [Vec<Option<Tips>>; HANDS],
@@ -109,7 +107,6 @@ impl Trajectories {
         (0..self.times_s.len()).filter_map(carriers).collect()
     }
 
-    /// In how many frames the object is carried.
     pub(super) fn carried_frames(&self, object: usize) -> usize {
         self.carried[object].len()
     }
@@ -207,7 +204,6 @@ impl Trajectories {
         lying.all(|other| apart_m(other) >= apart_m(object))
     }
 
-    /// Whether a hand holds any object.
     fn holds_anything(&self, hand: usize, frame: usize) -> bool {
         (0..self.objects.len()).any(|object| self.are_at(object, frame)[hand] == Some(true))
     }

@@ -4,6 +4,7 @@
 //! that a second one like it does not hide it either. Ratios are compared: a slow person takes longer in every step.
 
 use super::MIN_RUNS;
+use crate::distribution::{Distribution, Right};
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
 use crate::teach::kind::MIN_REPEATED_REVERSALS;
@@ -51,46 +52,27 @@ struct Comparison {
 }
 
 /// All comparisons; what explains the others comes first. Durations and ways of simulated people differ by 0.05 to 0.2 (standard deviation of the
-/// logarithm), the reversals of six strokes by 0.03 and their DTW distances by 0.3. The noise is one reversal, the five frames of a contact, a
-/// hand's width, and the distance of two motions that differ in a frame or two.
+/// logarithm), the reversals of six strokes by 0.03 and their DTW distances by 0.3. Cycles are counted, so that fewer spreads are enough, and two
+/// that count alike to find a third. The noise is one reversal, the five frames of a contact, a hand's width, and the distance of two motions that
+/// differ in a frame or two. A part that comes in unseen goes farther than one that is there.
 const COMPARISONS: [Comparison; 4] = [
-    // Cycles are counted, so that fewer spreads are enough, and two that count alike to find a third.
-    Comparison {
-        measure: Some(Measure::Strokes),
-        max_spreads: 3.2,
-        min_runs: 3,
-        min_spread: 0.08,
-        noise: 1.0,
-        per_hidden: 0.0,
-    },
-    Comparison {
-        measure: Some(Measure::Duration),
-        max_spreads: 5.0,
-        min_runs: MIN_RUNS,
-        min_spread: 0.15,
-        noise: 0.17,
-        per_hidden: 1.0,
-    },
-    // A part that comes in unseen goes farther than one that is there.
-    Comparison {
-        measure: Some(Measure::Path),
-        max_spreads: 5.0,
-        min_runs: MIN_RUNS,
-        min_spread: 0.15,
-        noise: 0.1,
-        per_hidden: 2.0,
-    },
-    Comparison {
-        measure: None,
-        max_spreads: 5.0,
-        min_runs: MIN_RUNS,
-        min_spread: 0.3,
-        noise: 2.0,
-        per_hidden: 0.0,
-    },
+    Comparison::new(Some(Measure::Strokes), (3.2, 3), 0.08, 1.0, 0.0),
+    Comparison::new(Some(Measure::Duration), (5.0, MIN_RUNS), 0.15, 0.17, 1.0),
+    Comparison::new(Some(Measure::Path), (5.0, MIN_RUNS), 0.15, 0.1, 2.0),
+    Comparison::new(None, (5.0, MIN_RUNS), 0.3, 2.0, 0.0),
 ];
 
 impl Comparison {
+    const fn new(
+        measure: Option<Measure>,
+        (max_spreads, min_runs): (f64, usize),
+        min_spread: f64,
+        noise: f64,
+        per_hidden: f64,
+    ) -> Self {
+        Self { measure, max_spreads, min_runs, min_spread, noise, per_hidden }
+    }
+
     /// What was hidden may be of the IU before or behind, a hand that waits may be about to work, and what comes quickly to another part touches it
     /// later: as much less, or as much more, as brings the value nearest to the others.
     fn nearest(&self, value: f64, iu: &Iu, others: &[f64], in_and_out_m: f64) -> f64 {
@@ -139,7 +121,6 @@ impl Comparison {
     }
 }
 
-/// Whether most of the demonstrations make as many strokes.
 fn do_most_agree(count: f64, others: &[f64]) -> bool {
     let counts: Vec<u32> = others.iter().chain([&count]).map(|count| *count as u32).collect();
     do_agree(&counts, MAJORITY)
@@ -173,6 +154,44 @@ pub struct Outlier {
     pub is_pause: bool,
     /// The others make a law of it, which would be another one with it: strokes and time at another part.
     pub is_law_of_others: bool,
+}
+
+impl Outlier {
+    /// Where it lies among the others, beside what the job that was taught says is right of the IU.
+    pub(in crate::teach) fn distribution(&self, right: Option<Right<'_>>) -> Distribution {
+        // Two reversals are a stroke.
+        let per = if self.measure == Some(Measure::Strokes) { 2.0 } else { 1.0 };
+        Distribution::among(
+            self.measure,
+            self.others.iter().map(|other| other / per),
+            self.value / per,
+            right,
+        )
+    }
+
+    /// Where and how far it stands out, for a sentence about its run. `words` puts a context into words.
+    pub(in crate::teach) fn figures(&self, words: &dyn Fn(Context) -> String) -> String {
+        let [least, most] =
+            [self.others.first(), self.others.last()].map(|end| end.copied().unwrap_or_default());
+        let figures = match self.measure {
+            Some(Measure::Duration) => {
+                format!("takes {:.1} s, the others {least:.1} to {most:.1} s", self.value)
+            }
+            Some(Measure::Strokes) => {
+                format!("reverses its motion {} times, the others {least} to {most} times", self.value)
+            }
+            Some(_) => {
+                let [way, least, most] = [self.value, least, most].map(|metres| 100.0 * metres);
+                format!("has a way of {way:.0} cm, the others of {least:.0} to {most:.0} cm")
+            }
+            None => format!(
+                "has distance {:.1} to the others, which have {least:.1} to {most:.1} to each other",
+                self.value
+            ),
+        };
+        let place = format!("step {}, IU {}", self.activity + 1, self.iu + 1);
+        format!("in {place} ({}) it {figures}", words(self.context))
+    }
 }
 
 /// The demonstrations that stand out, at most one per run: the one that stands out most, and a pause only if there is no other.

@@ -3,7 +3,7 @@
 //! A film that was encoded again, turned, made larger or shifted in time is the same run, and so is a track file with noise on it. Two runs are the
 //! same where the hands do the same to a few millimetres all the time, after one is moved as a whole in time and on the bench.
 
-use super::Doubt;
+use super::doubt::{Doubt, names};
 use crate::run::Run;
 use andon_core::input::{Frame, Point, Side};
 
@@ -43,7 +43,16 @@ pub(in crate::teach) fn without_copies(runs: &mut Vec<Run>) -> Option<Doubt> {
     let mut are_copies = (0..runs.len()).map(is_copy).collect::<Vec<bool>>().into_iter();
     let copies =
         runs.extract_if(.., |_| are_copies.next() == Some(true)).map(|run| run.name).collect::<Vec<_>>();
-    (!copies.is_empty()).then_some(Doubt::Twice { copies, runs: runs.len() })
+    let different = match runs.len() {
+        1 => "is one different run".to_owned(),
+        count => format!("are {count} different runs"),
+    };
+    (!copies.is_empty()).then(|| {
+        Doubt::new(
+            format!("{} shown before: there {different} only", names(&copies, ["was", "were"])),
+            "give each recording once, and record more runs: 5 should be enough".to_owned(),
+        )
+    })
 }
 
 /// Where each hand is, frame by frame.
