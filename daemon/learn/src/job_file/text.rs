@@ -317,15 +317,22 @@ pub(crate) fn sequence_words(contexts: &[Context], name: impl Fn(u16) -> String)
         Some(Context([hand, j, _, _])) => format!("{} hand: {}", hand_name(*hand), name(*j)),
         None => return String::new(),
     };
-    let mut others: Vec<u16> = Vec::new();
-    for Context([_, _, _, l]) in contexts.iter().filter(|context| context.is_pair()) {
-        if !others.contains(l) {
-            words += if others.is_empty() { " at " } else { ", " };
-            words += &name(*l);
-            others.push(*l);
-        }
+    for (index, name) in others(contexts, name).iter().enumerate() {
+        words += if index == 0 { " at " } else { ", " };
+        words += name;
     }
     words
+}
+
+/// The names of the objects that others come to, each once.
+pub(super) fn others(contexts: &[Context], name: impl Fn(u16) -> String) -> Vec<String> {
+    let mut others: Vec<String> = Vec::new();
+    for other in contexts.iter().filter(|context| context.is_pair()).map(|context| name(context.0[3])) {
+        if !others.contains(&other) {
+            others.push(other);
+        }
+    }
+    others
 }
 
 /// The hand of a context, which holds its number (`ID_h` in the paper).

@@ -1,7 +1,7 @@
 //! The order of a job as a partial one: what stands before what in all runs, and whether that is enough evidence for a law.
 //!
 //! Every run that was shown is right. A before B is law where all runs that have both agree, and the gap between them is safely large: its
-//! mean over the runs is at least [`bound`] on the clock with the least spread for its size. Those clocks are the sequence of the one hand that
+//! mean over the runs is large enough ([`margin`]) on the clock with the least spread for its size. Those clocks are the sequence of the one hand that
 //! does both, the sequence of the job for what one hand does too, and time. Between two hands only time counts, and hands that begin within a
 //! few seconds of each other show nothing: a person does not mind which is first. What all runs agree on without that evidence is a usage:
 //! another order is a note.
@@ -174,14 +174,10 @@ fn between_hands(begins: &[f64], ends: &[f64], is_shared: bool, quantile: f64) -
     }
 }
 
-/// By how much the mean of these gaps exceeds what is safely large.
+/// By how much the mean of these gaps exceeds the least one with which the next gap is positive too, at this quantile of Student's t.
 fn margin(gaps: &[f64], quantile: f64) -> f64 {
-    mean(gaps) - bound(quantile, gaps)
-}
-
-/// The least mean that a gap must have for the next one to be positive too, at this quantile of Student's t.
-fn bound(quantile: f64, gaps: &[f64]) -> f64 {
-    quantile * deviation(gaps, 1).max(MIN_DEVIATION) * (1.0 + 1.0 / gaps.len() as f64).sqrt()
+    let spread = deviation(gaps, 1).max(MIN_DEVIATION) * (1.0 + 1.0 / gaps.len() as f64).sqrt();
+    mean(gaps) - quantile * spread
 }
 
 /// Whether the two steps have a part in common in all runs.

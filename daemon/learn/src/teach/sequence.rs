@@ -121,14 +121,6 @@ impl ShownIu {
         }
     }
 
-    /// One of which nothing but this was measured.
-    #[cfg(test)]
-    pub(super) fn measuring(context: Context, measured: &[Measures], frames: &[u32]) -> Self {
-        let kind = MotionKind::of(context, measured);
-        let (measured, frames) = (measured.to_vec(), frames.to_vec());
-        Self { context, kind, shown: Vec::new(), measured, frames, blind: Vec::new() }
-    }
-
     /// The demonstrations from which it can be learnt, each with the index of its run.
     pub(super) fn ius<'a>(&'a self, runs: &'a [Run]) -> impl Iterator<Item = (usize, &'a Iu)> {
         self.shown.iter().map(|&[run, activity, iu]| (run, &runs[run].activities[activity].ius[iu]))
@@ -153,20 +145,6 @@ pub(super) struct Agreement {
 }
 
 impl Agreement {
-    /// A job of one IU.
-    #[cfg(test)]
-    pub(super) fn of_iu(iu: &ShownIu) -> Self {
-        let sequence = Sequence {
-            activity: 0,
-            contexts: vec![iu.context],
-            allows_insertions: false,
-            is_steadied: false,
-            shown: Vec::new(),
-            ius: vec![iu.clone()],
-        };
-        Self { sequences: vec![sequence], ..Self::default() }
-    }
-
     /// The runs that are used, of those in which it was found.
     pub(super) fn used_runs<'a>(&self, runs: &'a [Run]) -> Vec<&'a Run> {
         self.used.iter().map(|index| &runs[*index]).collect()
@@ -528,4 +506,33 @@ fn opening(activity: &Activity, hands: &BTreeMap<u16, Side>) -> [u16; 2] {
     let id = object(activity);
     let side = hands.get(&id).copied().unwrap_or(activity.side);
     [side as u16, id]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl ShownIu {
+        /// One of which nothing but this was measured.
+        pub(in crate::teach) fn measuring(context: Context, measured: &[Measures], frames: &[u32]) -> Self {
+            let kind = MotionKind::of(context, measured);
+            let (measured, frames) = (measured.to_vec(), frames.to_vec());
+            Self { context, kind, shown: Vec::new(), measured, frames, blind: Vec::new() }
+        }
+    }
+
+    impl Agreement {
+        /// A job of one IU.
+        pub(in crate::teach) fn of_iu(iu: &ShownIu) -> Self {
+            let sequence = Sequence {
+                activity: 0,
+                contexts: vec![iu.context],
+                allows_insertions: false,
+                is_steadied: false,
+                shown: Vec::new(),
+                ius: vec![iu.clone()],
+            };
+            Self { sequences: vec![sequence], ..Self::default() }
+        }
+    }
 }

@@ -159,12 +159,15 @@ impl Trajectories {
         let seen = self.seen_at(hand, object);
         let ends = [seen.first(), seen.last()];
         let waits = |tips: &Tips| ends.iter().flatten().any(|(_, end)| apart_m(end, tips) < DWELL_M);
+        let holds_anything = |frame: usize| {
+            (0..self.objects.len()).any(|object| self.are_at(object, frame)[hand] == Some(true))
+        };
         let is_at = |rest: &&[(usize, Tips)]| {
             let (frame, tips) = &rest[rest.len() / 2];
             from_middle_m(tips) < TOUCH_M
                 && !waits(tips)
                 && self.is_nearest(hand, object, *frame)
-                && !self.holds_anything(hand, *frame)
+                && !holds_anything(*frame)
         };
         let tips = |rest: &[(usize, Tips)]| rest.iter().map(|(_, tips)| *tips).collect();
         self.still(&seen).into_iter().filter(is_at).map(tips).collect()
@@ -202,10 +205,6 @@ impl Trajectories {
         };
         let mut lying = (0..self.objects.len()).filter(|other| !self.is_held(*other, frame));
         lying.all(|other| apart_m(other) >= apart_m(object))
-    }
-
-    fn holds_anything(&self, hand: usize, frame: usize) -> bool {
-        (0..self.objects.len()).any(|object| self.are_at(object, frame)[hand] == Some(true))
     }
 
     /// The direction in which the object is carried first, until it stops, on the bench and in its own frame of reference before.

@@ -4,12 +4,10 @@
 //! A [`Doubt`] speaks against learning from the runs. It accuses nobody: it is a sentence with the figure and with what to do, and whoever
 //! knows better teaches all the same. What was not seen of a run ([`Blind`](super::Blind)) is not learnt, and the rest of the run is.
 
-mod doubt;
 mod order;
 mod outlier;
 mod twice;
 
-pub use doubt::Doubt;
 pub use outlier::Outlier;
 pub(super) use twice::without_copies;
 
@@ -20,7 +18,6 @@ use crate::recording::object_name;
 use crate::run::Run;
 use andon_core::config::Method;
 use andon_core::dtw::Refused;
-use doubt::names;
 
 /// Fewer runs than this cannot tell which of them is the odd one.
 const MIN_RUNS: usize = 4;
@@ -29,6 +26,40 @@ const MIN_RUNS: usize = 4;
 /// thinned evenly, jobs from every second frame found 12 of 12 `J1` of other people, and jobs from every third frame 3 of 12: the motion is
 /// then measured in so few places that any motion is near it. The frames of a real camera come a little late now and then, hence not 0.5.
 const MIN_SHARE: f64 = 0.45;
+
+/// What speaks against learning from the runs, and what to do about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Doubt {
+    /// What speaks against them, as a sentence without its full stop.
+    pub sentence: String,
+    /// What to do about it, as a sentence without its full stop.
+    pub remedy: String,
+    /// The demonstration that is not like the others, if it is about one.
+    pub outlier: Option<Outlier>,
+}
+
+impl Doubt {
+    fn new(sentence: String, remedy: String) -> Self {
+        Self { sentence, remedy, outlier: None }
+    }
+
+    /// That a demonstration is not like the others; `figures` says in what.
+    fn of(outlier: Outlier, figures: &str) -> Self {
+        let run = &outlier.run;
+        Self {
+            sentence: format!("{run} is not like the others: {figures}"),
+            remedy: format!(
+                "look at {run}: leave it out if it is not correct; if it is, show more runs like it"
+            ),
+            outlier: Some(outlier),
+        }
+    }
+}
+
+/// The names with the verb, in the singular for one of them.
+fn names(names: &[String], [has, have]: [&str; 2]) -> String {
+    format!("{} {}", names.join(", "), if names.len() == 1 { has } else { have })
+}
 
 #[derive(Debug, Default)]
 pub(super) struct Odd {

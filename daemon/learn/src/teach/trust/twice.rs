@@ -3,7 +3,7 @@
 //! A film that was encoded again, turned, made larger or shifted in time is the same run, and so is a track file with noise on it. Two runs are the
 //! same where the hands do the same to a few millimetres all the time, after one is moved as a whole in time and on the bench.
 
-use super::doubt::{Doubt, names};
+use super::{Doubt, names};
 use crate::run::Run;
 use andon_core::input::{Frame, Point, Side};
 
