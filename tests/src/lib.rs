@@ -27,6 +27,7 @@ pub mod fuzz;
 pub mod line;
 pub mod measure;
 pub mod python;
+pub mod rate;
 pub mod simulator;
 pub mod station;
 pub mod workers;
