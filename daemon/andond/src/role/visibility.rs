@@ -197,7 +197,7 @@ fn touched(context: Context) -> Option<u16> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use andon_core::couple::Visibility;
+    use andon_core::couple;
     use andon_core::input;
     use andon_core::set::ActivitySet;
 
@@ -287,8 +287,8 @@ mod tests {
     /// The left hand touches this object; 0 is none.
     fn left(at_ns: u64, seen: bool, object: u16) -> [Couples; 1] {
         let context = if object == 0 { Context::IDLE } else { Context([2, object, 0, 0]) };
-        let hand = if seen { Visibility::Seen } else { Visibility::Unseen };
-        let visibility = [hand, Visibility::Seen, Visibility::Seen];
+        let hand = if seen { couple::Visibility::Seen } else { couple::Visibility::Unseen };
+        let visibility = [hand, couple::Visibility::Seen, couple::Visibility::Seen];
         let left = Couple { context, visibility, ..Couple::idle(Side::Left, at_ns) };
         [both(at_ns, left)]
     }

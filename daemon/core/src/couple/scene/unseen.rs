@@ -166,6 +166,12 @@ impl Scene {
     /// other may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
         let (moved_m, persist) = (self.moved_m(), usize::from(self.method.persist_frames));
+        // What the hand is seen to act on leaves no room in it.
+        let is_full: [bool; HANDS] = core::array::from_fn(|hand| {
+            let is_seen = |object: usize| self.objects[object].poses.ago(0).source == Source::Seen;
+            self.hands[hand].ago(0).source == Source::Seen
+                && self.interactions[hand].held().is_some_and(is_seen)
+        });
         for node in &mut self.objects {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
             if matches!(pose.source, Source::Seen | Source::Never) {
@@ -186,8 +192,14 @@ impl Scene {
                 });
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
-            for (taken, hand) in node.may_be_taken.iter_mut().zip(&self.hands) {
-                *taken |= may_be_given || may_have_come(hand, u32::MAX);
+            // What a seen hand carries goes with it, unless another one comes to it that has room.
+            let is_carried =
+                pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
+            for ((taken, hand), is_full) in node.may_be_taken.iter_mut().zip(&self.hands).zip(is_full) {
+                *taken |= match is_carried {
+                    true => !is_full && may_have_come(hand, u32::MAX),
+                    false => may_be_given || may_have_come(hand, u32::MAX),
+                };
             }
         }
     }
