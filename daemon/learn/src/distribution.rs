@@ -73,29 +73,23 @@ impl Distribution {
             (None, Reason::Motion) => (None, verdict.distance?, None),
             _ => return None,
         };
-        let Some(iu) = iu_of(job, verdict, measure.zip(range)) else {
-            let shown = Vec::new();
-            return Some(Self {
-                measure,
-                runs: 0,
-                shown,
-                range: range?,
-                right: None,
-                max_detour: None,
-                value,
-            });
-        };
-        let shown = iu.shown.as_ref().map(|shown| values_of(measure, shown, rate_hz)).unwrap_or_default();
-        let right = Right::of(iu, rate_hz);
-        let bounds = measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure));
+        let iu = iu_of(job, verdict, measure.zip(range));
+        let shown = iu.and_then(|iu| iu.shown.as_ref());
+        let shown = shown.map(|shown| values_of(measure, shown, rate_hz)).unwrap_or_default();
+        let right = iu.map(|iu| Right::of(iu, rate_hz));
+        let bounds =
+            right.map(|right| measure.map_or([None, verdict.threshold], |measure| right.of_measure(measure)));
         Some(Self {
             measure,
-            runs: iu.demonstrations as usize,
+            runs: iu.map_or(0, |iu| iu.demonstrations as usize),
             range: shown.first().zip(shown.last()).map(|(min, max)| [*min, *max]).or(range)?,
             shown,
-            right: Some(bounds),
-            max_detour: right.max_detour(measure),
-            value: if measure == Some(Measure::Strokes) { with_half(value, bounds) } else { value },
+            right: bounds,
+            max_detour: right.and_then(|right| right.max_detour(measure)),
+            value: match bounds.filter(|_| measure == Some(Measure::Strokes)) {
+                Some(bounds) => with_half(value, bounds),
+                None => value,
+            },
         })
     }
 

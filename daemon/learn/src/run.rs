@@ -128,14 +128,9 @@ pub enum RunError {
     /// It was not recorded to its end.
     #[error("{0}")]
     CutShort(Truncation),
-    /// The encoder refuses the method or the objects.
-    #[error("{name}: the recording cannot be encoded: {unusable:?}")]
-    Unusable {
-        /// The run's name.
-        name: String,
-        /// Why they are refused.
-        unusable: couple::Unusable,
-    },
+    /// The encoder refuses the method or the objects of the run with this name.
+    #[error("{0}: the recording cannot be encoded: {1:?}")]
+    Unusable(String, couple::Unusable),
     /// The job cannot be judged.
     #[error("the job cannot be judged: {0}")]
     Job(anomaly::Unusable),
@@ -160,7 +155,7 @@ impl Run {
         }
         let objects = &recording.header.objects;
         let frames = called_what_they_are(&recording.frames, objects, method)
-            .map_err(|unusable| RunError::Unusable { name: name.to_owned(), unusable })?;
+            .map_err(|unusable| RunError::Unusable(name.to_owned(), unusable))?;
         let unencoded = Self {
             name: name.to_owned(),
             sha256: sha256.to_owned(),
@@ -314,7 +309,7 @@ impl Run {
     }
 
     fn unusable(&self, unusable: couple::Unusable) -> RunError {
-        RunError::Unusable { name: self.name.clone(), unusable }
+        RunError::Unusable(self.name.clone(), unusable)
     }
 
     /// The verdicts that the live judge gives on this run, which is a whole job.

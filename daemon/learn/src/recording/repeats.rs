@@ -3,13 +3,11 @@
 
 use super::{Header, TrackError, TrackReader, Truncation};
 use andon_core::input::{Frame, Hand, Object, Point};
+use andon_core::object::REACH_M;
+use andon_core::segment::MOVED_M;
 use std::collections::VecDeque;
 use std::io::BufRead;
 
-/// A part that was moved by as much just before its place stood still was in a hand, in metres: far more than the errors of a tracker.
-const MOVED_M: f32 = 0.015;
-/// A hand that holds a part is not further from its origin, in metres.
-const REACH_M: f32 = 0.25;
 /// A hand that has gone this far from where it was goes on, in metres.
 const GOES_ON_M: f32 = 0.03;
 

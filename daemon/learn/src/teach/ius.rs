@@ -1,9 +1,9 @@
 //! The IUs of the nominal sequences: reference, threshold and bounds of each, from its demonstrations.
 
 use super::bounds::UNBOUNDED;
-use super::iu_report::IuReport;
 use super::kind::{is_taking, way_of};
 use super::measures::{Rates, what_was_shown};
+use super::report::IuReport;
 use super::sequence::{Sequence, ShownIu};
 use super::strength::{Rule, StepKey, Strength};
 use super::threshold::{self, Memory, compared};
@@ -138,7 +138,7 @@ impl<'a> Teacher<'a> {
         if iu.shown.is_empty() {
             let what = context_words(iu.context, |id| object_name(&runs[0].objects, id));
             let activity = usize::from(sequence.activity) + 1;
-            return Err(TeachError::NeverSeen { activity, iu: index + 1, what });
+            return Err(TeachError::NeverSeen(activity, index + 1, what));
         }
         for (&[run, activity, _], (_, shown)) in iu.shown.iter().zip(iu.ius(runs)) {
             let motion = compared(shown, options);
@@ -164,5 +164,5 @@ fn way(sequence: &Sequence, index: usize) -> Option<&[Measures]> {
 
 /// An IU that cannot be compared; activity and IU by their indices from 0.
 fn iu_error(run: &str, activity: usize, iu: usize, refused: Refused) -> TeachError {
-    TeachError::Iu { run: run.to_owned(), activity: activity + 1, iu: iu + 1, refused }
+    TeachError::Iu(run.to_owned(), activity + 1, iu + 1, refused)
 }

@@ -8,7 +8,8 @@ use andon_core::couple::Context;
 use andon_core::segment::Measures;
 use std::ops::RangeInclusive;
 
-/// A motion with fewer reversals than this is not a repeated one.
+/// A motion with fewer reversals than this is not a repeated one. Halved and doubled, 1 and 3 of 43 jobs change, and no verdict on 314 jobs of
+/// others.
 pub(super) const MIN_REPEATED_REVERSALS: u32 = 3;
 
 /// What a hand does in an IU. It is decided once, from the context and from all demonstrations together.

@@ -9,7 +9,6 @@
 //! the report.
 
 mod bounds;
-mod iu_report;
 mod ius;
 mod kind;
 mod leave_one_out;
@@ -291,10 +290,7 @@ impl<'a> Teaching<'a> {
             return nothing;
         }
         let sentence = |doubt: &Doubt| format!("{}: {}", doubt.sentence, doubt.remedy);
-        TeachError::Doubtful {
-            doubts: self.report.doubts.iter().map(sentence).collect(),
-            nothing: Box::new(nothing),
-        }
+        TeachError::Doubtful(self.report.doubts.iter().map(sentence).collect(), Box::new(nothing))
     }
 }
 

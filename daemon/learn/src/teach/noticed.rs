@@ -1,7 +1,7 @@
 //! The smallest deviation of each kind that the bounds of a job notice, and what more runs would change in it.
 
-use super::iu_report::IuReport;
 use super::measures::narrower_with_more;
+use super::report::IuReport;
 use crate::distribution::{Right, range_of};
 use crate::job_file::TaughtIu;
 use andon_core::verdict::Measure;

@@ -1,8 +1,7 @@
 //! The report as a page.
 
-use super::iu_report::IuReport;
 use super::noticed::cells;
-use super::report::{TeachReport, range};
+use super::report::{IuReport, TeachReport, range};
 use super::statement::Statement;
 use crate::distribution::STRIP;
 use crate::html::{document, escaped};

@@ -17,14 +17,13 @@ use crate::statistics::{deviation, mean};
 use andon_core::couple::Context;
 use std::collections::BTreeSet;
 
-/// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance.
+/// The smallest deviation of a gap that is believed, in seconds or places of a sequence: a few runs may agree by chance. With it, the same order in
+/// two runs is a law of one hand from the middle strictness on, and not below.
 const MIN_DEVIATION: f64 = 0.02;
 
-/// Two hands that come within this many seconds of each other, beyond the bound, show no order.
+/// Two hands that come within this many seconds of each other, beyond the bound, show no order. Halved and doubled, 2 and 7 of 31 jobs have other
+/// laws, and no verdict on 198 jobs of others changes.
 const BETWEEN_HANDS_S: f64 = 3.0;
-
-/// But a hand that takes up what the other one has put down waits for it: this many seconds beyond the bound are enough.
-const AFTER_END_S: f64 = 0.1;
 
 /// The probability that two unrelated steps come in the same order in all of this number of runs.
 pub(super) fn chance_of_one_order(runs: usize) -> f64 {
@@ -164,7 +163,8 @@ fn relation(
 }
 
 fn between_hands(begins: &[f64], ends: &[f64], is_shared: bool, quantile: f64) -> Option<RelationKind> {
-    let after_end_s = if is_shared { AFTER_END_S } else { BETWEEN_HANDS_S };
+    // A hand that takes up what the other one has put down waits for it.
+    let after_end_s = if is_shared { 0.0 } else { BETWEEN_HANDS_S };
     if margin(ends, quantile) >= after_end_s {
         Some(RelationKind::End)
     } else if margin(begins, quantile) >= BETWEEN_HANDS_S {

@@ -1,16 +1,16 @@
 //! What teaching found, and whether the job can be trusted.
 
-use super::iu_report::IuReport;
-use super::kind::is_on_the_way;
+use super::kind::{MotionKind, is_on_the_way};
 use super::noticed::{self, what_more_would_bring};
 use super::order::OrderReport;
 use super::sequence::{Blind, Disagreement};
 use super::statement::Statement;
-use super::threshold::min_false_alarms;
+use super::threshold::{Learned, min_false_alarms};
 use super::trust::{Doubt, Outlier};
 use crate::distribution::{Distribution, LEGEND, Right};
 use crate::job_file::{JobFile, TaughtIu, context_words};
 use crate::rule::ThresholdRule;
+use crate::statistics::{deviation, mean};
 use crate::strictness::Strictness;
 use andon_core::bounds::Bounds;
 use andon_core::couple::Context;
@@ -18,6 +18,45 @@ use std::fmt;
 
 /// A threshold that depends on fewer demonstrations than this is reported: people are asked to show a job five times.
 const ENOUGH_DEMONSTRATIONS: u32 = 5;
+
+/// What was taught of one IU of a nominal activity, and what it depends on.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct IuReport {
+    /// Index of the activity in the job, from 0.
+    pub(super) activity: u16,
+    /// Index of the IU in the activity, from 0.
+    pub(super) iu: usize,
+    pub(super) taught: TaughtIu,
+    /// Mean and standard deviation of the DTW distances that the threshold is derived from.
+    pub(super) distance: [f64; 2],
+    /// The demonstrations do not agree in the number of strokes.
+    pub(super) is_by_feel: bool,
+}
+
+impl IuReport {
+    pub(super) fn new(
+        activity: u16,
+        iu: usize,
+        learned: &Learned,
+        kind: MotionKind,
+        taught: &TaughtIu,
+    ) -> Self {
+        let distances = learned.distances();
+        Self {
+            activity,
+            iu,
+            taught: taught.clone(),
+            distance: [mean(distances), deviation(distances, 1)],
+            is_by_feel: kind.is_by_feel(),
+        }
+    }
+
+    /// The threshold, in words where the motion is no law.
+    pub(super) fn threshold_words(&self) -> String {
+        let threshold = self.taught.threshold;
+        if threshold < f32::MAX { format!("{threshold:.2}") } else { "any".to_owned() }
+    }
+}
 
 /// What teaching found. `Display` prints it for people.
 #[derive(Clone, Debug, PartialEq)]

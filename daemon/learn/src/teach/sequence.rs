@@ -12,6 +12,7 @@
 
 use super::TeachError;
 use super::kind::MotionKind;
+use super::meetings::SAME_PLACE_M;
 use super::strength::{Rule, StepKey, Strengths};
 use crate::job_file::{Source, context_words};
 use crate::recording::object_name;
@@ -28,28 +29,21 @@ const MIN_VARIANT_RUNS: usize = 3;
 /// A variant also needs at least this share of the runs: among many runs, three could share the same slip.
 const MIN_VARIANT_SHARE: f64 = 0.2;
 
-/// An object that moves less than this while a hand is at it, in metres, or less than it seems to move by noise, is not moved by it: no work is done
-/// in so small a space.
-const MOVED_M: f32 = 0.03;
-
-/// Fewer runs than this cannot tell which of them is the odd one.
-const MIN_RUNS: usize = 4;
+/// Fewer runs than this cannot tell which of them is the odd one, or agree and differ by chance.
+pub(super) const MIN_RUNS: usize = 4;
 
 /// The first point at which a run does not do what the others do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Disagreement {
-    /// Index of the run among the runs that were given.
-    pub run: usize,
     /// The run's name.
-    pub name: String,
+    pub(super) name: String,
     /// Index of the activity in the run, from 0. If the run lacks a step, the index at which the others have it.
-    pub activity: usize,
+    pub(super) activity: usize,
     /// Index of the IU in the activity, from 0.
-    pub iu: usize,
-    /// The context that the run has there; `None` if its activity has ended.
-    pub had: Option<Context>,
-    /// The context that the others have there; `None` if their activity has ended.
-    pub others: Option<Context>,
+    pub(super) iu: usize,
+    /// The contexts that the run has there, and the others; `None` where an activity has ended.
+    pub(super) had: Option<Context>,
+    pub(super) others: Option<Context>,
 }
 
 /// A demonstration of an IU of which too little was seen. It is not learnt from: what is missing would become part of the reference.
@@ -406,7 +400,8 @@ impl<'a> Steps<'a> {
         let at_it: Vec<_> = all.filter(|(_, activity)| object(activity) == step.opening[1]).collect();
         let moves_m: Vec<f64> =
             at_it.iter().map(|(run, activity)| f64::from(run.hand_moves_m(activity))).collect();
-        median(&moves_m) < f64::from(MOVED_M) && !at_it.iter().any(|(run, activity)| is_moved(run, activity))
+        median(&moves_m) < f64::from(SAME_PLACE_M)
+            && !at_it.iter().any(|(run, activity)| is_moved(run, activity))
     }
 
     /// The contexts that all sequences of a step have in common, in their order, from the first touch on.
@@ -433,21 +428,14 @@ impl<'a> Steps<'a> {
             if !allowed.contains(&contexts) {
                 let iu = contexts.iter().zip(&allowed[0]).take_while(|(had, other)| had == other).count();
                 let (had, others) = (contexts.get(iu).copied(), allowed[0].get(iu).copied());
-                return Some(Disagreement { run, name, activity, iu, had, others });
+                return Some(Disagreement { name, activity, iu, had, others });
             }
         }
         let mut lacking = common.iter().enumerate().filter(|(_, step)| self.index(run, step).is_none());
         let (activity, step) = lacking.next()?;
         let had = self.steps[run].get(activity).copied().flatten().map(StepKey::context);
         let is_other_work = 2 * (1 + lacking.count()) > common.len();
-        is_other_work.then_some(Disagreement {
-            run,
-            name,
-            activity,
-            iu: 0,
-            had,
-            others: Some(step.context()),
-        })
+        is_other_work.then_some(Disagreement { name, activity, iu: 0, had, others: Some(step.context()) })
     }
 }
 
@@ -490,10 +478,10 @@ fn hands(runs: &[Run], is_kept: &impl Fn(usize, usize) -> bool) -> BTreeMap<u16,
     of_one.map(|(id, count)| (id, hand(count))).collect()
 }
 
-/// Whether an activity moves the object that it begins with.
+/// Whether an activity moves the object that it begins with, by more than it seems to move by noise.
 fn is_moved(run: &Run, activity: &Activity) -> bool {
     let moved_m = run.moved_m(activity);
-    moved_m >= MOVED_M && moved_m >= run.noise_m(object(activity))
+    moved_m >= SAME_PLACE_M && moved_m >= run.noise_m(object(activity))
 }
 
 /// The object that the activity begins with.

@@ -1,32 +1,22 @@
 //! What a run shows of the ways of hands and objects.
 
 use super::joining::TOUCH_M;
-use super::median;
+use super::{PUT_BACK_M, SAME_PLACE_M, median};
 use crate::statistics;
 use andon_core::capacity::HANDS;
 use andon_core::input::{Frame, Hand, Point, Space};
 use andon_core::object::{ObjectShape, REACH_M};
+use andon_core::segment::MOVED_M;
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-
-/// What is far less than a move and far more than the noise of a marker: the way of a carried object in [`PERSIST_S`], in metres. Where markers are
-/// seen less exactly, it is as much as their errors.
-const MIN_WAY_M: f32 = 0.015;
 
 /// The time in which a move is looked for, in seconds: the frames in which a change is believed, by default.
 const PERSIST_S: f64 = 1.0 / 6.0;
 
-/// An object dwells where it goes no farther than this in this time, in metres and seconds.
-const DWELL_M: f32 = 0.05;
+/// An object dwells where it stays within [`PUT_BACK_M`] for this time, in seconds.
 const DWELL_S: f64 = 0.5;
 
 /// What leaves the place where it dwells and comes back this often makes strokes there. One time is that it comes.
 const MIN_RETURNS: usize = 3;
-
-/// Farther away than this it has left, in metres.
-const STROKE_M: f32 = 0.15;
-
-/// A hand that holds an object stays where it is at it, in metres.
-const HELD_M: f32 = 0.03;
 
 /// When it was carried there, in seconds before it began to dwell.
 const CARRIED_S: std::ops::Range<f64> = -0.3..0.7;
@@ -54,7 +44,7 @@ pub(super) struct Trajectories {
     hands: [Vec<Option<Tips>>; HANDS],
     /// In the order of the shapes.
     objects: Vec<Vec<Option<Isometry3<f32>>>>,
-    /// For each object, the least way that is one, in metres.
+    /// For each object, the least way that is one, in metres: where markers are seen less exactly, it is as much as their errors.
     min_ways_m: Vec<f32>,
     /// For each object, the frames in which it is carried.
     carried: Vec<Vec<(usize, Carriers)>>,
@@ -86,7 +76,7 @@ impl Trajectories {
         let mut ways = Self {
             times_s: frames.iter().map(|frame| frame.captured_ns as f64 * 1e-9).collect(),
             hands: [0, 1].map(of_hand),
-            min_ways_m: objects.iter().map(|poses| jitter_bound_m(poses).max(MIN_WAY_M)).collect(),
+            min_ways_m: objects.iter().map(|poses| jitter_bound_m(poses).max(MOVED_M)).collect(),
             objects,
             carried: Vec::new(),
         };
@@ -158,7 +148,7 @@ impl Trajectories {
     pub(super) fn rests(&self, hand: usize, object: usize) -> Vec<Vec<Tips>> {
         let seen = self.seen_at(hand, object);
         let ends = [seen.first(), seen.last()];
-        let waits = |tips: &Tips| ends.iter().flatten().any(|(_, end)| apart_m(end, tips) < DWELL_M);
+        let waits = |tips: &Tips| ends.iter().flatten().any(|(_, end)| apart_m(end, tips) < PUT_BACK_M);
         let holds_anything = |frame: usize| {
             (0..self.objects.len()).any(|object| self.are_at(object, frame)[hand] == Some(true))
         };
@@ -187,7 +177,7 @@ impl Trajectories {
         let mut still = Vec::new();
         let mut begin = 0;
         while begin < seen.len() {
-            let has_left = |(_, tips): &(usize, Tips)| apart_m(tips, &seen[begin].1) >= HELD_M;
+            let has_left = |(_, tips): &(usize, Tips)| apart_m(tips, &seen[begin].1) >= SAME_PLACE_M;
             let end = seen[begin..].iter().position(has_left).map_or(seen.len(), |left| begin + left);
             let is_still = self.times_s[seen[end - 1].0] - self.times_s[seen[begin].0] >= DWELL_S;
             still.extend(is_still.then(|| &seen[begin..end]));
@@ -212,7 +202,7 @@ impl Trajectories {
         let hold = self.carried[object].chunk_by(|one, next| self.is_within(PERSIST_S, one, next)).next()?;
         let pose = |frame: usize| self.objects[object][frame];
         let (began, ended) = pose(hold.first()?.0).zip(pose(hold.last()?.0))?;
-        let way = (ended.translation.vector - began.translation.vector).try_normalize(MIN_WAY_M)?;
+        let way = (ended.translation.vector - began.translation.vector).try_normalize(MOVED_M)?;
         Some([way, began.rotation.inverse_transform_vector(&way)])
     }
 
@@ -256,7 +246,7 @@ impl Trajectories {
         for (index, (frame, place)) in places.iter().enumerate() {
             let Some(last) = self.after(*frame, DWELL_S) else { break };
             let until = places.partition_point(|(frame, _)| *frame <= last);
-            if places[index..until].iter().any(|(_, other)| (other - place).norm() > DWELL_M) {
+            if places[index..until].iter().any(|(_, other)| (other - place).norm() > PUT_BACK_M) {
                 continue;
             }
             let next = &places[end.max(index).min(until)..until];
@@ -274,7 +264,7 @@ impl Trajectories {
     pub(super) fn place(&self, with: usize, at: usize, dwell: &Dwell) -> Point3<f32> {
         let middle = median(dwell.iter().map(|(_, place)| *place));
         let places = self.places(with, at);
-        let is_away = |(_, place): &(usize, Point3<f32>)| nalgebra::distance(place, &middle) > STROKE_M;
+        let is_away = |(_, place): &(usize, Point3<f32>)| nalgebra::distance(place, &middle) > TOUCH_M;
         let [first, last] = [dwell.first(), dwell.last()]
             .map(|end| places.partition_point(|place| end.is_some_and(|end| place.0 < end.0)));
         let begin = places[..first].iter().rposition(is_away).map_or(0, |away| away + 1);
@@ -302,7 +292,7 @@ impl Trajectories {
             let Some(carrier) = carriers[hand] else { return Some(false) };
             let (pose, tips) = self.objects[object][frame].zip(self.hands[hand][frame])?;
             let own = tips.map(|tip| pose.inverse_transform_point(&tip));
-            Some(nalgebra::distance(&centre(&own), &centre(&carrier)) < HELD_M)
+            Some(nalgebra::distance(&centre(&own), &centre(&carrier)) < SAME_PLACE_M)
         })
     }
 
@@ -361,7 +351,7 @@ fn strokes<'a>(
     for (index, (_, place)) in places.iter().enumerate() {
         // Errors neither leave nor come back.
         let was_out = is_out;
-        is_out = nalgebra::distance(place, middle) > if was_out { DWELL_M / 2.0 } else { DWELL_M };
+        is_out = nalgebra::distance(place, middle) > if was_out { PUT_BACK_M / 2.0 } else { PUT_BACK_M };
         back.extend((was_out && !is_out).then_some(index));
     }
     let (first, last) = back.first().zip(back.last())?;

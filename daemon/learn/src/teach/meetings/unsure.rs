@@ -1,12 +1,9 @@
 //! What the runs do not show for sure of where hands and objects meet.
 
 use super::trajectory::Trajectories;
-use super::{in_order, joining};
+use super::{SAME_PLACE_M, in_order, joining};
 use crate::recording::{NamedObject, incidental_pairs};
 use crate::run::Run;
-
-/// An object that is elsewhere at the end, by at least this, has been moved, in metres.
-const MOVED_M: f32 = 0.05;
 
 /// The pairs of these objects that do not count.
 pub(in crate::teach) fn incidental(objects: &[NamedObject]) -> impl Iterator<Item = String> {
@@ -23,7 +20,7 @@ pub(super) fn of(runs: &[Run], objects: &[NamedObject], shown: &[Trajectories]) 
     let mut unsure = Vec::new();
     for (index, object) in objects.iter().enumerate() {
         let is_alone =
-            |shown: &Trajectories| shown.carried_frames(index) == 0 && shown.moved_m(index) > MOVED_M;
+            |shown: &Trajectories| shown.carried_frames(index) == 0 && shown.moved_m(index) > SAME_PLACE_M;
         let alone = runs.iter().zip(shown).filter(|(_, shown)| is_alone(shown));
         let alone: Vec<&str> = alone.map(|(run, _)| run.name.as_str()).collect();
         let name = &object.name;

@@ -19,9 +19,6 @@ use crate::run::Run;
 use andon_core::config::Method;
 use andon_core::dtw::Refused;
 
-/// Fewer runs than this cannot tell which of them is the odd one.
-const MIN_RUNS: usize = 4;
-
 /// The least frame rate of a run, as a share of that of the grid. Taught by five simulated people (three seeds) at 30 frames per second and
 /// thinned evenly, jobs from every second frame found 12 of 12 `J1` of other people, and jobs from every third frame 3 of 12: the motion is
 /// then measured in so few places that any motion is near it. The frames of a real camera come a little late now and then, hence not 0.5.

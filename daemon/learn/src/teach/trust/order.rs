@@ -1,8 +1,8 @@
 //! One run in another order than all others: either the order is free, or the run is not right.
 
-use super::{Doubt, MIN_RUNS};
+use super::Doubt;
 use crate::run::Run;
-use crate::teach::sequence::Agreement;
+use crate::teach::sequence::{Agreement, MIN_RUNS};
 use andon_core::couple::Context;
 use andon_core::input::Side;
 

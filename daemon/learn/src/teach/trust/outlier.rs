@@ -3,14 +3,14 @@
 //! Each demonstration is held against all others, so that it cannot hide in a spread that it makes itself; centre and spread are medians, so
 //! that a second one like it does not hide it either. Ratios are compared: a slow person takes longer in every step.
 
-use super::MIN_RUNS;
 use crate::distribution::{Distribution, Right};
 use crate::run::{Iu, Run};
 use crate::statistics::{deviation, median};
 use crate::teach::kind::MIN_REPEATED_REVERSALS;
-use crate::teach::measures::{COUNTED_SHARE, PRIOR_PATH, do_agree, likely_reversals};
+use crate::teach::measures::{COUNTED_SHARE, HAND_WIDTH_M, PRIOR_PATH, do_agree, likely_reversals};
+use crate::teach::meetings::MAX_REGION_M;
 use crate::teach::options::TeachOptions;
-use crate::teach::sequence::{Agreement, Sequence};
+use crate::teach::sequence::{Agreement, MIN_RUNS, Sequence};
 use crate::teach::threshold::compared;
 use crate::warp::{DistanceMatrix, Warp};
 use andon_core::couple::Context;
@@ -29,8 +29,8 @@ const MIN_REVERSALS: f64 = 4.0;
 /// known to have hidden. Half of the strokes are 7 of 12; one of 600 correct sets is doubted with this share, and with two thirds.
 const SEEN_REVERSALS: f64 = 0.8;
 
-/// The way in and out of the widest contact that is learnt, in metres.
-const MAX_CONTACT_PATH_M: f64 = 0.3;
+/// The way in and out of the widest contact that is learnt, which ends at half as much again as the widest place, in metres.
+const MAX_CONTACT_PATH_M: f64 = 2.0 * 1.5 * MAX_REGION_M as f64;
 
 /// Where this share of the demonstrations make as many strokes, the others are exceptions, though they be two.
 const MAJORITY: (usize, usize) = (2, 3);
@@ -58,7 +58,7 @@ struct Comparison {
 const COMPARISONS: [Comparison; 4] = [
     Comparison::new(Some(Measure::Strokes), (3.2, 3), 0.08, 1.0, 0.0),
     Comparison::new(Some(Measure::Duration), (5.0, MIN_RUNS), 0.15, 0.17, 1.0),
-    Comparison::new(Some(Measure::Path), (5.0, MIN_RUNS), 0.15, 0.1, 2.0),
+    Comparison::new(Some(Measure::Path), (5.0, MIN_RUNS), 0.15, HAND_WIDTH_M, 2.0),
     Comparison::new(None, (5.0, MIN_RUNS), 0.3, 2.0, 0.0),
 ];
 
