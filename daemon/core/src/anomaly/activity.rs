@@ -162,7 +162,7 @@ impl OpenActivity {
         let is_doubtful = !is_certain;
         let junction = Junction { is_doubtful, hidden: self.junction.hidden.max(hidden), ..self.junction };
         if self.ius > 0 && (has_been_idle || self.junction.hidden > self.min_idle_frames) {
-            self.note_possible_end(job);
+            self.note_possible_end(job, self.junction.hidden);
         }
         self.places_before = self.places;
         self.newest = (context, junction);
@@ -252,9 +252,15 @@ impl OpenActivity {
     pub(super) fn resume(&mut self, job: &Job<'_>, context: Context) {
         let is_same = context == Context::IDLE || context == self.newest.0;
         if self.junction.hidden > 0 && is_same {
-            // The hand may have let go meanwhile, and begun again with the same object.
-            self.note_possible_end(job);
             let hidden = core::mem::take(&mut self.junction.hidden);
+            let mut all = self.places.iter().zip(job.activities);
+            // The hand may have let go meanwhile, or ended all of it and begun again with the same object.
+            if context != Context::IDLE {
+                self.may_have_ended |=
+                    all.any(|(places, nominal)| places.may_be_again(nominal.ius, hidden, context));
+            } else if hidden > self.min_idle_frames {
+                self.note_possible_end(job, hidden);
+            }
             for (places, nominal) in self.places.iter_mut().zip(job.activities) {
                 *places = places.resume(hidden, nominal.ius, context);
             }
@@ -262,9 +268,11 @@ impl OpenActivity {
     }
 
     /// The hand was idle, or may have been: what was not judged or not seen may have been all of it.
-    fn note_possible_end(&mut self, job: &Job<'_>) {
-        let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job);
-        self.may_have_ended |= is_doubtful && self.may_be_complete(job);
+    fn note_possible_end(&mut self, job: &Job<'_>, hidden: u32) {
+        let is_doubtful = self.unjudged.is_some() || !self.has_certainly_ended(job) || hidden > 0;
+        let mut all = self.places.iter().zip(job.activities);
+        self.may_have_ended |=
+            is_doubtful && all.any(|(places, nominal)| places.may_be_complete(nominal.ius, hidden));
     }
 
     /// Whether what was seen of the activity may be a part of a nominal one, with what may have happened unseen.

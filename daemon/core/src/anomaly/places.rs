@@ -110,6 +110,17 @@ impl Places {
         places
     }
 
+    /// Whether all IUs may have come in as many hidden frames, and then those from the first one up to one with this context again.
+    pub(super) fn may_be_again(self, nominal: &[NominalIu<'_>], hidden: u32, context: Context) -> bool {
+        let quickest =
+            |ius: &[NominalIu<'_>]| ius.iter().fold(0u32, |sum, iu| sum.saturating_add(iu.quickest()));
+        let places = (1..=nominal.len()).filter(|ius| self.contains(*ius));
+        let left = places.map(|ius| quickest(&nominal[ius..])).min();
+        let begins = (0..nominal.len()).filter(|index| nominal[*index].context == context);
+        let again = begins.map(|index| quickest(&nominal[..index])).min();
+        left.zip(again).is_some_and(|(left, again)| left.saturating_add(again) / 2 <= hidden)
+    }
+
     /// Whether all IUs must have come if the hand is idle, where some may have in as many hidden frames.
     pub(super) fn has_ended_if_idle(self, nominal: &[NominalIu<'_>], hidden: u32) -> bool {
         self.or_later(hidden, nominal).after_idle(nominal).is_certainly(nominal.len())
