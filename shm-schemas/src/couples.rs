@@ -32,7 +32,7 @@ wire! { "andon.HandCouple", 60;
     }
 }
 
-wire! { "andon.Couples", 208;
+wire! { "andon.Couples", 264;
     /// The feature couples of both hands. The stamp names the newest frame that they depend on.
     struct Couples {
         /// The stamp.
@@ -46,14 +46,14 @@ wire! { "andon.Couples", 208;
         /// Bits of [`crate::flag`]: `END_OF_STREAM` (the couples then mean nothing), `PACED`, `CAPTURED`, `MOVED_UNSEEN`,
         /// `CARRIED_UNSEEN`, `BENCH_HIDDEN`.
         flags: u32,
-        /// The activities of that job that have not been done, one bit for each: a part that they move for good lies where the job begins.
-        undone: u32,
-        /// The activities of that job that use an object which has never been seen or not for longer than `blind_ms`, one bit for each.
+        /// The ids of the objects that are followed, ascending, then 0; in the sets below there is one bit for each, in this order.
+        objects: [u16; 32],
+        /// The objects that lie where that job begins.
+        at_start: u32,
+        /// The objects that have never been seen or not for longer than `blind_ms`.
         out_of_sight: u32,
-        /// One such object; 0 where there is none.
-        out_of_sight_object: u16,
-        /// Objects whose markers the newest frame shows twice; then 0.
-        twice_objects: [u16; 5],
+        /// The objects whose markers the newest frame shows twice.
+        twice: u32,
         /// The right hand, then the left hand.
         hands: [HandCouple; HANDS],
     }

@@ -7,8 +7,7 @@ use andon_core::bounds::Around;
 use andon_core::config::{Contact, Method};
 use andon_core::couple::{Context, Couples, Encoder, Refused, Unusable, Waiting};
 use andon_core::input::{Frame, Object, Side};
-use andon_core::object::{Meeting, StartPlace};
-use andon_core::set::ActivitySet;
+use andon_core::object::Meeting;
 use common::bench::{Bench, contexts, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
@@ -545,31 +544,30 @@ fn the_orientation_of_a_part_that_turns_without_meaning_changes_nothing() {
 }
 
 #[test]
-fn an_object_that_lies_where_the_job_begins_shows_what_has_not_been_done() {
+fn an_object_that_has_not_been_moved_lies_where_the_job_begins() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.4, 0.0], 30).rest(40);
     let mut shapes = shapes(&[TOOL]);
-    let (place, moved_by) = (Around { centre: [0.0; 3], max: 0.03 }, ActivitySet::of(2));
-    shapes[0].start = Some(StartPlace { place, moved_by });
-    let undone_in = |frames: &[Frame]| -> Vec<usize> {
+    shapes[0].start = Some(Around { centre: [0.0; 3], max: 0.03 });
+    let at_start_in = |frames: &[Frame]| -> Vec<usize> {
         let couples = encode_shapes(&shapes, frames);
-        (0..couples.len()).filter(|frame| couples[*frame].undone == moved_by).collect()
+        (0..couples.len()).filter(|frame| !couples[*frame].at_start.is_empty()).collect()
     };
-    let last = *undone_in(&bench.frames).last().unwrap();
+    let last = *at_start_in(&bench.frames).last().unwrap();
     assert!((20..30).contains(&last), "{last}");
     let hide = |frames: &mut [Frame]| frames.iter_mut().for_each(|frame| frame.objects.clear());
     hide(&mut bench.frames[5..80]);
     // The hand acts on it.
-    assert_eq!(undone_in(&bench.frames), (0..5).collect::<Vec<_>>());
+    assert_eq!(at_start_in(&bench.frames), (0..5).collect::<Vec<_>>());
     let mut away = Bench::new(&[(TOOL, [0.0, 0.0])]);
     away.hand(Side::Right, [0.5, 0.0]).rest(80);
     hide(&mut away.frames[5..]);
     // It is not known for longer than 700 ms where the object lies.
-    assert_eq!(undone_in(&away.frames), (0..26).collect::<Vec<_>>());
+    assert_eq!(at_start_in(&away.frames), (0..26).collect::<Vec<_>>());
     // What is only carried past the place does not lie there.
     let mut past = Bench::new(&[(TOOL, [-0.3, 0.0])]);
     past.hand(Side::Right, [-0.3, 0.0]).rest(20).hold(Side::Right, TOOL).go([0.3, 0.0], 30).rest(20);
-    assert_eq!(undone_in(&past.frames), []);
+    assert_eq!(at_start_in(&past.frames), []);
     hide(&mut past.frames[36..60]);
-    assert_eq!(undone_in(&past.frames), []);
+    assert_eq!(at_start_in(&past.frames), []);
 }

@@ -6,7 +6,6 @@ mod common;
 use andon_core::couple::{Couple, Visibility};
 use andon_core::input::{Frame, Side};
 use andon_core::object::ObjectShape;
-use andon_core::set::ActivitySet;
 use common::bench::{Bench, encode, encode_shapes, shapes};
 
 const TOOL: u16 = 5;
@@ -455,14 +454,12 @@ fn what_is_seen_apart_from_a_hand_that_has_let_go_is_not_what_it_took() {
 }
 
 #[test]
-fn the_activities_of_an_object_are_out_of_sight_until_it_is_seen_and_when_it_is_hidden_for_long() {
+fn an_object_is_out_of_sight_until_it_is_seen_and_when_it_is_hidden_for_long() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0]), (BOX, [0.5, 0.3])]);
     bench.hide(TOOL).hand(Side::Right, [-0.3, 0.0]).rest(10).show(TOOL).rest(10).hide(TOOL).rest(40);
-    let used = |shape: ObjectShape| ObjectShape { used_by: ActivitySet::of(usize::from(shape.id)), ..shape };
-    let shapes: Vec<ObjectShape> = shapes(&bench.ids()).into_iter().map(used).collect();
-    let couples = encode_shapes(&shapes, &bench.frames);
+    let couples = encode(&bench.ids(), &bench.frames);
     let hidden: Vec<usize> = (0..60).filter(|frame| !couples[*frame].out_of_sight.is_empty()).collect();
     // `blind_ms` are 21 frames.
     assert_eq!(hidden, (0..10).chain(41..60).collect::<Vec<_>>());
-    assert_eq!(couples[0].out_of_sight, ActivitySet::of(TOOL.into()));
+    assert_eq!(couples[0].ids(couples[0].out_of_sight).collect::<Vec<_>>(), [TOOL]);
 }

@@ -8,13 +8,14 @@ use andon_core::config::Method;
 use andon_core::couple::{Couples, Visibility};
 use andon_core::job::{Job, Law};
 use andon_core::set::ActivitySet;
-use common::script::{Part, Still, Toward, idle, part, short, stream, teach};
+use common::script::{Part, Still, Toward, idle, objects_of, part, short, stream, teach};
 use common::work::{IN_ORDER, away, bring, measure, polish, polish_and_measure};
 
 /// The verdicts of a judge that did not see what came before, on a bench that shows these activities not to have been done.
 fn judged_cold(job: &Job<'_>, parts: &[Part], undone: impl Fn(usize) -> ActivitySet) -> Vec<String> {
     let couples = stream(parts, &[]).into_iter().enumerate();
-    let couples = couples.map(|(frame, couples)| Couples { undone: undone(frame), ..couples }).collect();
+    let couples =
+        couples.map(|(frame, couples)| Couples { at_start: objects_of(undone(frame)), ..couples }).collect();
     judged_cold_by(job, couples)
 }
 

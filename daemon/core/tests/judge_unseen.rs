@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome};
-use common::script::{Part, idle, short, stream, teach};
+use common::script::{Part, idle, objects_of, short, stream, teach};
 use common::work::{away, bring, jobs, judged, measure, polish, polish_and_measure};
 
 /// The verdicts on pieces of which a part is brought to the table and back. Of the second piece only the way back is seen. While the hand is not
@@ -48,7 +48,7 @@ fn a_piece_of_which_no_hand_was_seen_is_not_judged() {
     let said = jobs(&job, &couples);
     assert_eq!(said, ["began in frame 30", "NotJudged HandNotSeen"]);
     assert_eq!(jobs(&job, &couples[..150]), said, "the recording ends");
-    couples.iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
+    couples.iter_mut().for_each(|couples| couples.at_start = objects_of(ActivitySet::first(2)));
     assert_eq!(jobs(&job, &couples), said, "what lies where it lay may have been brought back");
     // The next piece comes at once.
     let mut couples = stream(&[&[away(100)][..], &polish(6), &measure()].concat(), &[]);
@@ -99,8 +99,8 @@ fn a_job_is_not_right_with_what_may_belong_to_the_next_piece() {
     let said = |undone: ActivitySet, is_seen: bool| -> String {
         let mut couples = stream(&[&polish(6)[..], &[idle(90)], &measure()].concat(), &[]);
         // Something that lay on the bench at first does not any more, so it is not set as it was.
-        couples[..2].iter_mut().for_each(|couples| couples.undone = ActivitySet::first(2));
-        couples[first + 80..].iter_mut().for_each(|couples| couples.undone = undone);
+        couples[..2].iter_mut().for_each(|couples| couples.at_start = objects_of(ActivitySet::first(2)));
+        couples[first + 80..].iter_mut().for_each(|couples| couples.at_start = objects_of(undone));
         // For less time than anybody needs to end the piece and to begin another one.
         if !is_seen {
             couples.drain(first + 5..first + 35);

@@ -2,17 +2,17 @@
 
 use andon_core::couple::{Context, Couple, Couples, Motion, Visibility, Waiting};
 use andon_core::input::{Point, Side};
-use andon_core::set::ActivitySet;
+use andon_core::set::ObjectSet;
 use shm_schemas::{Couples as Message, HandCouple, flag};
 
 /// Writes the couples into the loaned message. Its other flags stay as they are.
 pub fn write(couples: &Couples, message: &mut Message) {
     message.described_ns = couples.captured_ns;
     message.known_ns = couples.known_ns;
-    message.undone = couples.undone.bits();
+    message.objects = couples.objects;
+    message.at_start = couples.at_start.bits();
     message.out_of_sight = couples.out_of_sight.bits();
-    message.out_of_sight_object = couples.out_of_sight_object;
-    message.twice_objects = couples.twice_objects;
+    message.twice = couples.twice.bits();
     message.flags |= bit(couples.is_captured, flag::CAPTURED)
         | bit(couples.has_moved_unseen, flag::MOVED_UNSEEN)
         | bit(couples.is_carried_unseen, flag::CARRIED_UNSEEN)
@@ -66,10 +66,10 @@ pub fn read(message: &Message) -> Couples {
         has_moved_unseen: message.flags & flag::MOVED_UNSEEN != 0,
         is_carried_unseen: message.flags & flag::CARRIED_UNSEEN != 0,
         is_bench_hidden: message.flags & flag::BENCH_HIDDEN != 0,
-        undone: ActivitySet::from_bits(message.undone),
-        out_of_sight: ActivitySet::from_bits(message.out_of_sight),
-        out_of_sight_object: message.out_of_sight_object,
-        twice_objects: message.twice_objects,
+        objects: message.objects,
+        at_start: ObjectSet::from_bits(message.at_start),
+        out_of_sight: ObjectSet::from_bits(message.out_of_sight),
+        twice: ObjectSet::from_bits(message.twice),
         hands: [hand(Side::Right, &message.hands[0]), hand(Side::Left, &message.hands[1])],
     }
 }
@@ -138,10 +138,10 @@ mod tests {
             has_moved_unseen: true,
             is_carried_unseen: true,
             is_bench_hidden: true,
-            undone: ActivitySet::first(3),
-            out_of_sight: ActivitySet::of(5),
-            out_of_sight_object: 8,
-            twice_objects: [9, 5, 0, 0, 0],
+            objects: core::array::from_fn(|index| index as u16 + 1),
+            at_start: ObjectSet::first(3),
+            out_of_sight: ObjectSet::of(5),
+            twice: ObjectSet::of(8),
             hands,
         };
         let mut message = Message::default();

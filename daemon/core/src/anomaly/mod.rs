@@ -288,7 +288,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
     /// nothing was seen; what was not seen for longer than `blind_ms` is out of sight. An encoder that has started again does not see at once
     /// what a hand holds.
     pub fn step(&mut self, couples: &Couples, emit: &mut impl FnMut(Event)) {
-        self.twice.follow(&couples.twice_objects, couples.captured_ns);
+        let couples = &self.bench.progress.of_job(couples);
+        self.twice.follow(couples.ids(couples.twice), couples.captured_ns);
         let twice = self.twice;
         let emit = &mut |event| emit(twice.named(event));
         if let Some(newest) = self.newest.replace(*couples) {
@@ -350,8 +351,8 @@ impl<'a, M: Memory<'a>> Judge<'a, M> {
         for (hand, couple) in bench.hands.iter_mut().zip(&couples.hands) {
             hand.observe(couple, couples.is_captured, &mut bench.progress);
         }
-        bench.progress.set_undone(couples.undone);
-        bench.progress.set_out_of_sight(couples.out_of_sight, couples.out_of_sight_object);
+        bench.progress.set_at_start(couples);
+        bench.progress.set_out_of_sight(couples);
         if couples.is_carried_unseen {
             bench.progress.doubt_start();
             let hands = bench.hands.iter_mut().zip(&couples.hands);

@@ -13,9 +13,9 @@ mod scene;
 pub use encoder::{Encoder, Refused, Unusable};
 pub use noise::jitter_bound_m;
 
-use crate::capacity::{HANDS, TWINS};
+use crate::capacity::{HANDS, OBJECTS};
 use crate::input::{Point, Side};
-use crate::set::ActivitySet;
+use crate::set::ObjectSet;
 
 /// Motion features `x_m = [a_h, θ_hj, φ_hj, jm_hj, θ_jl, φ_jl, jm_jl]` (paper III-A.3).
 ///
@@ -221,19 +221,24 @@ pub struct Couples {
     pub is_carried_unseen: bool,
     /// No object is seen, or one is hidden that lay in sight when a hand was seen last, or since: what becomes of it is not known.
     pub is_bench_hidden: bool,
-    /// The activities that have not been done: an object that they move for good lies where it does at the beginning of the job.
-    pub undone: ActivitySet,
-    /// The activities that use an object which has never been seen or not for longer than `blind_ms`.
-    pub out_of_sight: ActivitySet,
-    /// The id of one such object, 0 where there is none.
-    pub out_of_sight_object: u16,
-    /// The ids of objects that the job uses and whose markers the newest frame shows twice, then 0.
-    pub twice_objects: [u16; TWINS],
+    /// The ids of the objects that are followed, ascending, then 0: those of the sets below.
+    pub objects: [u16; OBJECTS],
+    /// The objects that lie where they do at the beginning of the job.
+    pub at_start: ObjectSet,
+    /// The objects that have never been seen or not for longer than `blind_ms`.
+    pub out_of_sight: ObjectSet,
+    /// The objects whose markers the newest frame shows twice.
+    pub twice: ObjectSet,
     /// Right hand, then left hand.
     pub hands: [Couple; HANDS],
 }
 
 impl Couples {
+    /// The ids of the objects in this set.
+    pub fn ids(&self, objects: ObjectSet) -> impl Iterator<Item = u16> {
+        objects.iter().map(|index| self.objects[index])
+    }
+
     /// The couples at another time of which no frame shows anything.
     pub(crate) fn unseen_at(&self, captured_ns: u64, known_ns: u64, visibility: Visibility) -> Self {
         Self {
@@ -243,7 +248,7 @@ impl Couples {
             has_moved_unseen: false,
             is_carried_unseen: false,
             is_bench_hidden: true,
-            undone: if visibility == Visibility::Unseen { ActivitySet::EMPTY } else { self.undone },
+            at_start: if visibility == Visibility::Unseen { ObjectSet::EMPTY } else { self.at_start },
             hands: self.hands.map(|couple| couple.unseen_at(captured_ns, visibility)),
             ..*self
         }

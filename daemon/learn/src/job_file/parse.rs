@@ -13,7 +13,7 @@ use andon_core::config::{Contact, Method};
 use andon_core::couple::Context;
 use andon_core::input::{Point, Space};
 use andon_core::job::{LocalCost, MeasureBounds, Shown};
-use andon_core::object::{Meeting, ObjectShape, StartPlace};
+use andon_core::object::{Meeting, ObjectShape};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -310,6 +310,13 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         CostText::Ordinal => LocalCost::Ordinal,
         CostText::Circular => LocalCost::Circular { bins },
     };
+    let moves = |number: usize| -> Vec<u16> {
+        let is_moved =
+            |object: &&ObjectText| object.start.iter().any(|start| start.moved_by.contains(&number));
+        text.object.iter().filter(is_moved).map(|object| object.id).collect()
+    };
+    let steps: Vec<TaughtStep> =
+        text.step.into_iter().enumerate().map(|(number, step)| step_of(step, moves(number))).collect();
     let objects = text.object.into_iter().enumerate().map(|(index, object)| object_of(index, object));
     let activities =
         text.activity.into_iter().enumerate().map(|(index, activity)| activity_of(index, activity));
@@ -317,7 +324,7 @@ fn job_of(text: JobText) -> Result<JobFile, JobFault> {
         id: text.id,
         name: text.name,
         passive_contacts: text.rests,
-        steps: text.step.into_iter().map(step_of).collect(),
+        steps,
         cost,
         max_slowdown: text.method.max_slowdown,
         has_free_ends: text.method.free_ends,
@@ -385,14 +392,11 @@ fn object_of(index: usize, text: ObjectText) -> Result<NamedObject, JobFault> {
             meetings: fitting(&meetings, &format!("{key}.meetings"))?,
             incidental: fitting(&text.incidental, &format!("{key}.incidental"))?,
             is_position_only: text.position_only,
-            start: text.start.map(start_of),
-            ..ObjectShape::default()
+            start: text
+                .start
+                .map(|StartText { place_m: [x, y, z, max], .. }| Around { centre: [x, y, z], max }),
         },
     })
-}
-
-fn start_of(StartText { place_m: [x, y, z, max], moved_by }: StartText) -> StartPlace {
-    StartPlace { place: Around { centre: [x, y, z], max }, moved_by: moved_by.into_iter().collect() }
 }
 
 /// As many items as there may be.
@@ -403,7 +407,7 @@ fn fitting<T: Clone, const MAX: usize>(items: &[T], key: &str) -> Result<heaples
     })
 }
 
-fn step_of(text: StepText) -> TaughtStep {
+fn step_of(text: StepText, moves: Vec<u16>) -> TaughtStep {
     let kind = |kind| match kind {
         KindText::Begin => RelationKind::Begin,
         KindText::End => RelationKind::End,
@@ -422,6 +426,7 @@ fn step_of(text: StepText) -> TaughtStep {
         allows_insertions: text.insertions,
         runs: text.runs,
         after: text.after.into_iter().map(relation).collect(),
+        moves,
     }
 }
 

@@ -302,17 +302,18 @@ fn job_file(
     strengths: &Strengths,
     activities: Vec<TaughtActivity>,
 ) -> JobFile {
+    let mut steps = relation::steps(runs, agreement, options, strengths);
     let mut job = JobFile {
         id: options.id,
         name: options.name.clone(),
         passive_contacts: agreement.passive_contacts.clone(),
-        steps: relation::steps(runs, agreement, options, strengths),
         cost: options.cost,
         max_slowdown: options.max_slowdown,
         has_free_ends: options.has_free_ends,
         min_rate_hz: 0.0,
         method: options.method,
-        objects: start::found(runs, agreement, options.method.space),
+        objects: start::found(runs, agreement, options.method.space, &mut steps),
+        steps,
         activities,
         provenance: Provenance {
             program: options.program.clone(),

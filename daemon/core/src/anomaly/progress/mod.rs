@@ -8,10 +8,10 @@ mod unseen;
 
 use super::occlusion::{Cause, OcclusionLog};
 use crate::capacity::HANDS;
-use crate::couple::{Context, Couple};
+use crate::couple::{Context, Couple, Couples};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
-use crate::set::ActivitySet;
+use crate::set::{ActivitySet, ObjectSet};
 use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
 use another_piece::Unwatched;
 pub(super) use another_piece::quickest;
@@ -193,8 +193,17 @@ impl<'a> Progress<'a> {
         };
     }
 
-    /// The bench shows that these activities have not been done. What has been away from there meanwhile may have been brought back.
-    pub(super) fn set_undone(&mut self, undone: ActivitySet) {
+    /// The same couples, in which only objects count that the job uses.
+    pub(super) fn of_job(&self, couples: &Couples) -> Couples {
+        let is_used = |index: &usize| !self.job.object(couples.objects[*index]).used_by.is_empty();
+        let used = |objects: ObjectSet| objects.iter().filter(is_used).collect();
+        Couples { out_of_sight: used(couples.out_of_sight), twice: used(couples.twice), ..*couples }
+    }
+
+    /// The activities that move what lies where the job begins have not been done. What has been away from there may have been brought back.
+    pub(super) fn set_at_start(&mut self, couples: &Couples) {
+        let undone = couples.ids(couples.at_start).map(|id| self.job.object(id).moved_by);
+        let undone = undone.fold(ActivitySet::EMPTY, |all, moved| all | moved);
         self.left |= self.seen_undone.without(undone);
         self.seen_undone = undone;
         let undone = self.undone();

@@ -5,6 +5,7 @@
 
 use super::super::occlusion::{Cause, OcclusionLog};
 use super::Progress;
+use crate::couple::Couples;
 use crate::set::ActivitySet;
 use crate::verdict::Reason;
 
@@ -29,8 +30,11 @@ impl Progress<'_> {
         }
     }
 
-    /// These activities use an object that is out of sight; the id of one of them, or 0.
-    pub(in crate::anomaly) fn set_out_of_sight(&mut self, activities: ActivitySet, object: u16) {
+    /// Takes the objects that are out of sight.
+    pub(in crate::anomaly) fn set_out_of_sight(&mut self, couples: &Couples) {
+        let mut hidden = couples.ids(couples.out_of_sight).map(|id| self.job.object(id)).peekable();
+        let object = hidden.peek().map_or(0, |object| object.id);
+        let activities = hidden.fold(ActivitySet::EMPTY, |all, object| all | object.used_by);
         let never_seen = self.never_seen.map_or(activities, |before| before & activities);
         (self.never_seen, self.out_of_sight) = (Some(never_seen), activities);
         self.never_seen_object = object;

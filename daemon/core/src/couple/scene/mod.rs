@@ -19,10 +19,11 @@ use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::noise::{Drift, MOVED_M, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Visibility, Waiting};
-use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES, TWINS};
+use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
-use crate::object::{ObjectShape, StartPlace};
+use crate::object::ObjectShape;
+use crate::set::ObjectSet;
 use core::ops::RangeInclusive;
 use glimpse::Glimpses;
 use heapless::Vec;
@@ -31,7 +32,6 @@ use in_hand::{InHand, Meets};
 use leap::Leap;
 use meeting::Shape;
 use sides::Sides;
-use start::Start;
 
 /// A parabola explains the positions if their noise bound is at least this multiple of its residual.
 const NOISE_PER_RESIDUAL: f32 = 3.0;
@@ -60,11 +60,10 @@ struct Node {
     attended: Option<Point>,
     /// No hand was seen for a while since then.
     was_unattended: bool,
-    start: Start,
 }
 
 impl Node {
-    fn new(shape: Shape, start: Option<StartPlace>) -> Self {
+    fn new(shape: Shape) -> Self {
         Self {
             shape,
             poses: Recent::new(ObjectPose::NEVER),
@@ -79,7 +78,6 @@ impl Node {
             may_be_held_instead: [false; HANDS],
             attended: None,
             was_unattended: false,
-            start: Start::new(start),
         }
     }
 }
@@ -111,8 +109,10 @@ pub(super) struct Scene {
     handless_frames: u32,
     /// For how many frames no hand has acted on anything.
     idle_frames: u32,
-    /// [`Couples::twice_objects`] of the newest frame.
-    twice_objects: [u16; TWINS],
+    /// [`Couples::twice`] of the newest frame.
+    twice: ObjectSet,
+    /// The objects that lie where they do at the beginning of the job.
+    at_start: ObjectSet,
     hands: [Recent<HandPose>; HANDS],
     leaps: [Leap; HANDS],
     sides: Sides,
@@ -143,8 +143,7 @@ pub(super) struct Scene {
 impl Scene {
     /// An empty scene. The ids of `shapes` differ; a shape without interaction points or beyond the capacity is left out.
     pub(super) fn new(method: Method, shapes: &[ObjectShape]) -> Self {
-        let nodes =
-            shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?, shape.start)));
+        let nodes = shapes.iter().filter_map(|shape| Some(Node::new(Shape::new(shape, &method)?)));
         let mut objects: Vec<Node, OBJECTS> = nodes.take(OBJECTS).collect();
         objects.sort_unstable_by_key(|node| node.shape.id);
         Self {
@@ -163,7 +162,8 @@ impl Scene {
             bench_hidden: 0,
             handless_frames: 0,
             idle_frames: 0,
-            twice_objects: [0; TWINS],
+            twice: ObjectSet::EMPTY,
+            at_start: ObjectSet::EMPTY,
             hands: core::array::from_fn(|_| Recent::new(HandPose::NEVER)),
             leaps: [Leap::default(); HANDS],
             sides: Sides::default(),
@@ -184,8 +184,7 @@ impl Scene {
 
     /// Forgets everything that was seen.
     pub(super) fn clear(&mut self) {
-        let objects =
-            self.objects.iter().map(|node| Node::new(node.shape.clone(), node.start.place())).collect();
+        let objects = self.objects.iter().map(|node| Node::new(node.shape.clone())).collect();
         *self = Self { objects, ..Self::new(self.method, &[]) };
     }
 
@@ -203,11 +202,8 @@ impl Scene {
     pub(super) fn push(&mut self, captured_ns: u64, frame: Option<&Frame>) {
         self.times_ns.push(captured_ns);
         self.captured = self.captured << 1 | u32::from(frame.is_some());
-        let is_used =
-            |id: &u16| self.objects.iter().any(|node| node.shape.id == *id && !node.shape.used_by.is_empty());
-        self.twice_objects = [0; TWINS];
-        let twice = frame.iter().flat_map(|frame| frame.twice.iter().copied().filter(is_used));
-        self.twice_objects.iter_mut().zip(twice).for_each(|(place, id)| *place = id);
+        self.twice =
+            frame.iter().flat_map(|frame| &frame.twice).filter_map(|id| self.index_of(*id)).collect();
         self.push_hands(frame);
         self.push_objects(frame);
         self.move_holding_hands();
@@ -252,7 +248,7 @@ impl Scene {
     fn push_objects(&mut self, frame: Option<&Frame>) {
         let mut seen = [None; OBJECTS];
         for object in frame.iter().flat_map(|frame| &frame.objects) {
-            if let Ok(index) = self.objects.binary_search_by_key(&object.id, |node| node.shape.id) {
+            if let Some(index) = self.index_of(object.id) {
                 seen[index] = seen[index].or_else(|| ObjectPose::seen(object, self.method.space));
             }
         }
@@ -288,6 +284,10 @@ impl Scene {
             node.known_frames = node.known_frames.saturating_add((pose.source != Source::Never).into());
             node.poses.push(pose);
         }
+    }
+
+    fn index_of(&self, id: u16) -> Option<usize> {
+        self.objects.binary_search_by_key(&id, |node| node.shape.id).ok()
     }
 
     /// The couples of the frame `age` frames before the newest. Call it once for each frame, in order.
@@ -327,6 +327,7 @@ impl Scene {
         let waiting = [0, 1].map(|hand| self.waiting(&hands[hand], &hands[1 - hand], age));
         hands.iter_mut().zip(waiting).for_each(|(couple, waiting)| couple.waiting = waiting);
         self.push_drift(age);
+        self.push_at_start(age);
         Couples {
             captured_ns: *self.times_ns.ago(age),
             known_ns,
@@ -334,10 +335,10 @@ impl Scene {
             has_moved_unseen: self.moved_unseen >> age & 1 == 1,
             is_carried_unseen: self.carried_unseen >> age & 1 == 1,
             is_bench_hidden: self.bench_hidden >> age & 1 == 1,
-            undone: self.undone(age),
+            objects: core::array::from_fn(|index| self.objects.get(index).map_or(0, |node| node.shape.id)),
+            at_start: self.at_start,
             out_of_sight: self.out_of_sight(age),
-            out_of_sight_object: self.out_of_sight_object(age),
-            twice_objects: self.twice_objects,
+            twice: self.twice,
             hands,
         }
     }

@@ -9,7 +9,7 @@ use super::in_hand::Meets;
 use super::meeting::are_in_reach;
 use super::{Node, Scene, squared_distance};
 use crate::capacity::HANDS;
-use crate::set::ActivitySet;
+use crate::set::ObjectSet;
 
 /// What a seen hand carries may be lost for as many times `blind_ms`: two seconds by default, in which nobody puts a part down and comes back for it.
 const CARRIED_BLIND_TIMES: u32 = 3;
@@ -321,21 +321,11 @@ impl Scene {
         2 * (self.clear[hand] & frames).count_ones() + 1 < frames.count_ones()
     }
 
-    /// The activities that use an object which was out of sight `age` frames before the newest.
-    pub(super) fn out_of_sight(&self, age: usize) -> ActivitySet {
-        self.used_out_of_sight(age).fold(ActivitySet::EMPTY, |all, node| all | node.shape.used_by)
-    }
-
-    /// The id of one such object, or 0.
-    pub(super) fn out_of_sight_object(&self, age: usize) -> u16 {
-        self.used_out_of_sight(age).next().map_or(0, |node| node.shape.id)
-    }
-
-    fn used_out_of_sight(&self, age: usize) -> impl Iterator<Item = &Node> {
-        self.objects.iter().filter(move |node| {
-            !node.shape.used_by.is_empty()
-                && self.visibility(node.poses.ago(age).unseen) == Visibility::Unseen
-        })
+    /// The objects that were out of sight `age` frames before the newest.
+    pub(super) fn out_of_sight(&self, age: usize) -> ObjectSet {
+        let is_out =
+            |index: &usize| self.visibility(self.objects[*index].poses.ago(age).unseen) == Visibility::Unseen;
+        (0..self.objects.len()).filter(is_out).collect()
     }
 
     pub(super) fn visibility(&self, unseen: u32) -> Visibility {
