@@ -1,4 +1,4 @@
-//! Sets of activities and of objects.
+//! Sets of activities, of objects, and of what was not seen.
 
 use crate::capacity::{ACTIVITIES, OBJECTS};
 use core::marker::PhantomData;
@@ -47,6 +47,12 @@ impl<Of: Copy> Set<Of> {
     /// One bit for each member, from the lowest number on.
     pub const fn bits(self) -> u32 {
         self.0
+    }
+
+    /// This set, if a condition holds, else none of it.
+    #[must_use]
+    pub const fn when(self, holds: bool) -> Self {
+        if holds { self } else { Self::EMPTY }
     }
 
     /// Whether it has no member.

@@ -3,7 +3,7 @@
 
 mod common;
 
-use andon_core::couple::{Context, Couple, Couples, Visibility};
+use andon_core::couple::{Context, Couple, Couples, Unseen, Visibility};
 use andon_core::job::Job;
 use andon_core::set::ActivitySet;
 use andon_core::verdict::{Level, Outcome, Verdict};
@@ -36,7 +36,8 @@ fn a_step_is_not_too_short_where_a_frame_shortly_before_it_was_missing() {
         let mut couples = stream(&[polish(6), parts].concat(), &[]);
         if let Some(missing) = missing {
             let hand = &mut couples[begins - missing].hands[0];
-            (hand.visibility[0], hand.is_clear) = (Visibility::Assumed, false);
+            hand.visibility[0] = Visibility::Assumed;
+            hand.unseen |= Unseen::CONTEXT;
         }
         judged(&polish_and_measure(), &couples).iter().any(|verdict| verdict.outcome == Outcome::Anomaly)
     };
@@ -54,7 +55,7 @@ fn with_a_restart(job: &Job<'_>, whole: &[Couples], first: usize) -> Vec<Verdict
         couples
             .hands
             .iter_mut()
-            .for_each(|hand| (hand.visibility[0], hand.is_clear) = (Visibility::Seen, true));
+            .for_each(|hand| (hand.visibility[0], hand.unseen) = (Visibility::Seen, Unseen::CHANGE));
     }
     judged(job, &left)
 }
@@ -100,7 +101,7 @@ fn an_encoder_that_starts_again_knows_only_the_parts_that_it_sees() {
 fn a_pause_shows_no_start_while_an_encoder_that_starts_again_has_not_seen_what_was_hidden_before() {
     let said = |is_hidden: bool, is_out_of_sight: bool| {
         let mut couples = stream(&[&[away(300)][..], &measure(), &[idle(20)]].concat(), &[]);
-        couples[20..66].iter_mut().for_each(|couples| couples.is_bench_hidden = is_hidden);
+        couples[20..66].iter_mut().for_each(|couples| couples.unseen |= Unseen::BENCH.when(is_hidden));
         for couples in &mut couples[66..299] {
             couples.out_of_sight = objects_of(ActivitySet::first(is_out_of_sight.into()));
         }

@@ -5,7 +5,7 @@ mod common;
 
 use andon_core::anomaly::Judge;
 use andon_core::config::Method;
-use andon_core::couple::Visibility;
+use andon_core::couple::{Unseen, Visibility};
 use andon_core::input::Frame;
 use andon_core::verdict::{Level, Outcome, Reason, Verdict};
 use common::bench::{Bench, encode_shapes, shapes};
@@ -22,7 +22,8 @@ fn judged(twice: &[(core::ops::Range<usize>, u16)], at_start_of_job: bool) -> Ve
     for couples in &mut couples[40..110] {
         let couple = &mut couples.hands[0];
         couple.visibility[1] = Visibility::Unseen;
-        (couple.is_clear, couple.is_doubtful, couple.hidden_object) = (false, true, POLISHER);
+        couple.unseen |= Unseen::CONTEXT | Unseen::CHANGE;
+        couple.hidden_object = POLISHER;
     }
     for (frames, object) in twice {
         for couples in &mut couples[frames.clone()] {

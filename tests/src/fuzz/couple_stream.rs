@@ -209,12 +209,8 @@ impl Line<'_> {
             let visibility = [(); 3].map(|()| {
                 [Visibility::Seen, Visibility::Assumed, Visibility::Unseen][usize::from(input.below(24) / 11)]
             });
-            let (is_clear, is_doubtful) = (input.below(8) != 0, input.below(8) == 0);
-            let (is_captured, has_moved_unseen) = (input.below(8) != 0, input.below(8) == 0);
-            let is_carried_unseen = input.below(8) == 0;
-            let is_bench_hidden = input.below(8) == 0;
-            let (is_object_ambiguous, is_object_new) = (input.below(8) == 0, input.below(8) == 0);
-            let is_object_displaced = input.below(8) == 0;
+            // Each of the observations is missing now and then.
+            let unseen = (0..9).filter(|_| input.below(8) == 0).collect();
             let drift_m = [0.0, 0.02, f32::MAX][usize::from(input.below(3))];
             let waiting = [Waiting::No, Waiting::Unknown, Waiting::Yes][usize::from(input.below(3))];
             // Now and then, an IU is longer than can be compared.
@@ -231,11 +227,7 @@ impl Line<'_> {
                     tips: position,
                     drift_m,
                     visibility,
-                    is_clear,
-                    is_doubtful,
-                    is_object_ambiguous,
-                    is_object_new,
-                    is_object_displaced,
+                    unseen,
                     waiting,
                     ..Couple::idle(side, captured_ns)
                 };
@@ -246,10 +238,7 @@ impl Line<'_> {
                 self.step(&Couples {
                     captured_ns,
                     known_ns: captured_ns,
-                    is_captured,
-                    has_moved_unseen,
-                    is_carried_unseen,
-                    is_bench_hidden,
+                    unseen,
                     objects: core::array::from_fn(|index| index as u16 + 1),
                     at_start: ObjectSet::from_bits(u32::from(input.byte())),
                     out_of_sight: ObjectSet::from_bits(u32::from(input.byte())),

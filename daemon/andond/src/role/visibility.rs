@@ -198,7 +198,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use andon_core::capacity::OBJECTS;
-    use andon_core::couple::Visibility;
+    use andon_core::couple::{self, Unseen};
     use andon_core::input;
     use andon_core::set::ObjectSet;
 
@@ -208,10 +208,7 @@ mod tests {
         Couples {
             captured_ns: at_ns,
             known_ns: at_ns,
-            is_captured: true,
-            has_moved_unseen: false,
-            is_carried_unseen: false,
-            is_bench_hidden: false,
+            unseen: Unseen::EMPTY,
             objects: [0; OBJECTS],
             at_start: ObjectSet::EMPTY,
             out_of_sight: ObjectSet::EMPTY,
@@ -288,8 +285,8 @@ mod tests {
     /// The left hand touches this object; 0 is none.
     fn left(at_ns: u64, seen: bool, object: u16) -> [Couples; 1] {
         let context = if object == 0 { Context::IDLE } else { Context([2, object, 0, 0]) };
-        let hand = if seen { Visibility::Seen } else { Visibility::Unseen };
-        let visibility = [hand, Visibility::Seen, Visibility::Seen];
+        let hand = if seen { couple::Visibility::Seen } else { couple::Visibility::Unseen };
+        let visibility = [hand, couple::Visibility::Seen, couple::Visibility::Seen];
         let left = Couple { context, visibility, ..Couple::idle(Side::Left, at_ns) };
         [both(at_ns, left)]
     }

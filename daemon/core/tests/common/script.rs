@@ -3,7 +3,7 @@
 use andon_core::bounds::{Bounds, Range};
 use andon_core::capacity::OBJECTS;
 use andon_core::config::Method;
-use andon_core::couple::{Context, Couple, Couples, Motion, Visibility};
+use andon_core::couple::{Context, Couple, Couples, Motion, Unseen, Visibility};
 use andon_core::input::{Point, Side};
 use andon_core::job::{Job, JobObject, LocalCost, MeasureBounds, NominalActivity, NominalIu, Shown};
 use andon_core::segment::{Event, Iu, Measures, Segmenter};
@@ -92,8 +92,7 @@ fn couples_of(side: Side, parts: &[Part]) -> Vec<Couple> {
                 context: Context(part.context),
                 distances: [0.01, 0.01],
                 visibility: [visibility(part.seen), visibility(part.sighted), Visibility::Seen],
-                is_clear: part.seen && part.sighted,
-                is_doubtful: !(part.seen && part.sighted),
+                unseen: (Unseen::CONTEXT | Unseen::CHANGE).when(!(part.seen && part.sighted)),
                 ..Couple::idle(side, index as u64 * PERIOD_NS)
             }
         })
@@ -137,10 +136,7 @@ pub(crate) fn stream(right: &[Part], left: &[Part]) -> Vec<Couples> {
             Couples {
                 captured_ns,
                 known_ns: captured_ns + 5 * PERIOD_NS,
-                is_captured: true,
-                has_moved_unseen: false,
-                is_carried_unseen: false,
-                is_bench_hidden: false,
+                unseen: Unseen::EMPTY,
                 objects: OBJECTS_OF_ALL,
                 at_start: ObjectSet::EMPTY,
                 out_of_sight: ObjectSet::EMPTY,

@@ -118,7 +118,7 @@ fn draw_context(out: &mut String, timeline: &Timeline, names: &Names, axis: &Axi
 /// The colour and the word for what was seen of what the context depends on. A hand that touches nothing may be anywhere, and need not be in
 /// the picture; but then it is not known to be idle.
 fn visibility(couple: &Couple) -> (&'static str, &'static str) {
-    match couple.worst_sight() {
+    match couple.worst_visibility() {
         Visibility::Seen if is_out_of_picture(couple) => NO_HAND,
         Visibility::Seen => SEEN,
         Visibility::Assumed => ASSUMED,

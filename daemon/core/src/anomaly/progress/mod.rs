@@ -8,12 +8,11 @@ mod unseen;
 
 use super::occlusion::{Cause, OcclusionLog};
 use crate::capacity::HANDS;
-use crate::couple::{Context, Couple, Couples};
+use crate::couple::{Context, Couple, Couples, Unseen};
 use crate::input::Side;
 use crate::job::{Job, NominalIu};
 use crate::set::{ActivitySet, ObjectSet};
 use crate::verdict::{BrokenOrder, Measured, Missing, Note, Reason};
-use another_piece::Unwatched;
 pub(super) use another_piece::quickest;
 
 /// Two unrelated steps come in one order in as many runs by chance in 3 of 100 jobs (2^-5).
@@ -95,7 +94,8 @@ pub(super) struct Progress<'a> {
     overlooked_object: u16,
     /// What came, or may have, and may belong to the next job: nothing after a job that was right.
     carried_over: ActivitySet,
-    unwatched: Unwatched,
+    /// For how many frames nobody has watched since a hand was last seen to act.
+    unwatched: u32,
     /// For each hand, what was occluded or never came since then.
     occlusions: [OcclusionLog; HANDS],
     /// Why what a hand goes on with from the job before was not judged.
@@ -149,7 +149,7 @@ impl<'a> Progress<'a> {
             never_seen_object: 0,
             overlooked_object: 0,
             carried_over: all,
-            unwatched: Unwatched::new(),
+            unwatched: 0,
             occlusions,
             carried_on_cause: None,
             fault: None,
@@ -247,19 +247,20 @@ impl<'a> Progress<'a> {
         self.is_hidden[side.index()] = is_hidden;
     }
 
-    /// Takes how well the next couple of a hand shows what it does. A hand that has never been seen is not hidden.
-    pub(super) fn count_occluded(&mut self, couple: &Couple, is_captured: bool, is_hidden: bool) {
+    /// Takes how well the next couple of a hand shows what it does, and how many frames after the one before it comes. A hand that has never been
+    /// seen is not hidden.
+    pub(super) fn count_occluded(&mut self, couple: &Couple, frames: u32, is_hidden: bool) {
         let log = &mut self.occlusions[couple.side.index()];
-        log.skip_to(couple.captured_ns, is_captured);
-        if is_hidden || !is_captured {
-            log.count(couple, is_captured);
+        log.skip(frames, couple);
+        if is_hidden || couple.lacks(Unseen::FRAME) {
+            log.count(couple);
         }
     }
 
     /// What was hidden up to now does not matter any more.
     fn forget_hidden(&mut self) {
         (self.unseen, self.overlooked_object) = (ActivitySet::EMPTY, 0);
-        self.unwatched.forget();
+        self.unwatched = 0;
         self.occlusions.iter_mut().for_each(OcclusionLog::forget);
     }
 

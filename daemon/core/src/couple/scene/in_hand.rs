@@ -70,8 +70,8 @@ impl Scene {
             for object in 0..self.objects.len() {
                 self.in_hand[hand][object] = self.next_in_hand(hand, object, age);
                 let is_held = self.in_hand[hand][object] == InHand::Yes;
-                self.is_led[hand][object] =
-                    is_held && (self.is_led[hand][object] || self.leads(hand, object, age));
+                let is_led = is_held && (self.led[hand].contains(object) || self.leads(hand, object, age));
+                self.led[hand].set(object, is_led);
                 if self.in_hand[hand][object] == InHand::Unknown {
                     // The frame does not show what the hand acts on.
                     self.clear[hand] &= !(1 << age);
@@ -83,7 +83,7 @@ impl Scene {
     fn next_in_hand(&self, hand: usize, object: usize, age: usize) -> InHand {
         let (edge, before) = (self.touches[hand][object], self.in_hand[hand][object]);
         if !edge.is_believed() && self.objects[object].shape.is_held_anywhere {
-            let stays = self.is_led[hand][object] && self.stays_anywhere(hand, object, age);
+            let stays = self.led[hand].contains(object) && self.stays_anywhere(hand, object, age);
             return if stays || self.leads(hand, object, age) { InHand::Yes } else { InHand::No };
         }
         if before == InHand::Yes {

@@ -34,17 +34,18 @@ impl Scene {
         }
     }
 
-    /// Finds objects that lie elsewhere than when a hand was last seen, and that no hand holds: none acted on it or was at it when it
+    /// Whether an object lies elsewhere than when a hand was last seen, and no hand holds it: none acted on it or was at it when it
     /// was last seen, the latter not longer ago than `blind_ms`.
-    pub(super) fn push_moved_unseen(&mut self) {
+    pub(super) fn have_moved_unseen(&mut self) -> bool {
         let is_hand_seen = self.hands.iter().any(|hand| hand.ago(0).source == Source::Seen);
-        let was_handless = self.handless_frames >= self.method.persist_frames.into();
+        if self.handless_frames >= self.method.persist_frames.into() {
+            self.unattended = ObjectSet::first(self.objects.len());
+        }
         self.handless_frames = if is_hand_seen { 0 } else { self.handless_frames.saturating_add(1) };
         let moved_m = self.moved_m();
         let mut has_moved = false;
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
-            node.was_unattended |= was_handless;
             if pose.source != Source::Seen {
                 continue;
             }
@@ -56,20 +57,21 @@ impl Scene {
             let is_held = (0..HANDS).any(holds);
             let lay = *node.attended.get_or_insert(pose.position);
             let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
-            let has_moved_unseen = node.was_unattended && is_elsewhere && !is_held;
+            let has_moved_unseen = self.unattended.contains(index) && is_elsewhere && !is_held;
             has_moved |= has_moved_unseen;
             if is_hand_seen || has_moved_unseen || is_held {
-                (node.attended, node.was_unattended) = (Some(pose.position), false);
+                node.attended = Some(pose.position);
+                self.unattended.set(index, false);
             }
         }
-        self.moved_unseen = self.moved_unseen << 1 | u32::from(has_moved);
+        has_moved
     }
 
-    /// Finds out whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
+    /// Whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
     /// a part that is put in place while the camera is covered, does not move before and after that, and what is misread, as where fingers pass
     /// before a marker, is back where it was. Where frames come too seldom to measure what a hand does, it does not matter whether the hand is
     /// seen.
-    pub(super) fn push_carried_unseen(&mut self) {
+    pub(super) fn are_carried_unseen(&mut self) -> bool {
         let moves_unmeasured = self.move_unmeasured();
         let persist = usize::from(self.method.persist_frames);
         let is_seen_at = |object: usize| {
@@ -93,7 +95,7 @@ impl Scene {
             (0..=2 * persist).any(|age| self.hands.iter().any(|hand| hand.ago(age).source != Source::Seen));
         let is_carried =
             is_any_hidden && (0..self.objects.len()).any(|object| !is_seen_at(object) && moves(object));
-        self.carried_unseen = self.carried_unseen << 1 | u32::from(is_carried || moves_unmeasured);
+        is_carried || moves_unmeasured
     }
 
     /// Whether an object that no hand is known to hold is carried about, and seen too seldom to measure it.
@@ -109,15 +111,15 @@ impl Scene {
         is_any
     }
 
-    /// Finds out whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What had been hidden
+    /// Whether what lay on the bench when a hand was seen last is hidden, as when something covers the camera. What had been hidden
     /// for longer than `blind_ms` by then, as a part under a lid, lies where a hand has left it.
-    pub(super) fn push_bench_hidden(&mut self) {
+    pub(super) fn is_bench_hidden(&self) -> bool {
         let mut poses = self.objects.iter().map(|node| node.poses.ago(0));
         let is_any_seen = poses.clone().any(|pose| pose.source == Source::Seen);
         let since = self.handless_frames.saturating_add(self.blind_frames);
         let has_vanished =
             self.handless_frames > 0 && poses.any(|pose| pose.source != Source::Seen && pose.unseen <= since);
-        self.bench_hidden = self.bench_hidden << 1 | u32::from(!is_any_seen || has_vanished);
+        !is_any_seen || has_vanished
     }
 
     /// Finds out for each hand whether the newest frame shows it and everything that it acts on, is at or may have taken, what that may touch,
@@ -146,7 +148,7 @@ impl Scene {
                         !touches[object].is_known() || interaction.held().is_some_and(is_edge_unknown)
                     }
                     _ => {
-                        node.may_be_taken[index]
+                        self.may_be_taken[index].contains(object)
                             || interaction.involves(object)
                             || (0..self.objects.len()).filter(is_at).any(may_touch)
                     }
@@ -166,10 +168,10 @@ impl Scene {
     /// other may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
         let (moved_m, persist) = (self.moved_m(), usize::from(self.method.persist_frames));
-        for node in &mut self.objects {
+        for (object, node) in self.objects.iter().enumerate() {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
             if matches!(pose.source, Source::Seen | Source::Never) {
-                node.may_be_taken = [false; HANDS];
+                self.may_be_taken.iter_mut().for_each(|taken| taken.set(object, false));
                 continue;
             }
             let may_have_come = |hand: &Recent<HandPose>, max_unseen: u32| match hand.ago(0).source {
@@ -186,8 +188,8 @@ impl Scene {
                 });
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
-            for (taken, hand) in node.may_be_taken.iter_mut().zip(&self.hands) {
-                *taken |= may_be_given || may_have_come(hand, u32::MAX);
+            for (taken, hand) in self.may_be_taken.iter_mut().zip(&self.hands) {
+                *taken |= ObjectSet::of(object).when(may_be_given || may_have_come(hand, u32::MAX));
             }
         }
     }
@@ -196,26 +198,26 @@ impl Scene {
     /// hand was. One that is seen apart from a hand that has let go is not what the hand takes next.
     pub(super) fn push_alternatives(&mut self) {
         let moved_m = self.moved_m();
-        for (object, node) in self.objects.iter_mut().enumerate() {
+        for (object, node) in self.objects.iter().enumerate() {
             let [pose, before] = [0, 1].map(|age| *node.poses.ago(age));
             let is_back = pose.source == Source::Seen
                 && before.source == Source::Covered
                 && squared_distance(pose.position, before.position) <= moved_m * moved_m;
             for (hand, touches) in self.touches.iter().enumerate() {
                 let (edge, interaction) = (touches[object], self.interactions[hand]);
-                let touched = &mut node.may_be_touched[hand];
-                *touched |= !edge.is_known() || edge.is_near();
-                let is_seen_apart = pose.source == Source::Seen && edge.is_known() && !edge.is_near();
-                node.may_be_held_instead[hand] &= match interaction {
-                    _ if interaction.held() == Some(object) => {
-                        pose.source != Source::Seen || !edge.is_known() || !edge.is_near()
-                    }
-                    Interaction::Released { .. } if is_seen_apart => false,
-                    _ => !is_back || *touched,
+                let is_touched =
+                    self.may_be_touched[hand].contains(object) || !edge.is_known() || edge.is_near();
+                let is_known = pose.source == Source::Seen && edge.is_known();
+                let may_be = match interaction {
+                    _ if interaction.held() == Some(object) => !is_known || !edge.is_near(),
+                    Interaction::Released { .. } if is_known && !edge.is_near() => false,
+                    _ => !is_back || is_touched,
                 };
+                let is_alternative = self.alternatives[hand].contains(object) && may_be;
+                self.alternatives[hand].set(object, is_alternative);
                 // What it was when it was seen again is decided once and for all.
-                *touched =
-                    if pose.source == Source::Seen { node.may_be_held_instead[hand] } else { *touched };
+                let is_seen = pose.source == Source::Seen;
+                self.may_be_touched[hand].set(object, if is_seen { is_alternative } else { is_touched });
             }
         }
     }
@@ -229,22 +231,26 @@ impl Scene {
         age: usize,
     ) {
         let persist = self.method.persist_frames;
-        for (object, node) in self.objects.iter_mut().enumerate() {
-            let is_taken = held.is_some() && held != before;
+        if held.is_none() {
+            self.alternatives[hand] = ObjectSet::EMPTY;
+            return;
+        }
+        for (object, node) in self.objects.iter().enumerate() {
+            let is_taken = held != before;
             let touch = self.touches[hand][object];
             let is_in_doubt = match node.poses.ago(0).source {
                 Source::Never => false,
                 Source::Seen if held == Some(object) => !touch.is_known(),
                 Source::Seen => !touch.is_apart(age, persist),
-                _ => held == Some(object) || node.may_be_taken[hand],
+                _ => held == Some(object) || self.may_be_taken[hand].contains(object),
             };
             // Where one is first seen at a hand that holds another, the hand may have held that all along.
             let appears = node.poses.ago(age).source == Source::Never
                 && node.poses.ago(0).source == Source::Seen
                 && held.is_some_and(|held| held != object && touch.is_near());
-            let is_new = is_taken && is_in_doubt || appears;
-            node.may_be_held_instead[hand] = held.is_some() && (node.may_be_held_instead[hand] || is_new);
-            node.may_be_touched[hand] |= is_new && node.poses.ago(0).source == Source::Seen;
+            let is_new = ObjectSet::of(object).when(is_taken && is_in_doubt || appears);
+            self.alternatives[hand] |= is_new;
+            self.may_be_touched[hand] |= is_new.when(node.poses.ago(0).source == Source::Seen);
         }
     }
 
@@ -264,15 +270,6 @@ impl Scene {
     /// Whether an object was first seen about when a hand began to act on it.
     pub(super) fn is_new(&self, object: usize, age: usize) -> bool {
         self.objects[object].known_frames <= 2 * u32::from(self.method.persist_frames) + age as u32
-    }
-
-    /// Whether an object of what begins was moved while it was hidden; that does not matter for what this hand does after it.
-    pub(super) fn take_displaced(&mut self, hand: usize, interaction: Interaction) -> bool {
-        let mut is_any = false;
-        for (object, node) in self.objects.iter_mut().enumerate() {
-            is_any |= interaction.involves(object) && core::mem::take(&mut node.is_displaced[hand]);
-        }
-        is_any
     }
 
     /// Whether `o_j` and `o_l` may only have been near each other, because they came together unseen.
