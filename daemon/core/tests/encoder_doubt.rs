@@ -150,6 +150,23 @@ fn a_hand_that_comes_to_what_the_other_one_holds_may_not_have_taken_it_if_that_i
 }
 
 #[test]
+fn what_a_seen_hand_carries_unseen_is_not_in_a_hand_that_is_seen_with_something_else() {
+    for is_tool_hidden in [false, true] {
+        let mut bench = Bench::new(&[(TOOL, [0.3, 0.0]), (BOX, [-0.3, 0.0])]);
+        bench.hand(Side::Right, [0.3, 0.0]).hand(Side::Left, [-0.3, 0.0]).rest(20);
+        bench.hold(Side::Right, TOOL).hold(Side::Left, BOX).carry([Some([0.3, 0.1]), Some([-0.3, 0.1])], 20);
+        let hidden = bench.frames.len();
+        if is_tool_hidden {
+            bench.hide(TOOL);
+        }
+        // The box comes to within a hand's breadth of the tool, but not to it.
+        bench.hide(BOX).carry([Some([0.3, 0.2]), Some([0.14, 0.2])], 20);
+        let couples = couples_of(&bench, Side::Right);
+        assert_eq!(couples[hidden..].iter().all(|couple| !couple.lacks(Unseen::CONTEXT)), !is_tool_hidden);
+    }
+}
+
+#[test]
 fn a_part_that_was_seen_in_the_hand_is_held_as_it_was_then() {
     let mut bench = Bench::new(&[(TOOL, [0.0, 0.0])]);
     bench.hand(Side::Right, [0.0, 0.0]).hold(Side::Right, TOOL).go([0.4, 0.0], 20);

@@ -121,6 +121,18 @@ fn a_step_that_was_not_judged_and_comes_again_may_only_go_on() {
 }
 
 #[test]
+fn the_first_step_that_an_idle_hand_begins_is_judged_although_other_touches_may_come_in_it() {
+    let laws: [Law; 2] = [true, false].map(|allows_insertions| Law { allows_insertions, ..Law::FREE });
+    let job = Job { laws: Box::leak(Box::new(laws)), ..polish_and_measure() };
+    let said = |before: usize| {
+        judged_cold_by(&job, stream(&[&[idle(before)][..], &polish(2), &measure()].concat(), &[]))
+    };
+    assert_eq!(said(60)[1], "r0.1 IuAnomaly TooShort", "{:?}", said(60));
+    // What a hand goes on with that was not seen to be idle may have begun before.
+    assert_eq!(said(2)[1], "r0.1 NotJudged BeginningNotSeen!", "{:?}", said(2));
+}
+
+#[test]
 fn after_the_second_half_of_an_activity_its_first_half_begins_another_one() {
     let (to_table, back) = (bring(3, 2, 1), bring(2, 3, 5));
     let whole = [to_table, back].concat();

@@ -99,22 +99,25 @@ pub(super) struct OpenActivity {
 
 impl OpenActivity {
     /// Before its first IU: `C`, `L` and `i` of Algorithm 1 start again with every activity. It may have begun `hidden` frames earlier; with
-    /// `was_idle` the hand was certainly idle before it.
+    /// `was_idle` the hand was certainly idle before it; with `is_begun_late` nothing was watched before that.
     pub(super) fn new(
         number: u16,
         step: Step,
         context: Context,
         began_ns: u64,
-        (hidden, was_idle): (u32, bool),
+        (hidden, was_idle, is_begun_late): (u32, bool, bool),
         min_idle_frames: u32,
         job: &Job<'_>,
     ) -> Self {
-        let places = core::array::from_fn(|index| match job.activities.get(index) {
-            None => Places::NONE,
-            Some(nominal) if was_idle && !job.allows_insertions(index) => {
-                Places::new(hidden, nominal.ius).after_idle(nominal.ius)
+        let places = core::array::from_fn(|index| {
+            let Some(nominal) = job.activities.get(index) else { return Places::NONE };
+            let places = Places::new(hidden, nominal.ius);
+            match was_idle {
+                // The first step that is seen begins its piece, so it does not come once more after all of it.
+                true if is_begun_late => places.after_idle(nominal.ius).before_end(nominal.ius),
+                true if !job.allows_insertions(index) => places.after_idle(nominal.ius),
+                _ => places,
             }
-            Some(nominal) => Places::new(hidden, nominal.ius),
         });
         Self {
             number,

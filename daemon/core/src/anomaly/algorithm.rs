@@ -25,7 +25,8 @@ impl<'a, M: Memory<'a>> HandJudge<'a, M> {
         };
         let number = progress.next_activity(self.side, began_ns, hidden == 0, matches!(step, Step::Shown(_)));
         let min_idle_frames = self.watch.min_idle_frames();
-        let before = (hidden, was_idle);
+        let is_begun_late = self.watch.may_be_remainder && self.watch.is_begun_late;
+        let before = (hidden, was_idle, is_begun_late);
         let mut activity =
             OpenActivity::new(number, step, context, began_ns, before, min_idle_frames, progress.job);
         if activity.is_beginning_seen(progress.job) {

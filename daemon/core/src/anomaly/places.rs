@@ -41,6 +41,11 @@ impl Places {
         Self(places.fold(0, |places, ius| places | 1 << ius))
     }
 
+    /// Those of these places at which not all IUs have come.
+    pub(super) fn before_end(self, nominal: &[NominalIu<'_>]) -> Self {
+        Self(self.0 & !(1 << nominal.len()))
+    }
+
     /// The places of both.
     pub(super) fn or(self, other: Self) -> Self {
         Self(self.0 | other.0)

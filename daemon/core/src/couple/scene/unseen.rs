@@ -168,6 +168,12 @@ impl Scene {
     /// other may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
         let (moved_m, persist) = (self.moved_m(), usize::from(self.method.persist_frames));
+        // What the hand is seen to act on leaves no room in it.
+        let is_full: [bool; HANDS] = core::array::from_fn(|hand| {
+            let is_seen = |object: usize| self.objects[object].poses.ago(0).source == Source::Seen;
+            self.hands[hand].ago(0).source == Source::Seen
+                && self.interactions[hand].held().is_some_and(is_seen)
+        });
         for (object, node) in self.objects.iter().enumerate() {
             let (pose, radius_m) = (node.poses.ago(0), node.shape.radius_m);
             if matches!(pose.source, Source::Seen | Source::Never) {
@@ -188,8 +194,15 @@ impl Scene {
                 });
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
-            for (taken, hand) in self.may_be_taken.iter_mut().zip(&self.hands) {
-                *taken |= ObjectSet::of(object).when(may_be_given || may_have_come(hand, u32::MAX));
+            // What a seen hand carries goes with it, unless another one comes to it that has room.
+            let is_carried =
+                pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
+            for ((taken, hand), is_full) in self.may_be_taken.iter_mut().zip(&self.hands).zip(is_full) {
+                let may_be = match is_carried {
+                    true => !is_full && may_have_come(hand, u32::MAX),
+                    false => may_be_given || may_have_come(hand, u32::MAX),
+                };
+                *taken |= ObjectSet::of(object).when(may_be);
             }
         }
     }
