@@ -9,8 +9,14 @@ use crate::capacity::PERSIST_FRAMES;
 use crate::input::Point;
 use heapless::Vec;
 
-/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool.
+/// A movement shorter than this is none, in metres: above the noise of landmarks and markers, and below the strokes of a tool. What has been
+/// hidden or held and is no farther than this from where it was is where it was.
 pub const MOVED_M: f32 = 0.015;
+
+/// Whether what was at one of two places and is at the other one has moved.
+pub(super) fn has_moved(from: Point, to: Point) -> bool {
+    squared_distance(from, to) > MOVED_M * MOVED_M
+}
 
 /// Two positions of what lies still are hardly ever farther apart than this multiple of the standard deviation of one: in the plane once in 270,000
 /// times if that is known, and once in some thousand times as it is estimated here.

@@ -16,7 +16,7 @@ use super::contact::Edge;
 use super::geometry::squared_distance;
 use super::interaction::{self, Interaction};
 use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
-use super::noise::{Drift, MOVED_M, jitter_bound_m};
+use super::noise::{Drift, MOVED_M, has_moved, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Unseen, Visibility, Waiting};
 use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
@@ -243,7 +243,7 @@ impl Scene {
         for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
             *seen = seen.filter(|seen| node.leap.believes(&node.poses, seen, &self.method));
         }
-        let (moved_m, persist) = (self.moved_m(), u32::from(self.method.persist_frames));
+        let persist = u32::from(self.method.persist_frames);
         for (index, seen) in seen.iter().enumerate() {
             if let Some(seen) = seen {
                 self.correct_assumed(index, seen);
@@ -252,9 +252,7 @@ impl Scene {
         for (index, (node, seen)) in self.objects.iter_mut().zip(seen).enumerate() {
             let before = node.poses.ago(0);
             let was_hidden = before.source == Source::Held && before.unseen > persist;
-            let is_elsewhere =
-                |seen: ObjectPose| squared_distance(seen.position, before.position) > moved_m * moved_m;
-            if was_hidden && seen.is_some_and(is_elsewhere) {
+            if was_hidden && seen.is_some_and(|seen| has_moved(seen.position, before.position)) {
                 self.displaced.iter_mut().for_each(|displaced| displaced.set(index, true));
             }
             let grips = node.grips.iter().zip(&self.hands);

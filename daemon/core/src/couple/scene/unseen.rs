@@ -4,6 +4,7 @@ use super::super::Visibility;
 use super::super::contact;
 use super::super::geometry::{norm, subtract};
 use super::super::interaction::Interaction;
+use super::super::noise::{MOVED_M, has_moved};
 use super::super::poses::{HandPose, ObjectPose, Recent, Source};
 use super::in_hand::Meets;
 use super::meeting::are_in_reach;
@@ -19,7 +20,7 @@ impl Scene {
     pub(super) fn correct_assumed(&mut self, object: usize, seen: &ObjectPose) {
         let assumed = *self.objects[object].poses.ago(0);
         let max_m = match assumed.source {
-            Source::Covered => self.moved_m(),
+            Source::Covered => MOVED_M,
             // It may lie otherwise in the hand than it did.
             Source::Carried => self.method.hand_contact.on_m,
             _ => return,
@@ -42,8 +43,7 @@ impl Scene {
             self.unattended = ObjectSet::first(self.objects.len());
         }
         self.handless_frames = if is_hand_seen { 0 } else { self.handless_frames.saturating_add(1) };
-        let moved_m = self.moved_m();
-        let mut has_moved = false;
+        let mut is_any = false;
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
             if pose.source != Source::Seen {
@@ -56,15 +56,15 @@ impl Scene {
             };
             let is_held = (0..HANDS).any(holds);
             let lay = *node.attended.get_or_insert(pose.position);
-            let is_elsewhere = squared_distance(lay, pose.position) > moved_m * moved_m;
+            let is_elsewhere = has_moved(lay, pose.position);
             let has_moved_unseen = self.unattended.contains(index) && is_elsewhere && !is_held;
-            has_moved |= has_moved_unseen;
+            is_any |= has_moved_unseen;
             if is_hand_seen || has_moved_unseen || is_held {
                 node.attended = Some(pose.position);
                 self.unattended.set(index, false);
             }
         }
-        has_moved
+        is_any
     }
 
     /// Whether a hand that is not seen carries an object: it moves, and no hand is seen at it. What is exchanged between two frames, as
@@ -100,12 +100,12 @@ impl Scene {
 
     /// Whether an object that no hand is known to hold is carried about, and seen too seldom to measure it.
     fn move_unmeasured(&mut self) -> bool {
-        let (persist, moved_m) = (self.method.persist_frames.into(), self.moved_m());
+        let persist = self.method.persist_frames.into();
         let mut is_any = false;
         for (index, node) in self.objects.iter_mut().enumerate() {
             let pose = node.poses.ago(0);
             let seen = (pose.source == Source::Seen).then_some(pose.position);
-            let moves = node.glimpses.push(seen, persist, self.blind_frames, moved_m);
+            let moves = node.glimpses.push(seen, persist, self.blind_frames);
             is_any |= moves && self.interactions.iter().all(|what| what.held() != Some(index));
         }
         is_any
@@ -167,7 +167,7 @@ impl Scene {
     /// Finds out which hands may have taken objects that are hidden: each that was at the object or was not seen, and one to which the
     /// other may have given it. What moved when it vanished is in a hand, even if that has not been seen for long.
     fn update_taken(&mut self) {
-        let (moved_m, persist) = (self.moved_m(), usize::from(self.method.persist_frames));
+        let persist = usize::from(self.method.persist_frames);
         // What the hand is seen to act on leaves no room in it.
         let is_full: [bool; HANDS] = core::array::from_fn(|hand| {
             let is_seen = |object: usize| self.objects[object].poses.ago(0).source == Source::Seen;
@@ -189,9 +189,9 @@ impl Scene {
             let mut before = (persist + 1..=2 * persist).map(|age| node.poses.ago(age));
             let has_moved = vanished.source == Source::Seen
                 && self.hands.iter().any(|hand| hand.ago(0).source != Source::Seen)
-                && before.find(|pose| pose.source == Source::Seen).is_some_and(|before| {
-                    squared_distance(vanished.position, before.position) > moved_m * moved_m
-                });
+                && before
+                    .find(|pose| pose.source == Source::Seen)
+                    .is_some_and(|before| has_moved(vanished.position, before.position));
             let may_be_given =
                 has_moved || self.hands.iter().any(|hand| may_have_come(hand, self.blind_frames));
             // What a seen hand carries goes with it, unless another one comes to it that has room.
@@ -210,12 +210,11 @@ impl Scene {
     /// An object that was hidden, lies where it lay, and that the hand was not near meanwhile, was not taken. One that is seen in the
     /// hand was. One that is seen apart from a hand that has let go is not what the hand takes next.
     pub(super) fn push_alternatives(&mut self) {
-        let moved_m = self.moved_m();
         for (object, node) in self.objects.iter().enumerate() {
             let [pose, before] = [0, 1].map(|age| *node.poses.ago(age));
             let is_back = pose.source == Source::Seen
                 && before.source == Source::Covered
-                && squared_distance(pose.position, before.position) <= moved_m * moved_m;
+                && !has_moved(pose.position, before.position);
             for (hand, touches) in self.touches.iter().enumerate() {
                 let (edge, interaction) = (touches[object], self.interactions[hand]);
                 let is_touched =
@@ -351,11 +350,5 @@ impl Scene {
         let is_carried =
             pose.source == Source::Carried && pose.unseen <= CARRIED_BLIND_TIMES * self.blind_frames;
         if is_carried { Visibility::Assumed } else { self.visibility(pose.unseen) }
-    }
-
-    /// An object that lies as far from where it lay has been moved, in metres. Far above the noise of a marker that lies still, and below
-    /// the strokes of a tool.
-    pub(super) fn moved_m(&self) -> f32 {
-        self.method.object_contact.on_m / 2.0
     }
 }
