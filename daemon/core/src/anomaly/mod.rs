@@ -458,7 +458,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
     /// A hand that was not seen has worked since then: whatever it did is not judged.
     fn conclude_unseen(&mut self, began_ns: u64, emit: &mut impl FnMut(Event)) {
         let Self { progress, .. } = self;
-        progress.begin(began_ns, false);
+        progress.begin(began_ns, false, None);
         progress.set_unseen();
         emit(Event::JobBegan { began_ns });
         progress.conclude(true, &mut |verdict| emit(Event::Verdict(verdict)));
@@ -474,8 +474,7 @@ impl<'a, M: Memory<'a>> Bench<'a, M> {
                 if touches.any(|couple| hands[couple.side.index()].watch.may_go_on_touching(couple.context)) {
                     progress.doubt_start();
                 }
-                progress.begin(began_ns, is_start_seen);
-                progress.unseen_since_ns = unseen_since_ns;
+                progress.begin(began_ns, is_start_seen, unseen_since_ns);
                 if is_start_seen {
                     hands.iter_mut().for_each(|hand| hand.watch.begin());
                 }

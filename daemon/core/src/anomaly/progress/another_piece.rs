@@ -26,9 +26,9 @@ impl Progress<'_> {
     pub(in crate::anomaly) fn note_another_piece(&mut self, side: Side, nominal: ActivitySet, ius: usize) {
         let fits = |nominal: &NominalActivity<'_>| self.unwatched >= self.exchange(side, nominal, ius);
         let all = self.job.activities;
-        if self.is_open && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
+        if self.state.is_open && nominal.iter().filter_map(|nominal| all.get(nominal)).any(fits) {
             let cause = self.unseen_cause();
-            self.first_unjudged = self.first_unjudged.or(Some((cause, None)));
+            self.state.first_unjudged = self.state.first_unjudged.or(Some((cause, None)));
         }
     }
 
@@ -43,8 +43,9 @@ impl Progress<'_> {
     /// once, and what the other hand is in the middle of may be about to end.
     fn exchange(&self, side: Side, nominal: &NominalActivity<'_>, ius: usize) -> u32 {
         let activity = ActivitySet::of(nominal.activity.into());
-        let is_left = self.required.without(self.tried()).intersects(activity);
-        let left = self.required.without(self.tried() | self.underway[side.other().index()] | activity);
+        let is_left = self.state.required.without(self.tried()).intersects(activity);
+        let left =
+            self.state.required.without(self.tried() | self.state.underway[side.other().index()] | activity);
         let (came, rest) = nominal.ius.split_at(ius.min(nominal.ius.len()));
         let mut frames = [0u32; HANDS];
         frames[side.index()] = quickest(came).saturating_add(if is_left { quickest(rest) } else { 0 });
@@ -68,7 +69,9 @@ impl Progress<'_> {
     /// The required activities that laws put before this one, directly or by others between them.
     fn before(&self, activity: ActivitySet) -> ActivitySet {
         let step = |set: ActivitySet| {
-            (set | activity).iter().fold(set, |set, one| set | self.job.law(one).after() & self.required)
+            (set | activity)
+                .iter()
+                .fold(set, |set, one| set | self.job.law(one).after() & self.state.required)
         };
         self.all.iter().fold(ActivitySet::EMPTY, |set, _| step(set))
     }
