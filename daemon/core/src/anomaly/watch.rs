@@ -3,11 +3,12 @@
 use crate::config::Method;
 use crate::couple::{Context, Couple, Unseen};
 
-/// After this many times `persist_frames` without contact a hand is certainly empty.
+/// After this many times `persist_frames` without contact a hand is certainly empty: once until a contact is known again behind a gap, once until it
+/// is believed, and once in which the hand comes to rest at what it takes.
 const IDLE_PERSISTS: u32 = 3;
 
 /// What was not seen of one hand, as far as a verdict may depend on it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Watch {
     persist_frames: u32,
     /// The context of the newest couple.
@@ -56,25 +57,10 @@ impl Watch {
     pub(super) fn new(method: &Method) -> Self {
         Self {
             persist_frames: method.persist_frames.into(),
-            context: Context::IDLE,
-            hidden_frames: 0,
-            gap: 0,
-            clear_frames: None,
-            hidden_before_clear: 0,
-            newly_hidden: 0,
-            since_doubt: 0,
-            certain: None,
-            since_certain: 0,
-            idle_frames: 0,
-            has_been_idle: false,
-            is_held_doubtful: false,
-            lately_hidden: 0,
-            is_object_new: false,
-            was_object_new: false,
             may_be_new: true,
-            unjudged: 0,
             may_be_remainder: true,
             is_begun_late: true,
+            ..Self::default()
         }
     }
 

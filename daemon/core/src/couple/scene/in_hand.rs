@@ -22,7 +22,8 @@ use crate::input::Point;
 use crate::object::REACH_M;
 use core::f32::consts::SQRT_2;
 
-/// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, and those of what passes are.
+/// Two positions of what rests are seldom farther apart than this share of how far apart they are at most by chance, in the plane once in seven
+/// times; and those of what passes are.
 const MAX_REST_SHARE: f32 = 0.4;
 
 /// Whether a hand acts on an object.

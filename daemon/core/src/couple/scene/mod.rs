@@ -19,7 +19,7 @@ use super::kinematics::{Kinematics, Precision, Quantiser, Sample, kinematics};
 use super::noise::{Drift, MOVED_M, has_moved, jitter_bound_m};
 use super::poses::{Grip, HandPose, ObjectPose, REMEMBERED, Recent, Source};
 use super::{Context, Couple, Couples, Motion, Unseen, Visibility, Waiting};
-use crate::capacity::{HANDS, OBJECTS, PERSIST_FRAMES};
+use crate::capacity::{HANDS, OBJECTS};
 use crate::config::Method;
 use crate::input::{Frame, Point, Side};
 use crate::object::ObjectShape;
@@ -33,7 +33,8 @@ use leap::Leap;
 use meeting::Shape;
 use sides::Sides;
 
-/// A parabola explains the positions if their noise bound is at least this multiple of its residual.
+/// A parabola explains the positions if their noise bound is at least this multiple of its residual. With noise alone and the default window it is
+/// 5.9: the residual may be twice as large.
 const NOISE_PER_RESIDUAL: f32 = 3.0;
 
 /// An object as a node of the graph.
@@ -82,8 +83,8 @@ pub(super) struct Scene {
     unseen: Recent<Unseen>,
     /// For each hand, bit k: the frame k frames before the newest shows what it acts on.
     clear: [u32; HANDS],
-    /// For each hand, [`Couple::hidden_object`] of the newest frames, the newest first.
-    hidden_objects: [[u16; PERSIST_FRAMES + 1]; HANDS],
+    /// For each hand, [`Couple::hidden_object`] of the newest frames.
+    hidden_objects: [Recent<u16>; HANDS],
     /// For how many frames no hand has been seen.
     handless_frames: u32,
     /// For how many frames no hand has acted on anything.
@@ -143,7 +144,7 @@ impl Scene {
             times_ns: Recent::new(0),
             unseen: Recent::new(Unseen::EMPTY),
             clear: [0; HANDS],
-            hidden_objects: [[0; PERSIST_FRAMES + 1]; HANDS],
+            hidden_objects: core::array::from_fn(|_| Recent::new(0)),
             handless_frames: 0,
             idle_frames: 0,
             twice: ObjectSet::EMPTY,
@@ -219,7 +220,7 @@ impl Scene {
         }
         let seen = self.sides.settle(&self.hands, seen, self.blind_frames, &self.method);
         for ((poses, leap), seen) in self.hands.iter_mut().zip(&mut self.leaps).zip(seen) {
-            let seen = seen.filter(|seen| leap.believes(poses, seen, &self.method));
+            let seen = seen.filter(|seen| leap.believes(poses.fixes(), seen.middle_knuckle, &self.method));
             let before = *poses.ago(0);
             let is_elsewhere = |seen: HandPose| {
                 let max_m = self.method.hand_contact.on_m;
@@ -241,7 +242,7 @@ impl Scene {
             }
         }
         for (node, seen) in self.objects.iter_mut().zip(&mut seen) {
-            *seen = seen.filter(|seen| node.leap.believes(&node.poses, seen, &self.method));
+            *seen = seen.filter(|seen| node.leap.believes(node.poses.fixes(), seen.position, &self.method));
         }
         let persist = u32::from(self.method.persist_frames);
         for (index, seen) in seen.iter().enumerate() {
@@ -392,7 +393,7 @@ impl Scene {
             waiting: Waiting::No,
             unseen: (*self.unseen.ago(age) & Unseen::FRAME)
                 | Unseen::TAKING.when(!self.alternatives[hand].is_empty()),
-            hidden_object: self.hidden_objects[hand].get(age).copied().unwrap_or_default(),
+            hidden_object: *self.hidden_objects[hand].ago(age),
         };
         // Only now it is known which objects the context depends on.
         let is_clear = self.clear[hand] >> age & 1 == 1 && couple.visibility[1..] == [Visibility::Seen; 2];

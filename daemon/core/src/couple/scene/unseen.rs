@@ -159,8 +159,7 @@ impl Scene {
                 }
             }
             self.clear[index] = self.clear[index] << 1 | u32::from(is_clear);
-            self.hidden_objects[index].rotate_right(1);
-            self.hidden_objects[index][0] = hidden_object;
+            self.hidden_objects[index].push(hidden_object);
         }
     }
 
