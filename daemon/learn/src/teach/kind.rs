@@ -8,7 +8,7 @@ use andon_core::segment::Measures;
 use std::ops::RangeInclusive;
 
 /// A motion with fewer reversals than this is not a repeated one.
-const MIN_REPEATED_REVERSALS: u32 = 3;
+pub(super) const MIN_REPEATED_REVERSALS: u32 = 3;
 
 /// A shorter path has no direction, in metres.
 const MIN_DIRECTED_M: f32 = 0.1;
